@@ -1,0 +1,15 @@
+# Everything that is found on the system. Debian's LCM has no CMake config and its pkg-config file needs packages that
+# it does not depend on, so it is looked up by hand.
+include(GNUInstallDirs)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_path(SORTIE_LCM_INCLUDE lcm/lcm.h REQUIRED)
+find_library(SORTIE_LCM_LIBRARY lcm REQUIRED)
+find_program(SORTIE_LCM_GEN lcm-gen REQUIRED)
+find_path(SORTIE_CCD_INCLUDE ccd/ccd.h REQUIRED)
+find_library(SORTIE_CCD_LIBRARY ccd REQUIRED)
+find_path(SORTIE_XXHASH_INCLUDE xxhash.h REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_path(SORTIE_CLI11_INCLUDE CLI/CLI.hpp REQUIRED)
+find_path(SORTIE_TOML_INCLUDE toml++/toml.h REQUIRED)
+mark_as_advanced(SORTIE_LCM_INCLUDE SORTIE_LCM_LIBRARY SORTIE_LCM_GEN SORTIE_CCD_INCLUDE SORTIE_CCD_LIBRARY SORTIE_XXHASH_INCLUDE SORTIE_CLI11_INCLUDE SORTIE_TOML_INCLUDE)

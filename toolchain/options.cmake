@@ -1,0 +1,101 @@
+# Compile options of every target, and the flags that make arithmetic repeatable across compilers and processors.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
+endif()
+
+set(SORTIE_SANITIZE "" CACHE STRING "Sanitizers to build with: address,undefined or thread; empty for none")
+option(SORTIE_FUZZ "Build the fuzzers (clang only)" OFF)
+option(SORTIE_COVERAGE "Count executed lines; the target coverage writes the report" OFF)
+
+# Debug builds check every container access; sanitizers stop at the first finding.
+add_compile_options($<$<CONFIG:Debug>:-D_GLIBCXX_ASSERTIONS>)
+if(SORTIE_SANITIZE)
+  add_compile_options(-fsanitize=${SORTIE_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${SORTIE_SANITIZE})
+endif()
+if(SORTIE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+if(SORTIE_COVERAGE)
+  add_compile_options(--coverage -fprofile-update=atomic)
+  add_link_options(--coverage)
+else()
+  # The same sources give the same archives wherever they lie.
+  add_compile_options(-ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=build)
+endif()
+
+# A compiler cache, where there is one and nothing else was asked for.
+find_program(SORTIE_CCACHE ccache)
+mark_as_advanced(SORTIE_CCACHE)
+if(SORTIE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SORTIE_CCACHE})
+endif()
+
+# Replayable arithmetic: no fused multiply-add, no fast-math, no SLP vectorisation (GCC 12 fuses there in spite of
+# -ffp-contract=off), one sign of char, and Eigen without its own SIMD kernels (their summation order differs by CPU).
+add_library(sortie_strict INTERFACE)
+add_library(Sortie::strict ALIAS sortie_strict)
+set_target_properties(sortie_strict PROPERTIES EXPORT_NAME strict)
+target_compile_features(sortie_strict INTERFACE cxx_std_20)
+target_compile_options(sortie_strict INTERFACE -ffp-contract=off -fno-fast-math -fno-tree-slp-vectorize -fsigned-char)
+target_compile_definitions(sortie_strict INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY)
+
+# Warnings are errors inside the repository; users of the library keep their own.
+add_library(sortie_warnings INTERFACE)
+target_compile_options(sortie_warnings INTERFACE -Wall -Wextra -Wconversion -Wshadow -Wdouble-promotion -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 sees errors inside std::string's own operator+ where there are none (its bugs 105329 and 105651).
+  target_compile_options(sortie_warnings INTERFACE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow
+                                                   -Wno-stringop-overread)
+endif()
+if(SORTIE_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # Often false between what sanitizers add, so it does not stop a build; but look: once it was GCC that was wrong.
+  target_compile_options(sortie_warnings INTERFACE -Wno-error=maybe-uninitialized)
+endif()
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(sortie_warnings INTERFACE -Wno-psabi)
+endif()
+
+# sortie_library(<folder> [DEPENDS <targets>...]): a static library of every .cpp below the folder.
+function(sortie_library name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_DEPENDS;EXCLUDE" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  foreach(pattern IN LISTS ARG_EXCLUDE)
+    list(FILTER sources EXCLUDE REGEX ${pattern})
+  endforeach()
+  if(NOT sources)  # A folder of headers alone still becomes an archive, so that everyone links it the same way.
+    set(sources ${PROJECT_BINARY_DIR}/empty.cpp)
+    file(CONFIGURE OUTPUT ${sources} CONTENT "// Nothing here: the folder holds headers alone.\n")
+  endif()
+  add_library(sortie_${name} STATIC ${sources})
+  add_library(Sortie::${name} ALIAS sortie_${name})
+  set_target_properties(sortie_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+  target_include_directories(sortie_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sortie>)
+  target_link_libraries(sortie_${name} PUBLIC sortie_strict ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:sortie_warnings> ${ARG_PRIVATE_DEPENDS})
+endfunction()
+
+# What the program and the tests, but not the libraries, are compiled with on top: their compilation costs more than
+# their run where only tests run.
+set(SORTIE_PROGRAM_FLAGS "" CACHE STRING "Compiler flags of firmware_like and tests alone")
+
+# sortie_batches(<target> <size> <folders>...): compiles `size` files of a folder at a time, in the order of their names.
+# Files with definitions of their own stay alone. By folder, so that names meet only where a reader looks for both.
+function(sortie_batches target size)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE absolute)
+    cmake_path(GET absolute PARENT_PATH folder)
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    if(folder IN_LIST ARGN)
+      string(MAKE_C_IDENTIFIER "${folder}" name)
+      math(EXPR count_${name} "0${count_${name}} + 1")
+      math(EXPR batch "(${count_${name}} - 1) / ${size}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${target}_${name}_${batch}")
+    endif()
+  endforeach()
+endfunction()
