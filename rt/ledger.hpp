@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One verdict per job. Whether a job met its deadline is decided once, by whoever asks first after the
+// deadline (the writer or a reader), and both obey. "Newest value that is visible now" would let thread
+// timing into the outputs.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "rt/archive.hpp"
+#include "rt/job_record.hpp"
+
+namespace sortie::rt {
+
+/// Ring of verdicts of one group's jobs. One writer (the group's worker), any number of readers. Wait-free
+/// but for the writer's begin(), which retries at most once a reader. Words are 32 bits (30 of job number, 2
+/// of state), so that it runs where 64-bit atomics do not exist; jobs are compared modulo 2^30, far beyond
+/// any ring depth.
+class JobLedger {
+ public:
+  /// `words`: `depth` zeroed words (a power of two) that outlive the ledger.
+  JobLedger(std::atomic<std::uint32_t>* words, std::uint32_t depth) : words_(words), mask_(depth - 1) {
+    for (std::uint32_t i = 0; i < depth; ++i)
+      words_[i].store(pack(i - depth, Verdict::missed), std::memory_order_relaxed);
+  }
+
+  /// Writer: opens job `job`. False when a reader past the deadline has already called it missed.
+  bool begin(std::uint64_t job) {
+    std::atomic<std::uint32_t>& word = at(job);
+    std::uint32_t seen = word.load(std::memory_order_acquire);
+    while (!is_job(seen, job)) {
+      if (word.compare_exchange_weak(seen, pack(job, Verdict::pending), std::memory_order_acq_rel))
+        return true;
+    }
+    return false;
+  }
+
+  /// Writer: closes job `job`. Returns the verdict that everybody obeys.
+  Verdict finish(std::uint64_t job, bool in_time) {
+    std::uint32_t expected = pack(job, Verdict::pending);
+    const Verdict wanted = in_time ? Verdict::done : Verdict::missed;
+    if (at(job).compare_exchange_strong(expected, pack(job, wanted), std::memory_order_acq_rel))
+      return wanted;
+    return Verdict::missed;
+  }
+
+  /// Reader, only after the deadline of `job`: its verdict; pending and never started jobs become missed
+  /// here. A job whose word has been reused is missed as well (the reader came more than a ring too late).
+  Verdict decide(std::uint64_t job) {
+    std::atomic<std::uint32_t>& word = at(job);
+    std::uint32_t seen = word.load(std::memory_order_acquire);
+    while (true) {
+      if (is_job(seen, job)) {
+        const auto verdict = static_cast<Verdict>(seen & 3u);
+        if (verdict != Verdict::pending) return verdict;
+      } else if (!is_older(seen, job)) {
+        return Verdict::missed;
+      }
+      if (word.compare_exchange_weak(seen, pack(job, Verdict::missed), std::memory_order_acq_rel))
+        return Verdict::missed;
+    }
+  }
+
+  /// True while `job`'s word still says done: its values have not been overwritten.
+  bool still_done(std::uint64_t job) const {
+    return words_[job & mask_].load(std::memory_order_acquire) == pack(job, Verdict::done);
+  }
+
+  /// True when `job`'s word belongs to a later job: nobody can tell any more what became of `job`.
+  bool overtook(std::uint64_t job) const {
+    const std::uint32_t word = words_[job & mask_].load(std::memory_order_acquire);
+    return !is_job(word, job) && !is_older(word, job);
+  }
+
+  std::uint32_t depth() const { return static_cast<std::uint32_t>(mask_ + 1); }
+
+  /// All verdicts to bytes and back. Between jobs only.
+  void archive(Archive& archive) {
+    archive.expect(depth(), "the verdicts' ring has another length");
+    for (std::uint64_t i = 0; i <= mask_; ++i) {
+      std::uint32_t word = words_[i].load(std::memory_order_relaxed);
+      archive.value(word);
+      if (archive.is_reading()) words_[i].store(word, std::memory_order_relaxed);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kJobMask = 0x3fffffffu;
+  static constexpr std::uint32_t pack(std::uint64_t job, Verdict verdict) {
+    return ((static_cast<std::uint32_t>(job) & kJobMask) << 2) | static_cast<std::uint32_t>(verdict);
+  }
+  static constexpr bool is_job(std::uint32_t word, std::uint64_t job) {
+    return (word >> 2) == (static_cast<std::uint32_t>(job) & kJobMask);
+  }
+  static constexpr bool is_older(std::uint32_t word, std::uint64_t job) {
+    const std::uint32_t ahead = (static_cast<std::uint32_t>(job) - (word >> 2)) & kJobMask;
+    return ahead != 0 && ahead < (kJobMask >> 1);
+  }
+  std::atomic<std::uint32_t>& at(std::uint64_t job) { return words_[job & mask_]; }
+
+  std::atomic<std::uint32_t>* words_;
+  std::uint64_t mask_;
+};
+
+}  // namespace sortie::rt

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rt/posix/flight_reader.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "rt/digest.hpp"
+
+namespace sortie::rt::posix {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, const std::string& what) {
+  throw std::runtime_error(path + ": " + what);
+}
+
+template <std::size_t N>
+bool ends(const char (&text)[N]) {
+  return std::memchr(text, '\0', N) != nullptr;
+}
+
+std::uint64_t word64(const std::uint32_t* words) { return words[0] | std::uint64_t{words[1]} << 32; }
+
+bool fits(const FlightPlace& place, std::uint32_t words, std::uint64_t bytes) {
+  return std::has_single_bit(place.slots) && place.offset % 4 == 0 && place.offset >= kFlightHeaderBytes &&
+         place.offset <= bytes && std::uint64_t{place.slots} * words * 4 <= bytes - place.offset;
+}
+
+/// A header whose check is right may still be of a program that writes nonsense: nothing here trusts it.
+bool is_sound(const FlightHeader& header) {
+  const std::uint64_t bytes = header.file_bytes;
+  bool sound = header.groups <= kMaxGroups && header.tracks <= kMaxFlightTracks && header.base_tick_ns > 0 &&
+               header.span_names <= kMaxSpanNames && ends(header.boot_id) && ends(header.scene) &&
+               ends(header.vehicle) && ends(header.version_text) && fits(header.events, kEventWords, bytes);
+  for (std::uint32_t i = 0; sound && i < header.groups; ++i) {
+    const FlightGroup& group = header.group[i];
+    sound = ends(group.name) && group.period_ticks > 0 && group.tasks <= kMaxTasksPerGroup &&
+            fits(group.jobs, kJobWords, bytes);
+    for (const auto& task : group.task) sound = sound && ends(task);
+  }
+  for (std::uint32_t i = 0; sound && i < header.tracks; ++i)
+    sound = ends(header.track[i].name) && fits(header.track[i].spans, kSpanWords, bytes);
+  for (const auto& name : header.span_name) sound = sound && ends(name);
+  return sound;
+}
+
+bool is_locked(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool locked = flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(file);
+  return locked;
+}
+
+}  // namespace
+
+std::uint64_t flight_header_check(const FlightHeader& header) {
+  FlightHeader copy = header;
+  copy.check = 0;
+  return digest_bytes(reinterpret_cast<const std::uint8_t*>(&copy), static_cast<std::uint32_t>(sizeof(copy)));
+}
+
+bool FlightReader::is_ring(const std::string& path) noexcept {
+  try {
+    std::ifstream in(path, std::ios::binary);
+    char magic[sizeof(kFlightMagic)]{};
+    in.read(magic, sizeof(magic));
+    return in && std::memcmp(magic, kFlightMagic, sizeof(magic)) == 0;
+  } catch (...) {
+    return false;
+  }
+}
+
+FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<FlightHeader>()) {
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) fail(path, std::string(std::strerror(errno)) + "; give the path of a flight ring");
+  std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  if (bytes.size() < sizeof(kFlightMagic) ||
+      std::memcmp(bytes.data(), kFlightMagic, sizeof(kFlightMagic)) != 0)
+    fail(path, "is no flight ring; `sortie run --flight-ring FILE` writes one");
+  if (bytes.size() < kFlightHeaderBytes) {
+    fail(path, "is cut off at byte " + std::to_string(bytes.size()) + ", in its header of " +
+                   std::to_string(kFlightHeaderBytes) + " bytes; copy it again");
+  }
+  std::memcpy(header_.get(), bytes.data(), sizeof(FlightHeader));
+  const FlightHeader& header = *header_;
+  if (header.version != kFlightVersion || header.header_bytes != kFlightHeaderBytes) {
+    fail(path, "is a flight ring of format " + std::to_string(header.version) +
+                   ", and this program reads format " + std::to_string(kFlightVersion) +
+                   "; use the program that wrote it");
+  }
+  if (flight_header_check(header) != header.check || !is_sound(header))
+    fail(path,
+         "the header (bytes 0 to " + std::to_string(sizeof(FlightHeader)) + ") is damaged; copy it again");
+  if (bytes.size() != header.file_bytes) {
+    fail(path, "has " + std::to_string(bytes.size()) + " bytes of " + std::to_string(header.file_bytes) +
+                   "; copy it again");
+  }
+  writer_lives_ = is_locked(path);
+  std::memcpy(&state_, bytes.data() + kFlightStateOffset, sizeof(state_));
+  std::vector<std::uint32_t> words(bytes.size() / 4);
+  std::memcpy(words.data(), bytes.data(), words.size() * 4);
+
+  for (std::uint32_t group = 0; group < header.groups; ++group) {
+    read_ring(words, header.group[group].jobs, kJobWords, [&](const std::uint32_t* w) {
+      FlightJob job;
+      job.group = group;
+      job.tick = word64(w);
+      job.started_ns = static_cast<Nanoseconds>(word64(w + 2));
+      job.verdict = static_cast<Verdict>(w[4] & 0xffu);
+      job.tasks = std::min((w[4] >> 8) & 0xffu, kMaxTasksPerGroup);
+      job.level = static_cast<std::uint8_t>(w[4] >> 16);
+      job.shed = static_cast<std::uint16_t>(w[5]);
+      job.cut = static_cast<std::uint16_t>(w[5] >> 16);
+      std::copy_n(w + 6, kMaxTasksPerGroup, job.duration_ns);
+      std::copy_n(w + 6 + kMaxTasksPerGroup, kMaxTasksPerGroup, job.units);
+      jobs_.push_back(job);
+    });
+  }
+  for (std::uint32_t track = 0; track < header.tracks; ++track) {
+    read_ring(words, header.track[track].spans, kSpanWords, [&](const std::uint32_t* w) {
+      const char* name = w[3] < header.span_names ? header.span_name[w[3]] : "?";
+      spans_.push_back({track, name, static_cast<Nanoseconds>(word64(w)) - header.start_ns, w[2]});
+    });
+  }
+  read_ring(words, header.events, kEventWords, [&](const std::uint32_t* w) {
+    const std::size_t length = std::min<std::size_t>(w[4], kEventText);
+    events_.push_back({static_cast<Nanoseconds>(word64(w)), word64(w + 2),
+                       std::string(reinterpret_cast<const char*>(w + 5), length)});
+  });
+  std::stable_sort(jobs_.begin(), jobs_.end(),
+                   [](const FlightJob& a, const FlightJob& b) { return a.tick < b.tick; });
+  std::stable_sort(spans_.begin(), spans_.end(),
+                   [](const FlightSpan& a, const FlightSpan& b) { return a.begin_ns < b.begin_ns; });
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const FlightEvent& a, const FlightEvent& b) { return a.time_ns < b.time_ns; });
+}
+
+template <class Take>
+void FlightReader::read_ring(const std::vector<std::uint32_t>& words, const FlightPlace& place,
+                             std::uint32_t count, Take take) {
+  for (std::uint32_t slot = 0; slot < place.slots; ++slot) {
+    const std::uint32_t* entry = words.data() + place.offset / 4 + std::size_t{slot} * count;
+    const std::uint32_t sequence = entry[0];
+    if (std::all_of(entry, entry + count, [](std::uint32_t word) { return word == 0; })) continue;
+    const bool placed = (((sequence - 1) / 2) & (place.slots - 1)) == slot;
+    if (sequence % 2 == 1 && placed) {
+      ++torn_;
+    } else if (!placed || entry[1] != flight_check(sequence, entry + 2, count - 2)) {
+      ++damaged_;
+    } else {
+      take(entry + 2);
+    }
+  }
+}
+
+int FlightReader::running(std::uint32_t group) const {
+  const std::uint32_t task = group < header_->groups ? state_.running[group] : 0;
+  return task == 0 || task > header_->group[group].tasks ? -1 : static_cast<int>(task) - 1;
+}
+
+}  // namespace sortie::rt::posix

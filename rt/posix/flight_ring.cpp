@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rt/posix/flight_ring.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#include "rt/posix/flight_reader.hpp"
+#include "rt/posix/memory_file_system.hpp"
+
+namespace sortie::rt::posix {
+namespace {
+
+template <std::size_t N>
+void copy_text(char (&to)[N], const std::string& from) {
+  std::strncpy(to, from.c_str(), N - 1);
+}
+
+std::uint32_t power_of_two(std::uint64_t at_least) {
+  std::uint32_t slots = 16;
+  while (slots < at_least && slots < (1u << 24)) slots *= 2;
+  return slots;
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+  throw std::runtime_error(path + ": the flight ring cannot be kept here: " + why);
+}
+
+/// Gives `bytes` of the file, rounded up to cache lines, to a ring.
+FlightPlace take(std::uint64_t& file_bytes, std::uint32_t slots, std::uint32_t words) {
+  const FlightPlace place{file_bytes, slots, 0};
+  file_bytes += (std::uint64_t{slots} * words * 4 + 63) / 64 * 64;
+  return place;
+}
+
+std::string boot_id() {
+  std::ifstream in("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(in, id);
+  return id;
+}
+
+}  // namespace
+
+FlightRing::FlightRing(const std::string& path, const FlightPlan& plan) : path_(path) {
+  const auto header = std::make_unique<FlightHeader>();
+  lay_out(plan, *header);
+  open_file();
+  map_file(*header);
+}
+
+FlightRing::~FlightRing() {
+  this_thread_spans = nullptr;  // a run in virtual time has its jobs on this thread
+  if (map_ != nullptr) munmap(map_, bytes_);
+  if (file_ >= 0) close(file_);
+}
+
+void FlightRing::lay_out(const FlightPlan& plan, FlightHeader& header) {
+  std::memcpy(header.magic, kFlightMagic, sizeof(header.magic));
+  header.version = kFlightVersion;
+  header.header_bytes = kFlightHeaderBytes;
+  header.base_tick_ns = plan.base_tick_ns;
+  header.epoch_ns = plan.epoch_ns;
+  header.start_ns = plan.start_ns;
+  header.utc_minus_monotonic_ns = plan.utc_minus_monotonic_ns;
+  header.scene_hash = plan.scene_hash;
+  header.pid = static_cast<std::uint32_t>(getpid());
+  copy_text(header.boot_id, boot_id());
+  copy_text(header.scene, plan.scene);
+  copy_text(header.vehicle, plan.vehicle);
+  copy_text(header.version_text, plan.version);
+  header.groups = static_cast<std::uint32_t>(std::min<std::size_t>(plan.groups.size(), kMaxGroups));
+  header.file_bytes = kFlightHeaderBytes;
+  for (std::uint32_t i = 0; i < header.groups; ++i) {
+    const FlightGroupPlan& from = plan.groups[i];
+    FlightGroup& group = header.group[i];
+    copy_text(group.name, from.name);
+    copy_text(header.track[i].name, from.name);
+    group.period_ticks = std::max(from.period_ticks, 1u);
+    group.phase_ticks = from.phase_ticks;
+    group.deadline_ticks = from.deadline_ticks;
+    group.core = from.core;
+    group.tasks = static_cast<std::uint32_t>(std::min<std::size_t>(from.tasks.size(), kMaxTasksPerGroup));
+    for (std::uint32_t task = 0; task < group.tasks; ++task) {
+      copy_text(group.task[task], from.tasks[task]);
+      group.budget_us[task] = task < from.budget_us.size() ? from.budget_us[task] : 0;
+    }
+    group.jobs = take(header.file_bytes, power_of_two(plan.ticks / group.period_ticks + 1), kJobWords);
+  }
+  const auto tracks = std::min<std::size_t>(header.groups + plan.more_tracks.size(), kMaxFlightTracks);
+  header.tracks = static_cast<std::uint32_t>(tracks);
+  for (std::uint32_t i = 0; i < header.tracks; ++i) {
+    if (i >= header.groups) copy_text(header.track[i].name, plan.more_tracks[i - header.groups]);
+    header.track[i].spans = take(header.file_bytes, power_of_two(plan.spans), kSpanWords);
+  }
+  header.events = take(header.file_bytes, power_of_two(plan.events), kEventWords);
+  header.span_names = span_name_count();
+  for (std::uint32_t i = 0; i < header.span_names; ++i) copy_text(header.span_name[i], span_name(i));
+  header.check = flight_header_check(header);
+  bytes_ = static_cast<std::size_t>(header.file_bytes);
+}
+
+// Never through a link, never over another user's file: /dev/shm belongs to everybody.
+void FlightRing::open_file() {
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (file_ < 0)
+      refuse(path_, std::string(std::strerror(errno)) + "; choose another file with --flight-ring FILE");
+    struct stat found {};
+    if (fstat(file_, &found) != 0 || !S_ISREG(found.st_mode))
+      refuse(path_, "it is no ordinary file; choose another");
+    if (found.st_uid != geteuid()) refuse(path_, "it belongs to another user; choose another file");
+    if (flock(file_, LOCK_EX | LOCK_NB) != 0)
+      refuse(path_, "a run that is still going uses it; choose another file");
+    if (found.st_size == 0) return;
+    keep_unfinished();
+    close(file_);
+    file_ = -1;
+  }
+  refuse(path_, "another program keeps making it; choose another file");
+}
+
+/// What stands at the path goes away: a finished ring is removed, an unfinished one is kept beside it.
+void FlightRing::keep_unfinished() {
+  bool finished = false;
+  try {
+    finished = FlightReader(path_).ended();
+  } catch (const std::runtime_error& error) {
+    if (!FlightReader::is_ring(path_)) refuse(path_, "it exists and is no flight ring; choose another file");
+  }
+  const std::string kept = path_ + ".previous";
+  if (finished ? unlink(path_.c_str()) != 0 : std::rename(path_.c_str(), kept.c_str()) != 0) {
+    refuse(path_, std::string("the ring of the run before cannot be moved: ") + std::strerror(errno) +
+                      "; remove it, or choose another file");
+  }
+  if (!finished)
+    warnings_.push_back(
+        "a run before this one did not end by itself; its last moments are kept: sortie export jobs " + kept);
+}
+
+void FlightRing::map_file(const FlightHeader& header) {
+  // Space is taken now: a store into a page for which there is none later would kill the process.
+  if (const int error = posix_fallocate(file_, 0, static_cast<off_t>(bytes_)); error != 0) {
+    unlink(path_.c_str());
+    refuse(path_, "no room for " + std::to_string(bytes_) + " bytes: " + std::strerror(error) +
+                      "; keep fewer ticks with --flight-ticks, or choose another file");
+  }
+  void* map = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
+  if (map == MAP_FAILED) refuse(path_, std::string(std::strerror(errno)) + "; choose another file");
+  map_ = static_cast<std::byte*>(map);
+  if (!on_memory_file_system(file_)) {
+    warnings_.push_back(
+        path_ +
+        ": this flight ring lies on a disk: while the disk takes a page, a job that writes to it waits; "
+        "put it below /dev/shm");
+  }
+  std::memset(map_, 0, bytes_);            // every page is there from now on
+  static_cast<void>(mlock(map_, bytes_));  // a refusal is reported by lock_memory(), which asks for all
+  std::memcpy(map_, &header, sizeof(header));
+  state_ = reinterpret_cast<FlightState*>(map_ + kFlightStateOffset);
+  const auto words_at = [this](const FlightPlace& place) {
+    return reinterpret_cast<std::uint32_t*>(map_ + place.offset);
+  };
+  for (std::uint32_t i = 0; i < header.groups; ++i) {
+    jobs_[i].first = words_at(header.group[i].jobs);
+    jobs_[i].mask = header.group[i].jobs.slots - 1;
+  }
+  tracks_ = std::make_unique<SpanTrack[]>(kMaxFlightTracks);
+  for (std::uint32_t i = 0; i < header.tracks; ++i)
+    tracks_[i] = SpanTrack(words_at(header.track[i].spans), header.track[i].spans.slots);
+  events_ = words_at(header.events);
+  event_mask_ = header.events.slots - 1;
+}
+
+void FlightRing::job(const JobRecord& record) noexcept {
+  if (record.group >= kMaxGroups) return;
+  JobWriter& writer = jobs_[record.group];
+  if (writer.first == nullptr) return;
+  SpanTrack*& spans = this_thread_spans;
+  if (spans != &tracks_[record.group]) spans = &tracks_[record.group];
+  std::uint32_t words[kJobWords - 2]{};
+  const auto started = static_cast<std::uint64_t>(record.started_ns);
+  words[0] = static_cast<std::uint32_t>(record.tick);
+  words[1] = static_cast<std::uint32_t>(record.tick >> 32);
+  words[2] = static_cast<std::uint32_t>(started);
+  words[3] = static_cast<std::uint32_t>(started >> 32);
+  words[4] = static_cast<std::uint32_t>(record.verdict) | std::uint32_t{record.tasks} << 8 |
+             std::uint32_t{record.level} << 16;
+  words[5] = record.shed | std::uint32_t{record.cut} << 16;
+  for (std::uint32_t i = 0; i < record.tasks && i < kMaxTasksPerGroup; ++i) {
+    words[6 + i] = record.duration_ns[i];
+    words[6 + kMaxTasksPerGroup + i] = record.units[i];
+  }
+  std::uint32_t* entry = writer.first + std::size_t{writer.next & writer.mask} * kJobWords;
+  write_flight_entry(entry, 2 * writer.next + 2, words, kJobWords - 2);
+  ++writer.next;
+}
+
+void FlightRing::event(Nanoseconds time_ns, Tick tick, std::string_view text) {
+  std::uint32_t words[kEventWords - 2]{};
+  const auto time = static_cast<std::uint64_t>(time_ns);
+  const std::size_t length = std::min<std::size_t>(text.size(), kEventText);
+  words[0] = static_cast<std::uint32_t>(time);
+  words[1] = static_cast<std::uint32_t>(time >> 32);
+  words[2] = static_cast<std::uint32_t>(tick);
+  words[3] = static_cast<std::uint32_t>(tick >> 32);
+  words[4] = static_cast<std::uint32_t>(length);
+  std::memcpy(words + 5, text.data(), length);
+  const std::lock_guard lock(event_mutex_);
+  std::uint32_t* entry = events_ + std::size_t{next_event_ & event_mask_} * kEventWords;
+  write_flight_entry(entry, 2 * next_event_ + 2, words, kEventWords - 2);
+  ++next_event_;
+}
+
+std::atomic<std::uint32_t>* FlightRing::running(std::uint32_t group) noexcept {
+  static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t));
+  return reinterpret_cast<std::atomic<std::uint32_t>*>(&state_->running[group]);
+}
+
+void FlightRing::finish(Nanoseconds time_ns) noexcept {
+  state_->ended_ns = time_ns;
+  std::atomic_ref<std::uint32_t>(state_->ended).store(1, std::memory_order_release);
+}
+
+}  // namespace sortie::rt::posix

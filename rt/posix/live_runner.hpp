@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs an executive on the real clock: one SCHED_FIFO worker a group, rate-monotonic priorities, one
+// supervisor above them.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rt/executive.hpp"
+#include "rt/posix/delay_observer.hpp"
+#include "rt/posix/housekeeper.hpp"
+#include "rt/posix/spin_margin.hpp"
+#include "rt/posix/stack_meter.hpp"
+#include "rt/posix/supervisor.hpp"
+#include "rt/posix/worker_pulse.hpp"
+
+namespace sortie::rt::posix {
+
+/// How a live run treats its threads.
+struct LiveOptions {
+  Nanoseconds start_ns{};    ///< CLOCK_MONOTONIC at tick 0; must lie in the future
+  Tick last_tick{~Tick{0}};  ///< the run ends by itself after the releases of this tick
+  SpinMarginConfig margin;   ///< slept to this long before a release, the rest is spun
+  /// Most of a core that spinning may take, as a share of the period: bounds the margin further.
+  double most_spinning{0.06};
+  bool realtime{true};   ///< ask for SCHED_FIFO, mlockall and pinning; what is refused becomes a warning
+  int top_priority{80};  ///< of the fastest group; slower groups count down from it; the supervisor is above
+  /// Find the cause of each delay above `delay_threshold_ns`: one more system call a tick.
+  bool attribution{true};
+  Nanoseconds delay_threshold_ns{100'000};
+  bool supervised{true};  ///< start the supervisor: watchdog and degrade ladder
+  LadderConfig ladder;
+  /// A task that is stuck for so long calls `on_stuck_limit`, on the supervisor's thread. 0: never.
+  Nanoseconds stuck_limit_ns{};
+  void (*on_stuck_limit)(void* self, const LiveEvent& event){};
+  void* on_stuck_self{};
+  /// Anytime tasks are cut at this share of the time between release and deadline. 0: never.
+  double cut_at{0.9};
+  /// Called on each worker before its first and after its last job (the heap trap is armed here). May be
+  /// null.
+  void (*on_worker)(bool starts){};
+};
+
+/// The workers of a live run. The executive must be sealed and its clock set to the run's clock.
+class LiveRunner {
+ public:
+  LiveRunner(Executive& executive, const LiveOptions& options);
+  ~LiveRunner();
+  LiveRunner(const LiveRunner&) = delete;
+  LiveRunner& operator=(const LiveRunner&) = delete;
+
+  /// Starts the workers and returns. Throws std::system_error when a thread cannot be made.
+  void start();
+  /// Asks the workers to end after their current job. Safe from a signal handler's thread.
+  void stop() { stop_.store(true, std::memory_order_relaxed); }
+  /// Waits for the end. Afterwards statistics may be read.
+  void join();
+  /// True when all workers have ended.
+  bool finished() const { return running_.load(std::memory_order_acquire) == 0; }
+  /// True as soon as the platform has refused something. Every worker has asked well before `start_ns`, if
+  /// that lies some tens of milliseconds ahead.
+  bool refused() const { return refused_.load(std::memory_order_relaxed); }
+  /// What the platform refused, one line each, with the cure. Complete after join().
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// Takes the oldest event that is waiting. One reader thread; call it now and then, the rings are small.
+  bool poll_event(LiveEvent& event);
+  /// The group whose overrun policy has ended the run, or -1.
+  int stopped_by() const { return stopped_by_.load(std::memory_order_relaxed); }
+  /// Time that the worker of a group has spent spinning.
+  Nanoseconds spun_ns(std::uint32_t group) const { return pulses_[group].spun_ns.load(); }
+  /// The margin of a group as it stands; after join().
+  Nanoseconds margin_ns(std::uint32_t group) const { return margins_[group].ns(); }
+  /// Delays of a group with their causes; after join(). Empty tables without attribution.
+  const DelayStatistics& delays(std::uint32_t group) const { return observers_[group].statistics(); }
+  /// Most bytes of stack that the worker of a group had in use; after join(). 0: not known.
+  std::size_t stack_bytes(std::uint32_t group) const { return stack_bytes_[group]; }
+  /// Jobs that ran for longer than a period, as the supervisor saw them.
+  std::uint64_t stuck() const { return supervisor_ ? supervisor_->stuck() : 0; }
+  /// Highest level of the ladder on any core.
+  std::uint8_t worst_level() const { return supervisor_ ? supervisor_->worst_level() : std::uint8_t{0}; }
+
+ private:
+  void work(std::uint32_t index, int priority);
+  void set_up(std::uint32_t index, int priority, StackMeter& stack);
+  void note_late(std::uint32_t index, bool promise_broke, Tick tick);
+
+  Executive& executive_;
+  LiveOptions options_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> refused_{false};
+  std::atomic<int> stopped_by_{-1};
+  std::atomic<std::uint32_t> running_{0};
+  std::unique_ptr<WorkerPulse[]> pulses_;
+  std::vector<SpinMargin> margins_;
+  std::unique_ptr<DelayObserver[]> observers_;
+  std::vector<std::size_t> stack_bytes_;
+  Housekeeper housekeeper_;
+  std::unique_ptr<Supervisor> supervisor_;
+  std::vector<std::thread> threads_;
+  std::vector<std::string> warnings_;
+  std::vector<std::vector<std::string>> worker_warnings_;
+};
+
+}  // namespace sortie::rt::posix

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a thread asks of the kernel before it becomes a real-time thread. Every step may be refused on a
+// desktop or in a container; then it says why and how to get it, and the caller decides whether to go on.
+#pragma once
+
+#include <cstddef>
+
+#include "rt/time.hpp"
+
+namespace sortie::rt::posix {
+
+/// Outcome of one step: `reason` is one line for a person, with the cure, and empty when ok.
+struct [[nodiscard]] SetupResult {
+  bool ok{true};
+  char reason[200]{};
+};
+
+/// SCHED_FIFO at `priority` (1..99) for the calling thread. Needs CAP_SYS_NICE or an RLIMIT_RTPRIO.
+SetupResult set_fifo_priority(int priority) noexcept;
+
+/// Ordinary scheduling (SCHED_OTHER, nice 0) for the calling thread: undoes set_fifo_priority.
+SetupResult set_ordinary_priority() noexcept;
+
+/// Keeps all present and future pages of the process in memory (mlockall), and keeps malloc from giving pages
+/// back.
+SetupResult lock_memory() noexcept;
+
+/// Binds the calling thread to one core (0-based).
+SetupResult pin_to_core(int core) noexcept;
+
+/// Cores this process may run on, at least 1.
+int usable_cores() noexcept;
+
+/// Touches `bytes` of the calling thread's stack, so that no page fault happens there later. Refused when
+/// that is more than what is left of the stack, less 64 kB.
+SetupResult prefault_stack(std::size_t bytes) noexcept;
+
+/// How late an ordinary (not SCHED_FIFO) thread's timers may be grouped, usually 50 us; `slack_ns` >= 1.
+SetupResult set_timer_slack(Nanoseconds slack_ns) noexcept;
+
+/// Names the calling thread for top, perf and traces. Cut to 15 characters.
+void set_thread_name(const char* name) noexcept;
+
+/// Page faults of the calling thread since it started.
+struct PageFaults {
+  long minor{};
+  long major{};
+};
+PageFaults thread_page_faults() noexcept;
+
+}  // namespace sortie::rt::posix

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rt/posix/supervisor.hpp"
+
+#include <algorithm>
+
+#include "rt/posix/clock.hpp"
+
+namespace sortie::rt::posix {
+
+namespace {
+constexpr Nanoseconds kFastestLook = kNanosecondsPerMillisecond / 2;
+constexpr Nanoseconds kStuckEventEvery =
+    100 * kNanosecondsPerMillisecond;  // a storm must not hide other events
+// A missed job on a core that has room is not the core's fault: shedding would not help.
+constexpr double kBusyCore = 0.5;
+
+Nanoseconds read_cpu_clock(clockid_t clock) {
+  timespec t{};
+  if (clock_gettime(clock, &t) != 0) return 0;
+  return Nanoseconds{t.tv_sec} * kNanosecondsPerSecond + t.tv_nsec;
+}
+}  // namespace
+
+std::array<double, kLevels> declared_loads(const Executive& executive,
+                                           const std::vector<std::uint32_t>& groups) {
+  std::array<double, kLevels> loads{};
+  for (std::uint8_t level = 0; level < kLevels; ++level) {
+    for (const std::uint32_t index : groups) {
+      const Group& group = executive.group(index);
+      const double period_us =
+          static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
+      for (const TaskBase* task : group.tasks) {
+        const Service service = service_at(task->spec().criticality, level);
+        const double share = service == Service::full ? 1.0 : service == Service::reduced ? 0.5 : 0.0;
+        loads[level] += share * task->budget_us() / period_us;
+      }
+    }
+  }
+  return loads;
+}
+
+Supervisor::Supervisor(const Executive& executive, WorkerPulse* pulses, const SupervisorOptions& options)
+    : executive_(executive), pulses_(pulses), options_(options), watches_(executive.group_count()) {
+  std::uint32_t fastest = ~0u;
+  for (std::uint32_t index = 0; index < executive.group_count(); ++index) {
+    const Group& group = executive.group(index);
+    fastest = std::min(fastest, group.timing.period);
+    bool a = false;
+    for (const TaskBase* task : group.tasks) a = a || task->spec().criticality == Criticality::a;
+    has_a_.push_back(a);
+    // Groups without a core of their own share one ladder, as if they all stood on one core.
+    auto core = std::find_if(cores_.begin(), cores_.end(),
+                             [&group](const Core& known) { return known.core == group.spec.core; });
+    if (core == cores_.end())
+      core = cores_.insert(cores_.end(), Core{group.spec.core, {}, Ladder({}, {}), 0, 0, 0, 0, false});
+    core->groups.push_back(index);
+    for (const TaskBase* task : group.tasks)
+      core->may_shed = core->may_shed || task->spec().criticality != Criticality::a;
+  }
+  for (Core& core : cores_) {
+    Nanoseconds longest = 0;
+    for (const std::uint32_t index : core.groups) {
+      longest = std::max(
+          longest, static_cast<Nanoseconds>(executive.group(index).timing.period) * executive.base_tick_ns());
+    }
+    core.window_ns = std::max(options.window_ns, longest / kMostSpan);
+    LadderConfig config = options.ladder;
+    config.span = static_cast<std::uint8_t>(
+        std::clamp<Nanoseconds>((longest + core.window_ns - 1) / core.window_ns, 1, kMostSpan));
+    core.ladder = Ladder(config, declared_loads(executive, core.groups));
+  }
+  period_ns_ = std::max(kFastestLook, static_cast<Nanoseconds>(fastest) * executive.base_tick_ns());
+}
+
+Supervisor::~Supervisor() { stop(); }
+
+void Supervisor::start() {
+  thread_ = std::thread([this] { loop(); });
+}
+
+void Supervisor::stop() {
+  stop_.store(true, std::memory_order_relaxed);
+  if (thread_.joinable()) thread_.join();
+}
+
+void Supervisor::loop() {
+  set_thread_name("supervisor");
+  if (options_.realtime) {
+    if (const SetupResult fifo = set_fifo_priority(options_.priority); !fifo.ok) refused_.push_back(fifo);
+    if (const SetupResult stack = prefault_stack(std::size_t{64} * 1024); !stack.ok)
+      refused_.push_back(stack);
+  }
+  static_cast<void>(heart_.open_for_this_thread());  // without it a beat that waited looks like a pause
+  Nanoseconds next = options_.start_ns + period_ns_;
+  for (Core& core : cores_) core.window_began_ns = options_.start_ns;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    sleep_until(next);
+    const Nanoseconds now = monotonic_now();
+    heart_.beat(next, now);
+    look_for_stuck(now);
+    for (Core& core : cores_) {
+      if (core.may_shed && now - core.window_began_ns >= core.window_ns) move_ladder(core, now);
+    }
+    next = std::max(next + period_ns_, now);
+  }
+}
+
+void Supervisor::look_for_stuck(Nanoseconds now) {
+  for (std::uint32_t index = 0; index < executive_.group_count(); ++index) {
+    const Group& group = executive_.group(index);
+    Watch& watch = watches_[index];
+    const Nanoseconds period = static_cast<Nanoseconds>(group.timing.period) * executive_.base_tick_ns();
+    const Nanoseconds since = pulses_[index].busy_since_ns.load(std::memory_order_acquire);
+    const std::uint32_t running = group.running->load(std::memory_order_relaxed);
+    LiveEvent event{LiveEventKind::stuck,
+                    static_cast<std::int16_t>(group.spec.core),
+                    static_cast<std::uint16_t>(index),
+                    static_cast<std::uint16_t>(running == 0 ? 0 : running - 1),
+                    tick_at(now),
+                    0};
+    if (watch.since_ns != 0 && watch.since_ns != since) {
+      event.kind = LiveEventKind::unstuck;
+      event.task = watch.task;
+      event.value = (watch.seen_ns - watch.since_ns) / 1000;
+      if (watch.told) tell(event);
+      watch.since_ns = 0;
+      watch.told = false;
+      event.kind = LiveEventKind::stuck;
+    }
+    if (since == 0 || now - since <= period) continue;
+    watch.seen_ns = now;
+    event.value = (now - since) / 1000;
+    if (watch.since_ns == 0) {
+      watch.since_ns = since;
+      watch.task = event.task;
+      stuck_.fetch_add(1, std::memory_order_relaxed);
+      if (watch.told_ns == 0 || now - watch.told_ns > kStuckEventEvery) {
+        watch.told = true;
+        watch.told_ns = now;
+        tell(event);
+      }
+    }
+    if (options_.stuck_limit_ns != 0 && now - since > options_.stuck_limit_ns && !watch.limit_reached) {
+      watch.limit_reached = true;
+      if (options_.on_stuck_limit != nullptr) options_.on_stuck_limit(options_.on_stuck_self, event);
+    }
+  }
+}
+
+Nanoseconds Supervisor::busy_time(const Core& core) const {
+  Nanoseconds busy = 0;
+  for (const std::uint32_t index : core.groups) {
+    const WorkerPulse& pulse = pulses_[index];
+    if (!pulse.has_cpu_clock.load(std::memory_order_acquire)) continue;
+    busy += read_cpu_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
+  }
+  return busy;
+}
+
+std::uint32_t Supervisor::missed_a(const Core& core) const {
+  std::uint32_t missed = 0;
+  for (const std::uint32_t index : core.groups) {
+    if (has_a_[index]) missed += pulses_[index].missed.load(std::memory_order_relaxed);
+  }
+  return missed;
+}
+
+void Supervisor::move_ladder(Core& core, Nanoseconds now) {
+  const Nanoseconds window = now - core.window_began_ns;
+  core.window_began_ns = now;
+  const Nanoseconds busy = busy_time(core);
+  const std::uint32_t missed = missed_a(core);
+  const double load = static_cast<double>(busy - core.busy_ns) / static_cast<double>(window);
+  const bool missed_now = missed != core.missed_a && load > kBusyCore;
+  const bool first = core.busy_ns == 0;
+  core.busy_ns = busy;
+  core.missed_a = missed;
+  if (first) return;  // set-up work of the threads is no load of the run
+  const std::uint8_t before = core.ladder.level();
+  const std::uint8_t level = core.ladder.update(load, missed_now);
+  if (level == before) return;
+  for (const std::uint32_t index : core.groups) pulses_[index].level.store(level, std::memory_order_relaxed);
+  if (level > worst_level_.load(std::memory_order_relaxed))
+    worst_level_.store(level, std::memory_order_relaxed);
+  tell({LiveEventKind::ladder, static_cast<std::int16_t>(core.core),
+        static_cast<std::uint16_t>(core.groups.front()), 0, tick_at(now), level});
+}
+
+Tick Supervisor::tick_at(Nanoseconds now) const {
+  const Nanoseconds since = now - options_.start_ns;
+  return since < 0 ? 0 : static_cast<Tick>(since / executive_.base_tick_ns());
+}
+
+void Supervisor::tell(const LiveEvent& event) {
+  static_cast<void>(events_.try_push(event));  // a full ring: 256 are enough to see what goes on
+}
+
+}  // namespace sortie::rt::posix

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The thread above all workers: notices a stuck task within two of its periods, and moves the degrade ladder
+// of each core. It reads what the workers publish and never touches their data.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "rt/executive.hpp"
+#include "rt/ladder.hpp"
+#include "rt/posix/delay_evidence.hpp"
+#include "rt/posix/realtime.hpp"
+#include "rt/posix/worker_pulse.hpp"
+
+namespace sortie::rt::posix {
+
+/// How the supervisor works.
+struct SupervisorOptions {
+  Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at tick 0
+  bool realtime{true};
+  int priority{90};  ///< above every worker
+  LadderConfig ladder{};
+  /// One update of the ladder a window; longer where a core's slowest group has a period of more than
+  /// kMostSpan windows.
+  Nanoseconds window_ns{10 * kNanosecondsPerMillisecond};
+  /// A task that is stuck for so long ends the run: `on_stuck_limit` is called once, on this thread. 0:
+  /// never.
+  Nanoseconds stuck_limit_ns{};
+  void (*on_stuck_limit)(void* self, const LiveEvent& event){};
+  void* on_stuck_self{};
+};
+
+/// Watches the workers of one live run. Costs one wake-up per period of the fastest group (not below 0.5 ms)
+/// and, if some task may be shed, two clock reads per group and window; none of it on a worker's thread.
+class Supervisor {
+ public:
+  /// `pulses`: one a group; they outlive the supervisor.
+  Supervisor(const Executive& executive, WorkerPulse* pulses, const SupervisorOptions& options);
+  ~Supervisor();
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// Starts the thread. Throws std::system_error when it cannot be made.
+  void start();
+  /// Ends it. Afterwards counts may be read.
+  void stop();
+
+  /// What the platform refused; read it after stop().
+  const std::vector<SetupResult>& refused() const { return refused_; }
+  /// Takes the oldest event of the supervisor. One reader.
+  bool poll_event(LiveEvent& event) { return events_.try_pop(event); }
+  /// Jobs that ran for longer than a period.
+  std::uint64_t stuck() const { return stuck_.load(std::memory_order_relaxed); }
+  /// Highest level that any core took.
+  std::uint8_t worst_level() const { return worst_level_.load(std::memory_order_relaxed); }
+  /// Its heartbeat: a pause of the whole machine shows in it.
+  const Heartbeat& heart() const { return heart_; }
+
+ private:
+  struct Core {
+    int core{-1};
+    std::vector<std::uint32_t> groups;
+    Ladder ladder;
+    Nanoseconds window_ns{};
+    Nanoseconds window_began_ns{};
+    Nanoseconds busy_ns{};  // CPU time of its workers, spinning left out, at the last window
+    std::uint32_t missed_a{};
+    bool may_shed{};
+  };
+  struct Watch {
+    Nanoseconds since_ns{};  // busy_since_ns of the job that is stuck; 0: none
+    Nanoseconds seen_ns{};   // when it was last seen so
+    Nanoseconds told_ns{};   // when an event was last told
+    std::uint16_t task{};
+    bool told{};
+    bool limit_reached{};
+  };
+
+  void loop();
+  void look_for_stuck(Nanoseconds now);
+  void move_ladder(Core& core, Nanoseconds now);
+  Nanoseconds busy_time(const Core& core) const;
+  std::uint32_t missed_a(const Core& core) const;
+  Tick tick_at(Nanoseconds now) const;
+  void tell(const LiveEvent& event);
+
+  const Executive& executive_;
+  WorkerPulse* pulses_;
+  SupervisorOptions options_;
+  std::vector<Core> cores_;
+  std::vector<Watch> watches_;
+  std::vector<bool> has_a_;
+  Nanoseconds period_ns_{};
+  SpscRing<LiveEvent, 256> events_;
+  std::atomic<std::uint64_t> stuck_{0};
+  std::atomic<std::uint8_t> worst_level_{0};
+  Heartbeat heart_;
+  std::atomic<bool> stop_{false};
+  std::vector<SetupResult> refused_;
+  std::thread thread_;
+};
+
+/// Load of a core by the declared budgets of `groups` at each level of the ladder.
+std::array<double, kLevels> declared_loads(const Executive& executive,
+                                           const std::vector<std::uint32_t>& groups);
+
+}  // namespace sortie::rt::posix

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a live worker lets the supervisor see, and what the supervisor tells it. Plain atomics; nobody waits.
+#pragma once
+
+#include <ctime>
+
+#include <atomic>
+#include <cstdint>
+
+#include "rt/posix/live_event.hpp"
+#include "rt/spsc_ring.hpp"
+
+namespace sortie::rt::posix {
+
+/// Shared by one worker and the supervisor. One cache line for what changes each job.
+struct alignas(64) WorkerPulse {
+  SpscRing<LiveEvent, 64> events;  ///< to the thread that reads LiveRunner::poll_event()
+  // Written by the worker.
+  std::atomic<Nanoseconds> busy_since_ns{0};  ///< CLOCK_MONOTONIC when the running job began; 0: idle
+  std::atomic<Nanoseconds> spun_ns{0};        ///< time spent spinning before releases
+  clockid_t cpu_clock{};                      ///< CPU time of the worker's thread
+  std::atomic<std::uint32_t> missed{0};       ///< jobs missed or left out, modulo 2^32
+  std::atomic<bool> has_cpu_clock{false};     ///< `cpu_clock` may be read
+  // Written by the supervisor.
+  std::atomic<std::uint8_t> level{0};  ///< of the degrade ladder, taken at the next release
+};
+
+}  // namespace sortie::rt::posix

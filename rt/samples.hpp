@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The plain values that cross rooms. No Eigen, no LCM: arrays and scalars that any language could read.
+// SI units, stamp first. Frames: world = z up, x at the start heading; body = x forward, y left, z up.
+// Quaternions are w, x, y, z and rotate body vectors into the world: v_world = q_world_body * v_body.
+#pragma once
+
+#include <cstdint>
+
+#include "rt/time.hpp"
+
+namespace sortie::rt {
+
+/// Bits of ImuSample::flags.
+enum ImuFlags : std::uint32_t {
+  kImuGyr = 1u,        ///< gyr_rad_s is valid (bits gate the axes' use, not their finiteness)
+  kImuAcc = 2u,        ///< acc_m_s2 is valid
+  kImuMeanRate = 4u,   ///< values are means over the interval since the previous sample, not points in time
+  kImuSaturated = 8u,  ///< the device reported a clipped axis
+};
+
+/// One reading of an inertial sensor, already rotated into the body frame. acc is specific force (+9.81 z at
+/// rest).
+struct ImuSample {
+  Nanoseconds stamp_ns{};
+  double gyr_rad_s[3]{};
+  double acc_m_s2[3]{};
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("gyr_rad_s", self.gyr_rad_s);
+    visit("acc_m_s2", self.acc_m_s2);
+    visit("flags", self.flags);
+  }
+};
+
+/// Travel of the two tracks (or wheel sides) since start, positive forward. Cumulative: a lost sample loses
+/// nothing.
+struct TrackSample {
+  Nanoseconds stamp_ns{};
+  double left_m{};
+  double right_m{};
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("left_m", self.left_m);
+    visit("right_m", self.right_m);
+    visit("flags", self.flags);
+  }
+};
+
+/// One return of a lidar in the sensor frame. 16 bytes.
+struct ScanPoint {
+  float x_m{};
+  float y_m{};
+  float z_m{};
+  std::uint16_t intensity{};
+  std::uint16_t age_10us{};  ///< time before the scan's stamp, in steps of 10 us
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("x_m", self.x_m);
+    visit("y_m", self.y_m);
+    visit("z_m", self.z_m);
+    visit("intensity", self.intensity);
+    visit("age_10us", self.age_10us);
+  }
+};
+
+/// Bits of ScanHeader::flags.
+enum ScanFlags : std::uint32_t {
+  kScanPosed =
+      1u,  ///< p_world_sensor_m and q_world_sensor come with the scan; otherwise the odometry poses it
+};
+
+/// What travels with a scan; the points lie in a pooled buffer.
+struct ScanHeader {
+  Nanoseconds stamp_ns{};
+  std::uint32_t points{};
+  std::uint32_t flags{};
+  double p_world_sensor_m[3]{};
+  double q_world_sensor[4]{1, 0, 0, 0};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("points", self.points);
+    visit("flags", self.flags);
+    visit("p_world_sensor_m", self.p_world_sensor_m);
+    visit("q_world_sensor", self.q_world_sensor);
+  }
+};
+
+/// A scan as an algorithm sees it. The points belong to someone else and live for one call.
+struct PointScan {
+  ScanHeader header;
+  const ScanPoint* points{};  ///< header.points of them
+};
+
+/// Attitude and gyro bias as the attitude filter gives them.
+struct AttitudeEstimate {
+  Nanoseconds stamp_ns{};
+  double q_world_body[4]{1, 0, 0, 0};
+  double w_body_rad_s[3]{};  ///< bias removed
+  double bias_rad_s[3]{};
+  double delta_heading_rad{};  ///< turn about the world's up axis since start, not wrapped
+  std::uint32_t rejected{};    ///< samples refused so far
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("q_world_body", self.q_world_body);
+    visit("w_body_rad_s", self.w_body_rad_s);
+    visit("bias_rad_s", self.bias_rad_s);
+    visit("delta_heading_rad", self.delta_heading_rad);
+    visit("rejected", self.rejected);
+    visit("flags", self.flags);
+  }
+};
+
+/// Pose and twist of the body with a 6x6 covariance of (position in world, rotation in body), row-major, m^2
+/// and rad^2.
+struct PoseEstimate {
+  Nanoseconds stamp_ns{};
+  double p_world_body_m[3]{};
+  double q_world_body[4]{1, 0, 0, 0};
+  double v_body_m_s[3]{};
+  double w_body_rad_s[3]{};
+  double covariance[36]{};
+  double distance_m{};       ///< path length so far
+  std::uint32_t rejected{};  ///< samples refused so far
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("p_world_body_m", self.p_world_body_m);
+    visit("q_world_body", self.q_world_body);
+    visit("v_body_m_s", self.v_body_m_s);
+    visit("w_body_rad_s", self.w_body_rad_s);
+    visit("covariance", self.covariance);
+    visit("distance_m", self.distance_m);
+    visit("rejected", self.rejected);
+    visit("flags", self.flags);
+  }
+};
+
+/// What the drives are asked to do.
+struct DriveCommand {
+  Nanoseconds stamp_ns{};
+  double left_m_s{};
+  double right_m_s{};
+  std::uint32_t waypoint{};  ///< number of the waypoint driven to
+  std::uint32_t flags{};     ///< bit 0: enabled
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("left_m_s", self.left_m_s);
+    visit("right_m_s", self.right_m_s);
+    visit("waypoint", self.waypoint);
+    visit("flags", self.flags);
+  }
+};
+
+/// Values of DriveRequest::mode.
+enum class DriveMode : std::uint32_t {
+  drive,    ///< speed and turn rate, and from now on whoever asks is in control
+  release,  ///< hands control back to the mission; also ends a halt
+  halt,     ///< stops and stays, until a release
+};
+
+/// Bits of DriveRequest::flags.
+enum DriveRequestFlags : std::uint32_t {
+  kDriveThoughTilted = 1u,  ///< drive slowly although the robot is tilted, to get it off
+};
+
+/// What somebody outside asks the drive to do, as it was admitted.
+struct DriveRequest {
+  Nanoseconds stamp_ns{};  ///< receipt on the run's clock
+  std::int64_t counter{};  ///< of the sender: above all that were taken
+  double speed_m_s{};
+  double turn_rad_s{};  ///< positive to the left
+  std::uint32_t mode{};
+  std::int32_t posture{-1};  ///< of the flippers, by number; -1: as they are
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("counter", self.counter);
+    visit("speed_m_s", self.speed_m_s);
+    visit("turn_rad_s", self.turn_rad_s);
+    visit("mode", self.mode);
+    visit("posture", self.posture);
+    visit("flags", self.flags);
+  }
+};
+
+/// The flippers in the order of every array about them.
+enum Flipper : std::uint32_t { kFrontLeft, kFrontRight, kRearLeft, kRearRight };
+inline constexpr std::uint32_t kFlippers = 4;
+
+/// What the flippers are asked to do. Angles of the flippers to the body: 0 stretched out in the plane of the
+/// tracks, positive with the tip up, for the front and the rear ones alike.
+struct FlipperCommand {
+  Nanoseconds stamp_ns{};
+  double angle_rad[kFlippers]{};
+  std::uint32_t flags{};  ///< bit 0: enabled
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("angle_rad", self.angle_rad);
+    visit("flags", self.flags);
+  }
+};
+
+/// Where the flippers are, and what turns them. Angles as in FlipperCommand; a torque is positive where the
+/// drive turns the tip up.
+struct FlipperSample {
+  Nanoseconds stamp_ns{};
+  double angle_rad[kFlippers]{};
+  double torque_n_m[kFlippers]{};
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("angle_rad", self.angle_rad);
+    visit("torque_n_m", self.torque_n_m);
+    visit("flags", self.flags);
+  }
+};
+
+/// Bits of TruthSample::flags.
+enum TruthFlags : std::uint32_t {
+  kTruthPosition = 1u,
+  kTruthHeight = 2u,  ///< the z of the position is meant, too (GPS altitude is not)
+  kTruthOrientation = 4u,
+  kTruthMoving = 8u,  ///< errors count only while this is set (if any sample of the log has it)
+};
+
+/// Reference pose for judging a run. Never an input of any task.
+struct TruthSample {
+  Nanoseconds stamp_ns{};
+  double p_world_body_m[3]{};
+  double q_world_body[4]{1, 0, 0, 0};
+  std::uint32_t flags{};
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("p_world_body_m", self.p_world_body_m);
+    visit("q_world_body", self.q_world_body);
+    visit("flags", self.flags);
+  }
+};
+
+}  // namespace sortie::rt
