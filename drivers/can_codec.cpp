@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Frames to samples: what the sensors send, pair by pair, trusting nothing.
+#include "drivers/can_codec.hpp"
+
+#include <stdexcept>
+
+namespace sortie::drivers {
+
+namespace {
+
+bool decode_axes(const CanFrame& frame, const CanFieldSpec* fields, double* axes) {
+  bool clipped = false;
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t raw = read_can_field(frame, fields[i]);
+    axes[i] = static_cast<double>(raw) * fields[i].scale;
+    clipped = clipped || raw >= kCanAxisLimit || raw <= -kCanAxisLimit;
+  }
+  return clipped;
+}
+
+}  // namespace
+
+CanSampleDecoder::CanSampleDecoder(const CanCodecConfig& config)
+    : clock_(config.epoch_ns, config.max_age_ns, config.max_ahead_ns) {
+  if (config.max_age_ns < 0 || config.max_age_ns > 6 * rt::kNanosecondsPerSecond || config.max_ahead_ns < 0 ||
+      config.max_ahead_ns > rt::kNanosecondsPerSecond / 2) {
+    throw std::runtime_error(
+        "CAN codec: max_age_ns must lie in 0..6 s and max_ahead_ns in 0..0.5 s (the time counter wraps at "
+        "6.5 s)");
+  }
+  if (config.epoch_ns < -(rt::Nanoseconds{1} << 61) || config.epoch_ns > (rt::Nanoseconds{1} << 61)) {
+    throw std::runtime_error(
+        "CAN codec: epoch_ns is beyond +-73 years; give it in ns of the bus stamps' clock");
+  }
+  if (!(config.max_track_m_s > 0.0) || config.max_track_m_s > 1000.0) {
+    throw std::runtime_error("CAN codec: max_track_m_s must lie in (0, 1000] m/s");
+  }
+  max_counts_per_s_ = static_cast<std::int64_t>(config.max_track_m_s / kCanTrackMetresPerCount);
+}
+
+Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept {
+  out.kind = CanSampleKind::none;
+  ++counters_.frames;
+  if ((frame.flags & kCanError) != 0) {
+    ++counters_.error_frames;
+    return Status::not_supported;
+  }
+  const CanFrameSpec* spec = (frame.flags & kCanExtended) != 0 ? nullptr : find_can_frame(frame.id);
+  if (spec == nullptr) {
+    ++counters_.unknown_id;
+    return Status::not_supported;
+  }
+  if ((frame.flags & kCanRemote) != 0) {
+    ++counters_.remote_frames;
+    return Status::not_supported;
+  }
+  if (frame.size != spec->size || frame.flags != 0) {
+    ++counters_.wrong_size;
+    return Status::malformed;
+  }
+  if (spec->id == kCanDriveId) {
+    ++counters_.drive_frames;
+    return Status::ok;
+  }
+  if (spec->id == kCanFlipperFrontId || spec->id == kCanFlipperRearId) {
+    ++counters_.flipper_frames;
+    return Status::ok;
+  }
+  if (spec->fields == kCanFlipperStateFields) return join_flipper(frame, out);
+  const bool is_imu = spec->id == kCanImuGyrId || spec->id == kCanImuAccId;
+  const bool second = spec->id == kCanImuAccId || spec->id == kCanTrackRightId;
+  Pair& pair = is_imu ? imu_ : track_;
+  const CanFrame first_half = pair.half;
+  bool complete = false;
+  const Status joined = join(pair, frame, second, spec->fields[spec->field_count - 1], complete);
+  if (joined != Status::ok || !complete) return joined;
+  const CanFrame& first = second ? first_half : frame;
+  const CanFrame& last = second ? frame : first_half;
+  return is_imu ? finish_imu(first, last, out) : finish_track(first, last, out);
+}
+
+Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, const CanFieldSpec& time,
+                              bool& complete) {
+  rt::Nanoseconds stamp_ns = 0;
+  const auto counter = static_cast<std::uint16_t>(read_can_field(frame, time));
+  const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns);
+  if (timed != Status::ok) {
+    ++counters_.out_of_time;
+    return timed;
+  }
+  if (pair.waiting && pair.second != second && pair.stamp_ns == stamp_ns) {
+    pair.waiting = false;
+    complete = true;
+    return Status::ok;
+  }
+  if (pair.waiting) ++counters_.missing_partner;
+  pair.waiting = true;
+  pair.second = second;
+  pair.stamp_ns = stamp_ns;
+  pair.half = frame;
+  return Status::ok;
+}
+
+Status CanSampleDecoder::join_flipper(const CanFrame& frame, CanSample& out) {
+  rt::Nanoseconds stamp_ns = 0;
+  const auto counter = static_cast<std::uint16_t>(read_can_field(frame, kCanFlipperStateFields[2]));
+  if (const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns); timed != Status::ok) {
+    ++counters_.out_of_time;
+    return timed;
+  }
+  bool complete = false;
+  counters_.missing_partner +=
+      flippers_.add(frame.id - kCanFlipperStateId, stamp_ns,
+                    static_cast<std::int16_t>(read_can_field(frame, kCanFlipperStateFields[0])),
+                    static_cast<std::int16_t>(read_can_field(frame, kCanFlipperStateFields[1])), complete);
+  if (!complete) return Status::ok;
+  const Status order = flippers_.take(out.flipper);
+  if (order != Status::ok) {
+    ++counters_.flipper_order;
+    return order;
+  }
+  ++counters_.flipper_samples;
+  out.kind = CanSampleKind::flipper;
+  return Status::ok;
+}
+
+Status CanSampleDecoder::check_order(Pair& pair) {
+  if (pair.given && pair.stamp_ns == pair.last_ns) {
+    ++counters_.time_repeated;
+    return Status::time_repeated;
+  }
+  if (pair.given && pair.stamp_ns < pair.last_ns) {
+    ++counters_.time_backwards;
+    return Status::time_backwards;
+  }
+  return Status::ok;
+}
+
+Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, CanSample& out) {
+  const Status order = check_order(imu_);
+  if (order != Status::ok) return order;
+  out.imu = {};
+  out.imu.stamp_ns = imu_.stamp_ns;
+  out.imu.flags = rt::kImuGyr | rt::kImuAcc;
+  const bool gyr_clipped = decode_axes(gyr, kCanImuGyrFields, out.imu.gyr_rad_s);
+  const bool acc_clipped = decode_axes(acc, kCanImuAccFields, out.imu.acc_m_s2);
+  if (gyr_clipped || acc_clipped) {
+    out.imu.flags |= rt::kImuSaturated;
+    ++counters_.saturated;
+  }
+  imu_.given = true;
+  imu_.last_ns = imu_.stamp_ns;
+  ++counters_.imu_samples;
+  out.kind = CanSampleKind::imu;
+  return Status::ok;
+}
+
+Status CanSampleDecoder::finish_track(const CanFrame& left, const CanFrame& right, CanSample& out) {
+  const Status order = check_order(track_);
+  if (order != Status::ok) return order;
+  // 10,000 s of silence is enough for any travel; the bound keeps the product inside 64 bits.
+  constexpr rt::Nanoseconds kLongest = 10'000 * rt::kNanosecondsPerSecond;
+  constexpr std::int64_t kSlackCounts = 500;
+  rt::Nanoseconds span = track_.given ? track_.stamp_ns - track_.last_ns : 0;
+  if (span > kLongest) span = kLongest;
+  const std::int64_t limit =
+      span / rt::kNanosecondsPerMicrosecond * max_counts_per_s_ / 1'000'000 + kSlackCounts;
+  const auto left_raw = static_cast<std::int32_t>(read_can_field(left, kCanTrackLeftFields[0]));
+  const auto right_raw = static_cast<std::int32_t>(read_can_field(right, kCanTrackRightFields[0]));
+  const bool left_good = left_.update(left_raw, limit);
+  const bool right_good = right_.update(right_raw, limit);
+  if (!left_good || !right_good) {
+    ++counters_.encoder_jumps;
+    return Status::out_of_range;
+  }
+  out.track = {};
+  out.track.stamp_ns = track_.stamp_ns;
+  out.track.left_m = static_cast<double>(left_.total()) * kCanTrackLeftFields[0].scale;
+  out.track.right_m = static_cast<double>(right_.total()) * kCanTrackRightFields[0].scale;
+  track_.given = true;
+  track_.last_ns = track_.stamp_ns;
+  ++counters_.track_samples;
+  out.kind = CanSampleKind::track;
+  return Status::ok;
+}
+
+}  // namespace sortie::drivers

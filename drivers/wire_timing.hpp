@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages of names and numbers that are put together at run time: job timing, and fields_t from a list.
+// For threads that are not real-time; encoders do not allocate, decoders never more than the message is long.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "drivers/wire_telemetry.hpp"
+#include "rt/status.hpp"
+
+namespace sortie::drivers {
+
+/// timing_t: when a job began, on the run's clock, and how long each of its tasks took.
+struct JobTiming {
+  std::int64_t tick{};
+  std::int32_t group{};
+  std::int64_t started_ns{};
+  std::span<const std::uint32_t> duration_ns;
+};
+
+/// timing_t as read back.
+struct JobTimingRecord {
+  std::int64_t tick{};
+  std::int32_t group{};
+  std::int64_t started_ns{};
+  std::vector<std::int64_t> duration_ns;
+};
+
+/// Status: ok, full (`size` is then 0).
+[[nodiscard]] Status encode(const JobTiming& timing, std::span<std::uint8_t> out, std::size_t& size) noexcept;
+/// Status: ok, bad_checksum (another type), malformed.
+[[nodiscard]] Status decode(std::span<const std::uint8_t> message, JobTimingRecord& timing);
+
+/// fields_t from names and values. Status: ok, full (`size` is then 0).
+[[nodiscard]] Status encode_fields(std::int64_t utime, std::string_view task,
+                                   std::span<const NamedValue> values, std::span<std::uint8_t> out,
+                                   std::size_t& size) noexcept;
+
+}  // namespace sortie::drivers
