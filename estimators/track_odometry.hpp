@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the robot is, from how far its tracks ran and from the attitude: 6-DOF dead reckoning.
+#pragma once
+
+#include <cstdint>
+
+#include "estimators/attitude_history.hpp"
+#include "estimators/pose_covariance.hpp"
+#include "rt/rotation.hpp"
+#include "rt/samples.hpp"
+#include "rt/stamp_gate.hpp"
+#include "rt/status.hpp"
+
+namespace sortie::estimators {
+
+/// Bits of rt::PoseEstimate::flags.
+enum PoseFlags : std::uint32_t {
+  kPoseStarted = 1u,         ///< at least one track sample was used
+  kPoseStationary = 2u,      ///< tracks and gyro stand still
+  kPoseSlip = 4u,            ///< tracks and gyro disagree about the turn
+  kPoseAttitudeStale = 8u,   ///< no attitude near the newest step; the nearest one was taken
+  kPoseTravelUnknown = 16u,  ///< travel was lost for good (counter reset, new time line)
+};
+
+/// Settings of the track odometry.
+struct TrackOdometryConfig {
+  double p_world_body_m[3]{};     ///< position at the first sample
+  double heading_offset_rad{};    ///< turns the attitude's world into the odometry's world, about up
+  double scale_left{1.0};         ///< true metres per measured metre of the left track
+  double scale_right{1.0};        ///< and of the right one
+  double track_width_m{};         ///< for the slip check only; 0 switches it off
+  double slip_rate_rad_s{0.5};    ///< slip: disagreement about the turn rate beyond this
+  double max_speed_m_s{10.0};     ///< a faster track is a counter that jumped
+  double still_speed_m_s{0.002};  ///< slower than this is standing
+  double still_rate_rad_s{0.02};  ///< turning slower than this is standing
+  rt::Nanoseconds attitude_spacing_ns{20 * rt::kNanosecondsPerMillisecond};
+  rt::Nanoseconds max_extrapolation_ns{150 * rt::kNanosecondsPerMillisecond};
+  rt::Nanoseconds max_step_ns{10 * rt::kNanosecondsPerSecond};  ///< a longer step of time is doubted
+  PoseCovarianceConfig covariance;
+};
+
+/// What happened to the samples, since start. used + the refusals = all track samples given.
+struct TrackOdometryCounters {
+  std::uint64_t used{};
+  std::uint64_t not_finite{};
+  std::uint64_t out_of_range{};
+  std::uint64_t time_backwards{};
+  std::uint64_t time_repeated{};
+  std::uint64_t time_jumped{};       ///< too far ahead
+  std::uint64_t jumps{};             ///< travel that no track can make: refused until a second sample agrees
+  std::uint64_t resets{};            ///< used samples that confirmed a counter reset
+  std::uint64_t resumed{};           ///< used samples that began a new time line
+  std::uint64_t no_attitude{};       ///< used samples without any attitude yet: no motion made of them
+  std::uint64_t attitude_stale{};    ///< used samples with an attitude from too far away
+  std::uint64_t attitude_refused{};  ///< attitudes that were not finite or no rotation
+  std::uint64_t slips{};             ///< steps with slip
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("used", self.used);
+    visit("not_finite", self.not_finite);
+    visit("out_of_range", self.out_of_range);
+    visit("time_backwards", self.time_backwards);
+    visit("time_repeated", self.time_repeated);
+    visit("time_jumped", self.time_jumped);
+    visit("jumps", self.jumps);
+    visit("resets", self.resets);
+    visit("resumed", self.resumed);
+    visit("no_attitude", self.no_attitude);
+    visit("attitude_stale", self.attitude_stale);
+    visit("attitude_refused", self.attitude_refused);
+    visit("slips", self.slips);
+  }
+};
+
+/// Dead reckoning: distance from the tracks, direction only from the attitude (a track slips in every turn).
+/// The displacement of a step is the travel times the mean forward direction over the step, by Simpson's rule
+/// on the attitudes at the step's own stamps. About 4 kB; no heap; bounded time. What is refused changes
+/// nothing but a counter.
+class TrackOdometry {
+ public:
+  explicit TrackOdometry(const TrackOdometryConfig& config);
+
+  /// Takes note of an attitude. Give every attitude, in the order of its stamps, before the track samples
+  /// that need it. `ok`, not_finite or out_of_range (not a unit quaternion).
+  Status observe(const rt::AttitudeEstimate& attitude);
+
+  /// Takes one sample of the tracks. `ok`, or the reason of the refusal.
+  Status update(const rt::TrackSample& sample);
+
+  /// Another efficiency of both tracks (true metres per measured metre) from the next step on; the way so far
+  /// stays. The caller keeps it positive and finite.
+  void set_scale(double scale) { config_.scale_left = config_.scale_right = scale; }
+
+  /// Pose, twist and covariance at the stamp of the newest used sample.
+  const rt::PoseEstimate& estimate() const { return estimate_; }
+  const TrackOdometryCounters& counters() const { return counters_; }
+
+  /// State to bytes and back, into an odometry of the same configuration.
+  void archive(rt::Archive& archive);
+
+ private:
+  Status check(const rt::TrackSample& sample);
+  bool plausible(const rt::TrackSample& from, const rt::TrackSample& to) const;
+  Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);
+  void rebase(const rt::TrackSample& sample);
+  void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, double speed_m_s, std::uint32_t flags);
+
+  TrackOdometryConfig config_;
+  rt::StampGate gate_;
+  AttitudeHistory history_;
+  PoseCovariance covariance_;
+  rt::Quaternion q_world_attitude_;
+  rt::Vector3 p_world_body_;
+  rt::TrackSample base_{};     ///< last sample whose travel is in the pose
+  rt::TrackSample suspect_{};  ///< refused for its jump; a second one like it makes it the base
+  bool has_suspect_{};
+  bool travel_lost_{};
+  double distance_m_{};
+  double last_speed_m_s_{};
+  TrackOdometryCounters counters_;
+  rt::PoseEstimate estimate_;
+};
+
+}  // namespace sortie::estimators

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One update of the drive: reasons to stop, then who is in control, then the ramps, then the tracks.
+#include "planner/ugv_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sortie::planner {
+namespace {
+constexpr std::int64_t kMostSteps = 32;  // after a longer pause the drives have stopped by themselves
+
+bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
+}  // namespace
+
+UgvDrive::UgvDrive(const UgvDriveConfig& config)
+    : config_(config), follower_(config.follower), guard_(config.guard) {}
+
+Status UgvDrive::set_max_speed(double m_s) {
+  if (!is_positive(m_s)) return Status::out_of_range;
+  config_.max_speed_m_s = m_s;
+  return Status::ok;
+}
+
+Status UgvDrive::set_max_turn_rate(double rad_s) {
+  if (!is_positive(rad_s)) return Status::out_of_range;
+  config_.max_turn_rad_s = rad_s;
+  return Status::ok;
+}
+
+Status UgvDrive::set_max_acceleration(double m_s2) {
+  if (!is_positive(m_s2) || m_s2 > config_.stop.acceleration) return Status::out_of_range;
+  config_.ramps.speed.acceleration = m_s2;
+  return Status::ok;
+}
+
+Status UgvDrive::set_track_width(double m) {
+  if (!is_positive(m)) return Status::out_of_range;
+  const double middle = 0.5 * (config_.icr.y_left_m + config_.icr.y_right_m);
+  config_.icr.y_left_m = middle + 0.5 * m;
+  config_.icr.y_right_m = middle - 0.5 * m;
+  return Status::ok;
+}
+
+Status UgvDrive::request(const rt::DriveRequest& request) {
+  const Status status = gate_.take(request, config_.postures);
+  if (status != Status::ok) return status;
+  request_ = request;
+  const auto mode = static_cast<rt::DriveMode>(request.mode);
+  remote_ = mode != rt::DriveMode::release;
+  // Only a release ends a halt: a stream of speeds that goes on in the background must not.
+  if (mode != rt::DriveMode::drive) halted_ = mode == rt::DriveMode::halt;
+  if (mode == rt::DriveMode::release) follower_.encourage();
+  if (request.posture >= 0) posture_ = request.posture;
+  return status;
+}
+
+Status UgvDrive::update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns) {
+  if (started_ && now_ns == last_ns_) return Status::time_repeated;
+  if (started_ && now_ns < last_ns_) return Status::time_backwards;
+  if (!started_) start_ns_ = now_ns;
+  const std::int64_t steps = started_ ? std::min(kMostSteps, (now_ns - last_ns_) / config_.step_ns) : 0;
+  started_ = true;
+  last_ns_ = now_ns;
+
+  const MissionStep* step = mission_.at(now_ns - start_ns_);
+  const DriveSource source = in_control(step);
+  static_cast<void>(guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns));
+  Wish wish{choose(source, step, pose, now_ns), source};
+  // What the follower has found just now, the guard hears of before anything moves on.
+  static_cast<void>(guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns));
+  if (!guard_.clear()) wish.motion = {};
+  const SpeedTurn fitted = fit(wish.motion, limits());
+  const bool shortened =
+      fitted.speed_m_s != wish.motion.speed_m_s || fitted.turn_rad_s != wish.motion.turn_rad_s;
+  const TwistRamps ramps = guard_.clear() ? config_.ramps : stop_ramps();
+  for (std::int64_t i = 0; i < steps; ++i)
+    limiter_.step(fitted, limits(), ramps, rt::to_seconds(config_.step_ns));
+  put_out(wish, shortened, now_ns);
+  return Status::ok;
+}
+
+TwistLimits UgvDrive::limits() const {
+  return {config_.max_speed_m_s, config_.max_turn_rad_s, config_.max_track_m_s, config_.icr.lever_m()};
+}
+
+TwistRamps UgvDrive::stop_ramps() const {
+  const TwistRamps& usual = config_.ramps;
+  const double firmer = config_.stop.acceleration / usual.speed.acceleration;
+  const double faster = config_.stop.jerk / usual.speed.jerk;
+  return {config_.stop, {usual.turn.acceleration * firmer, usual.turn.jerk * faster}};
+}
+
+DriveSource UgvDrive::in_control(const MissionStep* step) const {
+  if (remote_) return DriveSource::remote;
+  if (mission_.empty()) return DriveSource::route;
+  if (step == nullptr) return DriveSource::none;
+  return step->route ? DriveSource::route : DriveSource::mission;
+}
+
+DriveFacts UgvDrive::facts(DriveSource source, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns) const {
+  DriveFacts facts;
+  facts.starting = now_ns - start_ns_ < config_.start_wait_ns;
+  facts.halted = halted_;
+  facts.command_stale = remote_ && !halted_ && now_ns - request_.stamp_ns > config_.max_command_age_ns;
+  facts.imu_stale = inputs.imu_stale;
+  facts.odometry_stale = inputs.odometry_stale;
+  facts.stuck = source == DriveSource::route && follower_.stuck();
+  facts.though_tilted = remote_ && (request_.flags & rt::kDriveThoughTilted) != 0;
+  return facts;
+}
+
+/// What the one in control wishes. The mission's clock goes on whoever drives; the follower is asked only
+/// where the robot may move, or has to find a way out of being stuck.
+SpeedTurn UgvDrive::choose(DriveSource source, const MissionStep* step, const rt::PoseEstimate& pose,
+                           rt::Nanoseconds now_ns) {
+  if (source != DriveSource::remote && mission_.posture() >= 0) posture_ = mission_.posture();
+  const bool only_stuck = guard_.reasons() == kStopStuck;
+  if (source == DriveSource::route && (guard_.clear() || only_stuck))
+    return follower_.wish(pose, limits(), config_.ramps, now_ns);
+  follower_.pause();
+  if (source == DriveSource::mission) return {step->speed_m_s, step->turn_rad_s};
+  if (source != DriveSource::remote || halted_) return {};
+  const SpeedTurn asked{request_.speed_m_s, request_.turn_rad_s};
+  if (!guard_.tilted()) return asked;
+  TwistLimits slow = limits();
+  slow.max_track_m_s = std::min(slow.max_track_m_s, config_.recover_speed_m_s);
+  return fit(asked, slow);
+}
+
+void UgvDrive::put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns) {
+  const SpeedTurn now = limiter_.now();
+  const TrackSpeeds tracks = config_.icr.to_tracks(now.speed_m_s, now.turn_rad_s);
+  const bool on_route = wish.source == DriveSource::route;
+  const bool idle = wish.source == DriveSource::none || (on_route && follower_.done());
+  output_.stamp_ns = now_ns;
+  output_.left_m_s = tracks.left_m_s;
+  output_.right_m_s = tracks.right_m_s;
+  output_.speed_m_s = now.speed_m_s;
+  output_.turn_rad_s = now.turn_rad_s;
+  output_.waypoint = follower_.waypoint();
+  output_.source = static_cast<std::uint32_t>(wish.source);
+  output_.flags = 0;
+  const auto set = [this](bool holds, DriveFlags flag) { output_.flags |= holds ? flag : 0u; };
+  set(!limiter_.at_rest() || (guard_.clear() && !idle), kDriveEnabled);
+  set(follower_.done(), kDriveDone);
+  set(on_route && follower_.turning(), kDriveTurning);
+  set(on_route && follower_.reversing(), kDriveReversing);
+  set(!guard_.clear(), kDriveStopping);
+  set(shortened, kDriveShortened);
+  set(guard_.tilted(), kDriveTilted);
+  output_.stop = guard_.reasons();
+  output_.posture = posture_;
+  output_.request_counter = gate_.newest;
+  output_.stops = guard_.counters();
+  output_.requests = gate_.counters;
+}
+
+rt::DriveCommand UgvDrive::command() const {
+  rt::DriveCommand command;
+  command.stamp_ns = output_.stamp_ns;
+  command.left_m_s = output_.left_m_s;
+  command.right_m_s = output_.right_m_s;
+  command.waypoint = output_.waypoint;
+  command.flags = output_.flags;
+  return command;
+}
+
+void UgvDrive::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "ugv drive")
+      .fixed(config_)
+      .state(follower_, mission_, guard_, gate_, limiter_, request_, output_, start_ns_, last_ns_, started_,
+             remote_, halted_, posture_);
+}
+
+}  // namespace sortie::planner

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The drive of the ground robot: who is in control, what stops it, and how fast its tracks turn.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "planner/drive_guard.hpp"
+#include "planner/icr_model.hpp"
+#include "planner/mission.hpp"
+#include "planner/request_gate.hpp"
+#include "planner/twist_limiter.hpp"
+#include "planner/waypoint_follower.hpp"
+#include "rt/archive.hpp"
+#include "rt/describe.hpp"
+#include "rt/samples.hpp"
+#include "rt/status.hpp"
+#include "rt/time.hpp"
+
+namespace sortie::planner {
+
+/// Who is in control, by rank: somebody outside before the mission, the mission before the route.
+enum class DriveSource : std::uint32_t { none, route, mission, remote };
+
+/// Bits of UgvDriveOutput::flags.
+enum DriveFlags : std::uint32_t {
+  kDriveEnabled = 1u,     ///< the drives shall follow the speeds (braking included)
+  kDriveDone = 2u,        ///< the last waypoint is reached
+  kDriveTurning = 4u,     ///< the follower turns on the spot
+  kDriveReversing = 8u,   ///< the follower drives in reverse
+  kDriveStopping = 16u,   ///< a stop is being carried through
+  kDriveShortened = 32u,  ///< more was asked for than the limits allow; the curvature was kept
+  kDriveTilted = 64u,     ///< beyond the limits of roll and pitch, also where it drives all the same
+};
+
+/// What the drive decides, and why. For telemetry, digest and the drives.
+struct UgvDriveOutput {
+  rt::Nanoseconds stamp_ns{};
+  double left_m_s{};
+  double right_m_s{};
+  double speed_m_s{};
+  double turn_rad_s{};
+  std::uint32_t waypoint{};        ///< number of the waypoint driven to
+  std::uint32_t source{};          ///< DriveSource
+  std::uint32_t flags{};           ///< bits of DriveFlags
+  std::uint32_t stop{};            ///< bits of DriveStop: every reason that holds
+  std::int32_t posture{-1};        ///< of the flippers; -1: as they are
+  std::int64_t request_counter{};  ///< newest that was taken; the next request's lies above it
+  DriveStopCounters stops;
+  RequestCounters requests;
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("left_m_s", self.left_m_s);
+    visit("right_m_s", self.right_m_s);
+    visit("speed_m_s", self.speed_m_s);
+    visit("turn_rad_s", self.turn_rad_s);
+    visit("waypoint", self.waypoint);
+    visit("source", self.source);
+    visit("flags", self.flags);
+    visit("stop", self.stop);
+    visit("posture", self.posture);
+    visit("request_counter", self.request_counter);
+    visit("stops_starting", self.stops.starting);
+    visit("stops_halt", self.stops.halt);
+    visit("stops_command_stale", self.stops.command_stale);
+    visit("stops_imu_stale", self.stops.imu_stale);
+    visit("stops_odometry_stale", self.stops.odometry_stale);
+    visit("stops_pose_lost", self.stops.pose_lost);
+    visit("stops_tilted", self.stops.tilted);
+    visit("stops_stuck", self.stops.stuck);
+    visit("requests_taken", self.requests.taken);
+    visit("requests_not_finite", self.requests.not_finite);
+    visit("requests_out_of_range", self.requests.out_of_range);
+    visit("requests_repeated", self.requests.repeated);
+    visit("requests_jumped", self.requests.jumped);
+  }
+};
+
+/// Everything the drive is set up with.
+struct UgvDriveConfig {
+  rt::Nanoseconds step_ns{rt::kNanosecondsPerMillisecond};  ///< of the limiter: the period of the updates
+  IcrModel icr{};
+  double max_speed_m_s{0.5};        ///< of the body
+  double max_turn_rad_s{1.0};       ///< of the body
+  double max_track_m_s{0.6};        ///< of either belt
+  TwistRamps ramps{};               ///< of every change that is not a stop
+  RampLimits stop{1.0, 20.0};       ///< of the speed in a stop; the turn rate in the same ratio to its ramps
+  double recover_speed_m_s{0.1};    ///< most speed of a request that drives though tilted
+  rt::Nanoseconds start_wait_ns{};  ///< stands still so long at first
+  rt::Nanoseconds max_command_age_ns{300 * rt::kNanosecondsPerMillisecond};
+  std::int32_t postures{};  ///< that requests may ask for
+  DriveGuardConfig guard{};
+  WaypointFollowerConfig follower{};
+};
+
+/// What the drive sees of the robot at one update.
+struct UgvDriveInputs {
+  bool imu_stale{};
+  bool odometry_stale{};
+};
+
+/// The drive. Requests, mission and waypoints in; belt speeds out. A request that is taken gives its sender
+/// control until a release; silence in control is a stop, not a way back to the mission. Every stop brakes on
+/// the arc with the stop ramps and ends as DriveGuard says. About 4.5 kB; no heap; bounded time: about 0.3
+/// us, and at most 32 steps of the limiter after a pause.
+class UgvDrive {
+ public:
+  explicit UgvDrive(const UgvDriveConfig& config);
+
+  /// Set-up, as WaypointFollower and Mission.
+  Status set_route(std::span<const Waypoint> route) { return follower_.set_route(route); }
+  Status set_mission(std::span<const MissionStep> steps) { return mission_.set_steps(steps); }
+
+  /// Other limits from the next update on; speeds go there along the ramps. out_of_range: not above 0, or an
+  /// acceleration above the stop's (a stop must never be the gentler one).
+  Status set_max_speed(double m_s);
+  Status set_max_turn_rate(double rad_s);
+  Status set_max_acceleration(double m_s2);
+  /// Distance of the tracks' turning centres: the tracks' distance / steering efficiency.
+  Status set_track_width(double m);
+
+  /// Takes or refuses what somebody outside asks (RequestGate); refusals are counted in the output.
+  Status request(const rt::DriveRequest& request);
+
+  /// Decides for `now_ns`. Status: ok; time_repeated or time_backwards (nothing changes).
+  Status update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns);
+
+  const UgvDriveOutput& output() const { return output_; }
+  /// The part of the output that goes to the drives.
+  rt::DriveCommand command() const;
+  const WaypointFollowerCounters& follower() const { return follower_.counters(); }
+
+  /// State to bytes and back, into a drive of the same configuration.
+  void archive(rt::Archive& archive);
+
+ private:
+  struct Wish {
+    SpeedTurn motion;
+    DriveSource source{};
+  };
+  TwistLimits limits() const;
+  TwistRamps stop_ramps() const;
+  DriveSource in_control(const MissionStep* step) const;
+  DriveFacts facts(DriveSource source, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns) const;
+  SpeedTurn choose(DriveSource source, const MissionStep* step, const rt::PoseEstimate& pose,
+                   rt::Nanoseconds now_ns);
+  void put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns);
+
+  UgvDriveConfig config_;
+  WaypointFollower follower_;
+  Mission mission_;
+  DriveGuard guard_;
+  RequestGate gate_;
+  TwistLimiter limiter_;
+  rt::DriveRequest request_;
+  UgvDriveOutput output_;
+  rt::Nanoseconds start_ns_{};
+  rt::Nanoseconds last_ns_{};
+  bool started_{};
+  bool remote_{};
+  bool halted_{};
+  std::int32_t posture_{-1};
+};
+
+}  // namespace sortie::planner
