@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hil/belt_drives.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace sortie::hil {
+namespace {
+
+const BeltDriveConfig& checked(const BeltDriveConfig& c, rt::Nanoseconds step_ns, const char* owner) {
+  const auto require = [owner](bool good, const char* cure) {
+    if (!good) throw std::runtime_error(std::string(owner) + ": " + cure);
+  };
+  require(step_ns > 0 && step_ns <= rt::kNanosecondsPerSecond, "the step must lie in 1 ns to 1 s");
+  require(c.speed_lag_s >= 1e-4, "speed_lag_s must be at least 0.0001");
+  require(c.max_speed_m_s > 0.0 && c.max_acceleration_m_s2 > 0.0,
+          "max_speed_m_s and max_acceleration_m_s2 must be above 0");
+  require(c.command_timeout_s > 0.0 && c.command_timeout_s < 3600.0,
+          "command_timeout_s must be above 0 and below an hour");
+  return c;
+}
+
+}  // namespace
+
+BeltDrives::BeltDrives(const BeltDriveConfig& config, rt::Nanoseconds step_ns, const char* owner)
+    : max_speed_m_s_(checked(config, step_ns, owner).max_speed_m_s),
+      timeout_ns_(static_cast<rt::Nanoseconds>(config.command_timeout_s * 1e9)),
+      left_(config.speed_lag_s, config.max_acceleration_m_s2, rt::to_seconds(step_ns)),
+      right_(left_) {}
+
+Status BeltDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) {
+  if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
+  command_ = command;
+  command_ns_ = now_ns;
+  commanded_ = true;
+  ++commands_;
+  return Status::ok;
+}
+
+void BeltDrives::advance(rt::Nanoseconds now_ns) {
+  const bool fresh = commanded_ && now_ns - command_ns_ <= timeout_ns_;
+  if (commanded_ && !fresh) ++stale_steps_;
+  const bool drive = fresh && (command_.flags & 1u) != 0;
+  left_.advance(drive ? std::clamp(command_.left_m_s, -max_speed_m_s_, max_speed_m_s_) : 0.0);
+  right_.advance(drive ? std::clamp(command_.right_m_s, -max_speed_m_s_, max_speed_m_s_) : 0.0);
+}
+
+}  // namespace sortie::hil

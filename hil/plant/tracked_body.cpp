@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hil/plant/tracked_body.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace sortie::hil {
+namespace {
+
+rt::Nanoseconds checked(rt::Nanoseconds step_ns) {
+  const double step_s = rt::to_seconds(step_ns);
+  if (!(step_s >= TrackedPlant::kShortestStep_s && step_s <= TrackedPlant::kLongestStep_s))
+    throw std::runtime_error("hil plant: the step must lie in 0.1 to 20 ms");
+  return step_ns;
+}
+
+}  // namespace
+
+TrackedBody::TrackedBody(const TrackedBodyConfig& config, const PlantScene& scene, rt::Nanoseconds start_ns,
+                         rt::Nanoseconds step_ns)
+    : step_ns_(checked(step_ns)),
+      height_m_(config.height_m),
+      drives_(config.drives, step_ns, "hil plant"),
+      plant_(config.plant, scene) {
+  if (!std::isfinite(config.height_m)) throw std::runtime_error("hil plant: height_m must be finite");
+  for (int i = 0; i < kFlippers; ++i) command_.flipper_rad[i] = config.plant.start_flipper_rad[i];
+  motion_.stamp_ns = start_ns;
+  update_motion();
+}
+
+Status TrackedBody::set_flippers(const drivers::FlipperPairCommand& command) {
+  if (!std::isfinite(command.left_rad) || !std::isfinite(command.right_rad)) return Status::not_finite;
+  const int left = command.pair == drivers::FlipperPair::front ? 0 : 2;
+  const bool enabled = (command.flags & 1u) != 0;
+  const double* now = plant_.state().flipper_set_rad;
+  command_.flipper_rad[left] = enabled ? command.left_rad : now[left];
+  command_.flipper_rad[left + 1] = enabled ? command.right_rad : now[left + 1];
+  return Status::ok;
+}
+
+void TrackedBody::step() {
+  motion_.stamp_ns += step_ns_;
+  drives_.advance(motion_.stamp_ns);
+  command_.left_m_s = drives_.left().speed_m_s();
+  command_.right_m_s = drives_.right().speed_m_s();
+  // Speeds and angles were checked when they came, and the step at the start; what does not stay finite the
+  // plant counts.
+  static_cast<void>(plant_.step(command_, rt::to_seconds(step_ns_)));
+  update_motion();
+}
+
+void TrackedBody::update_motion() {
+  const rt::Nanoseconds stamp_ns = motion_.stamp_ns;
+  motion_ = plant_.motion(stamp_ns);
+  const Vec3 down{0, 0, -height_m_};
+  motion_.p_world_body_m = motion_.p_world_body_m + rotate(motion_.q_world_body, down);
+  motion_.v_world_m_s = motion_.v_world_m_s + rotate(motion_.q_world_body, cross(motion_.w_body_rad_s, down));
+}
+
+bool TrackedBody::read_flippers(rt::FlipperSample& sample) const {
+  sample = {};
+  sample.stamp_ns = motion_.stamp_ns;
+  for (int i = 0; i < kFlippers; ++i) {
+    sample.angle_rad[i] = plant_.state().flipper_rad[i];
+    sample.torque_n_m[i] = plant_.flipper_torque_nm(i);
+  }
+  return true;
+}
+
+}  // namespace sortie::hil

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Boxes and cylinders in any attitude: what rubble, pallets and logs are made of.
+#include <cmath>
+
+#include "hil/ray_clip.hpp"
+#include "hil/solid.hpp"
+
+namespace sortie::hil {
+namespace {
+
+Vec3 middle_of(const Solid& solid) {
+  return {solid.center_x_m, solid.center_y_m, 0.5 * (solid.bottom_m + solid.top_m)};
+}
+
+// A world vector along the axes of a tilted solid.
+Vec3 to_axes(const Solid& solid, const Vec3& v) {
+  return {dot(solid.axes.x, v), dot(solid.axes.y, v), dot(solid.axes.z, v)};
+}
+
+Solid make_tilted(SolidKind kind, const Vec3& center_m, const Axes& axes, std::uint16_t reflectivity) {
+  Solid solid;
+  solid.kind = kind;
+  solid.reflectivity = reflectivity;
+  solid.center_x_m = center_m.x;
+  solid.center_y_m = center_m.y;
+  solid.axes = axes;
+  return solid;
+}
+
+void set_reach(Solid& solid, const Vec3& center_m, const Vec3& reach) {
+  solid.half_x_m = reach.x;
+  solid.half_y_m = reach.y;
+  solid.bottom_m = center_m.z - reach.z;
+  solid.top_m = solid.low_m = center_m.z + reach.z;
+}
+
+}  // namespace
+
+Solid make_tilted_box(const Vec3& center_m, const Axes& axes, const Vec3& half_m,
+                      std::uint16_t reflectivity) {
+  Solid solid = make_tilted(SolidKind::tilted_box, center_m, axes, reflectivity);
+  solid.half_m = half_m;
+  const auto reach = [&](double x, double y, double z) {
+    return std::fabs(x) * half_m.x + std::fabs(y) * half_m.y + std::fabs(z) * half_m.z;
+  };
+  set_reach(solid, center_m,
+            {reach(solid.axes.x.x, solid.axes.y.x, solid.axes.z.x),
+             reach(solid.axes.x.y, solid.axes.y.y, solid.axes.z.y),
+             reach(solid.axes.x.z, solid.axes.y.z, solid.axes.z.z)});
+  return solid;
+}
+
+Solid make_tilted_cylinder(const Vec3& center_m, const Axes& axes, double radius_m, double half_length_m,
+                           std::uint16_t reflectivity) {
+  Solid solid = make_tilted(SolidKind::tilted_cylinder, center_m, axes, reflectivity);
+  solid.half_m = {radius_m, half_length_m, radius_m};
+  const auto reach = [&](double axis) {
+    return half_length_m * std::fabs(axis) + radius_m * std::sqrt(std::max(0.0, 1.0 - axis * axis));
+  };
+  set_reach(solid, center_m, {reach(solid.axes.y.x), reach(solid.axes.y.y), reach(solid.axes.y.z)});
+  return solid;
+}
+
+Contact intersect_tilted(const Ray& ray, const Solid& solid) {
+  const Vec3 o = to_axes(solid, ray.origin_m - middle_of(solid));
+  const Vec3 d = to_axes(solid, ray.direction);
+  Clip clip;
+  clip.slab(o.y, d.y, solid.half_m.y, {0, 1, 0});
+  if (solid.kind == SolidKind::tilted_cylinder) {
+    // clip_round() works about an upright axis: x stays x, the solid's z becomes y.
+    Clip round;
+    clip_round(round, {o.x, o.z}, {d.x, d.z}, solid.half_m.x);
+    clip.empty = clip.empty || round.empty;
+    if (round.near_m > clip.near_m) {
+      clip.near_m = round.near_m;
+      clip.normal = {round.normal.x, 0, round.normal.y};
+    }
+    clip.far_m = std::min(clip.far_m, round.far_m);
+  } else {
+    clip.slab(o.x, d.x, solid.half_m.x, {1, 0, 0});
+    clip.slab(o.z, d.z, solid.half_m.z, {0, 0, 1});
+  }
+  if (clip.missed()) return {};
+  if (clip.near_m <= 0.0) return {0.0, {}};
+  return {clip.near_m,
+          clip.normal.x * solid.axes.x + clip.normal.y * solid.axes.y + clip.normal.z * solid.axes.z};
+}
+
+bool tilted_contains(const Solid& solid, const Vec3& point_m) {
+  const Vec3 p = to_axes(solid, point_m - middle_of(solid));
+  if (std::fabs(p.y) > solid.half_m.y) return false;
+  if (solid.kind == SolidKind::tilted_cylinder)
+    return p.x * p.x + p.z * p.z <= solid.half_m.x * solid.half_m.x;
+  return std::fabs(p.x) <= solid.half_m.x && std::fabs(p.z) <= solid.half_m.z;
+}
+
+}  // namespace sortie::hil

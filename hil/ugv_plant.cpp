@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The order of things in one millisecond of the simulated vehicle.
+#include "hil/ugv_plant.hpp"
+
+#include <stdexcept>
+
+namespace sortie::hil {
+namespace {
+
+constexpr std::uint64_t kImuStream = 0x666d75;
+constexpr std::uint64_t kTrackStream = 0x667472;
+constexpr std::uint64_t kCommandStream = 0x66636d;
+
+rt::Nanoseconds period_ns(std::uint32_t rate_hz, const char* cure) {
+  if (rate_hz == 0 || rate_hz > 1000 || 1000 % rate_hz != 0) throw std::runtime_error(cure);
+  return rt::kNanosecondsPerSecond / static_cast<rt::Nanoseconds>(rate_hz);
+}
+
+const EncoderConfig& checked(const EncoderConfig& encoder) {
+  if (!(encoder.resolution_m >= 1e-6)) {
+    throw std::runtime_error("hil encoder: resolution_m must be at least 0.000001");
+  }
+  return encoder;
+}
+
+// Scene, world and body that the config asks for.
+std::unique_ptr<PlantScene> make_scene(const UgvConfig& config, World& world) {
+  if (!config.contacts) return nullptr;
+  auto scene = std::make_unique<PlantScene>();
+  build_course(config.course, *scene, world);
+  return scene;
+}
+
+std::unique_ptr<VehicleBody> make_body(const UgvConfig& config, const World& world, const PlantScene* scene,
+                                       rt::Nanoseconds step_ns) {
+  if (scene == nullptr)
+    return std::make_unique<KinematicRobot>(config.robot, world, config.start_ns, step_ns);
+  return std::make_unique<TrackedBody>(config.tracked, *scene, config.start_ns, step_ns);
+}
+
+}  // namespace
+
+UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::ScanSink* scans)
+    : config_(config),
+      port_(&port),
+      scans_(scans),
+      scene_(make_scene(config, world_)),
+      hall_(scene_ ? HallReport{} : build_hall(config.hall, world_)),
+      body_(make_body(config, world_, scene_.get(), kStepNs)),
+      inertia_({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]}),
+      imu_(config.imu, config.seed),
+      lidar_(config.lidar, config.lidar_faults, config.seed, config.start_ns),
+      imu_faults_(config.imu_faults, config.seed, kImuStream),
+      track_faults_(config.track_faults, config.seed, kTrackStream),
+      command_faults_(config.command_faults, config.seed, kCommandStream),
+      imu_period_ns_(period_ns(config.imu.rate_hz, "hil imu: rate_hz must divide 1000")),
+      track_period_ns_(period_ns(checked(config.encoder).rate_hz, "hil encoder: rate_hz must divide 1000")) {}
+
+Status UgvPlant::step(rt::Nanoseconds now_ns) {
+  if (now_ns < this->now_ns()) return Status::time_backwards;
+  const rt::Nanoseconds due = (now_ns - this->now_ns()) / kStepNs;
+  if (due == 0) return Status::time_repeated;
+  const auto steps = due > kMaxStepsPerCall ? kMaxStepsPerCall : static_cast<int>(due);
+  for (int i = 0; i < steps; ++i) step_once();
+  counters_.late_steps += static_cast<std::uint64_t>(steps - 1);
+  return due > kMaxStepsPerCall ? Status::stale : Status::ok;
+}
+
+void UgvPlant::step_once() {
+  ++counters_.steps;
+  take_commands();
+  const Motion before = body_->motion();
+  body_->step();
+  const Motion& after = body_->motion();
+  inertia_.add(before, after);
+  if (scans_ != nullptr) lidar_.advance(world_, before, after, *scans_);
+  const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
+  if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
+  if (since_start_ns % track_period_ns_ != 0) return;
+  send_tracks(since_start_ns);
+  send_flippers();
+}
+
+void UgvPlant::take_commands() {
+  drivers::CanFrame frame;
+  for (int i = 0; i < kMaxFramesPerStep && port_->receive(frame) == Status::ok; ++i) {
+    rt::DriveCommand command;
+    std::uint8_t counter = 0;
+    const Status status = drivers::decode_drive(frame, command, counter);
+    if (status == Status::not_supported && take_flippers(frame)) continue;
+    if (status == Status::not_supported) continue;  // another node's frame
+    if (status != Status::ok) {
+      ++counters_.commands_malformed;
+      continue;
+    }
+    if (command_faults_.next(now_ns() - config_.start_ns).drop) continue;
+    if (heard_ && counter == last_counter_) {
+      ++counters_.commands_repeated;
+      continue;
+    }
+    heard_ = true;
+    last_counter_ = counter;
+    if (body_->set_command(command, now_ns()) == Status::ok) ++counters_.commands_taken;
+  }
+}
+
+// True when the frame was for the flippers, good or bad. A lost one does no harm: the next says the same.
+bool UgvPlant::take_flippers(const drivers::CanFrame& frame) {
+  if (!scene_) return false;  // the robot without forces has none
+  drivers::FlipperPairCommand command;
+  const Status status = drivers::decode_flippers(frame, command);
+  if (status == Status::not_supported) return false;
+  if (status != Status::ok) {
+    ++counters_.commands_malformed;
+  } else if (!command_faults_.next(now_ns() - config_.start_ns).drop &&
+             body_->set_flippers(command) == Status::ok) {
+    ++counters_.flipper_commands;
+  }
+  return true;
+}
+
+void UgvPlant::send_imu(rt::Nanoseconds since_start_ns) {
+  InertialTruth truth = inertia_.take();
+  const Fault fault = imu_faults_.next(since_start_ns);
+  if (fault.saturate) truth.gyr_rad_s.x = 2.0 * config_.imu.gyr_range_rad_s;
+  rt::ImuSample sample;
+  if (!imu_.read(truth, now_ns(), sample) || fault.drop) return;
+  drivers::CanFrame frames[2];
+  const std::uint16_t counter =
+      drivers::can_time_counter(sample.stamp_ns + fault.stamp_offset_ns, config_.can);
+  if (drivers::encode_imu(sample, counter, frames) != Status::ok) return;
+  send(frames, fault.duplicate);
+}
+
+void UgvPlant::send_tracks(rt::Nanoseconds since_start_ns) {
+  const Fault fault = track_faults_.next(since_start_ns);
+  if (fault.drop) return;
+  const rt::TrackSample sample = read_encoders(config_.encoder, body_->motion());
+  drivers::CanFrame frames[2];
+  const std::uint16_t counter =
+      drivers::can_time_counter(sample.stamp_ns + fault.stamp_offset_ns, config_.can);
+  if (drivers::encode_track(sample, counter, frames) != Status::ok) return;
+  send(frames, fault.duplicate);
+}
+
+void UgvPlant::send_flippers() {
+  rt::FlipperSample sample;
+  if (!body_->read_flippers(sample)) return;
+  drivers::CanFrame frames[rt::kFlippers];
+  const std::uint16_t counter = drivers::can_time_counter(sample.stamp_ns, config_.can);
+  if (drivers::encode_flipper_state(sample, counter, frames) != Status::ok) return;
+  send(frames, false);
+}
+
+void UgvPlant::send(std::span<const drivers::CanFrame> frames, bool twice) {
+  for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
+    for (const drivers::CanFrame& frame : frames) {
+      if (port_->send(frame) == Status::ok) {
+        ++counters_.frames_sent;
+      } else {
+        ++counters_.frames_refused;
+      }
+    }
+  }
+}
+
+}  // namespace sortie::hil
