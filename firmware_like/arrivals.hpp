@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When the newest samples of a stream arrived, by sequence number: chains are measured from there.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "rt/time.hpp"
+
+namespace sortie::firmware {
+
+/// The arrival times of the last `capacity` samples (a power of two). One thread notes, one other may look up
+/// what it knows to have been noted; a time that has been overwritten meanwhile is not found.
+class Arrivals {
+ public:
+  explicit Arrivals(std::uint32_t capacity) : times_(capacity) {}
+
+  /// Producer: sample number `sequence` arrived at `received_ns`. Numbers rise by one; the newest may be
+  /// noted again.
+  void note(std::uint64_t sequence, rt::Nanoseconds received_ns) {
+    // Whoever sees the new time also sees that the number before it was the newest: the old one is gone then.
+    times_[slot(sequence)].store(received_ns, std::memory_order_release);
+    end_.store(sequence + 1, std::memory_order_release);
+  }
+
+  /// False when that sample is unknown or too long ago.
+  bool find(std::uint64_t sequence, rt::Nanoseconds& received_ns) const {
+    if (sequence >= end_.load(std::memory_order_acquire)) return false;
+    received_ns = times_[slot(sequence)].load(std::memory_order_acquire);
+    return end_.load(std::memory_order_relaxed) < sequence + times_.size();
+  }
+
+ private:
+  std::size_t slot(std::uint64_t sequence) const {
+    return static_cast<std::size_t>(sequence & (times_.size() - 1));
+  }
+
+  std::vector<std::atomic<rt::Nanoseconds>> times_;
+  std::atomic<std::uint64_t> end_{};
+};
+
+}  // namespace sortie::firmware

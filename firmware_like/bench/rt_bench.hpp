@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The real-time benchmark: a program of its own (sortie-bench-rt, which links the peers) that is found, run
+// and shown here.
+#pragma once
+
+#include <iosfwd>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "firmware_like/report/svg.hpp"
+
+namespace sortie::firmware {
+
+/// How much to measure.
+struct RtBenchOptions {
+  int rounds{11};       ///< of each part
+  double slice_s{1};    ///< length of one wake-up slice
+  int core{-1};         ///< to measure on; -1: the last one
+  int load{0};          ///< busy processes beside the wake-up slices
+  std::string only;     ///< one part alone: wake, queue, count, mailbox, executive, calls, cause, load
+  std::string program;  ///< sortie-bench-rt, if it is not where a build or an installation puts it
+};
+
+/// The benchmark's program is not there or failed; commands end with exit code 4.
+class BenchRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
+/// doctor's verdict added. Throws BenchRefused with the cure.
+nlohmann::ordered_json run_rt_bench(const RtBenchOptions& options);
+
+/// The table, part by part: ours, theirs, ratio, each with its range over the rounds, and the goals.
+void print_rt_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+
+/// The same as a Markdown page, with `command` as how to get it again.
+std::string rt_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+
+/// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the period.
+Plot plot_wake_ups(const nlohmann::ordered_json& result);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Something that a run can be driven against instead of hardware: it has devices, and it knows the truth.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "firmware_like/vehicle.hpp"
+
+namespace sortie::firmware {
+
+/// A simulated robot. Its step runs on one thread, the vehicle's devices may be polled from another.
+class BenchRobot {
+ public:
+  virtual ~BenchRobot() = default;
+  /// Advances the simulation to `now_ns` of the run's clock.
+  virtual void step(rt::Nanoseconds now_ns) = 0;
+  /// Exact pose now; flags 0 if this robot has none.
+  virtual rt::TruthSample truth() const { return {}; }
+  /// The node of its bus that the vehicle's drivers use, or null.
+  virtual drivers::CanBus* vehicle_can() = 0;
+  /// One line about what was built, with its seed.
+  virtual std::string describe() const { return {}; }
+  /// Counters for the result.
+  virtual void add_counters(std::map<std::string, std::uint64_t>& counters) const {
+    static_cast<void>(counters);
+  }
+};
+
+/// Makes the bench robot of a profile, or null if the profile has none. `scans`: where its lidar delivers.
+using BenchFactory = std::function<std::unique_ptr<BenchRobot>(Profile&, drivers::ScanSink* scans)>;
+
+}  // namespace sortie::firmware

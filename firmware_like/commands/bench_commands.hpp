@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `sortie bench` can do beside sweeping the keys of a profile.
+#pragma once
+
+#include "firmware_like/commands/commands.hpp"
+
+namespace sortie::firmware {
+
+/// `bench rt`: the real-time ground beside its peers.
+void add_bench_rt(CLI::App& bench, CommandContext& context);
+/// `bench wcet`: instructions of every job.
+void add_bench_wcet(CLI::App& bench, CommandContext& context);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/commands/bench_ugv.hpp"
+
+#include "drivers/can_stub.hpp"
+#include "firmware_like/commands/bench_course.hpp"
+#include "firmware_like/vehicles/ugv_config.hpp"
+#include "firmware_like/vehicles/units.hpp"
+#include "hil/ugv_plant.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+hil::UgvConfig read_config(Profile& profile) {
+  hil::UgvConfig config;
+  const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                const char* meaning) {
+    return profile.integer(path, {fallback, low, high, unit, meaning});
+  };
+  config.seed =
+      static_cast<std::uint64_t>(whole("hil.seed", 1, 0, 1e15, "", "of all sensor noise and faults"));
+  config.hall.seed = static_cast<std::uint64_t>(whole("hil.hall_seed", 1, 0, 1e15, "", "of the furniture"));
+  config.hall.furniture = static_cast<std::uint32_t>(
+      whole("hil.furniture", config.hall.furniture, 0, 200, "", "pieces that are tried"));
+  config.hall.ramp_height_m = profile.number(
+      "hil.ramp_height_m", {config.hall.ramp_height_m, 0, 1, "m", "of the ramp across the way; 0: none"});
+  config.robot.steering_efficiency = profile.number(
+      "hil.steering_efficiency",
+      {config.robot.steering_efficiency, 0.1, 1, "", "track distance / distance of the turning centres"});
+  config.robot.slip_left = profile.number(
+      "hil.slip_left", {config.robot.slip_left, 0, 0.9, "", "share of the left belt's travel that is lost"});
+  config.robot.slip_right =
+      profile.number("hil.slip_right",
+                     {config.robot.slip_right, 0, 0.9, "", "share of the right belt's travel that is lost"});
+  config.imu.rate_hz =
+      static_cast<std::uint32_t>(whole("hil.imu_hz", config.imu.rate_hz, 1, 1000, "Hz", "must divide 1000"));
+  config.imu.gyr_bias_rad_s = profile.number(
+      "hil.gyr_bias_rad_s", {config.imu.gyr_bias_rad_s, 0, 1, "rad/s", "sigma of the switch-on bias"});
+  config.imu.loss =
+      profile.number("hil.imu_loss", {config.imu.loss, 0, 1, "", "share of samples that are not delivered"});
+  config.encoder.rate_hz = static_cast<std::uint32_t>(
+      whole("hil.encoder_hz", config.encoder.rate_hz, 1, 1000, "Hz", "must divide 1000"));
+  config.lidar.rate_hz = static_cast<std::uint32_t>(
+      whole("hil.lidar_hz", config.lidar.rate_hz, 0, 100, "Hz", "turns a second; 0: no lidar"));
+  config.lidar.rows =
+      static_cast<std::uint32_t>(whole("hil.lidar_rows", config.lidar.rows, 1, 128, "", "rows of the lidar"));
+  config.lidar.columns = static_cast<std::uint32_t>(
+      whole("hil.lidar_columns", config.lidar.columns, 1, 4096, "", "firings a turn"));
+  config.lidar.range_sigma_m =
+      profile.number("hil.lidar_sigma_m", {config.lidar.range_sigma_m, 0, 1, "m", "noise of a range"});
+  // Furniture keeps off the way that the mission drives, and the lidar sits where the vehicle believes it to
+  // be.
+  const auto route =
+      profile.points("mission.waypoints", hil::HallConfig::kMaxPath - 1, "way to drive, in order");
+  for (std::size_t i = 0; i < route.size(); ++i) config.hall.path_m[i + 1] = {route[i][0], route[i][1]};
+  if (!route.empty()) config.hall.path_points = static_cast<std::uint32_t>(route.size() + 1);
+  config.hall.path_m[0] = {config.robot.start_x_m, config.robot.start_y_m};
+  const MapMount mount = read_lidar_mount(profile);
+  for (int i = 0; i < 3; ++i) {
+    config.lidar.mount_m[i] = mount.place_m[i];
+    config.lidar.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];
+  }
+  config.robot.start_yaw_rad =
+      profile.number("hil.start_yaw_deg", {0, -360, 360, "deg", "heading at the start"}) * kDegree;
+  config.command_faults.drop =
+      profile.number("hil.command_loss", {0, 0, 1, "", "share of drive commands that are not heard"});
+  config.track_faults.drop =
+      profile.number("hil.encoder_loss", {0, 0, 1, "", "share of encoder messages that are not sent"});
+  config.imu_faults.saturate =
+      profile.number("hil.imu_saturate", {0, 0, 1, "", "share of samples with a clipped axis"});
+  read_course(profile, config);
+  return config;
+}
+
+// Plant and runtime are two nodes of one bus; the bus belongs to the plant's thread.
+class BenchUgv final : public BenchRobot {
+ public:
+  BenchUgv(const hil::UgvConfig& config, drivers::ScanSink* scans)
+      : vehicle_(bus_.attach("runtime")),
+        plant_port_(bus_.attach("plant")),
+        plant_(config, plant_port_, scans),
+        seed_(config.seed),
+        course_seed_(config.course.seed) {}
+
+  void step(rt::Nanoseconds now_ns) override {
+    bus_.advance(now_ns);
+    static_cast<void>(
+        plant_.step(now_ns));  // less than a step since the last: nothing to do; late steps are counted
+    bus_.advance(now_ns);
+  }
+  rt::TruthSample truth() const override { return plant_.truth(); }
+  drivers::CanBus* vehicle_can() override { return &vehicle_; }
+  std::string describe() const override {
+    const std::string what = "simulated ugv, seed " + std::to_string(seed_);
+    if (tracked() == nullptr)
+      return what + ", in a hall, furniture seed " + std::to_string(plant_.hall().seed);
+    return what + ", with contacts, on a course of " + std::to_string(plant_.world().size()) +
+           " solids, seed " + std::to_string(course_seed_);
+  }
+  void add_counters(std::map<std::string, std::uint64_t>& counters) const override {
+    counters["bench_frames_sent"] = plant_.counters().frames_sent;
+    counters["bench_frames_refused"] = plant_.counters().frames_refused;
+    counters["bench_commands"] = plant_.counters().commands_taken;
+    counters["bench_can_frames"] = bus_.stats().frames;
+    if (tracked() == nullptr) return;
+    const hil::PlantCounters& contacts = tracked()->plant().counters();
+    counters["bench_flipper_commands"] = plant_.counters().flipper_commands;
+    counters["bench_not_converged"] = contacts.not_converged;
+    counters["bench_rejected_steps"] = contacts.rejected;
+    counters["bench_penetration_um"] = static_cast<std::uint64_t>(1e6 * contacts.penetration_m);
+  }
+
+ private:
+  // The body with contacts, or null.
+  const hil::TrackedBody* tracked() const { return dynamic_cast<const hil::TrackedBody*>(&plant_.body()); }
+
+  drivers::CanStub bus_;
+  drivers::CanBus& vehicle_;
+  drivers::CanBus& plant_port_;
+  hil::UgvPlant plant_;
+  std::uint64_t seed_;
+  std::uint64_t course_seed_;
+};
+
+}  // namespace
+
+std::unique_ptr<BenchRobot> make_own_bench(Profile& profile, drivers::ScanSink* scans) {
+  if (!profile.has("hil") || profile.vehicle() != "ugv") return nullptr;
+  const hil::UgvConfig config = read_config(profile);
+  try {
+    return std::make_unique<BenchUgv>(config, scans);
+  } catch (const ProfileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    profile.fail("hil", error.what());
+  }
+}
+
+}  // namespace sortie::firmware

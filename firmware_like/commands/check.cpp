@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/commands/gate.hpp"
+#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/replay.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+struct CheckOptions {
+  std::string log;
+  std::string fault;
+  std::string gate;
+  std::string align{"none"};
+  bool threaded{};
+  SpanOptions span;
+  bool accept_damage{};
+  OutputOptions output;
+};
+
+// What was compared, or for an imported log only run: a part is named by its ticks, the keyframe's on.
+std::string extent(const ReplayOutcome& outcome, bool has_ticks, bool is_part) {
+  const rt::Tick last = outcome.first_tick + outcome.results.ticks - 1;
+  const std::string ticks = std::to_string(last - outcome.begin_tick + 1) + " ticks";
+  const std::uint64_t jobs = has_ticks ? outcome.compared_jobs : outcome.results.counters.at("jobs");
+  return std::to_string(jobs) + " jobs in " + ticks +
+         (is_part ? " (" + std::to_string(outcome.begin_tick) + " to " + std::to_string(last) + ")" : "");
+}
+
+int run(const CommandContext& context, const CheckOptions& options) {
+  const LogFile log(options.log);
+  if (!log.header().has_ticks && options.gate.empty()) {
+    throw InputError(options.log +
+                         ": an imported log holds no outputs to compare with; give --gate FILE, or record "
+                         "with `sortie run --record` or `sortie replay --record`",
+                     2);
+  }
+  ReplayOptions replay_options;
+  replay_options.threaded = options.threaded;
+  replay_options.must_compare = log.header().has_ticks;
+  replay_options.fault = options.fault;
+  replay_options.from = options.span.from;
+  replay_options.to = options.span.to;
+  replay_options.keyframes = options.span.keyframes;
+  replay_options.evaluation.align = parse_alignment(options.align);
+  replay_options.progress = progress_bar(options.output, "check");
+  const ReplayOutcome outcome = replay(log, context.parts.vehicles, replay_options);
+
+  std::vector<std::string> failures;
+  if (outcome.divergence) failures.push_back(describe(*outcome.divergence));
+  const std::string recorded = hex(outcome.recorded.all);
+  if (log.header().has_ticks && !outcome.divergence && recorded != outcome.results.digest) {
+    failures.push_back("the digest differs from the log's although no job does: " + recorded + " in the log");
+  }
+  for (const char* name : {"samples_missing", "samples_damaged"}) {
+    if (const auto count = outcome.results.counters.at(name); count != 0) {
+      failures.push_back(std::to_string(count) + " " + name +
+                         ": the log does not hold all that its jobs consumed");
+    }
+  }
+  if (!options.gate.empty()) {
+    for (std::string& line : check_gate(options.gate, outcome.results)) failures.push_back(std::move(line));
+  }
+
+  if (options.output.json) {
+    nlohmann::ordered_json object = to_json(outcome.results);
+    object["recorded_digest"] = log.header().has_ticks ? recorded : "";
+    object["compared_jobs"] = outcome.compared_jobs;
+    object["passed"] = failures.empty();
+    object["failures"] = failures;
+    if (outcome.divergence) {
+      object["divergence"] = {{"tick", outcome.divergence->tick}, {"group", outcome.divergence->group},
+                              {"task", outcome.divergence->task}, {"field", outcome.divergence->field},
+                              {"was", outcome.divergence->was},   {"is", outcome.divergence->is},
+                              {"jobs", outcome.diverged_jobs}};
+    }
+    std::cout << object.dump(2) << "\n";
+  } else {
+    for (const std::string& warning : outcome.results.warnings) {
+      if (warning != outcome.damage) std::cerr << "warning: " << warning << "\n";
+    }
+    for (const std::string& failure : failures) std::cout << "FAILED  " << failure << "\n";
+    if (failures.empty()) {
+      const bool is_part = !options.span.from.empty() || !options.span.to.empty();
+      std::cout << "passed  " << extent(outcome, log.header().has_ticks, is_part) << " give digest "
+                << outcome.results.digest << (log.header().has_ticks ? ", as recorded" : "") << "\n";
+    }
+  }
+  return finish_with_damage(context, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command =
+      app.add_subcommand("check", "Replay a log and compare every output with what was recorded");
+  command->footer(
+      "Examples:\n"
+      "  sortie check hall.lcm\n"
+      "  sortie check hall.lcm --gate release.toml\n"
+      "  sortie check hall.lcm --from 60 --to 70       # after `sortie index hall.lcm`: in a moment\n"
+      "  sortie check hall.lcm --fault odometry@1200   # shows that the check can fail");
+  command->add_option("log", options->log, "LCM log with ticks")->required();
+  command->add_option("--gate", options->gate, "Bounds on errors, counters, pools and times: a TOML file")
+      ->type_name("FILE");
+  command->add_option("--fault", options->fault,
+                      "Flip a bit of a task's output: task@tick or task.byte@tick");
+  command->add_flag("--threads", options->threaded, "One worker a group");
+  add_span_options(*command, options->span);
+  add_alignment_option(*command, options->align);
+  add_damage_option(*command, options->accept_damage);
+  command->add_flag("--json", options->output.json, "Print one JSON object");
+  command->add_flag("--quiet", options->output.quiet, "No progress bar");
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commands of the command line. Each add_* function declares its options and what happens when it is
+// chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "firmware_like/evaluation/evaluate.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/report/html.hpp"
+#include "firmware_like/results.hpp"
+#include "firmware_like/runtime.hpp"
+
+namespace sortie::firmware {
+
+/// What all commands share.
+struct CommandContext {
+  const ProgramParts& parts;
+  std::string command_line;       ///< as typed, for reports
+  std::function<int()> chosen{};  ///< set by the command that was chosen; returns the exit code
+};
+
+/// Options that every command with a result has.
+struct OutputOptions {
+  bool json{};
+  bool quiet{};
+  std::string out;  ///< folder for results.json, report.html, trajectories; empty: none
+};
+
+/// Adds --json, --quiet and --out to a command.
+void add_output_options(CLI::App& command, OutputOptions& options);
+/// Adds --align.
+void add_alignment_option(CLI::App& command, std::string& alignment);
+
+/// Where a command that replays begins and ends: --from, --to, --keyframes.
+struct SpanOptions {
+  std::string from;
+  std::string to;
+  std::string keyframes;
+};
+/// Adds them.
+void add_span_options(CLI::App& command, SpanOptions& options);
+
+/// A progress bar on stderr, if that is a terminal; otherwise null.
+std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
+
+/// Prints the result (table or JSON), writes the folder, tells where the report is.
+void show_results(const OutputOptions& options, const ReportInput& report);
+
+/// Adds a picture of the map, if there is one, with the path that was estimated, before any alignment.
+void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path);
+
+/// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
+/// unless its good part was declared to be enough.
+int finish_with_log(const CommandContext& context, const LogFile& log, bool accept_damage, int code);
+/// The same for a replay's ReplayOutcome::damage.
+int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
+                       int code);
+/// Adds --accept-damage.
+void add_damage_option(CLI::App& command, bool& accept_damage);
+
+void add_run(CLI::App& app, CommandContext& context);
+void add_replay(CLI::App& app, CommandContext& context);
+void add_check(CLI::App& app, CommandContext& context);
+void add_diff(CLI::App& app, CommandContext& context);
+void add_index(CLI::App& app, CommandContext& context);
+void add_import(CLI::App& app, CommandContext& context);
+void add_export(CLI::App& app, CommandContext& context);
+void add_report(CLI::App& app, CommandContext& context);
+void add_bench(CLI::App& app, CommandContext& context);
+void add_scenes(CLI::App& app, CommandContext& context);
+void add_doctor(CLI::App& app, CommandContext& context);
+void add_spy(CLI::App& app, CommandContext& context);
+void add_set(CLI::App& app, CommandContext& context);
+void add_drive(CLI::App& app, CommandContext& context);
+
+}  // namespace sortie::firmware

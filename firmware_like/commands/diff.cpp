@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/replay.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+struct DiffOptions {
+  std::string first;
+  std::string second;
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::string align{"none"};
+  bool json{};
+};
+
+// The jobs of one replay, small enough to keep: what it takes to find the first one that differs.
+struct Side {
+  ReplayOutcome outcome;
+  std::vector<rt::JobRecord> jobs;
+};
+
+Side run_side(const CommandContext& context, const std::string& path, const DiffOptions& options,
+              bool with_overrides) {
+  const LogFile log(path);
+  Side side;
+  ReplayOptions replay_options;
+  replay_options.scene = options.scene;
+  if (with_overrides) replay_options.overrides = options.overrides;
+  replay_options.evaluation.align = parse_alignment(options.align);
+  replay_options.on_job = [&side](const rt::JobRecord& record, Runtime&) { side.jobs.push_back(record); };
+  side.outcome = replay(log, context.parts.vehicles, replay_options);
+  return side;
+}
+
+std::optional<Divergence> first_divergence(const Side& first, const Side& second) {
+  const rt::Executive& executive = first.outcome.runtime->executive();
+  if (first.outcome.runtime->task_table() != second.outcome.runtime->task_table()) return std::nullopt;
+  for (std::size_t i = 0; i < std::min(first.jobs.size(), second.jobs.size()); ++i) {
+    if (first.jobs[i].group != second.jobs[i].group || first.jobs[i].tick != second.jobs[i].tick) {
+      return Divergence{
+          first.jobs[i].tick, executive.group(first.jobs[i].group).spec.name, "(schedule)", "", "", ""};
+    }
+    if (auto divergence = compare_jobs(executive, first.jobs[i], second.jobs[i])) return divergence;
+  }
+  return std::nullopt;
+}
+
+int run(const CommandContext& context, const DiffOptions& options) {
+  const Side first = run_side(context, options.first, options, false);
+  const Side second = run_side(context, options.second, options, true);
+  const Results& a = first.outcome.results;
+  const Results& b = second.outcome.results;
+  const auto divergence = first_divergence(first, second);
+  if (options.json) {
+    nlohmann::ordered_json object{
+        {"first", to_json(a)}, {"second", to_json(b)}, {"same_digest", a.digest == b.digest}};
+    if (divergence) {
+      object["divergence"] = {{"tick", divergence->tick}, {"group", divergence->group},
+                              {"task", divergence->task}, {"field", divergence->field},
+                              {"first", divergence->was}, {"second", divergence->is}};
+    }
+    std::cout << object.dump(2) << "\n";
+    return a.digest == b.digest ? 0 : 1;
+  }
+  const auto row = [](const std::string& name, double x, double y) {
+    std::printf("%-34s %16.6g  %16.6g  %+.3g\n", name.c_str(), x, y, y - x);
+  };
+  std::printf("%-34s %16s  %16s  %s\n", "", "first", "second", "difference");
+  std::printf("%-34s %s  %s  %s\n", "digest", a.digest.c_str(), b.digest.c_str(),
+              a.digest == b.digest ? "same" : "differs");
+  for (const auto& [name, value] : a.errors) {
+    if (b.errors.count(name) != 0) row(name, value, b.errors.at(name));
+  }
+  for (const TaskResult& task : a.tasks) {
+    for (const TaskResult& other : b.tasks) {
+      if (task.name != other.name) continue;
+      row(task.name + " p50_us", task.p50_us, other.p50_us);
+      row(task.name + " p99_us", task.p99_us, other.p99_us);
+      row(task.name + " max_us", task.max_us, other.max_us);
+    }
+  }
+  for (const auto& [name, value] : a.counters) {
+    if (b.counters.count(name) != 0 && b.counters.at(name) != value)
+      row(name, static_cast<double>(value), static_cast<double>(b.counters.at(name)));
+  }
+  if (divergence) std::cout << describe(*divergence) << "\n";
+  return a.digest == b.digest ? 0 : 1;
+}
+
+}  // namespace
+
+void add_diff(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<DiffOptions>();
+  CLI::App* command = app.add_subcommand(
+      "diff", "Replay two logs and show errors, timing and the first difference side by side");
+  command->footer(
+      "Exit code 0: same digest, 1: different.\n"
+      "Examples:\n"
+      "  sortie diff monday.lcm tuesday.lcm\n"
+      "  sortie diff hall.lcm hall.lcm --set map.voxel_m=0.2\n"
+      "  sortie diff walk.lcm walk.lcm --scene building_walk --set map.voxel_m=0.2 --json");
+  command->add_option("first", options->first, "LCM log")->required();
+  command->add_option("second", options->second, "LCM log; the same one shows what --set changes")
+      ->required();
+  command->add_option("--scene", options->scene, "Scene for both, if not the logs' own");
+  command->add_option("--set", options->overrides, "Override a key of the second side's profile: key=value")
+      ->take_all();
+  command->add_flag("--json", options->json, "Print one JSON object");
+  add_alignment_option(*command, options->align);
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "drivers/wire_timing.hpp"
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/exporters/candump.hpp"
+#include "firmware_like/exporters/chrome_trace.hpp"
+#include "firmware_like/exporters/csv.hpp"
+#include "firmware_like/exporters/flight_jobs.hpp"
+#include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/exporters/ply.hpp"
+#include "firmware_like/exporters/tum.hpp"
+#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/releases.hpp"
+#include "firmware_like/replay.hpp"
+#include "firmware_like/report/release_plots.hpp"
+#include "rt/posix/flight_reader.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+struct ExportOptions {
+  std::string kind;
+  std::string log;
+  std::string path;
+  std::string task;
+  ReplayOptions replay;
+  bool accept_damage{};
+  std::size_t last{20};
+};
+
+void export_tum(const CommandContext& context, const ExportOptions& options, const LogFile& log,
+                std::ostream& out) {
+  if (options.task == "truth") {
+    write_tum(out, log.truth());
+    return;
+  }
+  write_tum(out, replay(log, context.parts.vehicles, options.replay).estimate);
+}
+
+void export_ply(const CommandContext& context, const ExportOptions& options, const LogFile& log,
+                std::ostream& out) {
+  const ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
+  std::vector<CloudPoint> points;
+  outcome.runtime->vehicle().for_each_voxel([&points](double x, double y, double z, std::uint32_t count) {
+    points.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), count});
+  });
+  if (points.empty())
+    throw InputError(options.log + ": this scene keeps no map; export ply needs a scene with task map", 2);
+  write_ply(out, points);
+}
+
+// One row a job of the chosen task, all its fields.
+void export_csv(const CommandContext& context, ExportOptions& options, const LogFile& log,
+                std::ostream& out) {
+  std::unique_ptr<CsvWriter> writer;
+  bool known = false;
+  std::string names;
+  options.replay.on_job = [&](const rt::JobRecord& record, Runtime& runtime) {
+    const rt::Group& group = runtime.executive().group(record.group);
+    std::uint32_t offset = 0;
+    for (const rt::TaskBase* task : group.tasks) {
+      if (task->name() == options.task && offset + task->output_bytes() <= record.field_bytes) {
+        known = true;
+        struct Row {
+          std::vector<std::string> columns;
+          std::vector<double> values;
+        } row;
+        task->describe(
+            record.fields + offset,
+            {&row, [](void* self, const char* name, int index, double value, std::uint64_t, std::uint32_t) {
+               auto* both = static_cast<Row*>(self);
+               both->columns.push_back(index < 0 ? std::string(name)
+                                                 : std::string(name) + "_" + std::to_string(index));
+               both->values.push_back(value);
+             }});
+        if (!writer) writer = std::make_unique<CsvWriter>(out, row.columns);
+        writer->row(runtime.executive().time_of(record.tick), row.values);
+      }
+      offset += task->output_bytes();
+    }
+  };
+  const ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
+  if (known) return;
+  for (const TaskResult& task : outcome.results.tasks) names += (names.empty() ? "" : ", ") + task.name;
+  throw InputError("--task " + options.task + ": no such task; this scene has " + names, 2);
+}
+
+void export_candump(const LogFile& log, std::ostream& out) {
+  std::vector<drivers::CanFrame> frames;
+  for (const StoredEvent& event : log.channel(std::string(drivers::kChannelCan))) {
+    drivers::CanFrame frame;
+    if (drivers::decode(event.message, frame) != Status::ok) continue;
+    frame.stamp_ns += log.header().utc_minus_monotonic_ns;
+    frames.push_back(frame);
+  }
+  if (frames.empty())
+    throw InputError(log.path() + ": holds no CAN frames; record a run of a vehicle that uses CAN", 2);
+  write_candump(out, frames);
+}
+
+void export_trace(const LogFile& log, std::ostream& out) {
+  Trace trace;
+  std::vector<std::vector<std::string>> tasks;
+  std::istringstream groups(log.header().groups);
+  for (std::string line; std::getline(groups, line);) {
+    std::istringstream words(line);
+    std::string name;
+    std::string skip;
+    words >> name >> skip >> skip >> skip;
+    trace.tracks.push_back({static_cast<int>(tasks.size()), name});
+    tasks.emplace_back();
+    for (std::string task; words >> task;) tasks.back().push_back(task);
+  }
+  for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTiming))) {
+    drivers::JobTimingRecord timing;
+    if (drivers::decode(event.message, timing) != Status::ok || timing.group < 0) continue;
+    const auto group = static_cast<std::size_t>(timing.group);
+    if (group >= tasks.size()) continue;
+    std::int64_t at = timing.started_ns;
+    for (std::size_t i = 0; i < timing.duration_ns.size() && i < tasks[group].size(); ++i) {
+      trace.spans.push_back({tasks[group][i],
+                             timing.group,
+                             at,
+                             timing.duration_ns[i],
+                             {{"tick", std::to_string(timing.tick)}}});
+      at += timing.duration_ns[i];
+    }
+  }
+  if (trace.spans.empty())
+    throw InputError(log.path() + ": holds no measured times; record a run with `sortie run --record`", 2);
+  std::sort(trace.spans.begin(), trace.spans.end(),
+            [](const TraceSpan& a, const TraceSpan& b) { return a.start_ns < b.start_ns; });
+  write_chrome_trace(out, trace, trace.spans.front().start_ns);
+}
+
+void write_trace(Trace trace, const std::string& path, std::ostream& out) {
+  if (trace.spans.empty()) throw InputError(path + ": holds no job", 2);
+  std::int64_t first = trace.spans.front().start_ns;
+  for (const TraceMark& mark : trace.marks) first = std::min(first, mark.time_ns);
+  write_chrome_trace(out, trace, first);
+}
+
+int export_ring(const ExportOptions& options) {
+  try {
+    const rt::posix::FlightReader ring(options.log);
+    write_file(options.path, [&](std::ostream& out) {
+      if (options.kind == "trace") write_trace(to_trace(ring), options.log, out);
+      if (options.kind == "jobs") print_last_jobs(out, ring, options.last);
+      if (options.kind == "latency") {
+        const std::vector<GroupResult> groups = releases_of(ring);
+        if (!has_releases(groups)) throw InputError(options.log + ": holds no job", 2);
+        out << render_latency_file(groups, std::string(ring.header().scene) + ", last " +
+                                               std::to_string(ring.jobs().size()) + " jobs of " +
+                                               options.log);
+      }
+    });
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw InputError(error.what());
+  }
+  return 0;
+}
+
+int run(const CommandContext& context, ExportOptions& options) {
+  const bool for_ring = options.kind == "jobs" || options.kind == "trace" || options.kind == "latency";
+  const bool is_ring = rt::posix::FlightReader::is_ring(options.log);
+  if (options.kind == "jobs" || (for_ring && is_ring)) return export_ring(options);
+  if (is_ring)
+    throw InputError(options.log + ": is a flight ring, and holds no samples; export jobs, trace or latency",
+                     2);
+  const LogFile log(options.log);
+  write_file(options.path, [&](std::ostream& out) {
+    if (options.kind == "tum") export_tum(context, options, log, out);
+    if (options.kind == "ply") export_ply(context, options, log, out);
+    if (options.kind == "csv") export_csv(context, options, log, out);
+    if (options.kind == "candump") export_candump(log, out);
+    if (options.kind == "trace") export_trace(log, out);
+    if (options.kind == "latency")
+      out << render_latency_file(releases_of(log), log.header().scene + ", " + options.log);
+  });
+  return finish_with_log(context, log, options.accept_damage, 0);
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<ExportOptions>();
+  options->task = "odometry";
+  options->path = "-";
+  CLI::App* command = app.add_subcommand("export", "Write what a log holds in a form that other tools open");
+  command->footer(
+      "Kinds: tum (evo), ply (MeshLab, CloudCompare), csv (PlotJuggler, pandas), candump (can-utils), trace "
+      "(ui.perfetto.dev), latency (SVG), jobs (text)\n"
+      "trace, latency and jobs also read the flight ring of a run that died.\n"
+      "Examples:\n"
+      "  sortie export tum hall.lcm -o hall.tum\n"
+      "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
+      "  sortie export trace hall.lcm -o hall.trace.json\n"
+      "  sortie export latency hall.lcm -o latency.svg\n"
+      "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
+  command->add_option("kind", options->kind, "What to write")
+      ->required()
+      ->check(CLI::IsMember({"tum", "ply", "csv", "candump", "trace", "latency", "jobs"}));
+  command->add_option("log", options->log, "LCM log, or a flight ring")->required();
+  command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
+  command->add_option("-o,--output", options->path, "File; - is standard output")
+      ->type_name("FILE")
+      ->capture_default_str();
+  command->add_option("--task", options->task, "csv: whose output; tum: `truth` writes the reference")
+      ->capture_default_str();
+  add_damage_option(*command, options->accept_damage);
+  command->add_option("--scene", options->replay.scene, "Scene for imported logs");
+  command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
+      ->take_all();
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "firmware_like/commands/replay_report.hpp"
+
+namespace sortie::firmware {
+
+void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) {
+  command.add_option("log", options.log, "LCM log from `run --record` or `import`")->required();
+  command.add_option("--scene", options.replay.scene,
+                     "Another scene than the log's own; needed for imported logs");
+  command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
+      ->take_all();
+  add_span_options(command, options.span);
+  add_alignment_option(command, options.align);
+  add_damage_option(command, options.accept_damage);
+}
+
+int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
+                    const OutputOptions& output) {
+  const LogFile log(options.log);
+  options.replay.from = options.span.from;
+  options.replay.to = options.span.to;
+  options.replay.keyframes = options.span.keyframes;
+  options.replay.evaluation.align = parse_alignment(options.align);
+  options.replay.progress = progress_bar(output, "replay");
+  ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
+  ReportInput report;
+  report.results = std::move(outcome.results);
+  report.command = context.command_line;
+  report.source = options.log;
+  report.alignment = options.align;
+  add_map_plot(report, *outcome.runtime, outcome.estimate);
+  report.estimate = outcome.evaluation.pairs.estimate.empty() ? std::move(outcome.estimate)
+                                                              : std::move(outcome.evaluation.pairs.estimate);
+  report.truth = std::move(outcome.evaluation.pairs.truth);
+  report.errors = std::move(outcome.evaluation.series);
+  show_results(output, report);
+  return finish_with_damage(context, outcome.damage, options.accept_damage, 0);
+}
+
+void add_replay(CLI::App& app, CommandContext& context) {
+  struct Options {
+    ReplayReportOptions replay;
+    OutputOptions output;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("replay", "Run a log through the runtime again: errors, timing, digest");
+  command->footer(
+      "Examples:\n"
+      "  sortie replay hall.lcm\n"
+      "  sortie replay husky.lcm --scene skid_outdoor --align se2 --json\n"
+      "  sortie replay hall.lcm --from 60 --to 70\n"
+      "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
+  add_replay_report_options(*command, options->replay);
+  command->add_option("--record", options->replay.replay.record, "Write a log of this replay")
+      ->type_name("LOG");
+  command->add_flag("--threads", options->replay.replay.threaded,
+                    "One worker a group; the outputs must not change");
+  command->add_option("--fault", options->replay.replay.fault,
+                      "Flip a bit of a task's output: task@tick or task.byte@tick");
+  add_output_options(*command, options->output);
+  command->callback([&context, options] {
+    context.chosen = [&context, options] {
+      return replay_and_show(context, options->replay, options->output);
+    };
+  });
+}
+
+}  // namespace sortie::firmware

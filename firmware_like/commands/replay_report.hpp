@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A replay whose outcome is shown: what `replay` and `report` have in common.
+#pragma once
+
+#include <string>
+
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/replay.hpp"
+
+namespace sortie::firmware {
+
+/// Options of a shown replay.
+struct ReplayReportOptions {
+  std::string log;
+  bool accept_damage{};
+  ReplayOptions replay;
+  SpanOptions span;
+  std::string align{"none"};
+};
+
+/// Declares log, --scene, --set, --from, --to, --keyframes, --align and --accept-damage.
+void add_replay_report_options(CLI::App& command, ReplayReportOptions& options);
+
+/// Replays, shows the table or JSON, writes the folder. Returns the exit code. Throws InputError,
+/// ProfileError.
+int replay_and_show(const CommandContext& context, ReplayReportOptions& options, const OutputOptions& output);
+
+}  // namespace sortie::firmware

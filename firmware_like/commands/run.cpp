@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <memory>
+
+#include "drivers/lcm_url.hpp"
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/live_run.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+std::atomic<bool> interrupted{false};
+
+struct RunOptions {
+  LiveRunOptions live;
+  OutputOptions output;
+  std::string align{"none"};
+};
+
+int run(const CommandContext& context, RunOptions& options) {
+  options.live.evaluation.align = parse_alignment(options.align);
+  options.live.progress = progress_bar(options.output, "run");
+  options.live.interrupted = &interrupted;
+  std::signal(SIGINT, [](int) { interrupted.store(true); });
+  std::signal(SIGTERM, [](int) { interrupted.store(true); });
+  const LiveRunOutcome outcome = run_live(context.parts.vehicles, context.parts.bench, options.live);
+  ReportInput report;
+  report.results = outcome.results;
+  report.command = context.command_line;
+  report.source = outcome.bench;
+  report.alignment = options.align;
+  report.estimate =
+      outcome.evaluation.pairs.estimate.empty() ? outcome.estimate : outcome.evaluation.pairs.estimate;
+  report.truth = outcome.evaluation.pairs.truth;
+  report.errors = outcome.evaluation.series;
+  add_map_plot(report, *outcome.runtime, outcome.estimate);
+  show_results(options.output, report);
+  if (!outcome.flight_ring.empty()) std::cerr << "flight ring: " << outcome.flight_ring << "\n";
+  if (!options.live.record.empty()) std::cerr << "log: " << options.live.record << "\n";
+  return outcome.stopped.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, CommandContext& context) {
+  auto options = std::make_shared<RunOptions>();
+  options->live.lcm_url = std::string(drivers::kDefaultLcmUrl);
+  CLI::App* command = app.add_subcommand("run", "Run a scene live, against simulated or real devices");
+  command->footer(
+      "Examples:\n"
+      "  sortie run --scene ugv_hall --seconds 20 --record hall.lcm\n"
+      "  sortie run --scene ugv_hall --virtual --out out/hall\n"
+      "  sortie run --scene ugv_hall --can can0 --require-rt");
+  command->add_option("--scene", options->live.scene, "Scene by name, or a .toml file")->required();
+  command->add_option("--set", options->live.overrides, "Override a key of the profile: key=value")
+      ->take_all();
+  command->add_option("--seconds", options->live.seconds, "How long")
+      ->check(CLI::Range(0.01, 1e7))
+      ->capture_default_str();
+  command->add_flag("--virtual", options->live.virtual_time,
+                    "Simulated time, as fast as it goes; the same outputs every time");
+  command->add_option("--record", options->live.record, "Write an LCM log that replays to the same digest")
+      ->type_name("LOG");
+  command->add_flag("--record-fields", options->live.record_fields,
+                    "Put all outputs into the log, so that `check` can name a field");
+  command->add_option("--lcm-url", options->live.lcm_url, "Where telemetry goes; none: off")
+      ->capture_default_str();
+  command
+      ->add_option("--can", options->live.can_interface, "Real CAN interface instead of the simulated robot")
+      ->type_name("IFACE");
+  command->add_flag("--require-rt", options->live.require_realtime,
+                    "Exit 4 when the platform refuses real-time scheduling");
+  command->add_flag("!--no-rt", options->live.realtime, "Do not ask for real-time scheduling");
+  command
+      ->add_option("--flight-ring", options->live.flight_ring.path,
+                   "Keep the last ticks in FILE, where a crash cannot take them; auto: in memory, none: not")
+      ->type_name("FILE")
+      ->capture_default_str();
+  command
+      ->add_option("--flight-ticks", options->live.flight_ring.ticks, "How many ticks the flight ring keeps")
+      ->check(CLI::Range(16, 10'000'000))
+      ->capture_default_str();
+  add_alignment_option(*command, options->align);
+  add_output_options(*command, options->output);
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/runtime.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+struct SceneLine {
+  std::string name;
+  std::string vehicle;
+  std::string about;
+  std::size_t bytes{};
+  double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
+  std::string tasks;
+  ScheduleResult schedule;
+  std::vector<ChainResult> chains;
+};
+
+SceneLine measure(const CommandContext& context, const std::string& scene) {
+  const Runtime runtime(load_scene(scene), context.parts.vehicles, RuntimeStart{});
+  SceneLine line{runtime.profile().name(),
+                 runtime.profile().vehicle(),
+                 runtime.profile().about(),
+                 runtime.memory_bytes(),
+                 0,
+                 "",
+                 schedule_result(runtime.schedule(), runtime.executive()),
+                 {}};
+  for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
+  for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
+    const rt::TaskBase& task = runtime.executive().task(i);
+    line.declared_us_per_tick +=
+        static_cast<double>(task.budget_us()) / runtime.executive().group(task.group()).timing.period;
+    line.tasks += (i == 0 ? "" : " ") + std::string(task.name());
+  }
+  return line;
+}
+
+// Scenes of vehicles that this program has: an own program need not know those that the library brings.
+std::vector<std::string> runnable_scenes(const CommandContext& context) {
+  std::vector<std::string> names;
+  for (const BuiltInScene& scene : built_in_scenes()) {
+    const std::string vehicle = load_scene(scene.name).vehicle();
+    const auto& known = context.parts.vehicles;
+    if (std::any_of(known.begin(), known.end(), [&](const auto& entry) { return entry.first == vehicle; }))
+      names.emplace_back(scene.name);
+  }
+  return names;
+}
+
+// `tables`: show each scene's groups and chains as well.
+int list(const CommandContext& context, const std::vector<std::string>& scenes, bool tables, bool json) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  if (!json)
+    std::printf("%-14s %-8s %10s %14s  %-28s %s\n", "scene", "vehicle", "memory", "budget/tick", "tasks",
+                "what for");
+  std::ostringstream more;
+  for (const std::string& scene : scenes) {
+    const SceneLine line = measure(context, scene);
+    if (json) {
+      rows.push_back({{"scene", line.name},
+                      {"vehicle", line.vehicle},
+                      {"bytes", line.bytes},
+                      {"budget_us_per_tick", line.declared_us_per_tick},
+                      {"tasks", line.tasks},
+                      {"about", line.about},
+                      {"schedule", to_json(line.schedule)}});
+      rows.back()["chains"] = nlohmann::ordered_json::array();
+      for (const ChainResult& chain : line.chains) rows.back()["chains"].push_back(to_json(chain));
+    } else {
+      std::printf("%-14s %-8s %7.2f MB %11.1f us  %-28s %s\n", line.name.c_str(), line.vehicle.c_str(),
+                  static_cast<double>(line.bytes) * 1e-6, line.declared_us_per_tick, line.tasks.c_str(),
+                  line.about.c_str());
+      if (!tables) continue;
+      more << "\n" << line.name << "\n";
+      print_schedule(more, line.schedule);
+      print_chains(more, line.chains);
+    }
+  }
+  std::fputs(more.str().c_str(), stdout);
+  if (json) std::cout << nlohmann::ordered_json{{"scenes", rows}}.dump(2) << "\n";
+  return 0;
+}
+
+int show_keys(const CommandContext& context, const std::string& scene, bool json) {
+  Profile for_bench = load_scene(scene);
+  if (context.parts.bench) static_cast<void>(context.parts.bench(for_bench, nullptr));  // declares its keys
+  const Runtime runtime(load_scene(scene), context.parts.vehicles, RuntimeStart{});
+  std::vector<ProfileKey> keys = runtime.profile().keys();
+  for (const ProfileKey& key : for_bench.keys()) {
+    if (key.path.rfind("hil.", 0) == 0) keys.push_back(key);
+  }
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const ProfileKey& key : keys) {
+    if (json) {
+      rows.push_back({{"key", key.path},
+                      {"value", key.value},
+                      {"unit", key.unit},
+                      {"range", key.range},
+                      {"default", key.is_default},
+                      {"changeable", key.is_changeable},
+                      {"meaning", key.meaning}});
+    } else {
+      std::printf("%-34s = %-18s %-6s %s%s%s\n", key.path.c_str(), key.value.c_str(), key.unit.c_str(),
+                  key.meaning.c_str(), key.range.empty() ? "" : (" (" + key.range + ")").c_str(),
+                  key.is_changeable ? "; may change while running" : "");
+    }
+  }
+  if (json) std::cout << nlohmann::ordered_json{{"scene", scene}, {"keys", rows}}.dump(2) << "\n";
+  return 0;
+}
+
+int show_memory(const CommandContext& context, const std::string& scene, bool json) {
+  const Runtime runtime(load_scene(scene), context.parts.vehicles, RuntimeStart{});
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const PoolResult& pool : runtime.memory_plan()) {
+    if (json) {
+      rows.push_back({{"pool", pool.name}, {"capacity", pool.capacity}, {"bytes", pool.bytes}});
+    } else {
+      std::printf("%-16s %10llu x  %12llu bytes\n", pool.name.c_str(),
+                  static_cast<unsigned long long>(pool.capacity),
+                  static_cast<unsigned long long>(pool.bytes));
+    }
+  }
+  if (json) {
+    std::cout << nlohmann::ordered_json{{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}}
+                     .dump(2)
+              << "\n";
+  } else {
+    std::printf("%-16s %10s    %12zu bytes\n", "together", "", runtime.memory_bytes());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_scenes(CLI::App& app, CommandContext& context) {
+  struct Options {
+    std::vector<std::string> scenes;
+    std::string keys;
+    std::string memory;
+    bool json{};
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("scenes", "List the scene profiles with their memory and declared time");
+  command->footer(
+      "Examples:\n"
+      "  sortie scenes\n"
+      "  sortie scenes ugv_hall own.toml   # with the tables of groups and chains\n"
+      "  sortie scenes --keys ugv_hall\n"
+      "  sortie scenes --memory ugv_hall");
+  command->add_option(
+      "scenes", options->scenes,
+      "These scenes or .toml files only, each with its groups, their worst responses, and its chains");
+  command
+      ->add_option("--keys", options->keys,
+                   "Every key that this scene understands, with unit, range and meaning")
+      ->type_name("SCENE");
+  command->add_option("--memory", options->memory, "The memory plan of this scene, pool by pool")
+      ->type_name("SCENE");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([&context, options] {
+    context.chosen = [&context, options] {
+      if (!options->keys.empty()) return show_keys(context, options->keys, options->json);
+      if (!options->memory.empty()) return show_memory(context, options->memory, options->json);
+      const bool named = !options->scenes.empty();
+      return list(context, named ? options->scenes : runnable_scenes(context), named, options->json);
+    };
+  });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/exporters/tum.hpp"
+#include "firmware_like/report/map_plot.hpp"
+
+namespace sortie::firmware {
+
+void add_output_options(CLI::App& command, OutputOptions& options) {
+  command.add_flag("--json", options.json, "Print one JSON object instead of the table");
+  command.add_flag("--quiet", options.quiet, "No progress bar");
+  command.add_option("--out", options.out, "Folder for results.json, report.html and the trajectories")
+      ->type_name("DIR");
+}
+
+void add_alignment_option(CLI::App& command, std::string& alignment) {
+  command.add_option("--align", alignment, "What may move before errors are taken")
+      ->check(CLI::IsMember({"none", "first", "se2", "se3"}))
+      ->capture_default_str();
+}
+
+void add_damage_option(CLI::App& command, bool& accept_damage) {
+  command.add_flag("--accept-damage", accept_damage,
+                   "The good part of a damaged log is enough: do not exit with 3");
+}
+
+void add_span_options(CLI::App& command, SpanOptions& options) {
+  command
+      .add_option("--from", options.from,
+                  "Begin there: seconds since the start or @tick; the state comes from the nearest keyframe")
+      ->type_name("TIME");
+  command.add_option("--to", options.to, "End before that time or @tick")->type_name("TIME");
+  command.add_option("--keyframes", options.keyframes, "Keyframes of `index`, if not LOG.keyframes")
+      ->type_name("FILE");
+}
+
+int finish_with_log(const CommandContext& context, const LogFile& log, bool accept_damage, int code) {
+  return finish_with_damage(context, log.damage(), accept_damage, code);
+}
+
+int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
+                       int code) {
+  if (damage.empty() || accept_damage) return code;
+  std::cerr << context.parts.name << ": " << damage << "; add --accept-damage if that is enough\n";
+  return 3;
+}
+
+void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path) {
+  const std::vector<MapPoint> points = map_points(runtime.vehicle());
+  if (!points.empty()) report.more_plots.push_back(plot_map(points, path));
+}
+
+std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word) {
+  if (options.quiet || ::isatty(STDERR_FILENO) == 0) return nullptr;
+  return [word, last = -1](double share) mutable {
+    const int percent = static_cast<int>(std::lround(100 * share));
+    if (percent == last) return;
+    last = percent;
+    constexpr int kWidth = 40;
+    const int filled = percent * kWidth / 100;
+    std::fprintf(stderr, "\r%s [%s%s] %3d %%", word.c_str(),
+                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
+                 std::string(static_cast<std::size_t>(kWidth - filled), ' ').c_str(), percent);
+    if (percent >= 100) std::fputc('\n', stderr);
+  };
+}
+
+void show_results(const OutputOptions& options, const ReportInput& report) {
+  if (options.json) {
+    std::cout << to_json(report.results).dump(2) << "\n";
+  } else {
+    print_table(std::cout, report.results, wants_colour(STDOUT_FILENO));
+  }
+  if (options.out.empty()) return;
+  std::filesystem::create_directories(options.out);
+  write_file(options.out + "/results.json",
+             [&report](std::ostream& out) { out << to_json(report.results).dump(2) << "\n"; });
+  const auto write_trajectory = [&options](const char* name, const std::vector<TimedPose>& trajectory) {
+    if (trajectory.empty()) return;
+    write_file(options.out + name, [&trajectory](std::ostream& out) { write_tum(out, trajectory); });
+  };
+  write_trajectory("/trajectory.tum", report.estimate);
+  write_trajectory("/truth.tum", report.truth);
+  write_report(options.out + "/report.html", report);
+  std::cerr << "report: " << options.out << "/report.html\n";
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/doctor/run_doctor.hpp"
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "drivers/wire_records.hpp"
+
+namespace sortie::firmware {
+namespace {
+
+constexpr const char* kKind = "doctor";
+
+void write(FlightRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
+           rt::Nanoseconds run_time_ns) {
+  drivers::EventRecord event;
+  event.utime = run_time_ns / rt::kNanosecondsPerMicrosecond;
+  event.tick = (run_time_ns - executive.epoch_ns()) / executive.base_tick_ns();
+  event.kind = kKind;
+  event.subject = report.machine;
+  for (const Finding& finding : report.findings) event.value += finding.verdict == Health::bad ? 1 : 0;
+  event.text = to_json(report).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::vector<std::uint8_t> message(256 + event.kind.size() + event.subject.size() + event.text.size());
+  std::size_t size = 0;
+  if (drivers::encode(event, message, size) == Status::ok)
+    recorder.sample(std::string(drivers::kChannelEvent), run_time_ns, {message.data(), size});
+}
+
+}  // namespace
+
+RunDoctor::RunDoctor() : doctor_({}), before_(doctor_.report()) {}
+
+void RunDoctor::begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency) {
+  write(recorder, executive, before_, executive.epoch_ns());
+  if (hold_latency) hold_ = std::make_unique<rt::posix::CpuLatencyHold>();
+}
+
+DoctorReport RunDoctor::finish(const rt::Executive& executive, FlightRecorder& recorder,
+                               rt::Nanoseconds run_time_ns) const {
+  DoctorReport report = doctor_.report();
+  write(recorder, executive, report, run_time_ns);
+  return report;
+}
+
+std::string RunDoctor::warning() const { return hold_ && !hold_->result().ok ? hold_->result().reason : ""; }
+
+DoctorReport recorded_doctor(const LogFile& log) {
+  DoctorReport report;
+  report.present = true;
+  report.note = "not known: the log does not hold what the doctor said about the machine that recorded it";
+  for (const StoredEvent& stored : log.channel(std::string(drivers::kChannelEvent))) {
+    drivers::EventRecord event;
+    if (drivers::decode(stored.message, event) != Status::ok || event.kind != kKind) continue;
+    try {
+      report = doctor_from_json(nlohmann::ordered_json::parse(event.text));
+      report.note =
+          "of the machine that recorded the log; the times of this replay are those of this machine";
+    } catch (const std::exception&) {
+      report.note = "not known: what the log says about the machine that recorded it is damaged";
+    }
+  }
+  return report;
+}
+
+}  // namespace sortie::firmware

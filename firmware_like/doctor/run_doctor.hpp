@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The doctor of a run: looks before and after, puts its findings into the log, and keeps idle states off in
+// between.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware_like/doctor/doctor.hpp"
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/log_file.hpp"
+#include "rt/posix/cpu_latency.hpp"
+
+namespace sortie::firmware {
+
+/// Lives as long as the run.
+class RunDoctor {
+ public:
+  /// Looks. Takes some tens of milliseconds on a busy machine, so do it before the time of tick 0 is chosen.
+  RunDoctor();
+  /// Writes what was seen to the log as an event of kind "doctor" and, if `hold_latency`, holds idle states
+  /// off.
+  void begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency);
+
+  /// Looks again, now with rates of interrupts and stolen time over the run; writes that to the log, too.
+  DoctorReport finish(const rt::Executive& executive, FlightRecorder& recorder,
+                      rt::Nanoseconds run_time_ns) const;
+  /// Empty, or why idle states could not be held off.
+  std::string warning() const;
+
+ private:
+  Doctor doctor_;
+  DoctorReport before_;
+  std::unique_ptr<rt::posix::CpuLatencyHold> hold_;
+};
+
+/// What the doctor said about the machine that recorded a log; a note instead where the log does not hold it.
+DoctorReport recorded_doctor(const LogFile& log);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From two trajectories to the `errors` of a result: association, alignment, and every error that the truth
+// allows.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/evaluation/errors.hpp"
+#include "firmware_like/evaluation/trajectory.hpp"
+
+namespace sortie::firmware {
+
+/// How to judge.
+struct EvaluationOptions {
+  Alignment align{Alignment::none};
+  AssociationOptions association;
+  /// Path length between the poses of a relative error; 0: 10, 1 or 0.1 m, the longest that gives ten of
+  /// them.
+  double rpe_delta_m{0.0};
+};
+
+/// One point of an error plot. A figure that the truth does not allow is NaN.
+struct ErrorSample {
+  double time_s{};  ///< since the first pair
+  double position_m{};
+  double inclination_deg{};
+  double heading_deg{};
+};
+
+/// Errors by name, and what a plot needs.
+struct Evaluation {
+  /// ate_{rmse,mean,median,max}_m, ate_n; rpe_rmse_m, rpe_rmse_deg, rpe_n, rpe_delta_m;
+  /// inclination_{rmse,max}_deg, heading_{rmse,max}_deg, orientation_n; drift_horizontal_percent,
+  /// drift_vertical_percent, distance_m. Only what the truth allows is present.
+  std::map<std::string, double> errors;
+  PairedTrajectories pairs;  ///< estimate aligned
+  RigidTransform alignment;
+  std::vector<ErrorSample> series;
+};
+
+/// Judges `estimate` by `truth`. Both are tidied first. Without a common stamp `errors` holds only ate_n = 0.
+Evaluation evaluate(Trajectory estimate, Trajectory truth, const EvaluationOptions& options = {});
+
+}  // namespace sortie::firmware

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Events of a live run on their way to who wants to know.
+#pragma once
+
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/run_flight_ring.hpp"
+#include "firmware_like/runtime.hpp"
+#include "firmware_like/telemetry.hpp"
+#include "rt/posix/live_runner.hpp"
+
+namespace sortie::firmware {
+
+/// Events of the workers and the supervisor, on their way to the log, to telemetry and to the closing table.
+class EventDesk {
+ public:
+  EventDesk(const Runtime& runtime, FlightRecorder& recorder, Telemetry& telemetry, RunFlightRing& ring,
+            rt::Nanoseconds utc_minus_run_ns)
+      : runtime_(runtime),
+        recorder_(recorder),
+        telemetry_(telemetry),
+        ring_(ring),
+        utc_minus_run_ns_(utc_minus_run_ns) {}
+
+  /// Takes all events that wait. From one thread that is not real-time.
+  void take(rt::posix::LiveRunner& runner);
+  RunFlightRing& ring() { return ring_; }
+  std::uint64_t count{};
+
+ private:
+  const Runtime& runtime_;
+  FlightRecorder& recorder_;
+  Telemetry& telemetry_;
+  RunFlightRing& ring_;
+  rt::Nanoseconds utc_minus_run_ns_;
+};
+
+}  // namespace sortie::firmware

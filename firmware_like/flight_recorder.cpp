@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/flight_recorder.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+namespace sortie::firmware {
+
+FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& options,
+                               const drivers::LogHeader& header)
+    : runtime_(runtime), options_(options), current_(std::make_unique<rt::JobRecord>()) {
+  const rt::Executive& executive = runtime.executive();
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
+    slots_.push_back(std::make_unique<rt::JobRecord[]>(options.jobs_per_group));
+    rings_.push_back(
+        std::make_unique<rt::SpscSpanRing<rt::JobRecord>>(slots_.back().get(), options.jobs_per_group));
+    histograms_.emplace_back(executive.group(i).tasks.size());
+  }
+  missed_.resize(executive.group_count());
+  whole_.resize(executive.group_count());
+  if (options.path.empty()) return;
+  writer_ = std::make_unique<drivers::LcmLogWriter>(options.path);
+  buffer_.resize(drivers::encoded_bytes(header) + sizeof(rt::JobRecord) + 1024);
+  std::size_t size = 0;
+  if (drivers::encode(header, buffer_, size) != Status::ok) {
+    throw std::runtime_error(options.path +
+                             ": the log's header cannot be encoded; a text in the profile holds a zero byte");
+  }
+  append(drivers::kChannelHeader, header.epoch_ns / 1000, {buffer_.data(), size});
+  if (!writer_->error().empty()) throw std::runtime_error(writer_->error());
+}
+
+FlightRecorder::~FlightRecorder() { stop(); }
+
+void FlightRecorder::job(const rt::JobRecord& record) {
+  if (!rings_[record.group]->try_push(record)) lost_jobs_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void FlightRecorder::sample(const std::string& channel, rt::Nanoseconds stamp_ns,
+                            std::span<const std::uint8_t> message) {
+  if (!writer_) return;
+  const std::lock_guard lock(samples_mutex_);
+  const std::size_t cost = sizeof(QueuedSample) + message.size();
+  if (waiting_bytes_ + cost > options_.sample_bytes) {
+    lost_samples_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  waiting_bytes_ += cost;
+  samples_.push_back({channel, stamp_ns / 1000, {message.begin(), message.end()}});
+}
+
+void FlightRecorder::append(std::string_view channel, std::int64_t stamp_us,
+                            std::span<const std::uint8_t> bytes) {
+  // A file that cannot take more says so in error(), counts every refusal, and keeps what it has.
+  static_cast<void>(writer_->append(channel, stamp_us, bytes));
+}
+
+void FlightRecorder::write_gap(rt::Tick tick, std::uint64_t lost, const char* reason) {
+  std::size_t size = 0;
+  const drivers::GapRecord gap{static_cast<std::int64_t>(tick), -1, static_cast<std::int64_t>(lost), reason};
+  if (drivers::encode(gap, buffer_, size) == Status::ok) {
+    append(drivers::kChannelGap, runtime_.executive().time_of(tick) / 1000, {buffer_.data(), size});
+  }
+}
+
+void FlightRecorder::write_job(const rt::JobRecord& record) {
+  drivers::StreamTake streams[rt::kMaxStreamsPerGroup];
+  drivers::ChannelTake channels[rt::kMaxInputsPerGroup];
+  drivers::TaskOutput outputs[rt::kMaxTasksPerGroup];
+  for (std::uint32_t i = 0; i < record.streams; ++i) {
+    streams[i] = {static_cast<std::int16_t>(record.stream[i].stream),
+                  static_cast<std::int64_t>(record.stream[i].first),
+                  static_cast<std::int32_t>(record.stream[i].count)};
+  }
+  for (std::uint32_t i = 0; i < record.inputs; ++i)
+    channels[i] = {record.input[i].first, record.input[i].last};
+  for (std::uint32_t i = 0; i < record.tasks; ++i) {
+    outputs[i] = {record.digest[i], static_cast<std::int32_t>(record.units[i])};
+  }
+  const drivers::TickView view{static_cast<std::int64_t>(record.tick),
+                               static_cast<std::int64_t>(record.job),
+                               record.group,
+                               static_cast<std::int8_t>(record.verdict),
+                               static_cast<std::int8_t>(record.level),
+                               static_cast<std::int16_t>(record.shed),
+                               static_cast<std::int16_t>(record.cut),
+                               {streams, record.streams},
+                               {channels, record.inputs},
+                               {outputs, record.tasks},
+                               {record.fields, options_.write_fields ? record.field_bytes : 0}};
+  std::size_t size = 0;
+  const rt::Nanoseconds released = runtime_.executive().time_of(record.tick);
+  if (drivers::encode(view, buffer_, size) == Status::ok) {
+    append(drivers::kChannelTick, released / 1000, {buffer_.data(), size});
+    // More entries than events fit into the writer's buffer: older ones are on the disk.
+    constexpr std::size_t kMost = 1u << 14;
+    if (written_jobs_.size() == kMost)
+      written_jobs_.erase(written_jobs_.begin(), written_jobs_.begin() + kMost / 2);
+    const rt::Tick before = written_jobs_.empty() ? 0 : written_jobs_.back().newest;
+    written_jobs_.push_back({writer_->events() - 1, std::max(before, record.tick)});
+  }
+  const drivers::JobTiming timing{
+      view.tick, view.group, record.started_ns, {record.duration_ns, record.tasks}};
+  if (drivers::encode(timing, buffer_, size) == Status::ok) {
+    append(drivers::kChannelTiming, released / 1000, {buffer_.data(), size});
+  }
+}
+
+void FlightRecorder::drain() {
+  // Jobs that wait now are counted first, then all samples are written, then those jobs: so a sample always
+  // stands in the log before the job that consumed it.
+  std::uint32_t ready[rt::kMaxGroups]{};
+  for (std::size_t group = 0; group < rings_.size(); ++group) ready[group] = rings_[group]->size();
+  // What is lost from here on can only touch jobs behind the newest that every group has in the log by now.
+  const rt::Tick whole_until = *std::min_element(whole_.begin(), whole_.end());
+  std::vector<QueuedSample> samples;
+  {
+    const std::lock_guard lock(samples_mutex_);
+    samples.swap(samples_);
+    waiting_bytes_ = 0;
+  }
+  for (const QueuedSample& queued : samples) append(queued.channel, queued.stamp_us, queued.bytes);
+  for (std::size_t group = 0; group < rings_.size(); ++group) {
+    for (std::uint32_t i = 0; i < ready[group] && rings_[group]->try_pop(*current_); ++i) {
+      {
+        const std::lock_guard lock(statistics_);
+        for (std::uint32_t task = 0; task < current_->tasks; ++task) {
+          histograms_[group][task].record(current_->duration_ns[task]);
+        }
+        if (current_->verdict == rt::Verdict::missed) ++missed_[group];
+      }
+      if (options_.on_job) options_.on_job(*current_);
+      whole_[group] = current_->tick + 1;
+      if (writer_) write_job(*current_);
+    }
+  }
+  if (!writer_) return;
+  if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
+    write_gap(whole_until, lost - reported_jobs_, "jobs were lost: the disk was too slow");
+    reported_jobs_ = lost;
+  }
+  if (const std::uint64_t lost = lost_samples_.load(); lost != reported_samples_) {
+    write_gap(whole_until, lost - reported_samples_, "samples were lost: the disk was too slow");
+    reported_samples_ = lost;
+  }
+}
+
+void FlightRecorder::close_log() {
+  static_cast<void>(writer_->flush());
+  if (!writer_->error().empty()) {
+    // The file ends with what the disk took; a last event says in it that more was meant to come.
+    rt::Tick end = 0;
+    for (const WrittenJob& job : written_jobs_) {
+      if (job.event < writer_->events()) end = job.newest + 1;
+    }
+    std::size_t size = 0;
+    const auto lost = static_cast<std::int64_t>(writer_->lost() + writer_->refused());
+    const drivers::GapRecord gap{static_cast<std::int64_t>(end), -1, lost,
+                                 "events were lost: the disk was full or failed"};
+    if (drivers::encode(gap, buffer_, size) == Status::ok) {
+      static_cast<void>(writer_->append_last(drivers::kChannelGap, runtime_.executive().time_of(end) / 1000,
+                                             {buffer_.data(), size}));  // no room: error() still tells
+    }
+  }
+  static_cast<void>(writer_->close());  // what went wrong stands in error()
+}
+
+void FlightRecorder::start() {
+  thread_ = std::thread([this] {
+    for (int round = 1; !stop_.load(std::memory_order_relaxed); ++round) {
+      drain();
+      if (writer_ && round % 200 == 0) static_cast<void>(writer_->start_writeback());  // about once a second
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+}
+
+void FlightRecorder::stop() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+  drain();
+  if (writer_) close_log();
+}
+
+std::vector<drivers::TaskTiming> FlightRecorder::timings() const {
+  std::vector<drivers::TaskTiming> result;
+  const rt::Executive& executive = runtime_.executive();
+  const std::lock_guard lock(statistics_);
+  for (std::uint32_t group = 0; group < executive.group_count(); ++group) {
+    for (std::uint32_t i = 0; i < executive.group(group).tasks.size(); ++i) {
+      const rt::TaskBase& task = *executive.group(group).tasks[i];
+      const rt::LatencyHistogram& wall = histograms_[group][i];
+      result.push_back({task.name(), static_cast<std::int64_t>(wall.count()),
+                        static_cast<std::int64_t>(missed_[group]),
+                        static_cast<double>(wall.percentile(0.5)) * 1e-3,
+                        static_cast<double>(wall.percentile(0.99)) * 1e-3,
+                        static_cast<double>(wall.max()) * 1e-3, static_cast<double>(task.budget_us())});
+    }
+  }
+  return result;
+}
+
+std::string FlightRecorder::error() const {
+  if (writer_ && !writer_->error().empty()) return writer_->error();
+  if (lost_jobs() + lost_samples() != 0) {
+    return "the log has gaps: " + std::to_string(lost_jobs()) + " jobs and " +
+           std::to_string(lost_samples()) +
+           " samples were lost before the disk took them; use a faster disk, or leave out --record-fields";
+  }
+  return {};
+}
+
+drivers::LogHeader make_header(const Runtime& runtime, const std::string& source,
+                               rt::Nanoseconds utc_minus_run) {
+  drivers::LogHeader header;
+  header.version = version();
+  header.compiler = compiler_description();
+  header.vehicle = runtime.profile().vehicle();
+  header.scene = runtime.profile().name();
+  header.scene_toml = runtime.profile().canonical();
+  header.scene_hash = static_cast<std::int64_t>(runtime.profile().hash());
+  header.base_tick_ns = runtime.executive().base_tick_ns();
+  header.epoch_ns = runtime.executive().epoch_ns();
+  header.utc_minus_monotonic_ns = utc_minus_run;
+  header.has_ticks = true;
+  for (int i = 0; i < 3; ++i) header.initial_p[i] = runtime.initial_pose().p_world_body_m[i];
+  for (int i = 0; i < 4; ++i) header.initial_q[i] = runtime.initial_pose().q_world_body[i];
+  header.groups = runtime.group_table();
+  header.tasks = runtime.task_table();
+  header.source = source;
+  return header;
+}
+
+std::string version() { return SORTIE_VERSION; }
+
+}  // namespace sortie::firmware

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Takes the jobs of a run from the workers and the samples from the drivers; keeps the statistics that
+// telemetry shows and, if asked, writes the log.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/lcm_log.hpp"
+#include "drivers/wire_telemetry.hpp"
+#include "drivers/wire_timing.hpp"
+#include "firmware_like/input_port.hpp"
+#include "firmware_like/runtime.hpp"
+#include "rt/spsc_ring.hpp"
+
+namespace sortie::firmware {
+
+/// How much waits for the disk before something is lost.
+struct RecorderOptions {
+  std::string path;                                  ///< empty: no log, statistics only
+  std::uint32_t jobs_per_group{1024};                ///< a power of two
+  bool write_fields{};                               ///< put the outputs' fields into the log
+  std::function<void(const rt::JobRecord&)> on_job;  ///< on the draining thread, for every job
+  std::size_t sample_bytes{std::size_t{32} << 20};   ///< of samples that wait for the disk
+};
+
+/// Queues in front of a log. Workers call job(), drivers sample(), and neither waits for the disk; a thread
+/// of its own writes. What does not fit is lost, counted, and said in the log as a GAP.
+class FlightRecorder final : public SampleSink {
+ public:
+  /// Opens the log and writes its header. Throws std::runtime_error when the file cannot be made.
+  FlightRecorder(const Runtime& runtime, const RecorderOptions& options, const drivers::LogHeader& header);
+  ~FlightRecorder() override;
+
+  /// Sink for Executive::set_sink(). Real-time safe; one thread a group.
+  rt::JobSink job_sink() {
+    return {this,
+            [](void* self, const rt::JobRecord& record) { static_cast<FlightRecorder*>(self)->job(record); }};
+  }
+  /// From any driver thread.
+  void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
+              std::span<const std::uint8_t> message) override;
+
+  /// Starts the writing thread; stop() drains what waits, closes the file and reports.
+  void start();
+  void stop();
+  /// Without the thread: writes what waits now. For runs on a virtual clock.
+  void drain();
+
+  /// Timing of each task so far, in table order. Any thread.
+  std::vector<drivers::TaskTiming> timings() const;
+  std::uint64_t lost_jobs() const { return lost_jobs_.load(); }
+  std::uint64_t lost_samples() const { return lost_samples_.load(); }
+  std::uint64_t bytes() const { return writer_ ? writer_->bytes() : 0; }
+  std::uint64_t events() const { return writer_ ? writer_->events() : 0; }
+  /// Empty, or why the log is not whole.
+  std::string error() const;
+
+ private:
+  struct QueuedSample {
+    std::string channel;
+    std::int64_t stamp_us;
+    std::vector<std::uint8_t> bytes;
+  };
+
+  void job(const rt::JobRecord& record);
+  void write_job(const rt::JobRecord& record);
+  void write_gap(rt::Tick tick, std::uint64_t lost, const char* reason);
+  void close_log();
+  void append(std::string_view channel, std::int64_t stamp_us, std::span<const std::uint8_t> bytes);
+
+  const Runtime& runtime_;
+  RecorderOptions options_;
+  std::unique_ptr<drivers::LcmLogWriter> writer_;
+  std::vector<std::unique_ptr<rt::JobRecord[]>> slots_;
+  std::vector<std::unique_ptr<rt::SpscSpanRing<rt::JobRecord>>> rings_;
+  std::vector<std::vector<rt::LatencyHistogram>> histograms_;  // by group, by task
+  std::vector<std::uint64_t> missed_;                          // by group
+  std::vector<rt::Tick> whole_;  // by group: the log holds all its jobs before this tick
+  mutable std::mutex statistics_;
+  std::mutex samples_mutex_;
+  std::vector<QueuedSample> samples_;
+  std::size_t waiting_bytes_{};
+  std::vector<std::uint8_t> buffer_;
+  std::unique_ptr<rt::JobRecord> current_;
+  /// Newest job ticks in the log by the number of their event: what is left of it when the disk is full.
+  struct WrittenJob {
+    std::uint64_t event;
+    rt::Tick newest;
+  };
+  std::vector<WrittenJob> written_jobs_;
+  std::atomic<std::uint64_t> lost_jobs_{};
+  std::atomic<std::uint64_t> lost_samples_{};
+  std::uint64_t reported_jobs_{};
+  std::uint64_t reported_samples_{};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// The header of a log of this runtime. `has_ticks`: jobs follow.
+drivers::LogHeader make_header(const Runtime& runtime, const std::string& source,
+                               rt::Nanoseconds utc_minus_run);
+
+/// Version text of this build: number and, if known, the revision.
+std::string version();
+
+}  // namespace sortie::firmware

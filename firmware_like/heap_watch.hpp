@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The link between a run and the heap trap. The trap replaces malloc for a whole program, so only the program
+// knows it; the library asks here.
+#pragma once
+
+#include <cstdint>
+
+namespace sortie::firmware {
+
+/// What a program that links a heap trap tells the library. Both may be null: then heap calls are not
+/// counted.
+struct HeapWatch {
+  void (*arm)(bool on){};      ///< for the calling thread
+  std::uint64_t (*calls)(){};  ///< heap calls of armed threads since the program started
+};
+
+/// Set once at start-up, before any run.
+void set_heap_watch(HeapWatch watch);
+HeapWatch heap_watch();
+
+}  // namespace sortie::firmware

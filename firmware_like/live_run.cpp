@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/live_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "drivers/can_socket.hpp"
+#include "firmware_like/chain_watch.hpp"
+#include "firmware_like/doctor/run_doctor.hpp"
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/heap_watch.hpp"
+#include "firmware_like/live_threads.hpp"
+#include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/telemetry.hpp"
+#include "rt/posix/clock.hpp"
+#include "rt/posix/fast_clock.hpp"
+#include "rt/posix/realtime.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+bool is_interrupted(const LiveRunOptions& options) {
+  return options.interrupted != nullptr && options.interrupted->load();
+}
+
+// Returns the number of ticks that were run.
+rt::Tick run_in_virtual_time(Runtime& runtime, Surroundings& surroundings, FlightRecorder& recorder,
+                             ParameterDesk& desk, const LiveRunOptions& options, rt::Tick last) {
+  runtime.executive().set_guard(heap_watch().arm);
+  BenchFeed feed(surroundings, runtime, recorder, desk);
+  constexpr rt::Tick kChunk = 256;
+  for (rt::Tick tick = 0; tick <= last; tick += kChunk) {
+    if (is_interrupted(options)) return tick;
+    rt::run_virtual(runtime.executive(), feed, tick, std::min(last, tick + kChunk - 1));
+    if (options.progress) options.progress(static_cast<double>(tick) / static_cast<double>(last + 1));
+  }
+  return last + 1;
+}
+
+struct RunClock {
+  rt::Nanoseconds start_ns;
+};
+
+}  // namespace
+
+LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& bench_factory,
+                        const LiveRunOptions& options) {
+  LiveRunOutcome outcome;
+  outcome.runtime =
+      std::make_unique<Runtime>(load_scene(options.scene, options.overrides), vehicles, RuntimeStart{});
+  Runtime& runtime = *outcome.runtime;
+  rt::Executive& executive = runtime.executive();
+
+  Profile for_bench = load_scene(options.scene, options.overrides);
+  std::unique_ptr<BenchRobot> bench = bench_factory && options.can_interface.empty()
+                                          ? bench_factory(for_bench, runtime.vehicle().scan_sink())
+                                          : nullptr;
+  if (bench) {  // without one, nobody has declared what [hil] may hold
+    for_bench.refuse_unknown_keys("hil");
+    outcome.bench = bench->describe();
+  }
+
+  rt::posix::start_fast_clock();
+  RunDoctor doctor;
+  // Locked now, because locking takes long; the workers ask again and tell what was refused.
+  const bool locks = !options.virtual_time && options.realtime;
+  if (locks) static_cast<void>(rt::posix::lock_memory());
+  RunClock clock{rt::posix::monotonic_now() + (options.virtual_time ? 0 : start_lead(runtime, locks))};
+  const rt::Nanoseconds utc_minus_run = rt::posix::utc_minus_monotonic() + clock.start_ns;
+  PoseCollector collector(runtime);
+  RecorderOptions recording;
+  recording.path = options.record;
+  recording.write_fields = options.record_fields;
+  ChainWatch chains(runtime, !options.virtual_time);
+  recording.on_job = [&collector, &chains](const rt::JobRecord& record) {
+    collector.job(record);
+    chains.job(record);
+  };
+  FlightRecorder recorder(runtime, recording,
+                          make_header(runtime, bench ? bench->describe() : "live devices",
+                                      options.virtual_time ? 0 : utc_minus_run));
+  if (!options.record.empty()) {
+    for (const auto& port : runtime.parts().ports()) port->set_sink(&recorder);
+  }
+  drivers::SocketCan can;
+  if (!options.can_interface.empty()) {
+    drivers::SocketCanConfig config;
+    config.interface = options.can_interface;
+    config.epoch_ns = clock.start_ns;
+    std::string problem;
+    if (can.open(config, problem) != Status::ok)
+      throw ProfileError("--can " + options.can_interface + ": " + problem);
+  }
+  Surroundings surroundings(runtime, bench.get(), options.can_interface.empty() ? nullptr : &can, recorder,
+                            !options.record.empty());
+  RunFlightRing ring(runtime, options.flight_ring, options.virtual_time, clock.start_ns,
+                     utc_minus_run - clock.start_ns);
+  executive.set_sink(ring.before(recorder.job_sink()));
+  doctor.begin(executive, recorder, !options.virtual_time && options.realtime);
+  executive.set_record_fields(true);
+  executive.set_clock(
+      [](void* self) { return rt::posix::fast_now() - static_cast<RunClock*>(self)->start_ns; }, &clock);
+
+  const HeapWatch heap = heap_watch();
+  const std::uint64_t heap_before = heap.calls != nullptr ? heap.calls() : 0;
+  const auto length = std::llround(options.seconds * 1e9 / static_cast<double>(executive.base_tick_ns()));
+  const auto last = static_cast<rt::Tick>(std::max(length, 1LL) - 1);  // one tick at least
+  ParameterDesk parameters(runtime);
+  Telemetry telemetry(runtime, recorder, parameters, options.lcm_url, utc_minus_run);
+  std::vector<std::string> warnings;
+  if (!telemetry.problem().empty()) warnings.push_back(telemetry.problem());
+  warnings.insert(warnings.end(), ring.warnings().begin(), ring.warnings().end());
+  if (!doctor.warning().empty()) warnings.push_back(doctor.warning());
+  const auto began = std::chrono::steady_clock::now();
+  rt::Tick ticks = 0;
+  LiveMeasured live;
+  if (options.virtual_time) {
+    if (!bench)
+      throw ProfileError(options.scene + ": --virtual needs a scene with a simulated robot ([hil])");
+    ticks = run_in_virtual_time(runtime, surroundings, recorder, parameters, options, last);
+  } else {
+    if (const std::string note = parameters.open(options.lcm_url); !note.empty()) warnings.push_back(note);
+    recorder.start();
+    telemetry.start();
+    EventDesk desk(runtime, recorder, telemetry, ring, utc_minus_run);
+    live =
+        run_in_real_time({runtime, surroundings, parameters, recorder, desk}, options, clock.start_ns, last);
+    ticks = live.ticks;
+    telemetry.stop();
+    if (options.require_realtime && !live.warnings.empty()) throw RealtimeRefused(live.warnings.front());
+    warnings.insert(warnings.end(), live.warnings.begin(), live.warnings.end());
+    outcome.stopped = live.stopped;
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  ring.finish(executive.time_of(ticks));
+  if (ring.stays()) outcome.flight_ring = ring.path();
+  DoctorReport health = doctor.finish(executive, recorder, executive.time_of(ticks));
+  recorder.stop();
+
+  outcome.estimate = collector.poses.take();
+  outcome.truth = surroundings.truth.take();
+  tidy(outcome.estimate);
+  tidy(outcome.truth);
+  if (!outcome.truth.empty() && !outcome.estimate.empty()) {
+    outcome.evaluation = evaluate(outcome.estimate, outcome.truth, options.evaluation);
+  }
+  Results& results = outcome.results;
+  results = collect_results(runtime, ticks);
+  results.counters.insert(live.counters.begin(), live.counters.end());
+  chains.add_to(results);
+  for (std::size_t i = 0; i < live.groups.size(); ++i) {
+    results.groups[i].spinning = live.groups[i].spinning;
+    results.groups[i].margin_us = live.groups[i].margin_us;
+    results.groups[i].stack_bytes = live.groups[i].stack_bytes;
+    results.groups[i].delays = std::move(live.groups[i].delays);
+  }
+  if (!outcome.stopped.empty()) results.warnings.push_back(outcome.stopped);
+  results.errors = outcome.evaluation.errors;
+  results.duration_s = static_cast<double>(ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
+  results.speed = wall > 0 ? results.duration_s / wall : 0;
+  if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
+  results.counters["log_events"] = recorder.events();
+  results.counters["log_bytes"] = recorder.bytes();
+  results.counters["log_lost_jobs"] = recorder.lost_jobs();
+  results.counters["log_lost_samples"] = recorder.lost_samples();
+  results.counters["lcm_published"] = telemetry.counters().published;
+  results.counters["lcm_dropped"] = telemetry.counters().dropped;
+  if (!runtime.parts().parameters().all.empty())
+    add_counters("parameters_", parameters.counters(), results.counters);
+  if (parameters.drive().wanted()) add_counters("requests_", parameters.drive().counters(), results.counters);
+  if (bench) bench->add_counters(results.counters);
+  if (const std::string problem = recorder.error(); !problem.empty()) warnings.push_back(problem);
+  results.warnings.insert(results.warnings.end(), warnings.begin(), warnings.end());
+  results.doctor = std::move(health);
+  return outcome;
+}
+
+}  // namespace sortie::firmware

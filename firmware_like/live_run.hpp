@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A run on devices or on a bench robot, on the real clock or on a virtual one.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware_like/bench_robot.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
+#include "firmware_like/run_flight_ring.hpp"
+#include "firmware_like/runtime.hpp"
+
+namespace sortie::firmware {
+
+/// How to run.
+struct LiveRunOptions {
+  std::string scene;
+  std::vector<std::string> overrides;
+  double seconds{10};       ///< length; the run also ends when `interrupted` is set
+  bool virtual_time{};      ///< as fast as the processor allows; needs a bench robot; same outputs every time
+  bool realtime{true};      ///< ask for SCHED_FIFO and locked memory
+  bool require_realtime{};  ///< a refusal of those is an error, not a warning
+  std::string record;       ///< LCM log to write, or empty
+  bool record_fields{};     ///< with the outputs' fields
+  std::string lcm_url;      ///< telemetry; "none": off
+  std::string can_interface;  ///< real devices on this SocketCAN interface; then the bench robot is left out
+  EvaluationOptions evaluation;
+  FlightRingOptions flight_ring;
+  std::function<void(double share)> progress;
+  const std::atomic<bool>* interrupted{};
+};
+
+/// What came out.
+struct LiveRunOutcome {
+  Results results;
+  Evaluation evaluation;
+  Trajectory estimate;
+  Trajectory truth;
+  std::unique_ptr<Runtime> runtime;  ///< as the run left it: the map is still there
+  std::string bench;                 ///< what was simulated, with its seed
+  std::string flight_ring;           ///< file that was asked for and stays
+  std::string stopped;               ///< why the run ended before its time, or empty
+};
+
+/// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.
+class RealtimeRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs a scene. Throws ProfileError, RealtimeRefused, std::runtime_error (log cannot be written).
+LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& bench,
+                        const LiveRunOptions& options);
+
+}  // namespace sortie::firmware

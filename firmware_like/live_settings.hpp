@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a scene wants its live runs treated: margins, watchdog, ladder.
+#pragma once
+
+#include "firmware_like/profile.hpp"
+#include "rt/posix/live_runner.hpp"
+
+namespace sortie::firmware {
+
+/// The keys below [live] and [ladder]. Times and threads of the run itself (start, length) are the caller's.
+/// Throws ProfileError.
+rt::posix::LiveOptions read_live_settings(Profile& profile);
+
+}  // namespace sortie::firmware

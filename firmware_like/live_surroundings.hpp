@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What moves around the executive in a live or a virtual run: the bench robot, the devices, scripted changes.
+#pragma once
+
+#include <string>
+
+#include "firmware_like/bench_robot.hpp"
+#include "firmware_like/bounded_trajectory.hpp"
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/runtime.hpp"
+#include "rt/virtual_runner.hpp"
+
+namespace sortie::firmware {
+
+/// Picks the pose out of the fields of each job: the task's value itself belongs to its worker.
+class PoseCollector {
+ public:
+  explicit PoseCollector(const Runtime& runtime) : task_(runtime.vehicle().pose_task()) {
+    if (task_ == nullptr) return;
+    for (const rt::TaskBase* task : runtime.executive().group(task_->group()).tasks) {
+      if (task == task_) break;
+      offset_ += task->output_bytes();
+    }
+  }
+  void job(const rt::JobRecord& record) {
+    if (task_ == nullptr || record.group != task_->group() ||
+        record.field_bytes < offset_ + task_->output_bytes())
+      return;
+    rt::PoseEstimate pose;
+    rt::decode_canonical(record.fields + offset_, pose);
+    if (pose.stamp_ns != 0) poses.add(to_timed_pose(pose));
+  }
+  BoundedTrajectory poses{1};
+
+ private:
+  const rt::Task<rt::PoseEstimate>* task_;
+  std::uint32_t offset_{};
+};
+
+/// Everything around the executive that moves between ticks: the bench robot, the devices, the truth.
+class Surroundings {
+ public:
+  Surroundings(Runtime& runtime, BenchRobot* bench, drivers::CanBus* can, FlightRecorder& recorder,
+               bool recording)
+      : runtime_(runtime), bench_(bench), recorder_(recorder) {
+    devices_.can = bench != nullptr ? bench->vehicle_can() : can;
+    devices_.log = recording ? &recorder : nullptr;
+  }
+  /// Moves the bench robot, if there is one, and notes its truth each 10 ms.
+  void step_bench(rt::Nanoseconds now);
+  void poll_devices(rt::Nanoseconds now) { runtime_.vehicle().poll_devices(devices_, now); }
+  BoundedTrajectory truth{1};
+
+ private:
+  Runtime& runtime_;
+  BenchRobot* bench_;
+  FlightRecorder& recorder_;
+  Devices devices_;
+  rt::Nanoseconds next_truth_ns_{};
+};
+
+/// Everything around the executive, moved between the ticks of a virtual run.
+class BenchFeed final : public rt::JobFeed {
+ public:
+  BenchFeed(Surroundings& surroundings, Runtime& runtime, FlightRecorder& recorder, ParameterDesk& desk)
+      : surroundings_(surroundings), runtime_(runtime), recorder_(recorder), desk_(desk) {}
+  void before_tick(rt::Tick tick) override {
+    const rt::Nanoseconds now = runtime_.executive().time_of(tick);
+    surroundings_.step_bench(now);
+    surroundings_.poll_devices(now);
+    desk_.run_script(now);
+    if (tick % 64 == 0) recorder_.drain();
+  }
+  bool prepare(std::uint32_t, std::uint64_t, rt::Tick, rt::JobOrder&) override { return true; }
+
+ private:
+  Surroundings& surroundings_;
+  Runtime& runtime_;
+  FlightRecorder& recorder_;
+  ParameterDesk& desk_;
+};
+
+}  // namespace sortie::firmware

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/parameter_desk.hpp"
+
+#include <algorithm>
+
+namespace sortie::firmware {
+
+std::string ParameterDesk::open(const std::string& url) {
+  const ParameterAccess& access = runtime_.parameter_access();
+  const bool drives = drive_.wanted();
+  const std::string what = access.remote && drives ? "set parameters and drive the robot"
+                           : access.remote         ? "set parameters"
+                                                   : "drive the robot";
+  if (!access.remote && !drives) return {};
+  if (url == "none" || url.empty())
+    return std::string(access.remote ? "[parameters]" : "[drive]") +
+           " remote has no effect without an LCM address";
+  if (!access.secret_file.empty()) key_ = read_secret(access.secret_file);
+  session_ = unguessable_number();
+  try {
+    receiver_ = std::make_unique<drivers::LcmReceiver>(url);
+  } catch (const std::exception& error) {
+    return std::string("no requests are taken: ") + error.what();
+  }
+  if (!key_) return "anybody who reaches " + url + " can " + what + "; [parameters] secret_file closes that";
+  return {};
+}
+
+Status ParameterDesk::set(std::string_view name, double value, rt::Nanoseconds now_ns) {
+  Status status = Status::not_supported;
+  if (const ParameterInfo* info = runtime_.parts().parameters().find(name); info != nullptr) {
+    status = info->owner->table.check(name, value);
+    rt::ParameterChange change;
+    if (status == Status::ok) status = rt::make_change(name, value, now_ns, change);
+    if (status == Status::ok) status = info->owner->port->push(change, now_ns);
+  }
+  const std::lock_guard lock(mutex_);
+  ++version_;
+  if (status == Status::ok) ++counters_.admitted;
+  if (status == Status::not_supported) ++counters_.unknown;
+  if (status == Status::not_finite) ++counters_.not_finite;
+  if (status == Status::out_of_range) ++counters_.out_of_range;
+  if (status == Status::full) ++counters_.full;
+  return status;
+}
+
+void ParameterDesk::run_script(rt::Nanoseconds now_ns) {
+  const std::vector<ScriptLine>& script = runtime_.script();
+  while (next_line_ < script.size() && script[next_line_].at_s * 1e9 <= static_cast<double>(now_ns)) {
+    static_cast<void>(set(script[next_line_].name, script[next_line_].value, now_ns));  // counted
+    ++next_line_;
+  }
+}
+
+void ParameterDesk::poll(rt::Nanoseconds now_ns) {
+  constexpr int kMostDatagrams = 64;  // a flood must not keep the script waiting
+  run_script(now_ns);
+  drivers::ReceivedMessage received;
+  for (int i = 0; receiver_ && i < kMostDatagrams; ++i) {
+    const Status status = receiver_->receive(received, 0);
+    if (status == Status::empty || status == Status::disconnected) return;
+    if (status != Status::ok) continue;
+    if (received.message.channel == drivers::kChannelSet && runtime_.parameter_access().remote)
+      take(received.message.payload, now_ns);
+    if (received.message.channel == drivers::kChannelDrive)
+      drive_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns);
+  }
+}
+
+void ParameterDesk::take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns) {
+  drivers::SetParameter request;
+  const Status form = message.size() > drivers::kMaxSetParameterBytes
+                          ? Status::malformed
+                          : drivers::decode(message, key_ ? &*key_ : nullptr, request);
+  {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t* reason = nullptr;
+    if (form == Status::disconnected) {
+      reason = &counters_.bad_tag;
+    } else if (form != Status::ok) {
+      reason = &counters_.malformed;
+    } else if (request.session != session_) {
+      reason = &counters_.wrong_session;
+    } else if (request.counter <= newest_) {
+      reason = &counters_.stale;
+    }
+    if (reason != nullptr) {
+      ++*reason;
+      return;  // not answered: a stranger learns nothing, and a repeat has had its answer
+    }
+    newest_ = request.counter;
+  }
+  const Status status = set(request.name, request.value, now_ns);
+  const std::lock_guard lock(mutex_);
+  if (answers_.size() == kAnswers) answers_.erase(answers_.begin());
+  answers_.push_back({request.sender, request.counter, static_cast<std::int32_t>(status)});
+  ++version_;
+}
+
+ParameterDeskCounters ParameterDesk::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+std::uint64_t ParameterDesk::version() const {
+  const std::lock_guard lock(mutex_);
+  return version_;
+}
+
+drivers::ParametersMessage ParameterDesk::describe() const {
+  drivers::ParametersMessage message;
+  message.session = session_;
+  message.scene = runtime_.profile().name();
+  message.remote = receiver_ != nullptr && runtime_.parameter_access().remote;
+  message.keyed = key_.has_value();
+  for (const ParameterInfo& info : runtime_.parts().parameters().all)
+    message.parameters.push_back({info.name, info.unit, info.initial, info.low, info.high});
+  const std::lock_guard lock(mutex_);
+  message.counter = newest_;
+  message.answers = answers_;
+  return message;
+}
+
+}  // namespace sortie::firmware

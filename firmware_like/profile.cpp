@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "firmware_like/profile_tree.hpp"
+#include "rt/digest.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+std::string as_text(double value) {
+  std::ostringstream out;
+  out.precision(12);
+  out << value;
+  return out.str();
+}
+
+// Edits that turn one word into the other: the nearest known key is the likeliest meaning of a misspelt one.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::string line_of(const toml::node& node) {
+  const auto line = node.source().begin.line;
+  return line == 0 ? std::string() : ":" + std::to_string(line);
+}
+
+}  // namespace
+
+Profile::Profile(const std::string& toml, const std::string& source,
+                 const std::vector<std::string>& overrides)
+    : tree_(std::make_unique<Tree>()), source_(source) {
+  try {
+    tree_->root = toml::parse(toml, source);
+  } catch (const toml::parse_error& error) {
+    throw ProfileError(source + ":" + std::to_string(error.source().begin.line) +
+                       ": not valid TOML: " + std::string(error.description()));
+  }
+  for (const std::string& assignment : overrides) apply_override(assignment);
+  name_ = text("scene.name", "", "name of the scene");
+  vehicle_ = text("scene.vehicle", "", "which vehicle the scene builds");
+  about_ = text("scene.about", "", "one sentence for lists");
+  if (name_.empty()) fail("scene.name", "a profile needs [scene] name = \"...\"");
+  if (vehicle_.empty()) fail("scene.vehicle", "a profile needs [scene] vehicle = \"...\"");
+}
+
+Profile::~Profile() = default;
+Profile::Profile(Profile&&) noexcept = default;
+Profile& Profile::operator=(Profile&&) noexcept = default;
+
+void Profile::apply_override(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw ProfileError("--set " + assignment + ": write key=value, for example --set mapping.voxel_m=0.2");
+  }
+  const std::string path = assignment.substr(0, equals);
+  const std::string value = assignment.substr(equals + 1);
+  toml::table parsed;
+  try {
+    parsed = toml::parse("value = " + value);
+  } catch (const toml::parse_error&) {
+    parsed = toml::table{{"value", value}};  // a bare word is a string
+  }
+  toml::table* table = &tree_->root;
+  std::size_t from = 0;
+  for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', from)) {
+    const std::string key = path.substr(from, dot - from);
+    if (table->get(key) == nullptr) table->insert(key, toml::table{});
+    table = table->get(key)->as_table();
+    if (table == nullptr)
+      throw ProfileError("--set " + assignment + ": " + path.substr(0, dot) + " is not a table");
+    from = dot + 1;
+  }
+  table->insert_or_assign(path.substr(from), *parsed.get("value"));
+}
+
+std::string Profile::place(const std::string& path) const {
+  const auto node = tree_->root.at_path(path);
+  return source_ + (node.node() != nullptr ? line_of(*node.node()) : std::string()) + ": " + path;
+}
+
+void Profile::fail(const std::string& path, const std::string& why) const {
+  throw ProfileError(place(path) + ": " + why);
+}
+
+bool Profile::has(const std::string& path) const { return static_cast<bool>(tree_->root.at_path(path)); }
+
+ProfileKey* Profile::declare(const std::string& path, const std::string& value, const std::string& unit,
+                             const std::string& range, const std::string& meaning, bool is_default) {
+  for (ProfileKey& key : keys_) {
+    if (key.path == path) return &key;
+  }
+  keys_.push_back({path, value, unit, range, meaning, is_default});
+  return &keys_.back();
+}
+
+double Profile::number(const std::string& path, const NumberSpec& spec) {
+  const auto node = tree_->root.at_path(path);
+  double value = spec.fallback;
+  if (node) {
+    if (!node.is_number())
+      fail(path, "must be a number" + (*spec.unit ? " in " + std::string(spec.unit) : std::string()));
+    value = node.value<double>().value_or(spec.fallback);
+  }
+  const std::string range = as_text(spec.low) + " .. " + as_text(spec.high);
+  if (!(value >= spec.low && value <= spec.high)) {
+    fail(path, as_text(value) + " is outside " + range +
+                   (*spec.unit ? " " + std::string(spec.unit) : std::string()));
+  }
+  ProfileKey* key = declare(path, as_text(value), spec.unit, range, spec.meaning, !node);
+  key->number = value;
+  key->low = spec.low;
+  key->high = spec.high;
+  return value;
+}
+
+std::int64_t Profile::integer(const std::string& path, const NumberSpec& spec) {
+  const auto node = tree_->root.at_path(path);
+  if (node && !node.is_integer()) fail(path, "must be a whole number");
+  return static_cast<std::int64_t>(std::llround(number(path, spec)));
+}
+
+bool Profile::flag(const std::string& path, bool fallback, const char* meaning) {
+  const auto node = tree_->root.at_path(path);
+  if (node && !node.is_boolean()) fail(path, "must be true or false");
+  const bool value = node.value<bool>().value_or(fallback);
+  declare(path, value ? "true" : "false", "", "true, false", meaning, !node);
+  return value;
+}
+
+std::string Profile::text(const std::string& path, const std::string& fallback, const char* meaning,
+                          const std::vector<std::string>& choices) {
+  const auto node = tree_->root.at_path(path);
+  if (node && !node.is_string()) fail(path, "must be a text in quotes");
+  const std::string value = node.value<std::string>().value_or(fallback);
+  std::string range;
+  for (const std::string& choice : choices) range += (range.empty() ? "" : ", ") + choice;
+  if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
+    fail(path, "\"" + value + "\" is not one of: " + range);
+  }
+  declare(path, "\"" + value + "\"", "", range, meaning, !node);
+  return value;
+}
+
+std::vector<std::string> Profile::texts(const std::string& path, const std::vector<std::string>& fallback,
+                                        const char* meaning) {
+  const auto node = tree_->root.at_path(path);
+  std::vector<std::string> result = fallback;
+  if (node) {
+    const toml::array* list = node.as_array();
+    if (list == nullptr) fail(path, "must be a list of texts in quotes");
+    result.clear();
+    for (const toml::node& entry : *list) {
+      if (!entry.is_string()) fail(path, "every entry must be a text in quotes");
+      result.push_back(*entry.value<std::string>());
+    }
+  }
+  std::string shown;
+  for (const std::string& entry : result) shown += (shown.empty() ? "\"" : ", \"") + entry + "\"";
+  declare(path, "[" + shown + "]", "", "", meaning, !node);
+  return result;
+}
+
+std::vector<std::array<double, 2>> Profile::points(const std::string& path, std::size_t most,
+                                                   const char* meaning) {
+  const auto node = tree_->root.at_path(path);
+  std::vector<std::array<double, 2>> result;
+  if (node) {
+    const toml::array* list = node.as_array();
+    if (list == nullptr) fail(path, "must be a list of [x, y]");
+    for (const toml::node& entry : *list) {
+      const toml::array* point = entry.as_array();
+      if (point == nullptr || point->size() != 2 || !point->get(0)->is_number() ||
+          !point->get(1)->is_number()) {
+        fail(path, "every entry must be [x, y] in m");
+      }
+      const std::array<double, 2> xy{*point->get(0)->value<double>(), *point->get(1)->value<double>()};
+      if (!std::isfinite(xy[0]) || !std::isfinite(xy[1])) fail(path, "every entry must be finite");
+      result.push_back(xy);
+    }
+    if (result.size() > most)
+      fail(path, std::to_string(result.size()) + " points; at most " + std::to_string(most) + " fit");
+  }
+  declare(path, std::to_string(result.size()) + " points", "m", "at most " + std::to_string(most), meaning,
+          !node);
+  return result;
+}
+
+std::vector<std::string> Profile::tables(const std::string& path) const {
+  std::vector<std::pair<toml::source_index, std::string>> found;
+  const toml::table* table = path.empty() ? &tree_->root : tree_->root.at_path(path).as_table();
+  if (table != nullptr) {
+    for (const auto& [key, value] : *table) {
+      if (value.is_table()) found.emplace_back(value.source().begin.line, std::string(key.str()));
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> names;
+  for (auto& [line, name] : found) names.push_back(std::move(name));
+  return names;
+}
+
+void Profile::refuse_unknown_keys(const std::string& below, const std::string& except) const {
+  std::set<std::string> known;
+  for (const ProfileKey& key : keys_) known.insert(key.path);
+  const auto walk = [&](const auto& self, const toml::table& table, const std::string& prefix) -> void {
+    for (const auto& [key, value] : table) {
+      const std::string path = prefix + std::string(key.str());
+      if (const toml::table* inner = value.as_table()) {
+        self(self, *inner, path + ".");
+        continue;
+      }
+      if (known.count(path) != 0 || path.rfind(below.empty() ? "" : below + ".", 0) != 0) continue;
+      if (!except.empty() && path.rfind(except + ".", 0) == 0) continue;
+      const auto nearest = std::min_element(
+          known.begin(), known.end(),
+          [&path](const auto& a, const auto& b) { return edit_distance(a, path) < edit_distance(b, path); });
+      const bool close = nearest != known.end() &&
+                         edit_distance(*nearest, path) <= std::max<std::size_t>(3, path.size() / 4);
+      throw ProfileError(source_ + line_of(value) + ": unknown key " + path +
+                         (close ? "; did you mean " + *nearest + "?"
+                                : "; remove it, or see `sortie scenes --keys` for what this vehicle knows"));
+    }
+  };
+  walk(walk, tree_->root, "");
+}
+
+std::string Profile::canonical() const {
+  std::ostringstream out;
+  out << toml::toml_formatter{tree_->root};
+  return out.str() + "\n";
+}
+
+std::uint64_t Profile::hash() const {
+  const std::string text = canonical();
+  return rt::digest_bytes(text.data(), text.size());
+}
+
+Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides) {
+  if (scene.size() > 5 && scene.compare(scene.size() - 5, 5, ".toml") == 0) {
+    std::ifstream file(scene, std::ios::binary);
+    std::ostringstream bytes;
+    if (!file || !(bytes << file.rdbuf())) {
+      throw ProfileError(scene + ": cannot be read; give a file that exists, or a name from `sortie scenes`");
+    }
+    return Profile(bytes.str(), scene, overrides);
+  }
+  std::string names;
+  for (const BuiltInScene& built_in : built_in_scenes()) {
+    if (scene == built_in.name) return Profile(built_in.toml, scene + ".toml", overrides);
+    names += (names.empty() ? "" : ", ") + std::string(built_in.name);
+  }
+  throw ProfileError("unknown scene \"" + scene + "\"; known: " + names + "; or give a .toml file");
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A scene profile: one TOML file that names what a scene needs. Every key is declared where it is read, with
+// unit, range, default and meaning; what nobody declares is an error with its line.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sortie::firmware {
+
+/// A profile that cannot be used. what() is one line: file, line, fault, cure. Commands end with exit code 2.
+class ProfileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One declared key, for help texts and docs.
+struct ProfileKey {
+  std::string path;
+  std::string value;  ///< in force
+  std::string unit;
+  std::string range;
+  std::string meaning;
+  bool is_default{};
+  bool is_changeable{};  ///< a run-time parameter: may be set while a run goes on
+  double number{};       ///< of a number: its value and range
+  double low{};
+  double high{};
+};
+
+/// One row of [[script]]: a change of a run-time parameter, made by the run itself.
+struct ScriptLine {
+  double at_s{};  ///< on the run's clock
+  std::string name;
+  double value{};
+  std::size_t row{};  ///< in the file's order
+};
+
+/// Where a number may lie and what it means.
+struct NumberSpec {
+  double fallback{};
+  double low{};
+  double high{};
+  const char* unit = "";
+  const char* meaning = "";
+};
+
+/// One column of a list of tables.
+struct ColumnSpec {
+  enum class Kind : std::uint8_t { number, text, flag };
+  const char* name = "";
+  Kind kind{Kind::number};
+  NumberSpec number{};  ///< of a number: fallback, range and unit
+  bool needed{};        ///< every row has it
+};
+
+/// One row of a list of tables; a flag is 0 or 1 among the numbers.
+struct ProfileRow {
+  std::string path;
+  std::map<std::string, double> numbers;
+  std::map<std::string, std::string> texts;  ///< only those that stand there
+};
+
+/// A parsed profile. Set-up only: reading throws ProfileError.
+class Profile {
+ public:
+  /// Parses `toml`. `source` names it in messages. `overrides`: "path.to.key=value" each, applied before
+  /// anything is read.
+  Profile(const std::string& toml, const std::string& source, const std::vector<std::string>& overrides = {});
+  ~Profile();
+  Profile(Profile&&) noexcept;
+  Profile& operator=(Profile&&) noexcept;
+
+  /// Reads a value, or gives the fallback when the key is absent. Out of range or of another type:
+  /// ProfileError.
+  double number(const std::string& path, const NumberSpec& spec);
+  std::int64_t integer(const std::string& path, const NumberSpec& spec);
+  bool flag(const std::string& path, bool fallback, const char* meaning);
+  std::string text(const std::string& path, const std::string& fallback, const char* meaning,
+                   const std::vector<std::string>& choices = {});
+  /// A list of texts.
+  std::vector<std::string> texts(const std::string& path, const std::vector<std::string>& fallback,
+                                 const char* meaning);
+  /// A list of points of two numbers each; at most `most` of them.
+  std::vector<std::array<double, 2>> points(const std::string& path, std::size_t most, const char* meaning);
+  /// A list of as many numbers as `fallback` has, each in the range of `spec`.
+  std::vector<double> numbers(const std::string& path, const std::vector<double>& fallback,
+                              const NumberSpec& spec);
+  /// The rows of [[path]], in the file's order; at most `most`. A column that is not among `columns` is an
+  /// error.
+  std::vector<ProfileRow> rows(const std::string& path, const std::vector<ColumnSpec>& columns,
+                               std::size_t most, const char* meaning);
+  /// The rows of [[script]], in order of time. ProfileError for a row with other keys than at_s, set, value.
+  std::vector<ScriptLine> script();
+  /// Marks a number that was read as changeable while a run goes on. ProfileError when no number was read
+  /// there.
+  const ProfileKey& changeable(const std::string& path);
+  bool has(const std::string& path) const;
+  /// Names of the tables directly below `path`, in the file's order.
+  std::vector<std::string> tables(const std::string& path) const;
+
+  /// After all reading: ProfileError for the first key that nobody declared, with its line and the nearest
+  /// known key. Only keys below the table `below` ("" = all) and not below `except` ("" = none) are looked
+  /// at.
+  void refuse_unknown_keys(const std::string& below = "", const std::string& except = "") const;
+  /// ProfileError at a key's line, for checks that span several keys.
+  [[noreturn]] void fail(const std::string& path, const std::string& why) const;
+
+  const std::string& name() const { return name_; }
+  const std::string& vehicle() const { return vehicle_; }
+  /// One sentence for lists.
+  const std::string& about() const { return about_; }
+  /// The whole profile with overrides applied, as canonical TOML: what a log's header stores.
+  std::string canonical() const;
+  /// xxhash64 of canonical().
+  std::uint64_t hash() const;
+  /// Every key that was declared so far, in order of declaration.
+  const std::vector<ProfileKey>& keys() const { return keys_; }
+
+ private:
+  struct Tree;
+  ProfileKey* declare(const std::string& path, const std::string& value, const std::string& unit,
+                      const std::string& range, const std::string& meaning, bool is_default);
+  std::string place(const std::string& path) const;
+  void apply_override(const std::string& assignment);
+
+  std::unique_ptr<Tree> tree_;
+  std::string source_;
+  std::string name_;
+  std::string vehicle_;
+  std::string about_;
+  std::vector<ProfileKey> keys_;
+};
+
+/// A scene that is built into the program.
+struct BuiltInScene {
+  const char* name;
+  const char* toml;
+};
+
+/// Scenes of firmware_like/scenes/, sorted by name.
+const std::vector<BuiltInScene>& built_in_scenes();
+
+/// Loads a built-in scene by name, or a file if `scene` ends in .toml. ProfileError lists the known names
+/// otherwise.
+Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides = {});
+
+}  // namespace sortie::firmware

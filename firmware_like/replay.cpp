@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/replay.hpp"
+
+#include <chrono>
+#include <mutex>
+
+#include "firmware_like/chain_watch.hpp"
+#include "firmware_like/doctor/run_doctor.hpp"
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/heap_watch.hpp"
+#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/replay_part.hpp"
+#include "rt/posix/fast_clock.hpp"
+#include "rt/posix/threaded_runner.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+// Follows the jobs of a replay: poses for the errors, differences for the check.
+class Observer {
+ public:
+  Observer(Runtime& runtime, const LogFeed& feed, const ReplayOptions& options, rt::Tick first_tick)
+      : chains(runtime, false), runtime_(runtime), feed_(feed), options_(options), first_tick_(first_tick) {}
+
+  void job(const rt::JobRecord& record) {
+    const std::lock_guard lock(mutex_);  // replays may run one worker a group
+    chains.job(record);
+    if (record.tick < first_tick_) {
+      // On the way from a keyframe to the place that was asked for.
+    } else if (const auto* pose = runtime_.vehicle().pose_task();
+               pose != nullptr && pose->group() == record.group) {
+      keep(to_timed_pose(pose->value()));
+    } else if (const auto* attitude = runtime_.vehicle().attitude_task();
+               pose == nullptr && attitude != nullptr && attitude->group() == record.group) {
+      TimedPose only_turned;
+      only_turned.stamp_ns = attitude->value().stamp_ns;
+      for (int i = 0; i < 4; ++i) only_turned.q[i] = attitude->value().q_world_body[i];
+      only_turned.flags = rt::kTruthOrientation;
+      keep(only_turned);
+    }
+    if (const rt::JobRecord* recorded = feed_.recorded(record.group); recorded != nullptr) {
+      ++compared_jobs;
+      if (auto divergence = compare_jobs(runtime_.executive(), *recorded, record)) {
+        ++diverged_jobs;
+        // The lowest tick, then the order of the table: threads of other groups may come here first.
+        if (!first || divergence->tick < first->tick ||
+            (divergence->tick == first->tick && record.group < first_group_)) {
+          first = std::move(divergence);
+          first_group_ = record.group;
+        }
+      }
+    }
+    if (options_.on_job) options_.on_job(record, runtime_);
+  }
+
+  Trajectory estimate;
+  std::optional<Divergence> first;
+  std::uint64_t diverged_jobs{};
+  std::uint64_t compared_jobs{};
+  ChainWatch chains;
+
+ private:
+  void keep(const TimedPose& pose) {
+    if (pose.stamp_ns == 0 || (!estimate.empty() && estimate.back().stamp_ns == pose.stamp_ns)) return;
+    estimate.push_back(pose);
+  }
+
+  Runtime& runtime_;
+  const LogFeed& feed_;
+  const ReplayOptions& options_;
+  rt::Tick first_tick_;
+  std::uint16_t first_group_{};
+  std::mutex mutex_;
+};
+
+// Progress is the only thing that happens between ticks; it goes through a feed so that both runners can show
+// it.
+class ProgressFeed final : public rt::JobFeed {
+ public:
+  ProgressFeed(LogFeed& feed, Runtime& runtime, const ReplayOptions& options, FlightRecorder* recorder)
+      : feed_(feed),
+        runtime_(runtime),
+        on_tick_(options.on_tick),
+        progress_(options.progress),
+        recorder_(recorder) {}
+  void before_tick(rt::Tick tick) override {
+    if (on_tick_) on_tick_(tick, runtime_, feed_);
+    if (recorder_ != nullptr && tick % 64 == 0) recorder_->drain();
+    if (tick % 1024 == 0) rt::posix::anchor_fast_clock();
+    if (!progress_ || tick % 1024 != 0 || feed_.last_tick() <= feed_.first_tick() ||
+        tick < feed_.first_tick())
+      return;
+    progress_(static_cast<double>(tick - feed_.first_tick()) /
+              static_cast<double>(feed_.last_tick() - feed_.first_tick()));
+  }
+  bool prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt::JobOrder& order) override {
+    return feed_.prepare(group, job, tick, order);
+  }
+
+ private:
+  LogFeed& feed_;
+  Runtime& runtime_;
+  const std::function<void(rt::Tick, Runtime&, LogFeed&)>& on_tick_;
+  const std::function<void(double)>& progress_;
+  FlightRecorder* recorder_;
+};
+
+rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
+  const std::size_t at = text.find('@');
+  const std::string target = text.substr(0, at);
+  const std::size_t dot = target.find('.');
+  try {
+    if (at == std::string::npos) throw ProfileError("");
+    const rt::Tick tick = std::stoull(text.substr(at + 1));
+    for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
+      rt::TaskBase& task = runtime.executive().task(i);
+      if (target.substr(0, dot) != task.name()) continue;
+      const std::uint32_t byte = dot == std::string::npos
+                                     ? task.output_bytes() - 1
+                                     : static_cast<std::uint32_t>(std::stoul(target.substr(dot + 1)));
+      task.plant_fault({true, tick, byte});
+      return tick;
+    }
+  } catch (const std::exception&) {
+  }
+  throw ProfileError("--fault " + text +
+                     ": write task@tick or task.byte@tick with a task of this scene, e.g. odometry@1200");
+}
+
+}  // namespace
+
+ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
+  const drivers::LogHeader& header = log.header();
+  if (options.scene.empty() && header.scene_toml.empty()) {
+    throw ProfileError(log.path() +
+                       " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
+  }
+  if (options.scene.empty()) refuse_unknown_vehicle(log, vehicles);
+  Profile profile = options.scene.empty()
+                        ? Profile(header.scene_toml, log.path() + " (profile)", options.overrides)
+                        : load_scene(options.scene, options.overrides);
+  RuntimeStart start;
+  start.epoch_ns = header.epoch_ns;
+  start.has_initial = true;
+  for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];
+  for (int i = 0; i < 4; ++i) start.initial.q_world_body[i] = header.initial_q[i];
+
+  ReplayOutcome outcome;
+  outcome.runtime = std::make_unique<Runtime>(std::move(profile), vehicles, start);
+  Runtime& runtime = *outcome.runtime;
+  rt::Executive& executive = runtime.executive();
+  outcome.why_not_comparable = why_not_comparable(log, options, runtime);
+  outcome.comparable = outcome.why_not_comparable.empty();
+  if (options.must_compare && !outcome.comparable) {
+    throw InputError(
+        log.path() + ": cannot be checked: " + outcome.why_not_comparable + "; `sortie replay` still runs it",
+        2);
+  }
+  // Another profile takes the same jobs with the same samples again, as long as it has the same groups at the
+  // same phases.
+  const bool use_ticks = header.has_ticks && reads_ticks(log) && header.groups == runtime.group_table();
+  const rt::Tick fault_tick = options.fault.empty() ? ~rt::Tick{0} : plant_fault(runtime, options.fault);
+
+  LogFeed feed(log, runtime, use_ticks);
+  const ReplayPart part = choose_part(log, options, runtime, feed);
+  if (fault_tick < part.begin) {
+    throw InputError("--fault " + options.fault + ": lies before tick " + std::to_string(part.begin) +
+                         ", where this replay begins",
+                     2);
+  }
+  outcome.begin_tick = part.begin;
+  outcome.first_tick = part.asked;
+  outcome.restored_tick = part.restored;
+  std::unique_ptr<FlightRecorder> recorder;
+  if (!options.record.empty()) {
+    RecorderOptions recording;
+    recording.path = options.record;
+    recorder = std::make_unique<FlightRecorder>(runtime, recording,
+                                                make_header(runtime, "replay of " + log.path(), 0));
+    for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
+    for (const StoredEvent& truth : log.channel(std::string(drivers::kChannelTruth))) {
+      recorder->sample(std::string(drivers::kChannelTruth),
+                       truth.timestamp_us * rt::kNanosecondsPerMicrosecond, truth.message);
+    }
+  }
+  Observer observer(runtime, feed, options, options.from.empty() ? 0 : part.asked);
+  struct Sinks {
+    Observer* observer;
+    FlightRecorder* recorder;
+  } sinks{&observer, recorder.get()};
+  executive.set_sink({&sinks, [](void* self, const rt::JobRecord& record) {
+                        auto* both = static_cast<Sinks*>(self);
+                        if (both->recorder != nullptr)
+                          both->recorder->job_sink().call(both->recorder, record);
+                        both->observer->job(record);
+                      }});
+  executive.set_record_fields(true);
+  rt::posix::start_fast_clock();
+  executive.set_clock([](void*) { return rt::posix::fast_now(); }, nullptr);
+  const HeapWatch heap = heap_watch();
+  const std::uint64_t heap_before = heap.calls != nullptr ? heap.calls() : 0;
+  executive.set_guard(heap.arm);
+
+  if (options.before_run) options.before_run(runtime);
+  ProgressFeed shown(feed, runtime, options, recorder.get());
+  const auto began = std::chrono::steady_clock::now();
+  if (options.threaded) {
+    rt::posix::run_virtual_threaded(executive, shown, part.begin, feed.last_tick());
+  } else {
+    rt::run_virtual(executive, shown, part.begin, feed.last_tick());
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  if (recorder) recorder->stop();
+
+  outcome.estimate = std::move(observer.estimate);
+  outcome.truth = log.truth();
+  tidy(outcome.estimate);
+  if (!outcome.truth.empty() && !outcome.estimate.empty()) {
+    outcome.evaluation = evaluate(outcome.estimate, outcome.truth, options.evaluation);
+  }
+  outcome.recorded = feed.recorded_digest();
+  outcome.divergence = observer.first;
+  outcome.diverged_jobs = observer.diverged_jobs;
+  outcome.compared_jobs = observer.compared_jobs;
+
+  Results& results = outcome.results;
+  results = collect_results(runtime, feed.last_tick() - part.asked + 1);
+  results.errors = outcome.evaluation.errors;
+  results.duration_s =
+      static_cast<double>(results.ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
+  results.speed = wall > 0 ? results.duration_s / wall : 0;
+  results.counters["log_events"] = log.events();
+  results.counters["samples_missing"] = feed.missing_samples();
+  results.counters["samples_damaged"] = feed.damaged_samples();
+  results.counters["samples_refused"] = feed.refused_samples();
+  if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
+  observer.chains.add_to(results);
+  const std::vector<std::string> problems = log.problems();
+  results.doctor = recorded_doctor(log);
+  results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
+  outcome.damage = feed.damage().empty() ? log.damage() : feed.damage();
+  if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
+  for (const std::string& name : feed.unused_channels()) {
+    results.warnings.push_back("channel " + name + " is not used by scene " + results.scene);
+  }
+  if (feed.jobs_left_out() != 0) {
+    results.warnings.push_back(
+        std::to_string(feed.jobs_left_out()) +
+        " jobs at the end of the log are left out: it does not hold all that they took");
+  }
+  if (header.has_ticks && !outcome.comparable) {
+    results.warnings.push_back("digests are not comparable with the log: " + outcome.why_not_comparable +
+                               (use_ticks ? "" : "; its samples go to the jobs by their times of receipt"));
+  }
+  return outcome;
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page: head line, tiles, warnings, tasks, trajectory, errors, latencies, memory, counters, what it ran
+// on.
+#include "firmware_like/report/html.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/report/doctor_section.hpp"
+#include "firmware_like/report/page_style.hpp"
+#include "firmware_like/report/plots.hpp"
+#include "firmware_like/report/release_plots.hpp"
+#include "firmware_like/report/schedule_section.hpp"
+#include "firmware_like/text_format.hpp"
+
+namespace sortie::firmware {
+namespace {
+
+std::string esc(std::string_view text) { return escape_xml(text); }
+
+std::string cell(const std::string& text, const char* kind = "n") {
+  return std::string("<td class=\"") + kind + "\">" + esc(text) + "</td>";
+}
+
+std::string tile(const std::string& value, const std::string& unit, const std::string& name,
+                 bool bad = false) {
+  return std::string("<div class=\"tile") + (bad ? " bad" : "") + "\"><b>" + esc(value) + "<i>" + esc(unit) +
+         "</i></b><span>" + esc(name) + "</span></div>";
+}
+
+double share_of(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+struct Unit {
+  std::string name;
+  std::string unit;
+};
+
+/// "ate_rmse_m" -> {"ate rmse", "m"}.
+Unit split_unit(const std::string& key) {
+  for (const char* unit : {"_m", "_deg", "_percent", "_s", "_rad"}) {
+    const std::string ending = unit;
+    if (key.size() > ending.size() && key.compare(key.size() - ending.size(), ending.size(), ending) == 0) {
+      std::string name = key.substr(0, key.size() - ending.size());
+      std::replace(name.begin(), name.end(), '_', ' ');
+      return {name, ending == "_percent" ? "%" : ending == "_deg" ? "\u00b0" : ending.substr(1)};
+    }
+  }
+  std::string name = key;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return {name, ""};
+}
+
+std::string tiles(const ReportInput& input) {
+  const Results& r = input.results;
+  std::string out = "<div class=\"tiles\">";
+  for (const char* key : {"ate_rmse_m", "inclination_rmse_deg", "drift_horizontal_percent"}) {
+    const auto found = r.errors.find(key);
+    if (found == r.errors.end()) continue;
+    const Unit unit = split_unit(key);
+    out += tile(format_short(found->second), unit.unit, unit.name);
+  }
+  std::uint64_t missed = 0;
+  std::uint64_t jobs = 0;
+  for (const TaskResult& task : r.tasks) {
+    missed += task.missed;
+    jobs += task.count;
+  }
+  if (!r.tasks.empty())
+    out += tile(group_digits(missed), "", "of " + group_digits(jobs) + " jobs missed", missed > 0);
+  out += tile(group_digits(r.ticks), "", "ticks");
+  if (r.duration_s > 0.0) out += tile(format_short(r.duration_s), "s", "duration");
+  if (r.speed > 0.0) out += tile(format_short(r.speed), "\u00d7", "real time");
+  return out + "</div>\n";
+}
+
+std::string task_table(const Results& r) {
+  std::string out =
+      "<h2>Tasks</h2>\n<table><thead><tr><th>task</th><th>group</th><th class=\"n\">period</th><th "
+      "class=\"n\">budget</th>"
+      "<th class=\"n\">p50</th><th class=\"n\">p99</th><th class=\"n\">p99.9</th><th class=\"n\">max</th>"
+      "<th>max of budget</th><th class=\"n\">jobs</th><th class=\"n\">missed</th></tr></thead>\n<tbody>";
+  for (const TaskResult& t : r.tasks) {
+    const double share = share_of(t.max_us, t.budget_us);
+    out += "<tr>" + cell(t.name, "t") + cell(t.group, "t") + cell(format_short(t.period_us)) +
+           cell(t.budget_us > 0.0 ? format_short(t.budget_us) : "-") + cell(format_short(t.p50_us)) +
+           cell(format_short(t.p99_us)) + cell(format_short(t.p999_us)) + cell(format_short(t.max_us)) +
+           "<td class=\"bar\">" +
+           (t.budget_us > 0.0 ? render_bar(share, share > 1.0 ? kVermilion : kBlue, 90, 9) + "<small>" +
+                                    format_fixed(100.0 * share, share < 0.1 ? 1 : 0) + " %</small>"
+                              : std::string()) +
+           "</td>" + cell(group_digits(t.count)) +
+           cell(group_digits(t.missed), t.missed > 0 ? "n bad" : "n") + "</tr>\n";
+  }
+  return out + "</tbody></table>\n<p class=\"note\">Times in microseconds.</p>\n";
+}
+
+std::string trajectory_section(const ReportInput& input) {
+  if (input.estimate.empty() && input.errors.empty()) return {};
+  std::string out = "<h2>Trajectory</h2>\n<div class=\"split\"><div>";
+  const bool has_path = std::any_of(input.estimate.begin(), input.estimate.end(), [](const TimedPose& pose) {
+    return (pose.flags & rt::kTruthPosition) != 0;
+  });
+  if (has_path) {
+    out += render(plot_top(input.estimate, input.truth)) + render(plot_side(input.estimate, input.truth));
+  }
+  const auto some = [&](auto member) {
+    return std::any_of(input.errors.begin(), input.errors.end(),
+                       [member](const ErrorSample& e) { return std::isfinite(e.*member); });
+  };
+  if (some(&ErrorSample::position_m)) out += render(plot_position_error(input.errors));
+  if (some(&ErrorSample::inclination_deg)) out += render(plot_orientation_error(input.errors));
+  out += "</div><div>";
+  if (!input.results.errors.empty()) {
+    out +=
+        "<table class=\"side\"><thead><tr><th>error</th><th class=\"n\"></th><th></th></tr></thead><tbody>";
+    for (const auto& [name, value] : input.results.errors) {
+      const Unit unit = split_unit(name);
+      out += "<tr>" + cell(unit.name, "t") + cell(format_short(value)) + cell(unit.unit, "u") + "</tr>";
+    }
+    out += "</tbody></table>";
+    if (!input.alignment.empty())
+      out += "<p class=\"note\">Alignment before errors: " + esc(input.alignment) + ".</p>";
+  }
+  return out + "</div></div>\n";
+}
+
+std::string latency_section(const Results& r) {
+  std::string plots;
+  for (const TaskResult& task : r.tasks) {
+    if (!task.histogram.empty()) plots += render(plot_latency(task));
+  }
+  std::string out;
+  if (has_releases(r.groups)) {
+    out += "<h2>Releases</h2>\n" + render(plot_wake_up(r.groups)) + render(plot_response(r.groups)) +
+           "<p class=\"note\">Releases that were left out count as late. Bins are 1 \u00b5s wide, from 64 "
+           "\u00b5s on at "
+           "most 1.6 %.</p>\n";
+  }
+  return plots.empty() ? out : out + "<h2>Latency</h2>\n<div class=\"grid\">" + plots + "</div>\n";
+}
+
+std::string pool_section(const Results& r) {
+  if (r.pools.empty()) return {};
+  std::string out =
+      "<h2>Memory</h2>\n<table><thead><tr><th>pool</th><th>high water</th><th class=\"n\"></th><th "
+      "class=\"n\">used</th>"
+      "<th class=\"n\">capacity</th><th class=\"n\">bytes</th><th "
+      "class=\"n\">refused</th></tr></thead>\n<tbody>";
+  for (const PoolResult& p : r.pools) {
+    const double share = share_of(static_cast<double>(p.high_water), static_cast<double>(p.capacity));
+    out += "<tr>" + cell(p.name, "t") + "<td class=\"bar\">" +
+           render_bar(share, p.refused > 0 ? kVermilion : kBlue, 220, 9) + "</td>" +
+           cell(format_fixed(100.0 * share, 0) + " %") + cell(group_digits(p.high_water)) +
+           cell(group_digits(p.capacity)) + cell(group_digits(p.bytes)) +
+           cell(group_digits(p.refused), p.refused > 0 ? "n bad" : "n") + "</tr>\n";
+  }
+  return out + "</tbody></table>\n";
+}
+
+std::string counter_section(const Results& r) {
+  if (r.counters.empty()) return {};
+  std::string out = "<h2>Counters</h2>\n<div class=\"counters\">";
+  for (const auto& [name, value] : r.counters) {
+    out += std::string("<div") + (value == 0 ? " class=\"zero\"" : "") + "><span>" + esc(name) +
+           "</span><b>" + group_digits(value) + "</b></div>";
+  }
+  return out + "</div>\n";
+}
+
+/// Wide plots stand alone, the others side by side.
+std::string more_section(const std::vector<Plot>& plots) {
+  constexpr double kWide = 700.0;
+  std::string wide;
+  std::string grid;
+  for (const Plot& plot : plots) (plot.width > kWide ? wide : grid) += render(plot);
+  if (!wide.empty()) wide = "<h2>Map</h2>\n" + wide;
+  return grid.empty() ? wide : wide + "<h2>Series</h2>\n<div class=\"grid\">" + grid + "</div>\n";
+}
+
+std::string fact(const char* name, const std::string& value) {
+  return value.empty() ? std::string() : std::string("<dt>") + name + "</dt><dd>" + esc(value) + "</dd>";
+}
+
+}  // namespace
+
+std::string render_report(const ReportInput& input) {
+  const Results& r = input.results;
+  const std::string scene = r.scene.empty() ? "run" : r.scene;
+  std::string out =
+      "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\"><head><meta "
+      "charset=\"utf-8\"/>"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/><title>Sortie: " +
+      esc(scene) + "</title>\n<style>" + kPageStyle + "</style></head>\n<body><main>\n";
+  out += "<header><h1>" + esc(scene) + "</h1><p>" + esc(r.vehicle) +
+         (r.vehicle.empty() || input.source.empty() ? "" : " \u00b7 ") + esc(input.source) +
+         "</p></header>\n";
+  out += tiles(input);
+  for (const std::string& warning : r.warnings) out += "<p class=\"warning\">" + esc(warning) + "</p>\n";
+  if (!r.tasks.empty()) out += task_table(r);
+  out += schedule_section(r);
+  out += trajectory_section(input) + latency_section(r) + pool_section(r) + counter_section(r);
+  out += more_section(input.more_plots) + doctor_section(r.doctor);
+  out += "<footer><dl>" + fact("digest", r.digest) + fact("command", input.command) +
+         fact("machine", r.machine) + fact("compiler", r.compiler) +
+         "</dl></footer>\n</main></body></html>\n";
+  return out;
+}
+
+void write_report(const std::string& path, const ReportInput& input) {
+  const std::string page = render_report(input);
+  write_file(path, [&page](std::ostream& out) { out << page; });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One self-contained page about one run: opens anywhere, prints well, needs no script and no network.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware_like/evaluation/evaluate.hpp"
+#include "firmware_like/report/svg.hpp"
+#include "firmware_like/results.hpp"
+
+namespace sortie::firmware {
+
+/// What the page tells. Everything but `results` may be left empty; then its section is left out.
+struct ReportInput {
+  Results results;
+  std::string command;              ///< what was typed
+  std::string source;               ///< log or data set
+  std::string alignment;            ///< name of the alignment before errors
+  std::vector<TimedPose> estimate;  ///< aligned, all samples
+  std::vector<TimedPose> truth;
+  std::vector<ErrorSample> errors;
+  std::vector<Plot> more_plots;  ///< of any task output; shown at the end
+};
+
+/// The page, as XHTML-conforming HTML 5. Cost: linear in the input; size bounded by the number of plots.
+std::string render_report(const ReportInput& input);
+
+/// Writes render_report() to `path`. Throws InputError if it cannot be written.
+void write_report(const std::string& path, const ReportInput& input);
+
+}  // namespace sortie::firmware

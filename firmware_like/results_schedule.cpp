@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/results_schedule.hpp"
+
+#include "firmware_like/json_reader.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+Json to_json(const ChainFigures& figures) {
+  return {{"count", figures.count},
+          {"p50_us", json_number(figures.p50_us)},
+          {"p99_us", json_number(figures.p99_us)},
+          {"max_us", json_number(figures.max_us)}};
+}
+
+void read(const JsonReader& from, const char* key, ChainFigures& figures) {
+  const Json* object = from.find(key);
+  if (object == nullptr) return;
+  const JsonReader in(*object, std::string("results: chains: ") + key + ": ");
+  in.read("count", figures.count);
+  in.read("p50_us", figures.p50_us);
+  in.read("p99_us", figures.p99_us);
+  in.read("max_us", figures.max_us);
+}
+
+}  // namespace
+
+Json to_json(const ScheduleResult& schedule) {
+  Json groups = Json::array();
+  for (const ScheduledGroup& group : schedule.groups) {
+    groups.push_back({{"name", group.name},
+                      {"period_us", json_number(group.period_us)},
+                      {"phase_us", json_number(group.phase_us)},
+                      {"deadline_us", json_number(group.deadline_us)},
+                      {"core", group.core},
+                      {"priority", group.priority},
+                      {"utilisation", json_number(group.utilisation)},
+                      {"budget_us", json_number(group.budget_us)},
+                      {"response_us", json_number(group.response_us)},
+                      {"response_any_phase_us", json_number(group.response_any_phase_us)},
+                      {"fits", group.fits}});
+  }
+  Json cores = Json::array();
+  for (const ScheduledCore& core : schedule.cores) {
+    Json levels = Json::array();
+    for (const double share : core.utilisation) levels.push_back(json_number(share));
+    cores.push_back({{"core", core.core},
+                     {"utilisation", std::move(levels)},
+                     {"worst_tick_us", json_number(core.worst_tick_us)},
+                     {"longest_block_us", json_number(core.longest_block_us)}});
+  }
+  return {{"base_tick_us", json_number(schedule.base_tick_us)},
+          {"hyperperiod_ticks", schedule.hyperperiod_ticks},
+          {"harmonic", schedule.harmonic},
+          {"schedulable", schedule.schedulable},
+          {"groups", std::move(groups)},
+          {"cores", std::move(cores)},
+          {"findings", schedule.findings}};
+}
+
+Json to_json(const ChainResult& chain) {
+  Json object{{"name", chain.name},
+              {"path", chain.path},
+              {"exact", chain.exact},
+              {"reaction_us", json_number(chain.reaction_us)},
+              {"age_us", json_number(chain.age_us)},
+              {"max_reaction_us", json_number(chain.max_reaction_us)},
+              {"max_age_us", json_number(chain.max_age_us)},
+              {"source_interval_us", json_number(chain.source_interval_us)}};
+  if (chain.reaction.count + chain.age.count + chain.unmeasured == 0) return object;
+  object["measured_reaction"] = to_json(chain.reaction);
+  object["measured_age"] = to_json(chain.age);
+  if (chain.finished.count != 0) object["measured_finished"] = to_json(chain.finished);
+  object["source_interval_max_us"] = json_number(chain.source_interval_max_us);
+  object["unmeasured"] = chain.unmeasured;
+  return object;
+}
+
+ScheduleResult schedule_from_json(const Json& object) {
+  const JsonReader in(object, "results: schedule: ");
+  ScheduleResult schedule;
+  in.read("base_tick_us", schedule.base_tick_us);
+  in.read("hyperperiod_ticks", schedule.hyperperiod_ticks);
+  in.read("harmonic", schedule.harmonic);
+  in.read("schedulable", schedule.schedulable);
+  in.list("groups", [&schedule](const Json& entry) {
+    const JsonReader from(entry, "results: schedule: groups: ");
+    ScheduledGroup group;
+    from.read("name", group.name);
+    from.read("period_us", group.period_us);
+    from.read("phase_us", group.phase_us);
+    from.read("deadline_us", group.deadline_us);
+    from.read("core", group.core);
+    from.read("priority", group.priority);
+    from.read("utilisation", group.utilisation);
+    from.read("budget_us", group.budget_us);
+    from.read("response_us", group.response_us);
+    from.read("response_any_phase_us", group.response_any_phase_us);
+    from.read("fits", group.fits);
+    schedule.groups.push_back(std::move(group));
+  });
+  in.list("cores", [&schedule](const Json& entry) {
+    const JsonReader from(entry, "results: schedule: cores: ");
+    ScheduledCore core;
+    from.read("core", core.core);
+    from.list("utilisation",
+              [&](const Json& share) { core.utilisation.push_back(from.figure("utilisation", share)); });
+    from.read("worst_tick_us", core.worst_tick_us);
+    from.read("longest_block_us", core.longest_block_us);
+    schedule.cores.push_back(std::move(core));
+  });
+  in.read("findings", schedule.findings);
+  return schedule;
+}
+
+ChainResult chain_from_json(const Json& object) {
+  const JsonReader in(object, "results: chains: ");
+  ChainResult chain;
+  in.read("name", chain.name);
+  in.read("path", chain.path);
+  in.read("exact", chain.exact);
+  in.read("reaction_us", chain.reaction_us);
+  in.read("age_us", chain.age_us);
+  in.read("max_reaction_us", chain.max_reaction_us);
+  in.read("max_age_us", chain.max_age_us);
+  in.read("source_interval_us", chain.source_interval_us);
+  in.read("source_interval_max_us", chain.source_interval_max_us);
+  read(in, "measured_reaction", chain.reaction);
+  read(in, "measured_age", chain.age);
+  read(in, "measured_finished", chain.finished);
+  in.read("unmeasured", chain.unmeasured);
+  return chain;
+}
+
+}  // namespace sortie::firmware

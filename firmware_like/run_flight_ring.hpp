@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The flight ring of a run: where its file lies, what it is told, and what a run before has left.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware_like/runtime.hpp"
+#include "rt/posix/flight_ring.hpp"
+
+namespace sortie::firmware {
+
+/// What was asked for.
+struct FlightRingOptions {
+  /// A file; "none": no ring; "auto": in memory (XDG_RUNTIME_DIR or /dev/shm) for live runs, removed again
+  /// when the run ends by itself; none in simulated time, which can be repeated.
+  std::string path{"auto"};
+  std::uint32_t ticks{10'000};  ///< kept at least
+};
+
+/// A ring, or nothing: then every call does nothing.
+class RunFlightRing {
+ public:
+  /// `start_ns`: CLOCK_MONOTONIC when the run clock is 0. Throws std::runtime_error when a file that was
+  /// asked for cannot be had; "auto" turns that into a warning.
+  RunFlightRing(Runtime& runtime, const FlightRingOptions& options, bool simulated_time,
+                rt::Nanoseconds start_ns, rt::Nanoseconds utc_minus_monotonic_ns);
+  /// A file that nobody asked for by name goes away.
+  ~RunFlightRing();
+  RunFlightRing(const RunFlightRing&) = delete;
+  RunFlightRing& operator=(const RunFlightRing&) = delete;
+
+  /// A sink that notes each job and hands it on to `next`. Lives as long as this object.
+  rt::JobSink before(rt::JobSink next);
+  /// Notes something in words. Not for real-time threads.
+  void event(rt::Nanoseconds time_ns, rt::Tick tick, std::string_view text);
+  /// Keeps the calling thread's spans on the track "devices", "bench" or "recorder"; other names have none.
+  void adopt_thread(std::string_view name);
+  /// The run has ended by itself.
+  void finish(rt::Nanoseconds time_ns);
+
+  /// True when there is a ring whose file was asked for by name.
+  bool stays() const { return ring_ && !own_file_; }
+  /// Empty without a ring.
+  std::string path() const { return ring_ ? ring_->path() : std::string(); }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  Runtime& runtime_;
+  std::unique_ptr<rt::posix::FlightRing> ring_;
+  std::vector<std::atomic<std::uint32_t>*> running_before_;
+  rt::JobSink next_{};
+  bool own_file_{};
+  std::vector<std::string> warnings_;
+};
+
+/// Rings in `folder` that runs of this user have left there without ending, newest first.
+std::vector<std::string> unfinished_flight_rings(const std::string& folder);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/telemetry.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "drivers/wire_timing.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+constexpr std::size_t kLongestMessage = 16 * 1024;
+
+drivers::LcmPublisherConfig publisher_config(const std::string& url) {
+  drivers::LcmPublisherConfig config;
+  config.url = url;
+  config.slot_bytes = kLongestMessage;
+  return config;
+}
+
+}  // namespace
+
+Telemetry::Telemetry(Runtime& runtime, const FlightRecorder& recorder, const ParameterDesk& desk,
+                     const std::string& url, rt::Nanoseconds utc_minus_run_ns)
+    : runtime_(runtime),
+      recorder_(recorder),
+      desk_(desk),
+      utc_minus_run_ns_(utc_minus_run_ns),
+      publisher_(publisher_config(url)) {
+  std::size_t longest = 0;
+  for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
+    longest = std::max<std::size_t>(longest, runtime.executive().task(i).output_bytes());
+  }
+  canonical_.resize(longest);
+  for (const auto& group : runtime.parts().parameters().groups) in_force_.push_back(group->table.state());
+}
+
+Telemetry::~Telemetry() { stop(); }
+
+void Telemetry::publish_outputs(std::int64_t utime) {
+  rt::Executive& executive = runtime_.executive();
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
+    rt::TaskBase& task = executive.task(i);
+    if (!task.poll_output(canonical_.data())) continue;
+    std::vector<drivers::NamedValue> values;
+    task.describe(
+        canonical_.data(),
+        {&values, [](void* self, const char* name, int index, double value, std::uint64_t, std::uint32_t) {
+           std::string full = name;
+           if (index >= 0) full += "[" + std::to_string(index) + "]";
+           static_cast<std::vector<drivers::NamedValue>*>(self)->push_back({full, value});
+         }});
+    const std::string channel = std::string(drivers::kChannelFields) + "_" + task.name();
+    // What the network does not take is counted by the publisher.
+    static_cast<void>(
+        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode_fields(utime, task.name(), values, out, size);
+        }));
+    note_parameters(task);
+    if (&task == runtime_.vehicle().pose_task()) {
+      rt::PoseEstimate pose;
+      rt::decode_canonical(canonical_.data(), pose);
+      static_cast<void>(publisher_.publish_encoded(
+          drivers::kChannelPose, [&](std::span<std::uint8_t> out, std::size_t& size) {
+            return drivers::encode(drivers::to_pose_message(pose, (pose.stamp_ns + utc_minus_run_ns_) / 1000),
+                                   out, size);
+          }));
+    }
+  }
+}
+
+void Telemetry::note_parameters(const rt::TaskBase& task) {
+  const auto& groups = runtime_.parts().parameters().groups;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i]->task != &task) continue;
+    const std::uint32_t before = in_force_[i].applied + in_force_[i].refused;
+    rt::decode_canonical(canonical_.data(), in_force_[i]);
+    parameters_moved_ = parameters_moved_ || in_force_[i].applied + in_force_[i].refused != before;
+  }
+}
+
+void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
+  const auto& set = runtime_.parts().parameters();
+  const std::uint64_t version = desk_.version();
+  if (set.all.empty() || !(anyway || parameters_moved_ || version != desk_version_)) return;
+  desk_version_ = version;
+  parameters_moved_ = false;
+  drivers::ParametersMessage message = desk_.describe();
+  message.utime = utime;
+  for (std::size_t i = 0; i < set.all.size(); ++i) {
+    for (std::size_t group = 0; group < set.groups.size(); ++group) {
+      if (set.groups[group].get() == set.all[i].owner)
+        message.parameters[i].value = in_force_[group].value[set.all[i].index];
+    }
+  }
+  static_cast<void>(publisher_.publish_encoded(
+      drivers::kChannelParameters,
+      [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(message, out, size); }));
+}
+
+void Telemetry::publish_statistics(std::int64_t utime) {
+  const std::vector<drivers::TaskTiming> timings = recorder_.timings();
+  static_cast<void>(
+      publisher_.publish_encoded(drivers::kChannelStats, [&](std::span<std::uint8_t> out, std::size_t& size) {
+        return drivers::encode(utime, timings, out, size);
+      }));
+  std::vector<drivers::PoolUse> pools;
+  for (const auto& port : runtime_.parts().ports()) {
+    const rt::StreamBase& stream = port->stream();
+    pools.push_back({port->channel(), stream.capacity(), stream.waiting(), stream.high_water(),
+                     static_cast<std::int64_t>(stream.refused())});
+  }
+  static_cast<void>(
+      publisher_.publish_encoded(drivers::kChannelPools, [&](std::span<std::uint8_t> out, std::size_t& size) {
+        return drivers::encode(utime, pools, out, size);
+      }));
+}
+
+void Telemetry::tell(const drivers::EventRecord& event) {
+  constexpr std::size_t kMostWaiting = 1000;  // nobody empties it when telemetry is off
+  const std::lock_guard lock(events_mutex_);
+  if (events_.size() < kMostWaiting) events_.push_back(event);
+}
+
+void Telemetry::publish_events() {
+  std::vector<drivers::EventRecord> events;
+  {
+    const std::lock_guard lock(events_mutex_);
+    events.swap(events_);
+  }
+  for (const drivers::EventRecord& event : events) {
+    static_cast<void>(publisher_.publish_encoded(
+        drivers::kChannelEvent,
+        [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(event, out, size); }));
+  }
+}
+
+void Telemetry::start() {
+  if (!publisher_.active()) return;
+  thread_ = std::thread([this] {
+    for (std::uint64_t round = 0; !stop_.load(std::memory_order_relaxed); ++round) {
+      const auto utime = std::chrono::duration_cast<std::chrono::microseconds>(
+                             std::chrono::system_clock::now().time_since_epoch())
+                             .count();
+      publish_outputs(utime);
+      publish_events();
+      if (round % 10 == 9) publish_statistics(utime);
+      publish_parameters(utime, round % 10 == 0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  });
+}
+
+void Telemetry::stop() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a run tells the outside over LCM, unasked: every task's output, run times, pools, and the pose.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/lcm_publisher.hpp"
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/runtime.hpp"
+
+namespace sortie::firmware {
+
+/// Publishes from a thread of its own: outputs as fields_t on SORTIE_FIELDS_<task> ten times a second,
+/// statistics and the run-time parameters once a second (parameters also as soon as one changes), the pose as
+/// bot_core.pose_t on POSE_BODY. The real-time workers never wait for
+/// it: it reads their mailboxes.
+class Telemetry {
+ public:
+  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to stamps.
+  Telemetry(Runtime& runtime, const FlightRecorder& recorder, const ParameterDesk& desk,
+            const std::string& url, rt::Nanoseconds utc_minus_run_ns);
+  ~Telemetry();
+
+  /// Publishes an event with the next round. Any thread but the real-time ones.
+  void tell(const drivers::EventRecord& event);
+  /// Starts the thread; stop() ends it after a last message.
+  void start();
+  void stop();
+  /// Empty, or why nothing is published although it was asked for.
+  const std::string& problem() const { return publisher_.problem(); }
+  drivers::LcmPublisherCounters counters() const { return publisher_.counters(); }
+
+ private:
+  void publish_outputs(std::int64_t utime);
+  void publish_statistics(std::int64_t utime);
+  void publish_events();
+  void note_parameters(const rt::TaskBase& task);
+  void publish_parameters(std::int64_t utime, bool anyway);
+
+  Runtime& runtime_;
+  const FlightRecorder& recorder_;
+  const ParameterDesk& desk_;
+  rt::Nanoseconds utc_minus_run_ns_;
+  drivers::LcmPublisher publisher_;
+  std::vector<std::uint8_t> canonical_;
+  std::mutex events_mutex_;
+  std::vector<drivers::EventRecord> events_;
+  std::vector<rt::ParameterState> in_force_;  // by group of parameters
+  bool parameters_moved_{};
+  std::uint64_t desk_version_{};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace sortie::firmware

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A vehicle names what runs when: groups, tasks, streams. It is written once and runs live, simulated and
+// over a log.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "firmware_like/chain_declarations.hpp"
+#include "firmware_like/input_port.hpp"
+#include "firmware_like/outlet.hpp"
+#include "firmware_like/parameters.hpp"
+#include "firmware_like/profile.hpp"
+#include "rt/archive.hpp"
+#include "rt/executive.hpp"
+
+namespace sortie::drivers {
+class CanBus;
+}
+
+namespace sortie::firmware {
+
+/// Pose of the body at the start of a run, from the profile or from a log's header.
+struct InitialPose {
+  double p_world_body_m[3]{};
+  double q_world_body[4]{1, 0, 0, 0};
+};
+
+/// Fill level of a pool that a vehicle reports.
+struct PoolLevel {
+  std::uint64_t capacity{};
+  std::uint64_t high_water{};
+  std::uint64_t refused{};
+};
+
+/// What a task is declared to be where the profile says nothing else.
+struct TaskDefaults {
+  double budget_us{};
+  rt::Criticality criticality{rt::Criticality::a};
+  std::uint32_t units{};  ///< of an anytime task (rt::JobContext::spend), 0: it is none
+};
+
+/// What a vehicle is built with. Everything it hands out lives as long as the runtime. Set-up only; throws
+/// ProfileError.
+class VehicleBuilder {
+ public:
+  VehicleBuilder(Profile& profile, rt::Executive& executive, const InitialPose& initial)
+      : profile_(profile), executive_(executive), initial_(initial) {}
+
+  Profile& profile() { return profile_; }
+  rt::Arena& arena() { return executive_.arena(); }
+  const InitialPose& initial_pose() const { return initial_; }
+
+  /// A group at the rate of [groups.NAME] rate_hz. Rates that are no whole number of base ticks are errors
+  /// that name the nearest legal ones.
+  rt::GroupId group(const std::string& name, double default_rate_hz);
+
+  /// True unless [tasks.NAME] enabled = false: what a scene does not need is not built at all.
+  bool wants(const std::string& task, bool fallback = true);
+
+  /// A task with what [tasks.NAME] says: budget_us, criticality, units. `function(rt::JobContext&, T&
+  /// output)`.
+  template <rt::Described T, class F>
+  rt::Task<T>* task(rt::GroupId group, const std::string& name, const TaskDefaults& defaults, F function) {
+    return executive_.add_task<T>(group, task_spec(name, defaults), std::move(function));
+  }
+  /// The same for a task of criticality A that is no anytime task.
+  template <rt::Described T, class F>
+  rt::Task<T>* task(rt::GroupId group, const std::string& name, double default_budget_us, F function) {
+    return task<T>(group, name, TaskDefaults{default_budget_us}, std::move(function));
+  }
+
+  /// Says what `task` keeps from one job to the next beside its output: objects that archive themselves
+  /// (rt/archive.hpp) or list their fields, numbers, arrays. They live as long as the vehicle. Without
+  /// objects: nothing. A task that says neither runs and replays, but `index` refuses its log.
+  template <rt::Archivable... State>
+  void remembers(const rt::TaskBase* task, State&... state) {
+    memories_.emplace_back(task, [&state...](rt::Archive& archive) { (archive.value(state), ...); });
+  }
+  /// Archives what `task` remembers. False: it has not said what that is.
+  bool archive_memory(const rt::TaskBase& task, rt::Archive& archive) const;
+
+  /// The outputs of `task`, for a task of another group, with logical execution time.
+  template <rt::Described T>
+  rt::Input<T>* input(rt::GroupId reader, const rt::Task<T>* task, std::uint32_t history = 4) {
+    rt::Input<T>* input = executive_.add_input<T>(reader, task, history);
+    if (input != nullptr) apply_stale_rule(*input, std::string(task->name()) + "_in_" + group_name(reader));
+    return input;
+  }
+
+  /// A stream of samples from outside; `channel` is its name in the log.
+  template <rt::Described T>
+  std::pair<rt::Stream<T>*, InputPort<T>*> stream(rt::GroupId reader, const std::string& channel,
+                                                  std::uint32_t capacity, std::uint32_t batch) {
+    auto* stream = executive_.add_stream<T>(reader, keep(channel), capacity, batch);
+    check();
+    auto port = std::make_unique<InputPort<T>>(channel, *stream);
+    InputPort<T>* handle = port.get();
+    ports_.push_back(std::move(port));
+    apply_stale_rule(*stream, channel);
+    return {stream, handle};
+  }
+
+  /// Lets the number at `path`, which profile().number() has read, be changed while the group runs: between
+  /// two jobs, in the range of the profile, recorded with the job. `set` runs on the group's thread and must
+  /// be real-time safe; it may refuse a value. Declare a group's first parameter before its first task. With
+  /// [tasks.parameters] enabled = false nothing can be changed, and no task is there for it.
+  void parameter(rt::GroupId group, const std::string& path, ParameterSetter set);
+  /// The same for a number that has not been read yet: reads it into `target`, which outlives the runtime's
+  /// jobs, and gives it back.
+  double parameter(rt::GroupId group, const std::string& path, const NumberSpec& spec, double* target);
+
+  /// A stream of scans with `buffers` pooled buffers of `points` points.
+  std::pair<ScanStream*, ScanPort*> scans(rt::GroupId reader, const std::string& channel,
+                                          std::uint32_t buffers, std::uint32_t points);
+
+  /// A way out for commands: values that a task puts in leave at the deadline of its job.
+  template <class T>
+  Outlet<T>* outlet(const std::string& name, std::uint32_t capacity = 64) {
+    auto outlet = std::make_unique<Outlet<T>>(capacity);
+    auto* handle = outlet.get();
+    counter(name + "_overrun", [handle] { return handle->overrun(); });
+    outlets_.push_back(std::move(outlet));
+    return handle;
+  }
+
+  /// Adds a pool or a counter to every result and to telemetry. The functions are called when no job runs.
+  void pool(const std::string& name, std::function<PoolLevel()> level) {
+    pools_.emplace_back(name, std::move(level));
+  }
+  void counter(const std::string& name, std::function<std::uint64_t()> value) {
+    counters_.emplace_back(name, std::move(value));
+  }
+
+  /// Declares a chain of this vehicle: shown and measured in every run, and bounded where [chains.NAME] says
+  /// so. All of its tasks must exist in the scene.
+  void chain(const ChainSpec& spec) { chains_.push_back(spec); }
+
+  /// Throws ProfileError if the executive refused something.
+  void check() const;
+
+  ParameterSet& parameters() { return parameters_; }
+  const ParameterSet& parameters() const { return parameters_; }
+
+  using Pools = std::vector<std::pair<std::string, std::function<PoolLevel()>>>;
+  using Counters = std::vector<std::pair<std::string, std::function<std::uint64_t()>>>;
+  std::vector<std::unique_ptr<InputPortBase>>& ports() { return ports_; }
+  const std::vector<std::unique_ptr<InputPortBase>>& ports() const { return ports_; }
+  std::vector<std::unique_ptr<OutletBase>>& outlets() { return outlets_; }
+  const std::vector<ChainSpec>& chains() const { return chains_; }
+  const Pools& pools() const { return pools_; }
+  const Counters& counters() const { return counters_; }
+
+ private:
+  const char* keep(const std::string& name);
+  const char* group_name(rt::GroupId group) const { return executive_.group(group.index).spec.name; }
+  rt::TaskSpec task_spec(const std::string& name, const TaskDefaults& defaults);
+  // [stale] NAME_ms and NAME_hide; a rule that is on brings a counter stale_NAME.
+  rt::StaleRule stale_rule(const std::string& name);
+  template <class Port>
+  void apply_stale_rule(Port& port, const std::string& name) {
+    const rt::StaleRule rule = stale_rule(name);
+    port.set_stale_rule(rule);
+    if (rule.after_ticks != 0) counter("stale_" + name, [&port] { return port.stale_jobs(); });
+  }
+  ParameterGroup& parameter_group(rt::GroupId group, const std::string& path);
+
+  Profile& profile_;
+  rt::Executive& executive_;
+  InitialPose initial_;
+  std::vector<std::unique_ptr<std::string>> names_;
+  std::vector<std::unique_ptr<InputPortBase>> ports_;
+  std::vector<std::unique_ptr<OutletBase>> outlets_;
+  std::vector<ChainSpec> chains_;
+  std::vector<std::pair<const rt::TaskBase*, std::function<void(rt::Archive&)>>> memories_;
+  Pools pools_;
+  Counters counters_;
+  ParameterSet parameters_;
+};
+
+/// What a vehicle's devices are reached by. Members that a vehicle does not use stay null.
+struct Devices {
+  drivers::CanBus* can{};
+  /// Writes a CAN frame to the log, if one is kept.
+  SampleSink* log{};
+};
+
+/// Where requests to a vehicle's drive go in.
+struct DriveRequests {
+  InputPort<rt::DriveRequest>* port{};  ///< null: the vehicle takes none
+  std::int32_t postures{};              ///< of the flippers, that a request may ask for
+};
+
+/// A vehicle. Build it in the constructor from a VehicleBuilder; the object lives as long as the runtime.
+class Vehicle {
+ public:
+  virtual ~Vehicle() = default;
+  /// Live and simulated runs, on the I/O thread, about every millisecond: read devices into the ports, write
+  /// commands. `now_ns`: the run's clock. Never called in a replay.
+  virtual void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
+    static_cast<void>(devices);
+    static_cast<void>(now_ns);
+  }
+  /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
+  virtual DriveRequests drive_requests() { return {}; }
+  /// Where a lidar driver delivers, or null.
+  virtual drivers::ScanSink* scan_sink() { return nullptr; }
+  /// The task whose output is the robot's pose, or null: errors and trajectories come from it.
+  virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
+  /// The task whose output is the attitude, judged when there is no pose.
+  virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
+  /// Calls `put(x, y, z, count)` for every voxel of the map at the end of a run. Without a map: nothing.
+  virtual void for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const {
+    static_cast<void>(put);
+  }
+};
+
+/// Makes a vehicle. Throws ProfileError.
+using VehicleFactory = std::function<std::unique_ptr<Vehicle>(VehicleBuilder&)>;
+
+/// Vehicles by the name that [scene] vehicle gives.
+using VehicleRegistry = std::vector<std::pair<std::string, VehicleFactory>>;
+
+}  // namespace sortie::firmware

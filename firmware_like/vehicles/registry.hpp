@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The vehicles that this program knows by name.
+#pragma once
+
+#include "firmware_like/vehicle.hpp"
+
+namespace sortie::firmware {
+
+/// Vehicles of the program itself: "ugv".
+VehicleRegistry own_vehicles();
+
+}  // namespace sortie::firmware

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/vehicles/ugv.hpp"
+
+#include <tuple>
+
+#include "firmware_like/vehicles/ugv_config.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+constexpr double kMovingSpeed_m_s = 0.01;
+}  // namespace
+
+Ugv::Ugv(VehicleBuilder& builder) {
+  // A scene without any estimator has no control group: a recorded walk with posed scans needs only the map.
+  if (builder.wants("attitude")) {
+    const rt::GroupId control = builder.group("control", 1000);
+    add_attitude(builder, control);
+    if (builder.wants("odometry")) {
+      add_odometry(builder, control);
+      if (builder.wants("drive", false)) add_drive(builder, control);
+    }
+  }
+  if (builder.wants("map", false)) add_map(builder);
+  if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
+  if (grid_) builder.chain({"scan_to_map", {"SCAN", "map"}});
+  builder.check();
+}
+
+void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
+  std::tie(imu_, imu_port_) = builder.stream<rt::ImuSample>(group, "IMU", 256, kImuBatch);
+  // The frames of the bus do not say what kind of values they carry: that belongs to the device.
+  imu_kind_ = builder.profile().text("imu.samples", "mean",
+                                     "what the IMU on the bus sends: means over the interval, or points",
+                                     {"mean", "point"}) == "mean"
+                  ? rt::kImuMeanRate
+                  : 0u;
+  attitude_ = std::make_unique<estimators::Attitude>(read_attitude_config(builder));
+  const auto adjust = [&](const char* path, void (estimators::Attitude::*set)(double)) {
+    builder.parameter(group, path, [this, set](double value) {
+      (attitude_.get()->*set)(value);
+      return Status::ok;
+    });
+  };
+  adjust("attitude.inclination_gain_per_s", &estimators::Attitude::set_inclination_gain);
+  adjust("attitude.bias_gain_per_s2", &estimators::Attitude::set_bias_gain);
+  attitude_task_ = builder.task<rt::AttitudeEstimate>(
+      group, "attitude", 50, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
+        job_attitude_count_ = 0;
+        // A backward read: the tracks' speed of the job before.
+        if (odometry_) {
+          const double speed = odometry_->estimate().v_body_m_s[0];
+          attitude_->set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
+        }
+        for (const rt::ImuSample& sample : *imu_) {
+          // A refused sample is counted by the filter, by reason.
+          if (attitude_->update(sample) == Status::ok)
+            job_attitudes_[job_attitude_count_++] = attitude_->estimate();
+        }
+        output = attitude_->estimate();
+      });
+  builder.remembers(attitude_task_, *attitude_);
+  const estimators::Attitude* attitude = attitude_.get();
+  builder.counter("imu_used", [attitude] { return attitude->counters().used; });
+  builder.counter("imu_not_finite", [attitude] { return attitude->counters().not_finite; });
+  builder.counter("imu_out_of_range", [attitude] { return attitude->counters().out_of_range; });
+  builder.counter("imu_time_backwards", [attitude] { return attitude->counters().time_backwards; });
+  builder.counter("imu_time_repeated", [attitude] { return attitude->counters().time_repeated; });
+  builder.counter("imu_gaps", [attitude] { return attitude->counters().gaps; });
+  builder.counter("imu_saturated", [attitude] { return attitude->counters().saturated; });
+}
+
+void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {
+  std::tie(tracks_, track_port_) = builder.stream<rt::TrackSample>(group, "TRACK", 128, 32);
+  odometry_ = std::make_unique<estimators::TrackOdometry>(read_odometry_config(builder));
+  builder.parameter(group, "odometry.scale", [this](double value) {
+    odometry_->set_scale(value);
+    return Status::ok;
+  });
+  odometry_task_ = builder.task<rt::PoseEstimate>(
+      group, "odometry", 50, [this](rt::JobContext&, rt::PoseEstimate& output) {
+        // What is refused is counted by the odometry, by reason.
+        for (std::uint32_t i = 0; i < job_attitude_count_; ++i)
+          static_cast<void>(odometry_->observe(job_attitudes_[i]));
+        for (const rt::TrackSample& sample : *tracks_) static_cast<void>(odometry_->update(sample));
+        output = odometry_->estimate();
+      });
+  builder.remembers(odometry_task_, *odometry_);
+  const estimators::TrackOdometry* odometry = odometry_.get();
+  builder.counter("track_used", [odometry] { return odometry->counters().used; });
+  builder.counter("track_not_finite", [odometry] { return odometry->counters().not_finite; });
+  builder.counter("track_time_backwards", [odometry] { return odometry->counters().time_backwards; });
+  builder.counter("track_jumps", [odometry] { return odometry->counters().jumps; });
+  builder.counter("track_slips", [odometry] { return odometry->counters().slips; });
+}
+
+void Ugv::add_map(VehicleBuilder& builder) {
+  const MapConfig config = read_map_config(builder);
+  const rt::GroupId group = builder.group("mapping", 10);
+  std::tie(scans_, scan_port_) = builder.scans(group, "SCAN", config.scan_buffers, config.scan_points);
+  if (odometry_task_ != nullptr) {
+    // All poses that became visible since the job before; at most a second of them.
+    pose_input_ = builder.input(group, odometry_task_, 1000);
+    poses_ = std::make_unique<mapping::PoseHistory>();
+  }
+  p_body_sensor_ = config.p_body_sensor;
+  q_body_sensor_ = config.q_body_sensor;
+  max_pose_age_ns_ = config.max_pose_age_ns;
+  const mapping::VoxelGridMemory memory{builder.arena().make_array<mapping::Voxel>("voxels", config.voxels),
+                                        builder.arena().make_array<mapping::VoxelBucket>(
+                                            "voxel table", mapping::VoxelTable::buckets_for(config.voxels))};
+  grid_ = std::make_unique<mapping::VoxelGrid>(config.grid, memory);
+  // The pool and the size of a voxel are memory; how far the lidar is believed may change.
+  builder.parameter(group, "map.min_range_m",
+                    [this](double value) { return grid_->set_ranges(value, grid_->max_range_m()); });
+  builder.parameter(group, "map.max_range_m",
+                    [this](double value) { return grid_->set_ranges(grid_->min_range_m(), value); });
+  const rt::TaskBase* task = builder.task<mapping::VoxelGridOutput>(
+      group, "map", TaskDefaults{50'000, rt::Criticality::b},
+      [this](rt::JobContext& context, mapping::VoxelGridOutput& output) {
+        if (pose_input_ != nullptr) {
+          // Refusals are poses without news: the odometry puts out at every release, with the stamp of its
+          // last sample.
+          for (const rt::PoseEstimate& pose : *pose_input_) {
+            static_cast<void>(poses_->add(
+                {pose.stamp_ns, rt::to_vector(pose.p_world_body_m), rt::to_quaternion(pose.q_world_body)}));
+          }
+        }
+        for (std::uint32_t i = 0; i < scans_->size(); ++i) {
+          const ScanStream::View view = (*scans_)[i];
+          context.add_units(view.header.points);
+          insert_scan({view.header, view.elements}, context.tick);
+        }
+        output = grid_->output();
+      });
+  builder.remembers(task, *grid_, scans_unplaced_);
+  if (poses_) builder.remembers(task, *poses_);
+  const mapping::VoxelGrid* grid = grid_.get();
+  const std::uint64_t capacity = config.voxels;
+  builder.pool("voxels", [grid, capacity] {
+    return PoolLevel{capacity, grid->output().high_water, grid->output().points.pool_full};
+  });
+  builder.counter("points_in", [grid] { return grid->output().points.in; });
+  builder.counter("points_used", [grid] { return grid->output().points.used; });
+  builder.counter("points_not_finite", [grid] { return grid->output().points.not_finite; });
+  builder.counter("points_too_near", [grid] { return grid->output().points.too_near; });
+  builder.counter("points_too_far", [grid] { return grid->output().points.too_far; });
+  builder.counter("points_out_of_grid", [grid] { return grid->output().points.out_of_grid; });
+  builder.counter("points_pool_full", [grid] { return grid->output().points.pool_full; });
+  builder.counter("points_bad_pose", [grid] { return grid->output().points.bad_pose; });
+  builder.counter("scans", [grid] { return grid->output().scans; });
+  builder.counter("scans_unplaced", [this] { return scans_unplaced_; });
+}
+
+void Ugv::insert_scan(const rt::PointScan& scan, rt::Tick tick) {
+  // The result's status and counts are part of the grid's output.
+  if ((scan.header.flags & rt::kScanPosed) != 0) {
+    static_cast<void>(grid_->insert(scan, tick));
+    return;
+  }
+  mapping::StampedPose body;
+  if (poses_ == nullptr || poses_->at(scan.header.stamp_ns, max_pose_age_ns_, body) != Status::ok) {
+    ++scans_unplaced_;
+    return;
+  }
+  const mapping::SensorPose sensor{body.p + rt::rotate(body.q, p_body_sensor_), body.q * q_body_sensor_};
+  static_cast<void>(grid_->insert(scan, sensor, tick));
+}
+
+void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns) {
+  if (devices.log != nullptr) {
+    std::uint8_t message[drivers::kCanBytes];
+    std::size_t size = 0;
+    if (drivers::encode(frame, message, size) == Status::ok) {
+      devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
+    }
+  }
+  drivers::CanSample sample;
+  if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
+  // A full stream counts its refusals.
+  if (sample.kind == drivers::CanSampleKind::imu && imu_port_ != nullptr) {
+    sample.imu.flags |= imu_kind_;
+    static_cast<void>(imu_port_->push(sample.imu, now_ns));
+  } else if (sample.kind == drivers::CanSampleKind::track && track_port_ != nullptr) {
+    static_cast<void>(track_port_->push(sample.track, now_ns));
+  } else if (sample.kind == drivers::CanSampleKind::flipper && flipper_port_ != nullptr) {
+    static_cast<void>(flipper_port_->push(sample.flipper, now_ns));
+  }
+}
+
+void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
+  if (devices.can == nullptr) return;
+  drivers::CanFrame frame;
+  for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)
+    take_frame(frame, devices, now_ns);
+  send_commands(*devices.can, now_ns);
+}
+
+void Ugv::for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const {
+  if (!grid_) return;
+  for (std::uint32_t i = 0; i < grid_->size(); ++i) {
+    const mapping::VoxelView voxel = grid_->voxel(i);
+    put(voxel.centroid_m.x, voxel.centroid_m.y, voxel.centroid_m.z, voxel.count);
+  }
+}
+
+}  // namespace sortie::firmware

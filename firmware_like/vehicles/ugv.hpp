@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ground robot: IMU, tracks, flippers, lidar and requests in; attitude, odometry, map, and commands to
+// drives and flippers out.
+#pragma once
+
+#include <memory>
+
+#include "drivers/can_codec.hpp"
+#include "estimators/attitude.hpp"
+#include "estimators/track_odometry.hpp"
+#include "firmware_like/vehicle.hpp"
+#include "mapping/pose_history.hpp"
+#include "mapping/voxel_grid.hpp"
+#include "planner/flipper_postures.hpp"
+#include "planner/ugv_drive.hpp"
+
+namespace sortie::firmware {
+
+/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map. Each part is
+/// left out with [tasks.NAME] enabled = false, and then has no memory.
+class Ugv final : public Vehicle {
+ public:
+  explicit Ugv(VehicleBuilder& builder);
+
+  void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
+  drivers::ScanSink* scan_sink() override { return scan_port_; }
+  DriveRequests drive_requests() override { return {request_port_, postures_}; }
+  const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
+  const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
+  void for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const override;
+
+ private:
+  static constexpr std::uint32_t kImuBatch = 64;
+
+  void add_attitude(VehicleBuilder& builder, rt::GroupId group);
+  void add_odometry(VehicleBuilder& builder, rt::GroupId group);
+  void add_drive(VehicleBuilder& builder, rt::GroupId group);
+  void add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency);
+  void add_drive_counters(VehicleBuilder& builder);
+  void add_flippers(VehicleBuilder& builder, rt::GroupId group);
+  void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
+  bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
+  void add_map(VehicleBuilder& builder);
+  void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
+  void insert_scan(const rt::PointScan& scan, rt::Tick tick);
+
+  // Inputs.
+  rt::Stream<rt::ImuSample>* imu_{};
+  rt::Stream<rt::TrackSample>* tracks_{};
+  rt::Stream<rt::DriveRequest>* requests_{};
+  rt::Stream<rt::FlipperSample>* flipper_states_{};
+  ScanStream* scans_{};
+  InputPort<rt::ImuSample>* imu_port_{};
+  InputPort<rt::TrackSample>* track_port_{};
+  InputPort<rt::DriveRequest>* request_port_{};
+  InputPort<rt::FlipperSample>* flipper_port_{};
+  ScanPort* scan_port_{};
+  // Algorithms; null where the scene leaves them out.
+  std::unique_ptr<estimators::Attitude> attitude_;
+  std::unique_ptr<estimators::TrackOdometry> odometry_;
+  std::unique_ptr<planner::UgvDrive> drive_;
+  std::unique_ptr<planner::FlipperPostures> flippers_;
+  std::unique_ptr<mapping::VoxelGrid> grid_;
+  std::unique_ptr<mapping::PoseHistory> poses_;
+  // Tasks and what crosses groups.
+  rt::Task<rt::AttitudeEstimate>* attitude_task_{};
+  rt::Task<rt::PoseEstimate>* odometry_task_{};
+  rt::Input<rt::PoseEstimate>* pose_input_{};
+  Outlet<rt::DriveCommand>* drive_outlet_{};
+  Outlet<rt::FlipperCommand>* flipper_outlet_{};
+  std::int32_t postures_{};
+  // Every attitude of the present job, for the odometry that runs behind it.
+  rt::AttitudeEstimate job_attitudes_[kImuBatch]{};
+  std::uint32_t job_attitude_count_{};
+  // Scan placement.
+  rt::Vector3 p_body_sensor_;
+  rt::Quaternion q_body_sensor_;
+  rt::Nanoseconds max_pose_age_ns_{};
+  std::uint64_t scans_unplaced_{};
+  // Devices.
+  drivers::CanSampleDecoder decoder_;
+  std::uint32_t imu_kind_{};
+  rt::Nanoseconds next_command_ns_{};
+  std::uint8_t command_counter_{};
+  rt::Nanoseconds next_flippers_ns_{};
+  std::uint8_t flipper_counter_{};
+  std::uint64_t commands_sent_{};
+  std::uint64_t commands_refused_{};
+  std::uint64_t flipper_commands_sent_{};
+  std::uint64_t flipper_commands_refused_{};
+};
+
+}  // namespace sortie::firmware

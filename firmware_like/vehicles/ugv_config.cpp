@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/vehicles/ugv_config.hpp"
+
+#include "firmware_like/vehicles/units.hpp"
+
+namespace sortie::firmware {
+
+estimators::AttitudeConfig read_attitude_config(VehicleBuilder& builder) {
+  Profile& profile = builder.profile();
+  estimators::AttitudeConfig config;
+  for (int i = 0; i < 4; ++i) config.q_world_body[i] = builder.initial_pose().q_world_body[i];
+  config.acc_time_constant_s = profile.number(
+      "attitude.acc_time_constant_s",
+      {config.acc_time_constant_s, 0.01, 100, "s", "low-pass of the specific force in the world frame"});
+  config.inclination_gain_per_s = profile.number(
+      "attitude.inclination_gain_per_s",
+      {config.inclination_gain_per_s, 0, 100, "1/s", "share of the tilt error removed in a second"});
+  config.bias_gain_per_s2 =
+      profile.number("attitude.bias_gain_per_s2",
+                     {config.bias_gain_per_s2, 0, 10, "1/s2", "tilt error to gyro bias; 0: off"});
+  config.rest_bias_gain_per_s =
+      profile.number("attitude.rest_bias_gain_per_s",
+                     {config.rest_bias_gain_per_s, 0, 100, "1/s", "gyro mean to bias while at rest; 0: off"});
+  config.max_rate_rad_s = profile.number("attitude.max_rate_rad_s", {config.max_rate_rad_s, 0.1, 1e4, "rad/s",
+                                                                     "a faster reading is no reading"});
+  config.max_coast_ns = milliseconds(
+      profile.number("attitude.max_coast_ms", {static_cast<double>(config.max_coast_ns) * 1e-6, 1, 1e5, "ms",
+                                               "longest gap bridged with a held rate"}));
+  return config;
+}
+
+estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder) {
+  Profile& profile = builder.profile();
+  estimators::TrackOdometryConfig config;
+  for (int i = 0; i < 3; ++i) config.p_world_body_m[i] = builder.initial_pose().p_world_body_m[i];
+  const double scale =
+      profile.number("odometry.scale", {1, 0.1, 10, "", "true metres per measured metre of both tracks"});
+  config.scale_left = config.scale_right = scale;
+  config.track_width_m = profile.number(
+      "odometry.track_width_m",
+      {0, 0, 10, "m", "distance of the tracks' turning centres, for the slip check; 0: no check"});
+  config.max_speed_m_s =
+      profile.number("odometry.max_speed_m_s",
+                     {config.max_speed_m_s, 0.01, 100, "m/s", "a faster track is a counter that jumped"});
+  config.max_extrapolation_ns = milliseconds(profile.number(
+      "odometry.max_extrapolation_ms", {static_cast<double>(config.max_extrapolation_ns) * 1e-6, 0, 1e4, "ms",
+                                        "how far behind the newest attitude a track sample may lie"}));
+  return config;
+}
+
+MapMount read_lidar_mount(Profile& profile) {
+  MapMount mount;
+  const char* place = "place of the lidar on the body";
+  mount.place_m[0] = profile.number("lidar.x_m", {0.05, -10, 10, "m", place});
+  mount.place_m[1] = profile.number("lidar.y_m", {0, -10, 10, "m", place});
+  mount.place_m[2] = profile.number("lidar.z_m", {0.45, -10, 10, "m", place});
+  const char* turn = "turn of the lidar on the body";
+  mount.yaw_pitch_roll_rad[0] = profile.number("lidar.yaw_deg", {0, -360, 360, "deg", turn}) * kDegree;
+  mount.yaw_pitch_roll_rad[1] = profile.number("lidar.pitch_deg", {0, -90, 90, "deg", turn}) * kDegree;
+  mount.yaw_pitch_roll_rad[2] = profile.number("lidar.roll_deg", {0, -180, 180, "deg", turn}) * kDegree;
+  return mount;
+}
+
+MapConfig read_map_config(VehicleBuilder& builder) {
+  Profile& profile = builder.profile();
+  MapConfig config;
+  config.grid.voxel_size_m =
+      profile.number("map.voxel_m", {config.grid.voxel_size_m, 0.01, 10, "m", "edge of a voxel"});
+  config.grid.min_range_m =
+      profile.number("map.min_range_m", {config.grid.min_range_m, 0, 100, "m", "nearer returns are refused"});
+  config.grid.max_range_m = profile.number(
+      "map.max_range_m", {config.grid.max_range_m, 0.1, 1000, "m", "farther returns are refused"});
+  if (config.grid.max_range_m <= config.grid.min_range_m)
+    profile.fail("map.max_range_m", "must be above map.min_range_m");
+  config.grid.full_policy =
+      profile.text("map.when_full", "refuse", "what happens to new voxels when the pool is full",
+                   {"refuse", "evict_farthest"}) == "refuse"
+          ? mapping::FullPolicy::refuse
+          : mapping::FullPolicy::evict_farthest;
+  config.voxels = static_cast<std::uint32_t>(
+      profile.integer("limits.voxels", {1 << 17, 1, 1 << 26, "voxels", "pool of the map"}));
+  config.scan_buffers = static_cast<std::uint32_t>(
+      profile.integer("limits.scan_buffers", {4, 2, 64, "scans", "pooled buffers; a job takes up to half"}));
+  config.scan_points = static_cast<std::uint32_t>(profile.integer(
+      "limits.scan_points", {32'768, 1, 1 << 22, "points", "of one scan; a larger one is refused whole"}));
+  const MapMount mount = read_lidar_mount(profile);
+  config.p_body_sensor = rt::to_vector(mount.place_m);
+  config.q_body_sensor = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
+                                                 mount.yaw_pitch_roll_rad[2]);
+  config.max_pose_age_ns = milliseconds(
+      profile.number("map.max_pose_age_ms",
+                     {100, 0, 1e4, "ms", "a scan taken this long after the newest pose is placed there"}));
+  return config;
+}
+
+}  // namespace sortie::firmware

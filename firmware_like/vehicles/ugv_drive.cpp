@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ground robot's drive and flippers: their tasks, and their commands on the bus.
+#include <tuple>
+
+#include "firmware_like/vehicles/ugv.hpp"
+#include "firmware_like/vehicles/ugv_drive_config.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+constexpr rt::Nanoseconds kCommandEvery = 10 * rt::kNanosecondsPerMillisecond;  // 2 % of a 500 kbit/s bus
+constexpr rt::Nanoseconds kFlippersEvery = 20 * rt::kNanosecondsPerMillisecond;
+}  // namespace
+
+void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
+  Profile& profile = builder.profile();
+  DriveSetup setup = read_drive_setup(builder);
+  std::vector<std::string> postures;
+  if (builder.wants("flippers", false)) {
+    const FlipperSetup flippers = read_flipper_setup(builder);
+    postures = flippers.names;
+    flippers_ = std::make_unique<planner::FlipperPostures>();
+    if (flippers_->set_up(flippers.postures, flippers.config) != Status::ok)
+      profile.fail("flippers.postures", "cannot be used");
+  }
+  postures_ = setup.config.postures = static_cast<std::int32_t>(postures.size());
+  drive_ = std::make_unique<planner::UgvDrive>(setup.config);
+  if (drive_->set_route(read_route(builder)) != Status::ok)
+    profile.fail("mission.waypoints", "every waypoint must lie within 1000 km of the origin");
+  if (drive_->set_mission(read_mission(builder, postures)) != Status::ok)
+    profile.fail("mission.commands", "rows of one nanosecond are one row");
+  add_drive_parameters(builder, group, setup.efficiency);
+  if (setup.remote)
+    std::tie(requests_, request_port_) = builder.stream<rt::DriveRequest>(group, "DRIVE", 16, 8);
+  drive_outlet_ = builder.outlet<rt::DriveCommand>("drive");
+  const rt::TaskBase* task = builder.task<planner::UgvDriveOutput>(
+      group, "drive", 50, [this](rt::JobContext& context, planner::UgvDriveOutput& output) {
+        if (requests_ != nullptr) {
+          // A refusal is counted in the output, by its reason.
+          for (const rt::DriveRequest& request : *requests_) static_cast<void>(drive_->request(request));
+        }
+        // Whatever cannot be used makes the robot stop, and the output says why.
+        static_cast<void>(
+            drive_->update(odometry_task_->value(), {imu_->stale(), tracks_->stale()}, context.release_ns));
+        output = drive_->output();
+        drive_outlet_->put(drive_->command(), context.due_ns);
+      });
+  builder.remembers(task, *drive_);
+  add_drive_counters(builder);
+  if (flippers_) add_flippers(builder, group);
+}
+
+void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {
+  const auto adjust = [&](const char* path, Status (planner::UgvDrive::*set)(double), double scale) {
+    builder.parameter(group, path,
+                      [this, set, scale](double value) { return (drive_.get()->*set)(scale * value); });
+  };
+  adjust("drive.max_speed_m_s", &planner::UgvDrive::set_max_speed, 1.0);
+  adjust("drive.max_turn_rate_rad_s", &planner::UgvDrive::set_max_turn_rate, 1.0);
+  adjust("drive.max_acceleration_m_s2", &planner::UgvDrive::set_max_acceleration, 1.0);
+  adjust("drive.track_width_m", &planner::UgvDrive::set_track_width, 1.0 / efficiency);
+}
+
+void Ugv::add_drive_counters(VehicleBuilder& builder) {
+  builder.counter("commands_sent", [this] { return commands_sent_; });
+  builder.counter("commands_refused", [this] { return commands_refused_; });
+  const planner::UgvDrive* drive = drive_.get();
+  builder.counter("waypoints_reached", [drive] { return drive->follower().reached; });
+  // Every reason to stop by its name, and what became of requests.
+  planner::DriveStopCounters::fields(
+      drive->output().stops, [&](const char* name, const std::uint32_t& count) {
+        builder.counter(std::string("drive_stops_") + name, [&count] { return std::uint64_t{count}; });
+      });
+  if (requests_ == nullptr) return;
+  planner::RequestCounters::fields(
+      drive->output().requests, [&](const char* name, const std::uint32_t& count) {
+        builder.counter(std::string("drive_requests_") + name, [&count] { return std::uint64_t{count}; });
+      });
+}
+
+void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
+  std::tie(flipper_states_, flipper_port_) = builder.stream<rt::FlipperSample>(group, "FLIPPER", 64, 16);
+  flipper_outlet_ = builder.outlet<rt::FlipperCommand>("flippers");
+  const rt::TaskBase* task = builder.task<planner::FlipperOutput>(
+      group, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
+        // What is not finite does not come off the bus; a posture that does not exist is counted in the
+        // output.
+        for (const rt::FlipperSample& sample : *flipper_states_)
+          static_cast<void>(flippers_->observe(sample));
+        const planner::UgvDriveOutput& drive = drive_->output();
+        const bool hold = (drive.stop & (planner::kStopHalt | planner::kStopTilted)) != 0;
+        static_cast<void>(flippers_->update(drive.posture, hold, context.release_ns));
+        output = flippers_->output();
+        rt::FlipperCommand command;
+        command.stamp_ns = output.stamp_ns;
+        for (std::uint32_t i = 0; i < rt::kFlippers; ++i) command.angle_rad[i] = output.angle_rad[i];
+        command.flags = output.flags & planner::kFlippersEnabled;
+        flipper_outlet_->put(command, context.due_ns);
+      });
+  builder.remembers(task, *flippers_);
+  builder.counter("flipper_commands_sent", [this] { return flipper_commands_sent_; });
+  builder.counter("flipper_commands_refused", [this] { return flipper_commands_refused_; });
+}
+
+void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
+  rt::DriveCommand command;
+  bool has_command = false;
+  while (drive_outlet_ != nullptr && drive_outlet_->take(now_ns, command)) has_command = true;
+  if (has_command && now_ns >= next_command_ns_) {
+    drivers::CanFrame frame;
+    if (drivers::encode_drive(command, command_counter_, frame) == Status::ok &&
+        can.send(frame) == Status::ok) {
+      ++command_counter_;
+      ++commands_sent_;
+      next_command_ns_ = now_ns + kCommandEvery;
+    } else {
+      ++commands_refused_;
+    }
+  }
+  rt::FlipperCommand flippers;
+  bool has_flippers = false;
+  while (flipper_outlet_ != nullptr && flipper_outlet_->take(now_ns, flippers)) has_flippers = true;
+  if (!has_flippers || now_ns < next_flippers_ns_) return;
+  if (send_flippers(can, flippers)) {
+    ++flipper_commands_sent_;
+    next_flippers_ns_ = now_ns + kFlippersEvery;
+  } else {
+    ++flipper_commands_refused_;
+  }
+}
+
+/// Both pairs, or a refusal; the counter rises with every attempt that put something on the bus, so that no
+/// pair takes the next command for a repeat.
+bool Ugv::send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command) {
+  drivers::CanFrame frames[2];
+  if (drivers::encode_flippers(command, flipper_counter_, frames) != Status::ok) return false;
+  if (can.send(frames[0]) != Status::ok) return false;
+  ++flipper_counter_;
+  return can.send(frames[1]) == Status::ok;
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Units in which a profile is written, as the algorithms want them.
+#pragma once
+
+#include "rt/time.hpp"
+
+namespace sortie::firmware {
+
+/// One degree [rad].
+inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+/// A profile's milliseconds. `value` must be finite and within 292 years, which the profile's ranges see to.
+inline rt::Nanoseconds milliseconds(double value) { return static_cast<rt::Nanoseconds>(value * 1e6); }
+
+}  // namespace sortie::firmware
