@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Requests for parameters over LCM, in a network of the test's own: from friends, from strangers, and from
+// nobody.
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/parameter_desk.hpp"
+#include "tests/drivers/own_network.hpp"
+#include "tests/firmware_like/run_support.hpp"
+
+using namespace sortie;
+using namespace sortie::firmware;
+using namespace sortie::testing;
+using std::chrono::milliseconds;
+
+namespace {
+
+const std::string kUrl{drivers::kDefaultLcmUrl};
+
+bool has_network() {
+  const std::string why = test::enter_own_network();
+  if (!why.empty()) WARN("skipped: " << why);
+  return why.empty();
+}
+
+std::string secret_file(const TempFolder& folder, const std::string& name, char digit) {
+  const std::string path = folder.write(name, std::string(32, digit) + "\n");
+  std::filesystem::permissions(path,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  return path;
+}
+
+/// Sends requests as they come into a stranger's mind.
+class Sender {
+ public:
+  Sender()
+      : publisher_([] {
+          drivers::LcmPublisherConfig config;
+          config.url = kUrl;
+          return config;
+        }()) {
+    REQUIRE(publisher_.active());
+  }
+  void raw(const std::vector<std::uint8_t>& bytes) {
+    REQUIRE(publisher_.publish(drivers::kChannelSet, bytes) == Status::ok);
+    ++sent;
+  }
+  void ask(const drivers::SetParameter& request, const drivers::SipKey* key) {
+    std::vector<std::uint8_t> bytes(256);
+    std::size_t size = 0;
+    REQUIRE(drivers::encode(request, key, bytes, size) == Status::ok);
+    bytes.resize(size);
+    raw(bytes);
+  }
+  std::uint64_t sent{};
+
+ private:
+  drivers::LcmPublisher publisher_;
+};
+
+std::uint64_t handled(const ParameterDeskCounters& c) {
+  return c.admitted + c.unknown + c.not_finite + c.out_of_range + c.full + c.malformed + c.bad_tag +
+         c.wrong_session + c.stale;
+}
+
+// Every datagram is counted exactly once, by its reason.
+void wait_for(ParameterDesk& desk, std::uint64_t sent) {
+  for (int i = 0; i < 2000 && handled(desk.counters()) < sent; ++i) {
+    desk.poll(1);
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  REQUIRE(handled(desk.counters()) == sent);
+}
+
+}  // namespace
+
+TEST_CASE("the desk takes requests with the right tag, session and counter, and counts all others") {
+  if (!has_network()) return;
+  const TempFolder folder;
+  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true",
+                                          "parameters.secret_file=" + secret_file(folder, "s", '7')}),
+                  own_vehicles(), RuntimeStart{});
+  ParameterDesk desk(runtime);
+  REQUIRE(desk.open(kUrl).empty());
+  const drivers::SipKey key = read_secret(folder.file("s"));
+  drivers::SipKey other = key;
+  other[3] ^= 4u;
+  const std::int64_t session = desk.describe().session;
+  CHECK(session != 0);
+  Sender sender;
+  const std::string name = "drive.max_speed_m_s";
+  sender.raw({1, 2, 3});
+  sender.raw(std::vector<std::uint8_t>(2000, 0));
+  sender.ask({1, session, 5, 1, name, 0.1}, nullptr);
+  sender.ask({1, session, 5, 1, name, 0.1}, &other);
+  sender.ask({1, session + 1, 5, 1, name, 0.1}, &key);
+  sender.ask({1, session, 5, 10, name, 0.2}, &key);  // good
+  sender.ask({1, session, 5, 10, name, 0.2}, &key);  // the same datagram again
+  sender.ask({1, session, 5, 9, name, 0.3}, &key);   // overtaken
+  sender.ask({1, session, 5, 11, name, 99}, &key);
+  sender.ask({1, session, 5, 12, "drive.max", 0.3}, &key);
+  sender.ask({1, session, 5, 13, name, std::numeric_limits<double>::quiet_NaN()}, &key);
+  wait_for(desk, sender.sent);
+  const ParameterDeskCounters counters = desk.counters();
+  CHECK(counters.malformed == 2);
+  CHECK(counters.bad_tag == 2);
+  CHECK(counters.wrong_session == 1);
+  CHECK(counters.stale == 2);
+  CHECK(counters.admitted == 1);
+  CHECK(counters.out_of_range == 1);
+  CHECK(counters.unknown == 1);
+  CHECK(counters.not_finite == 1);
+  const drivers::ParametersMessage said = desk.describe();
+  CHECK(said.keyed);
+  CHECK(said.counter == 13);
+  REQUIRE(said.answers.size() == 4);  // strangers and repeats get none
+  CHECK(static_cast<Status>(said.answers[0].status) == Status::ok);
+  CHECK(static_cast<Status>(said.answers[1].status) == Status::out_of_range);
+}
+
+TEST_CASE("a flood of requests is refused beyond the ring and counted") {
+  if (!has_network()) return;
+  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true"}), own_vehicles(),
+                  RuntimeStart{});
+  ParameterDesk desk(runtime);
+  CHECK(desk.open(kUrl).find("anybody") != std::string::npos);
+  const std::int64_t session = desk.describe().session;
+  Sender sender;
+  for (std::int64_t i = 1; i <= 60; ++i) sender.ask({1, session, 5, i, "drive.max_speed_m_s", 0.3}, nullptr);
+  wait_for(desk, sender.sent);
+  CHECK(desk.counters().admitted == kWaitingChanges);
+  CHECK(desk.counters().full == 60 - kWaitingChanges);
+  CHECK(desk.describe().answers.size() == 16);
+}
+
+TEST_CASE("without remote control nothing is listened to") {
+  if (!has_network()) return;
+  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024"}), own_vehicles(), RuntimeStart{});
+  ParameterDesk desk(runtime);
+  CHECK(desk.open(kUrl).empty());
+  CHECK_FALSE(desk.describe().remote);
+  Sender sender;
+  sender.ask({1, 0, 5, 1, "drive.max_speed_m_s", 0.1}, nullptr);
+  for (int i = 0; i < 20; ++i) {
+    desk.poll(i);
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  CHECK(handled(desk.counters()) == 0);
+}
+
+TEST_CASE("a live run is heard, takes a friend's changes, and its log replays to its digest") {
+  if (!has_network()) return;
+  const TempFolder folder;
+  LiveRunOptions options;
+  options.scene = "ugv_hall";
+  options.overrides = {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768",
+                       "parameters.remote=true", "parameters.secret_file=" + secret_file(folder, "s", 'a')};
+  options.seconds = 60;
+  options.realtime = false;
+  options.record = folder.file("live.lcm");
+  options.lcm_url = kUrl;
+  std::atomic<bool> enough{false};
+  options.interrupted = &enough;
+  LiveRunOutcome run;
+  std::thread running([&] { run = run_live(own_vehicles(), make_own_bench, options); });
+  struct Join {
+    std::atomic<bool>& enough;
+    std::thread& running;
+    ~Join() {
+      enough.store(true);
+      if (running.joinable()) running.join();
+    }
+  };
+  {
+    const Join join{enough, running};
+    ParameterClient friendly(kUrl, read_secret(folder.file("s")));
+    const auto heard = friendly.find_runs(0, milliseconds(20'000));
+    REQUIRE(heard.size() == 1);
+    friendly.choose(heard[0]);
+    CHECK(friendly.run().remote);
+    CHECK(friendly.run().keyed);
+    CHECK(friendly.run().parameters.size() == 9);
+    const RequestOutcome slower = friendly.set("drive.max_speed_m_s", 0.25, milliseconds(20'000));
+    CHECK(slower.end == RequestEnd::in_force);
+    CHECK(slower.before == 0.5);
+    CHECK(slower.after == 0.25);
+    const RequestOutcome absurd = friendly.set("drive.max_speed_m_s", 1e9, milliseconds(20'000));
+    CHECK(absurd.end == RequestEnd::refused);
+    CHECK(absurd.status == Status::out_of_range);
+    CHECK(absurd.after == 0.25);
+    CHECK(friendly.set("map.min_range_m", 60, milliseconds(20'000)).end == RequestEnd::not_applied);
+
+    ParameterClient stranger(kUrl, read_secret(secret_file(folder, "t", 'b')));
+    REQUIRE(stranger.find_runs(heard[0], milliseconds(20'000)).size() == 1);
+    stranger.choose(heard[0]);
+    CHECK(stranger.set("drive.max_speed_m_s", 2, milliseconds(700)).end == RequestEnd::no_answer);
+  }
+  CHECK(run.results.counters.at("parameters_admitted") == 2);
+  CHECK(run.results.counters.at("parameters_applied") == 1);
+  CHECK(run.results.counters.at("parameters_not_applied") == 1);
+  CHECK(run.results.counters.at("parameters_bad_tag") > 0);
+  for (const bool threaded : {false, true}) {
+    ReplayOptions replaying;
+    replaying.threaded = threaded;
+    const ReplayOutcome outcome = replay_log(options.record, replaying);
+    if (outcome.divergence) FAIL_CHECK(describe(*outcome.divergence));
+    CHECK(outcome.results.digest == run.results.digest);
+    CHECK(outcome.results.counters.at("parameters_applied") == 1);
+  }
+}

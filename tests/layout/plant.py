@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""plant.py CHECK [COMPILER AR NM CLANG_FORMAT]: proves that a check can fail. It makes a tiny clean tree, sees the
+check pass, plants one fault after another and sees each one caught, at the right place."""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+LICENCE = "// SPDX-License-Identifier: BSD-3-Clause\n"
+CLEAN = {
+    "rt/base.hpp": "// A value.\n#pragma once\n#include <cstdint>\nnamespace tiny {\nstd::uint32_t next(std::uint32_t x);\n}  // namespace tiny\n",
+    "rt/base.cpp": '// Its body.\n#include "rt/base.hpp"\nnamespace tiny {\nstd::uint32_t next(std::uint32_t x) { return x + 1; }\n}  // namespace tiny\n',
+    "estimators/filter.hpp": '// A filter.\n#pragma once\n#include "rt/base.hpp"\n',
+    "drivers/bus.cpp": "// A bus.\n#include <sys/socket.h>\n",
+    "firmware_like/vehicles/ugv.cpp": '// A vehicle.\n#include "estimators/filter.hpp"\n',
+    "firmware_like/commands/run.cpp": "// A command.\n#include <CLI/CLI.hpp>\n",
+}
+
+# check: [(file, text to add at its end, what the check must say)]
+FAULTS = {
+    "layers": [
+        ("estimators/filter.hpp", '#include "mapping/grid.hpp"\n', "estimators/filter.hpp:5: estimators may not include mapping"),
+        ("mapping/grid.hpp", '#include "drivers/bus.hpp"\n', "mapping/grid.hpp:2: mapping may not include drivers"),
+        ("drivers/bus.cpp", '#include "estimators/filter.hpp"\n', "drivers may not include estimators"),
+        ("firmware_like/profile.cpp", '#include "firmware_like/commands/run.hpp"\n', "firmware_like may not include firmware_like/commands"),
+        ("hil/plant.cpp", '#include "estimators/filter.hpp"\n', "hil may not include estimators"),
+        ("planner/plan.cpp", '#include "firmware_like/profile.hpp"\n', "planner may not include firmware_like"),
+        ("firmware_like/vehicles/ugv.cpp", '#include "hil/plant.hpp"\n', "firmware_like may not include hil"),
+        ("rt/base.hpp", "#include <Eigen/Core>\n", "rt may not see Eigen"),
+        ("rt/base.hpp", "#include <thread>\n", "rt/base.hpp:8: rt may not see the operating system"),
+        ("rt/base.cpp", '#include "rt/posix/clock.hpp"\n', "rt may not include rt/posix"),
+        ("estimators/filter.hpp", '#include "rt/posix/clock.hpp"\n', "estimators may not include rt/posix"),
+        ("planner/plan.cpp", "#include <lcm/lcm-cpp.hpp>\n", "planner may not see LCM"),
+        ("hil/plant.cpp", "#include <netinet/in.h>\n", "hil may not see sockets"),
+        ("drivers/bus.cpp", "#include <nlohmann/json.hpp>\n", "drivers may not see JSON"),
+        ("mapping/grid.hpp", "#include <toml++/toml.h>\n", "mapping may not see toml++"),
+        ("drivers/bus.cpp", "#include <CLI/CLI.hpp>\n", "drivers may not see CLI11"),
+        ("estimators/filter.hpp", "#include <chrono>\n", "estimators may not see the operating system"),
+        ("rt/base.cpp", '#include "base.hpp"\n', "includes are written from the root"),
+        ("planner/plan.cpp", "#include <ccd/ccd.h>\n", "planner may not see libccd"),
+        ("rt/base.hpp", "#include <ccd/vec3.h>\n", "rt may not see libccd"),
+        ("rt/base.cpp", '#include "rt/convex/query.hpp"\n', "rt may not include rt/convex"),
+        ("estimators/filter.hpp", '#include "rt/convex/query.hpp"\n', "estimators may not include rt/convex"),
+    ],
+    "headers": [
+        ("rt/base.hpp", "namespace tiny { std::vector<int> all(); }\n", "rt/base.hpp: does not compile alone"),
+        ("estimators/filter.hpp", "#error broken\n", "estimators/filter.hpp: does not compile alone"),
+    ],
+    "freestanding": [
+        ("rt/base.cpp", "namespace tiny { int* sink; void f() { sink = new int(1); } }\n", "asks for the heap: operator new"),
+        ("rt/base.cpp", '#include <cstdlib>\nnamespace tiny { void* g() { return std::malloc(8); } }\n', "asks for the heap: malloc"),
+        ("rt/base.cpp", "namespace tiny { void h() { throw 1; } }\n", "asks for exceptions: __cxa_throw"),
+        ("rt/base.cpp", '#include <cstdio>\nnamespace tiny { void p(int x) { std::printf("%d", x); } }\n', "asks for printing"),
+        ("rt/base.cpp", "#include <mutex>\nnamespace tiny { std::mutex m; void l() { m.lock(); } }\n", "asks for locks"),
+        ("rt/base.cpp", "#include <ctime>\nnamespace tiny { long t() { timespec s; clock_gettime(0, &s); return s.tv_sec; } }\n", "asks for clocks"),
+        ("rt/base.cpp", "#include <string>\nnamespace tiny { std::string s(int x) { return std::to_string(x) + std::string(99, 'x'); } }\n", "base.cpp.o"),
+    ],
+    "arithmetic-symbols": [
+        ("rt/base.cpp", "#include <cmath>\nnamespace tiny { double s(double x) { return std::sin(x); } }\n", "asks for mathematics that differs by processor: sin"),
+        ("rt/base.cpp", "#include <cmath>\nnamespace tiny { float a(float y, float x) { return std::atan2(y, x); } }\n", "atan2f"),
+    ],
+    "collision-symbols": [
+        ("rt/base.cpp", 'extern "C" int ccdGJKPenetration();\nnamespace tiny { int e() { return ccdGJKPenetration(); } }\n', "asks for libccd's expanding polytope: ccdGJKPenetration"),
+        ("rt/base.cpp", 'extern "C" int ccdGJKIntersect();\nnamespace tiny { int i() { return ccdGJKIntersect(); } }\n', "ccdGJKIntersect"),
+        ("rt/base.cpp", "namespace tiny { int* sink; void f() { sink = new int(1); } }\n", "asks for the heap: operator new"),
+    ],
+    "arithmetic": [
+        ("rt/base.cpp", "double f(double x) { return std::exp(x); }\n", "rt/base.cpp:7: std::exp(: use rt/math.hpp"),
+        ("hil/plant.cpp", "std::normal_distribution<double> noise;\n", "hil/plant.cpp:2: std::normal_distribution"),
+        ("mapping/grid.hpp", "std::unordered_map<int, int> cells;\n", "std::unordered_map"),
+        ("firmware_like/vehicles/ugv.cpp", "double f(double x) { return std::hypot(x, x); }\n", "firmware_like/vehicles/ugv.cpp:4: std::hypot("),
+    ],
+    "atomics": [
+        ("rt/base.hpp", "std::atomic<std::uint64_t> refused{};\n", "rt/base.hpp:8: atomic<std::uint64_t>"),
+        ("rt/base.cpp", "std::atomic<Nanoseconds> newest;\n", "rt/base.cpp:7: atomic<Nanoseconds>"),
+        ("rt/base.hpp", "Atomic<std::int64_t> words[2];\n", "rt/base.hpp:8: Atomic<std::int64_t>"),
+    ],
+    "files": [
+        ("rt/base.cpp", "// TO" "DO: the rest\n", "rt/base.cpp:7: 'TO" "DO'"),
+        ("docs/page.md", "Good enough for " "now.\n", "docs/page.md:2: 'for " "now'"),
+        ("toolchain/run", "cd /wo" "rk/tree\n", "a path of one machine"),
+        ("rt/base.hpp", "\n" * 300, "307 lines"),
+        ("toolchain/debian12-packages.txt", "base  cowsay\n", "debian12-packages.txt:2: a package line is: group, package, # reason"),
+        ("rt/other.hpp", "\n", "rt/other.hpp:1: a header says #pragma once"),
+        ("tests/rt/base_test.cpp", 'TEST_CASE("one half; " "the other") {}\n', "base_test.cpp:2: CTest cuts the name"),
+    ],
+    "format": [("rt/base.cpp", "int  badly( int spaced ) ;\n", "rt/base.cpp:7:")],
+}
+
+
+def write(root, path, text):
+    file = root / path
+    file.parent.mkdir(parents=True, exist_ok=True)
+    start = "" if file.exists() else LICENCE if file.suffix in {".hpp", ".cpp"} else "# A file.\n"
+    with file.open("a") as out:
+        out.write(start + text)
+
+
+def archive(root, tools):
+    compiler, ar = tools[:2]
+    run = lambda *command: subprocess.run(command, cwd=root, check=True)  # noqa: E731
+    run(compiler, "-std=c++20", "-O2", "-I.", "-c", "rt/base.cpp", "-o", "base.cpp.o")
+    run(ar, "qc", "tiny.a", "base.cpp.o")
+    return str(root / "tiny.a")
+
+
+def check(name, root, tools):
+    """Runs the check on the tree: (exit code, output)."""
+    if name in ("freestanding", "arithmetic-symbols", "collision-symbols"):
+        command = ["check_symbols.py", name.split("-")[0], tools[2], archive(root, tools)]
+    elif name == "headers":
+        (root / "flags.txt").write_text("-std=c++20\n-I.\n")
+        command = ["check_headers.py", str(root), "2", str(root / "flags.txt"), tools[0]]
+    elif name == "format":
+        shutil.copy(HERE / "../../.clang-format", root)
+        command = ["check_format.py", str(root), tools[3]]
+    else:
+        command = [f"check_{name}.py", str(root)]
+    result = subprocess.run([sys.executable, "-B", HERE / command[0], *command[1:]], capture_output=True, text=True, check=False)
+    return result.returncode, result.stdout + result.stderr
+
+
+def trial(name, tools, fault=None):
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for path, text in CLEAN.items():
+            write(root, path, text)
+        if fault:
+            write(root, fault[0], fault[1])
+        return check(name, root, tools)
+
+
+def main(name, tools):
+    failures = 0
+    code, output = trial(name, tools)
+    if code != 0:
+        failures += 1
+        print(f"the clean tree does not pass:\n{output}")
+    for fault in FAULTS[name]:
+        code, output = trial(name, tools, fault)
+        caught = code == 1 and fault[2] in output
+        failures += not caught
+        print(f"{'caught' if caught else 'MISSED'}: {fault[0]} + {fault[1].strip()[:70]!r}")
+        if not caught:
+            print(f"  expected '{fault[2]}', got {code}:\n{output}")
+    print(f"{name}: {len(FAULTS[name])} faults planted, {failures} not caught")
+    sys.exit(1 if failures else 0)
+
+
+main(sys.argv[1], sys.argv[2:])

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The drive and the flippers take no memory from the heap.
+#include <catch2/catch.hpp>
+
+#include "planner/flipper_postures.hpp"
+#include "planner/ugv_drive.hpp"
+#include "rt/posix/heap_trap.hpp"
+
+TEST_CASE("The drive and the flippers make no heap call after construction") {
+  using namespace sortie;
+  if (!rt::posix::kHeapTrapAvailable) {
+    WARN("skipped: no heap trap under a sanitizer");
+    return;
+  }
+  planner::UgvDrive drive(planner::UgvDriveConfig{});
+  planner::FlipperPostures flippers;
+  const planner::Waypoint route[] = {{1, 0}, {1, 1}, {0, 0}};
+  const planner::MissionStep steps[] = {{0, 0.2, 0.1, 0, false}, {500'000'000, 0, 0, -1, true}};
+  const planner::FlipperPosture postures[] = {{{0, 0, 0, 0}}, {{1, 1, 1, 1}}};
+  std::uint64_t calls = 0;
+  bool good = true;
+  {
+    const rt::posix::HeapTrapScope scope;
+    good = drive.set_route(route) == Status::ok && drive.set_mission(steps) == Status::ok &&
+           flippers.set_up(postures, {}) == Status::ok;
+    rt::PoseEstimate pose;
+    pose.flags = 1;
+    for (int i = 1; i < 1000; ++i) {
+      pose.stamp_ns = i * rt::kNanosecondsPerMillisecond;
+      pose.p_world_body_m[0] = 0.002 * i;
+      rt::DriveRequest request;
+      request.stamp_ns = pose.stamp_ns;
+      request.counter = i;
+      request.speed_m_s = 0.3;
+      request.mode = static_cast<std::uint32_t>(i % 3);
+      good = good && (i < 800 || drive.request(request) == Status::ok);
+      good = good && drive.update(pose, {i % 100 == 0, false}, pose.stamp_ns) == Status::ok;
+      good = good && flippers.update(i % 2, false, pose.stamp_ns) == Status::ok;
+    }
+    calls = scope.calls();
+  }
+  CHECK(calls == 0);
+  CHECK(good);
+}

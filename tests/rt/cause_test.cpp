@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Delays whose cause is known, made on purpose, short: most are told right. The long test counts exactly.
+#include <catch2/catch.hpp>
+
+#include "tests/rt/cause_confusion.hpp"
+
+namespace sortie::rt::posix::test {
+namespace {
+
+// What keeps the rig from running here, or empty.
+std::string refusal() {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  return "a sanitizer's own work would be the cause";
+#else
+  if (usable_cores() < 2) return "this needs two cores";
+  if (emulated()) return "an emulated processor has no timing";
+  if (const SetupResult fifo = try_fifo(); !fifo.ok) return fifo.reason;
+  return "";
+#endif
+}
+
+// How the delays of a short run were labelled. Where none can be made on purpose it says why, and there are
+// none.
+ConfusionRow labels_of(Injection injection) {
+  if (const std::string why = refusal(); !why.empty()) {
+    WARN("skipped: " << why);
+    return {};
+  }
+  SharedResult result;
+  CauseRig(injection, 7, 2.0, *result).run();
+  REQUIRE(std::string(result->refused).empty());
+  const ConfusionRow row = judge(*result);
+  if (row.outliers < 10) {
+    WARN("skipped: the machine was too busy to inject anything");
+    return {};
+  }
+  return row;
+}
+
+// Loose, and up to three runs: another cause of the machine's own may fall into the same time. A label that
+// is wrong by a fault of the program is wrong in all of them.
+bool most(Injection injection, DelayCause cause) {
+  for (int run = 0; run < 3; ++run) {
+    const ConfusionRow row = labels_of(injection);
+    const std::uint32_t right = row.label[static_cast<int>(cause)];
+    UNSCOPED_INFO(row.injected << " injected, " << row.outliers << " late, " << right << " told right");
+    if (right * 4 >= row.outliers * 3) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a hog of higher priority is found in the run queue") {
+  CHECK(most(Injection::hog, DelayCause::run_queue));
+}
+
+TEST_CASE("work beyond the budget is found to be the program's own") {
+  CHECK(most(Injection::own_work, DelayCause::own));
+}
+
+TEST_CASE("a flood of signals is found to be interrupts") {
+  CHECK(most(Injection::signals, DelayCause::interrupt));
+}
+
+TEST_CASE("a pause of the whole process is found to be stolen time") {
+  CHECK(most(Injection::pause, DelayCause::stolen));
+}
+
+}  // namespace sortie::rt::posix::test

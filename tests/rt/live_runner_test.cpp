@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Policies of late groups, the watchdog and the ladder on the real clock. Nothing here depends on how fast
+// the machine is: what is waited for is waited for until it comes.
+#include "rt/posix/live_runner.hpp"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
+
+#include "executive_rig.hpp"
+#include "rt/posix/clock.hpp"
+#include "tests/rt/burn.hpp"
+
+using namespace sortie;
+using namespace sortie::rt;
+using namespace sortie::rt::posix;
+using namespace sortie::rt::test;
+using posix::test::burn;
+using posix::test::kMs;
+
+namespace {
+
+// One executive on the real clock.
+struct LiveRig {
+  explicit LiveRig(Nanoseconds tick = kMs) : memory(4u << 20), arena(memory), executive(arena, tick, 0) {}
+
+  LiveOptions options() {
+    LiveOptions live;
+    live.realtime = false;
+    start_ns = monotonic_now() + 20 * kMs;
+    live.start_ns = start_ns;
+    executive.set_clock([](void* self) { return monotonic_now() - *static_cast<Nanoseconds*>(self); },
+                        &start_ns);
+    return live;
+  }
+  std::vector<std::byte> memory;
+  Arena arena;
+  Executive executive;
+  Nanoseconds start_ns{};
+};
+
+std::vector<LiveEvent> drain(LiveRunner& runner) {
+  std::vector<LiveEvent> events;
+  LiveEvent event;
+  while (runner.poll_event(event)) events.push_back(event);
+  return events;
+}
+
+void wait_for(LiveRunner& runner) {
+  while (!runner.finished()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  runner.join();
+}
+
+// Jobs that ran of a 5 ms group one of whose jobs takes 63 ms: that one first, and what came after it.
+std::vector<std::uint64_t> jobs_from_a_stall_on(OverrunPolicy policy, std::uint32_t catch_up,
+                                                MissWindow* misses = nullptr) {
+  LiveRig rig;
+  const GroupId group = rig.executive.add_group({"work", 5, 0, -1, policy, catch_up, {9, 10}});
+  std::vector<std::uint64_t> ran;
+  std::size_t stalled_at = 0;
+  ran.reserve(1000);
+  rig.executive.add_task<Sum>(group, "work", 100, [&](JobContext& context, Sum&) {
+    ran.push_back(context.job);
+    // Not the very first: a busy machine may have left out some before it.
+    if (stalled_at != 0 || context.job < 4) return;
+    stalled_at = ran.size() - 1;
+    sleep_until(monotonic_now() + 63 * kMs);
+  });
+  REQUIRE(rig.executive.seal() == Status::ok);
+  LiveOptions live = rig.options();
+  live.last_tick = 5 * 40;
+  LiveRunner runner(rig.executive, live);
+  runner.start();
+  wait_for(runner);
+  const Group& after = rig.executive.group(0);
+  CHECK(after.jobs == ran.size());
+  CHECK(after.jobs + after.skipped == 41);
+  CHECK(after.lateness.count() == 41);  // what was left out counts as late
+  CHECK(after.misses.missed() == after.missed + after.skipped);
+  if (misses != nullptr) *misses = after.misses;
+  return {ran.begin() + static_cast<std::ptrdiff_t>(stalled_at), ran.end()};
+}
+
+}  // namespace
+
+TEST_CASE(
+    "after a stall a group that skips goes on at the grid, and one that catches up runs some jobs late") {
+  MissWindow misses;
+  const auto skipping = jobs_from_a_stall_on(OverrunPolicy::skip, 0, &misses);
+  REQUIRE(skipping.size() > 1);
+  CHECK(skipping[1] >= skipping[0] + 12);  // 63 ms are more than twelve periods
+  CHECK(misses.worst_in_row() >= 12);
+  CHECK(misses.broken() >= 1);
+
+  const auto catching = jobs_from_a_stall_on(OverrunPolicy::catch_up, 3);
+  REQUIRE(catching.size() > 4);
+  for (std::size_t late = 1; late <= 3; ++late) CHECK(catching[late] == catching[0] + late);
+  CHECK(catching[4] >= catching[0] + 12);
+}
+
+TEST_CASE("a group that must never be late ends the run, with a promise only when the promise breaks") {
+  for (const FirmPromise promise : {FirmPromise{}, FirmPromise{1, 2}}) {
+    LiveRig rig;
+    const GroupId group = rig.executive.add_group({"strict", 20, 0, -1, OverrunPolicy::stop, 0, promise});
+    rig.executive.add_task<Sum>(group, "strict", 100, [promise](JobContext& context, Sum&) {
+      if (context.job == 3 || (promise.k != 0 && context.job == 6))
+        sleep_until(monotonic_now() + (context.job == 3 ? 30 : 90) * kMs);
+    });
+    REQUIRE(rig.executive.seal() == Status::ok);
+    LiveOptions live = rig.options();
+    live.last_tick = 20 * 500;
+    LiveRunner runner(rig.executive, live);
+    runner.start();
+    wait_for(runner);
+    CHECK(runner.stopped_by() == 0);
+    const auto events = drain(runner);
+    REQUIRE_FALSE(events.empty());
+    CHECK(events.back().kind == LiveEventKind::stop);
+    if (promise.k == 0)
+      CHECK(rig.executive.group(0).jobs <= 4);
+    else
+      CHECK(rig.executive.group(0).misses.broken() >= 1);
+  }
+}
+
+TEST_CASE("a stuck task is told by name, and told again when it has ended") {
+  LiveRig rig;
+  const GroupId group = rig.executive.add_group({"pair", 5});
+  rig.executive.add_task<Sum>(group, "innocent", 100, [](JobContext&, Sum&) {});
+  rig.executive.add_task<Sum>(group, "culprit", 100, [](JobContext& context, Sum&) {
+    if (context.job == 10) sleep_until(monotonic_now() + 100 * kMs);
+  });
+  REQUIRE(rig.executive.seal() == Status::ok);
+  LiveOptions live = rig.options();
+  live.last_tick = 300;
+  std::atomic<int> limit{0};
+  live.stuck_limit_ns = 30 * kMs;
+  live.on_stuck_self = &limit;
+  live.on_stuck_limit = [](void* self, const LiveEvent& event) {
+    if (event.task == 1) static_cast<std::atomic<int>*>(self)->fetch_add(1);
+  };
+  LiveRunner runner(rig.executive, live);
+  runner.start();
+  wait_for(runner);
+  CHECK(runner.stuck() >= 1);
+  CHECK(limit.load() >= 1);
+  bool stuck = false;
+  bool unstuck = false;
+  for (const LiveEvent& event : drain(runner)) {
+    if (event.kind == LiveEventKind::stuck && event.task == 1 && event.value >= 5'000) stuck = true;
+    if (event.kind == LiveEventKind::unstuck && event.task == 1 && event.value >= 5'000) unstuck = stuck;
+  }
+  CHECK(stuck);
+  CHECK(unstuck);
+}
+
+TEST_CASE("overload sheds C and then B, never A, and everything comes back when it is over") {
+  LiveRig rig;
+  std::atomic<int> factor{1};
+  const GroupId fast = rig.executive.add_group({"fast", 2});
+  const GroupId slow = rig.executive.add_group({"slow", 10});
+  // Declared: A 20 %, B 25 %, C 25 % of a core.
+  auto* a = rig.executive.add_task<Sum>(fast, TaskSpec{"a", 400, 0, Criticality::a}, [&](JobContext&, Sum&) {
+    burn(400'000 * factor.load(std::memory_order_relaxed));
+  });
+  auto* b = rig.executive.add_task<Sum>(slow, TaskSpec{"b", 2500, 0, Criticality::b}, [&](JobContext&, Sum&) {
+    burn(2'500'000 * factor.load(std::memory_order_relaxed));
+  });
+  auto* c = rig.executive.add_task<Sum>(slow, TaskSpec{"c", 2500, 0, Criticality::c}, [&](JobContext&, Sum&) {
+    burn(2'500'000 * factor.load(std::memory_order_relaxed));
+  });
+  REQUIRE(rig.executive.seal() == Status::ok);
+  std::atomic<int> c_shed{0};
+  rig.executive.set_sink({&c_shed, [](void* self, const JobRecord& record) {
+                            if (record.group == 1 && (record.shed & 2u) != 0)
+                              static_cast<std::atomic<int>*>(self)->fetch_add(1);
+                          }});
+  LiveOptions live = rig.options();
+  LiveRunner runner(rig.executive, live);
+  runner.start();
+  std::vector<LiveEvent> events;
+  // Four phases, each as long as it takes: calm, twice the demand until something is shed, calm until level
+  // 0.
+  const auto until = [&](auto done) {
+    for (int i = 0; i < 4000 && !done(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      for (const LiveEvent& event : drain(runner)) events.push_back(event);
+    }
+    return done();
+  };
+  const auto level = [&] {
+    std::int64_t now = 0;
+    for (const LiveEvent& event : events) {
+      if (event.kind == LiveEventKind::ladder) now = event.value;
+    }
+    return now;
+  };
+  factor.store(4);
+  const bool climbed = until([&] { return level() >= 2 && c_shed.load() > 0; });
+  factor.store(0);
+  const bool returned = until([&] { return level() == 0; });
+  runner.stop();
+  wait_for(runner);
+  INFO("worst level " << int{runner.worst_level()} << ", shed a " << a->shed() << " b " << b->shed() << " c "
+                      << c->shed());
+  CHECK(climbed);
+  CHECK(returned);
+  CHECK(a->shed() == 0);
+  CHECK(c->shed() >= b->shed());
+  CHECK(c->shed() > 0);
+}
+
+TEST_CASE("the spin margin covers nearly all wake-ups within its bounds, and a pause teaches it nothing") {
+  SpinMargin margin({50'000, 5'000, 60'000, 5'000, true});
+  for (int i = 0; i < 10'000; ++i) margin.note(20'000 + (i * 7919) % 3'000);
+  CHECK(margin.ns() >= 25'000);
+  CHECK(margin.ns() <= 30'000);
+  const Nanoseconds before = margin.ns();
+  margin.note(7'800'000);
+  CHECK(margin.ns() <= before + 1'000);
+  for (int i = 0; i < 10'000; ++i) margin.note(1'000'000);
+  CHECK(margin.ns() == 60'000);
+  for (int i = 0; i < 10'000; ++i) margin.note(0);
+  CHECK(margin.ns() <= 6'000);
+  SpinMargin fixed({50'000, 5'000, 60'000, 5'000, false});
+  fixed.note(1'000'000);
+  CHECK(fixed.ns() == 50'000);
+}
