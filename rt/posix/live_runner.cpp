@@ -177,7 +177,9 @@ void LiveRunner::work(std::uint32_t index, int priority) {
           group.spec.policy == OverrunPolicy::catch_up && late_in_row < group.spec.catch_up;
       if (!catches_up) {
         const std::uint64_t next = timing.job_at(tick);
-        const std::uint64_t past = tick >= timing.due(next) ? next + 1 : next;
+        const std::uint64_t wanted = tick >= timing.due(next) ? next + 1 : next;
+        // Whoever sleeps past the end of the run has left out no more than the run had.
+        const std::uint64_t past = std::min(wanted - 1, timing.job_at(options_.last_tick)) + 1;
         const bool broke = executive_.note_skipped(index, past - job, woke - release);
         pulse.missed.fetch_add(static_cast<std::uint32_t>(past - job), std::memory_order_relaxed);
         note_late(index, broke, timing.release(job));
