@@ -11,6 +11,9 @@ namespace {
 constexpr Nanoseconds kFastestLook = kNanosecondsPerMillisecond / 2;
 constexpr Nanoseconds kStuckEventEvery =
     100 * kNanosecondsPerMillisecond;  // a storm must not hide other events
+// While nobody looked, the task may have been kept from its processor as the supervisor was: a paused machine
+// is no reason to leave the process.
+constexpr Nanoseconds kLongestLook = 20 * kNanosecondsPerMillisecond;
 // A missed job on a core that has room is not the core's fault: shedding would not help.
 constexpr double kBusyCore = 0.5;
 
@@ -93,11 +96,14 @@ void Supervisor::loop() {
   static_cast<void>(heart_.open_for_this_thread());  // without it a beat that waited looks like a pause
   Nanoseconds next = options_.start_ns + period_ns_;
   for (Core& core : cores_) core.window_began_ns = options_.start_ns;
+  const Nanoseconds longest_look = std::max(kLongestLook, 2 * period_ns_);
+  Nanoseconds looked_ns = next;
   while (!stop_.load(std::memory_order_relaxed)) {
     sleep_until(next);
     const Nanoseconds now = monotonic_now();
     heart_.beat(next, now);
-    look_for_stuck(now);
+    look_for_stuck(now, std::min(now - looked_ns, longest_look));
+    looked_ns = now;
     for (Core& core : cores_) {
       if (core.may_shed && now - core.window_began_ns >= core.window_ns) move_ladder(core, now);
     }
@@ -105,7 +111,7 @@ void Supervisor::loop() {
   }
 }
 
-void Supervisor::look_for_stuck(Nanoseconds now) {
+void Supervisor::look_for_stuck(Nanoseconds now, Nanoseconds looked) {
   for (std::uint32_t index = 0; index < executive_.group_count(); ++index) {
     const Group& group = executive_.group(index);
     Watch& watch = watches_[index];
@@ -129,9 +135,11 @@ void Supervisor::look_for_stuck(Nanoseconds now) {
     }
     if (since == 0 || now - since <= period) continue;
     watch.seen_ns = now;
+    watch.watched_ns += looked;
     event.value = (now - since) / 1000;
     if (watch.since_ns == 0) {
       watch.since_ns = since;
+      watch.watched_ns = std::min(now - since, period + looked);
       watch.task = event.task;
       stuck_.fetch_add(1, std::memory_order_relaxed);
       if (watch.told_ns == 0 || now - watch.told_ns > kStuckEventEvery) {
@@ -140,7 +148,7 @@ void Supervisor::look_for_stuck(Nanoseconds now) {
         tell(event);
       }
     }
-    if (options_.stuck_limit_ns != 0 && now - since > options_.stuck_limit_ns && !watch.limit_reached) {
+    if (options_.stuck_limit_ns != 0 && watch.watched_ns > options_.stuck_limit_ns && !watch.limit_reached) {
       watch.limit_reached = true;
       if (options_.on_stuck_limit != nullptr) options_.on_stuck_limit(options_.on_stuck_self, event);
     }

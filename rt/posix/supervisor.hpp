@@ -25,8 +25,8 @@ struct SupervisorOptions {
   /// One update of the ladder a window; longer where a core's slowest group has a period of more than
   /// kMostSpan windows.
   Nanoseconds window_ns{10 * kNanosecondsPerMillisecond};
-  /// A task that is stuck for so long ends the run: `on_stuck_limit` is called once, on this thread. 0:
-  /// never.
+  /// A task that is stuck for so long ends the run: `on_stuck_limit` is called once, on this thread. Of a
+  /// time in which the supervisor, too, had no processor 20 ms count, or two of its periods. 0: never.
   Nanoseconds stuck_limit_ns{};
   void (*on_stuck_limit)(void* self, const LiveEvent& event){};
   void* on_stuck_self{};
@@ -70,16 +70,18 @@ class Supervisor {
     bool may_shed{};
   };
   struct Watch {
-    Nanoseconds since_ns{};  // busy_since_ns of the job that is stuck; 0: none
-    Nanoseconds seen_ns{};   // when it was last seen so
-    Nanoseconds told_ns{};   // when an event was last told
+    Nanoseconds since_ns{};    // busy_since_ns of the job that is stuck; 0: none
+    Nanoseconds seen_ns{};     // when it was last seen so
+    Nanoseconds watched_ns{};  // for how long it was seen so
+    Nanoseconds told_ns{};     // when an event was last told
     std::uint16_t task{};
     bool told{};
     bool limit_reached{};
   };
 
   void loop();
-  void look_for_stuck(Nanoseconds now);
+  // `looked`: time since the look before, as far as somebody was there to look.
+  void look_for_stuck(Nanoseconds now, Nanoseconds looked);
   void move_ladder(Core& core, Nanoseconds now);
   Nanoseconds busy_time(const Core& core) const;
   std::uint32_t missed_a(const Core& core) const;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A live run that is driven over LCM, in a network of the test's own: by a friend, and not by a stranger.
 #include <catch2/catch.hpp>
-#include <thread>
 
 #include "firmware_like/commands/drive_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
@@ -46,65 +45,42 @@ TEST_CASE("a live run is driven by who knows its secret, and its log replays to 
   const std::string secret = folder.write("secret", std::string(32, 'c') + "\n");
   std::filesystem::permissions(secret,
                                std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  LiveRunOptions options;
-  options.scene = "ugv_hall";
-  options.overrides = {"hil.lidar_rows=4",
-                       "hil.lidar_columns=64",
-                       "limits.voxels=32768",
-                       "drive.remote=true",
-                       "drive.max_command_age_ms=5000",  // the machine's mood is not what is tested
-                       "parameters.secret_file=" + secret};
-  options.seconds = 120;
-  options.realtime = false;
-  options.record = folder.file("live.lcm");
-  options.lcm_url = kAddress;
-  std::atomic<bool> enough{false};
-  options.interrupted = &enough;
-  LiveRunOutcome run;
-  std::thread running([&] { run = run_live(own_vehicles(), make_own_bench, options); });
-  struct Join {
-    std::atomic<bool>& enough;
-    std::thread& running;
-    ~Join() {
-      enough.store(true);
-      if (running.joinable()) running.join();
-    }
-  };
-  {
-    const Join join{enough, running};
-    const drivers::SipKey key = read_secret(secret);
-    ParameterClient finder(kAddress, key);
-    const auto heard = finder.find_runs(0, milliseconds(20'000));
-    REQUIRE(heard.size() == 1);
-    finder.choose(heard[0]);
-    CHECK(finder.run().keyed);
+  const std::string log = folder.file("live.lcm");
+  HallOverLcm hall(log, {"drive.remote=true",
+                         "drive.max_command_age_ms=5000",  // the machine's mood is not what is tested
+                         "parameters.secret_file=" + secret});
+  const drivers::SipKey key = read_secret(secret);
+  ParameterClient finder(kAddress, key);
+  const auto heard = finder.find_runs(0, milliseconds(20'000));
+  REQUIRE(heard.size() == 1);
+  finder.choose(heard[0]);
+  CHECK(finder.run().keyed);
 
-    drivers::DriveRequestMessage go;
-    go.speed_m_s = 0.2;
-    DriveClient stranger(kAddress, std::nullopt, heard[0]);
-    REQUIRE(stranger.listen(milliseconds(20'000)));
-    const std::int64_t first = stranger.ask(go);
-    for (int i = 0; i < 4; ++i) stranger.ask(go);
-    REQUIRE(stranger.listen(milliseconds(20'000)));
-    CHECK_FALSE(stranger.has_taken(first));
+  drivers::DriveRequestMessage go;
+  go.speed_m_s = 0.2;
+  DriveClient stranger(kAddress, std::nullopt, heard[0]);
+  REQUIRE(stranger.listen(milliseconds(20'000)));
+  const std::int64_t first = stranger.ask(go);
+  for (int i = 0; i < 4; ++i) stranger.ask(go);
+  REQUIRE(stranger.listen(milliseconds(20'000)));
+  CHECK_FALSE(stranger.has_taken(first));
 
-    DriveClient friendly(kAddress, key, heard[0]);
-    REQUIRE(friendly.listen(milliseconds(20'000)));
-    CHECK(
-        repeat_until(friendly, go, [](const DriveState& s) { return from_outside(s) && s.speed_m_s > 0.1; }));
-    CHECK(friendly.has_taken(first));  // both began to count where the drive was
-    drivers::DriveRequestMessage halt;
-    halt.mode = static_cast<std::int32_t>(rt::DriveMode::halt);
-    CHECK(repeat_until(friendly, halt, [](const DriveState& s) {
-      return (s.stop & planner::kStopHalt) != 0 && s.speed_m_s == 0.0;
-    }));
-    drivers::DriveRequestMessage release;
-    release.mode = static_cast<std::int32_t>(rt::DriveMode::release);
-    CHECK(repeat_until(friendly, release, [](const DriveState& s) { return !from_outside(s); }));
-  }
+  DriveClient friendly(kAddress, key, heard[0]);
+  REQUIRE(friendly.listen(milliseconds(20'000)));
+  CHECK(repeat_until(friendly, go, [](const DriveState& s) { return from_outside(s) && s.speed_m_s > 0.1; }));
+  CHECK(friendly.has_taken(first));  // both began to count where the drive was
+  drivers::DriveRequestMessage halt;
+  halt.mode = static_cast<std::int32_t>(rt::DriveMode::halt);
+  CHECK(repeat_until(friendly, halt, [](const DriveState& s) {
+    return (s.stop & planner::kStopHalt) != 0 && s.speed_m_s == 0.0;
+  }));
+  drivers::DriveRequestMessage release;
+  release.mode = static_cast<std::int32_t>(rt::DriveMode::release);
+  CHECK(repeat_until(friendly, release, [](const DriveState& s) { return !from_outside(s); }));
+  const LiveRunOutcome& run = hall.end();
   CHECK(run.results.counters.at("requests_admitted") > 2);
   CHECK(run.results.counters.at("requests_bad_tag") == 5);
-  const ReplayOutcome outcome = replay_log(options.record);
+  const ReplayOutcome outcome = replay_log(log);
   if (outcome.divergence) FAIL_CHECK(describe(*outcome.divergence));
   CHECK(outcome.results.digest == run.results.digest);
 }

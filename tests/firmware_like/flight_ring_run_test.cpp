@@ -44,7 +44,9 @@ TEST_CASE("the flight ring of a live run holds the same jobs and times as its lo
   const TempFolder folder;
   stalls = {0, 2'000, 50};
   const LiveRunOptions options = ring_options(folder, 1);
-  const LiveRunOutcome run = run_live(stall_vehicles(), nullptr, options);
+  // Neither log nor ring can tell of releases that were left out after the last job.
+  const LiveRunOutcome run = undisturbed(std::chrono::milliseconds(40),
+                                         [&] { return run_live(stall_vehicles(), nullptr, options); });
   CHECK(run.flight_ring == folder.file("run.ring"));
   const FlightReader ring(run.flight_ring);
   CHECK(ring.ended());

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "tests/firmware_like/keyframes_rig.hpp"
+#include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
 
 using namespace sortie;
@@ -52,7 +53,7 @@ TEST_CASE("state that a vehicle does not declare is refused if it can be known a
   live.realtime = false;
   live.record = log;
   live.lcm_url = "none";
-  static_cast<void>(run_live(counting(Says::all), nullptr, live));
+  static_cast<void>(run_live_undisturbed(counting(Says::all), nullptr, live));
 
   const auto undeclared = [&](Says says) {
     const Runtime runtime(load_scene(scene), counting(says), RuntimeStart{});

@@ -8,7 +8,6 @@
 
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
-#include "tests/rt/undisturbed.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
@@ -25,14 +24,6 @@ LiveRunOptions live_options(const TempFolder& folder, double seconds) {
   options.record_fields = true;
   options.lcm_url = "none";
   return options;
-}
-
-// A live run on a machine that does not go away for a good part of it: a log without jobs has nothing to
-// replay.
-LiveRunOutcome run_undisturbed(const VehicleRegistry& vehicles, const BenchFactory& bench,
-                               const LiveRunOptions& options) {
-  const auto half = std::chrono::milliseconds(static_cast<int>(500 * options.seconds));
-  return undisturbed(half, [&] { return run_live(vehicles, bench, options); });
 }
 
 // Replays on one thread and on many, with other delays than in the live run.
@@ -63,7 +54,7 @@ TEST_CASE("a live run with stalls longer than the slack replays to its digest, w
   const TempFolder folder;
   stalls = {3'500, 30'000, 100};
   const LiveRunOptions options = live_options(folder, 2);
-  const LiveRunOutcome run = run_undisturbed(stall_vehicles(), nullptr, options);
+  const LiveRunOutcome run = run_live_undisturbed(stall_vehicles(), nullptr, options);
   const auto& counters = run.results.counters;
   CHECK(counters.at("missed_jobs") > 20);
   CHECK(counters.at("skipped_releases") > 20);
@@ -101,7 +92,7 @@ TEST_CASE("a live run without misses is replayed, too, and a virtual run needs a
   const TempFolder folder;
   stalls = {};
   LiveRunOptions options = live_options(folder, 0.5);
-  const LiveRunOutcome run = run_undisturbed(stall_vehicles(), nullptr, options);
+  const LiveRunOutcome run = run_live_undisturbed(stall_vehicles(), nullptr, options);
   check_replays(options.record, run);
   options.virtual_time = true;
   CHECK(message_of<ProfileError>([&] {
@@ -115,7 +106,7 @@ TEST_CASE(
   LiveRunOptions options = live_options(folder, 1);
   options.scene = "ugv_hall";
   options.overrides = {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768"};
-  const LiveRunOutcome run = run_undisturbed(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live_undisturbed(own_vehicles(), make_own_bench, options);
   CHECK(run.results.counters.at("imu_used") > 0);
   CHECK(run.results.counters.at("scans") > 0);
   const LogFile log(options.record);

@@ -152,50 +152,31 @@ TEST_CASE("without remote control nothing is listened to") {
 TEST_CASE("a live run is heard, takes a friend's changes, and its log replays to its digest") {
   if (!has_network()) return;
   const TempFolder folder;
-  LiveRunOptions options;
-  options.scene = "ugv_hall";
-  options.overrides = {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768",
-                       "parameters.remote=true", "parameters.secret_file=" + secret_file(folder, "s", 'a')};
-  options.seconds = 60;
-  options.realtime = false;
-  options.record = folder.file("live.lcm");
-  options.lcm_url = kUrl;
-  std::atomic<bool> enough{false};
-  options.interrupted = &enough;
-  LiveRunOutcome run;
-  std::thread running([&] { run = run_live(own_vehicles(), make_own_bench, options); });
-  struct Join {
-    std::atomic<bool>& enough;
-    std::thread& running;
-    ~Join() {
-      enough.store(true);
-      if (running.joinable()) running.join();
-    }
-  };
-  {
-    const Join join{enough, running};
-    ParameterClient friendly(kUrl, read_secret(folder.file("s")));
-    const auto heard = friendly.find_runs(0, milliseconds(20'000));
-    REQUIRE(heard.size() == 1);
-    friendly.choose(heard[0]);
-    CHECK(friendly.run().remote);
-    CHECK(friendly.run().keyed);
-    CHECK(friendly.run().parameters.size() == 9);
-    const RequestOutcome slower = friendly.set("drive.max_speed_m_s", 0.25, milliseconds(20'000));
-    CHECK(slower.end == RequestEnd::in_force);
-    CHECK(slower.before == 0.5);
-    CHECK(slower.after == 0.25);
-    const RequestOutcome absurd = friendly.set("drive.max_speed_m_s", 1e9, milliseconds(20'000));
-    CHECK(absurd.end == RequestEnd::refused);
-    CHECK(absurd.status == Status::out_of_range);
-    CHECK(absurd.after == 0.25);
-    CHECK(friendly.set("map.min_range_m", 60, milliseconds(20'000)).end == RequestEnd::not_applied);
+  const std::string log = folder.file("live.lcm");
+  HallOverLcm hall(log,
+                   {"parameters.remote=true", "parameters.secret_file=" + secret_file(folder, "s", 'a')});
+  ParameterClient friendly(kUrl, read_secret(folder.file("s")));
+  const auto heard = friendly.find_runs(0, milliseconds(20'000));
+  REQUIRE(heard.size() == 1);
+  friendly.choose(heard[0]);
+  CHECK(friendly.run().remote);
+  CHECK(friendly.run().keyed);
+  CHECK(friendly.run().parameters.size() == 9);
+  const RequestOutcome slower = friendly.set("drive.max_speed_m_s", 0.25, milliseconds(20'000));
+  CHECK(slower.end == RequestEnd::in_force);
+  CHECK(slower.before == 0.5);
+  CHECK(slower.after == 0.25);
+  const RequestOutcome absurd = friendly.set("drive.max_speed_m_s", 1e9, milliseconds(20'000));
+  CHECK(absurd.end == RequestEnd::refused);
+  CHECK(absurd.status == Status::out_of_range);
+  CHECK(absurd.after == 0.25);
+  CHECK(friendly.set("map.min_range_m", 60, milliseconds(20'000)).end == RequestEnd::not_applied);
 
-    ParameterClient stranger(kUrl, read_secret(secret_file(folder, "t", 'b')));
-    REQUIRE(stranger.find_runs(heard[0], milliseconds(20'000)).size() == 1);
-    stranger.choose(heard[0]);
-    CHECK(stranger.set("drive.max_speed_m_s", 2, milliseconds(700)).end == RequestEnd::no_answer);
-  }
+  ParameterClient stranger(kUrl, read_secret(secret_file(folder, "t", 'b')));
+  REQUIRE(stranger.find_runs(heard[0], milliseconds(20'000)).size() == 1);
+  stranger.choose(heard[0]);
+  CHECK(stranger.set("drive.max_speed_m_s", 2, milliseconds(700)).end == RequestEnd::no_answer);
+  const LiveRunOutcome& run = hall.end();
   CHECK(run.results.counters.at("parameters_admitted") == 2);
   CHECK(run.results.counters.at("parameters_applied") == 1);
   CHECK(run.results.counters.at("parameters_not_applied") == 1);
@@ -203,7 +184,7 @@ TEST_CASE("a live run is heard, takes a friend's changes, and its log replays to
   for (const bool threaded : {false, true}) {
     ReplayOptions replaying;
     replaying.threaded = threaded;
-    const ReplayOutcome outcome = replay_log(options.record, replaying);
+    const ReplayOutcome outcome = replay_log(log, replaying);
     if (outcome.divergence) FAIL_CHECK(describe(*outcome.divergence));
     CHECK(outcome.results.digest == run.results.digest);
     CHECK(outcome.results.counters.at("parameters_applied") == 1);

@@ -148,7 +148,7 @@ TEST_CASE("a live run takes changes at any moment and replays to its digest") {
   options.realtime = false;
   options.seconds = 1;
   options.record = folder.file("live.lcm");
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live_undisturbed(own_vehicles(), make_own_bench, options);
   CHECK(run.results.counters.at("parameters_admitted") + run.results.counters.at("parameters_full") == 60);
   CHECK(run.results.counters.at("parameters_admitted") > 20);
   for (const bool threaded : {false, true}) {

@@ -124,7 +124,7 @@ TEST_CASE("of two groups that differ first at the same tick the one first in the
   live.realtime = false;
   live.record = folder.file("live.lcm");
   live.lcm_url = "none";
-  const LiveRunOutcome run = run_live(stall_vehicles(), nullptr, live);
+  const LiveRunOutcome run = run_live_undisturbed(stall_vehicles(), nullptr, live);
   const rt::Executive& executive = run.runtime->executive();
   const rt::GroupTiming fast = executive.group(0).timing;
   const rt::GroupTiming slow = executive.group(1).timing;

@@ -2,15 +2,18 @@
 // Runs of the own vehicles in tests: on a virtual clock, recorded, their logs rewritten event by event.
 #pragma once
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "drivers/lcm_log.hpp"
+#include "drivers/lcm_url.hpp"
 #include "firmware_like/commands/bench_ugv.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/live_run.hpp"
@@ -18,6 +21,7 @@
 #include "firmware_like/vehicles/registry.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
+#include "tests/rt/undisturbed.hpp"
 
 namespace sortie::testing {
 
@@ -43,11 +47,53 @@ inline firmware::LiveRunOutcome run_hall(double seconds, const std::string& reco
   return firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
 }
 
+/// A live run on a machine that does not go away for half of it: whoever counts its jobs needs some.
+inline firmware::LiveRunOutcome run_live_undisturbed(const firmware::VehicleRegistry& vehicles,
+                                                     const firmware::BenchFactory& bench,
+                                                     const firmware::LiveRunOptions& options) {
+  const auto half = std::chrono::milliseconds(static_cast<int>(500 * options.seconds));
+  return undisturbed(half, [&] { return firmware::run_live(vehicles, bench, options); });
+}
+
 inline firmware::ReplayOutcome replay_log(const std::string& path,
                                           const firmware::ReplayOptions& options = {}) {
   const firmware::LogFile log(path);
   return firmware::replay(log, firmware::own_vehicles(), options);
 }
+
+/// A live run of ugv_hall on a thread of its own, heard over LCM: two minutes, or until it is ended.
+class HallOverLcm {
+ public:
+  HallOverLcm(const std::string& record, std::vector<std::string> overrides)
+      : running_([this, record, overrides = std::move(overrides)]() mutable {
+          firmware::LiveRunOptions options;
+          options.scene = "ugv_hall";
+          options.overrides = std::move(overrides);
+          options.overrides.insert(options.overrides.end(),
+                                   {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768"});
+          options.seconds = 120;
+          options.realtime = false;
+          options.record = record;
+          options.lcm_url = drivers::kDefaultLcmUrl;
+          options.interrupted = &enough_;
+          run_ = firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+        }) {}
+  ~HallOverLcm() { static_cast<void>(end()); }
+  HallOverLcm(const HallOverLcm&) = delete;
+  HallOverLcm& operator=(const HallOverLcm&) = delete;
+
+  /// Ends the run and gives its outcome.
+  const firmware::LiveRunOutcome& end() {
+    enough_.store(true);
+    if (running_.joinable()) running_.join();
+    return run_;
+  }
+
+ private:
+  std::atomic<bool> enough_{false};
+  firmware::LiveRunOutcome run_;
+  std::thread running_;  // last: it uses all of the above
+};
 
 /// A run of ugv_hall with fields and its log, which lives as long as this.
 struct RecordedHall {

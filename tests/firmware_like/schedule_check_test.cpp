@@ -145,6 +145,7 @@ TEST_CASE("a path that the table does not have is refused with what there is ins
   INFO(hop);
   CHECK(mentions(hop, "group mapping of task map has no input from attitude; it reads: odometry"));
   CHECK(mentions(hall_error({"chains.mine.max_age_ms=3"}), "needs a path"));
+  CHECK(mentions(hall_error({"chains.mine.path=[\"IMU\"]"}), "names a stream and no task"));
   CHECK(mentions(hall_error({"chains.mine.path=[1, 2]"}), "text in quotes"));
   CHECK(mentions(hall_error({"chains.mine.path=\"IMU\""}), "list of texts"));
   CHECK(mentions(hall_error({"chains.mine.path=[\"IMU\", \"attitude\"]", "chains.mine.max_age=3"}),
@@ -193,7 +194,7 @@ TEST_CASE("a live run measures its chains on the real clock, through missed jobs
   options.realtime = false;
   options.lcm_url = "none";
   stalls = {1500, 0, 0};
-  const LiveRunOutcome run = run_live(stall_vehicles(), nullptr, options);
+  const LiveRunOutcome run = run_live_undisturbed(stall_vehicles(), nullptr, options);
   stalls = {};
   const ChainResult& chain = chain_named(run.results, "hop");
   CHECK(chain.reaction.count > 20);

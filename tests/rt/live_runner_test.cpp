@@ -3,8 +3,12 @@
 // the machine is: what is waited for is waited for until it comes.
 #include "rt/posix/live_runner.hpp"
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <thread>
 #include <vector>
 
@@ -124,7 +128,7 @@ TEST_CASE(
 TEST_CASE("a run that sleeps past its end has left out the rest of its releases, and no more") {
   for (const Nanoseconds asleep : {50 * kMs, 400 * kMs}) {
     LiveRig rig;
-    const GroupId group = rig.executive.add_group({"work", 5, 3});
+    const GroupId group = rig.executive.add_group({"work", 5});
     rig.executive.add_task<Sum>(group, "work", 100, [asleep](JobContext& context, Sum&) {
       if (context.job == 0) sleep_until(monotonic_now() + asleep);
     });
@@ -135,7 +139,7 @@ TEST_CASE("a run that sleeps past its end has left out the rest of its releases,
     runner.start();
     wait_for(runner);
     const Group& after = rig.executive.group(0);
-    CHECK(after.jobs + after.skipped == 20);  // at 3, 8, ... 98
+    CHECK(after.jobs + after.skipped == 21);  // at 0, 5, ... 100
     CHECK(after.misses.missed() == after.missed + after.skipped);
   }
 }
@@ -194,6 +198,51 @@ TEST_CASE("a stuck task is told by name, and told again when it has ended") {
   }
   CHECK(stuck);
   CHECK(unstuck);
+}
+
+namespace {
+
+// The exit code of a process one of whose jobs takes 100 ms, and the whole process is away for `away`
+// meanwhile: 1 when the task counts as one that does not end, with a limit of 500 ms.
+int judged_stuck(std::chrono::milliseconds away) {
+  const pid_t child = fork();
+  if (child == 0) {
+    LiveRig rig;
+    const GroupId group = rig.executive.add_group({"paused", 5});
+    bool was_paused = false;
+    rig.executive.add_task<Sum>(group, "paused", 100, [&was_paused](JobContext& context, Sum&) {
+      if (context.job < 4 || was_paused) return;
+      was_paused = true;
+      sleep_until(monotonic_now() + 50 * kMs);
+      raise(SIGSTOP);
+      sleep_until(monotonic_now() + 50 * kMs);
+    });
+    if (rig.executive.seal() != Status::ok) _exit(2);
+    LiveOptions live = rig.options();
+    live.last_tick = 100;
+    std::atomic<int> limit{0};
+    live.stuck_limit_ns = 500 * kMs;
+    live.on_stuck_self = &limit;
+    live.on_stuck_limit = [](void* self, const LiveEvent&) {
+      static_cast<std::atomic<int>*>(self)->store(1);
+    };
+    LiveRunner runner(rig.executive, live);
+    runner.start();
+    wait_for(runner);
+    _exit(runner.stuck() == 0 ? 3 : limit.load());
+  }
+  int status = 0;
+  if (waitpid(child, &status, WUNTRACED) != child || !WIFSTOPPED(status)) return 4;
+  std::this_thread::sleep_for(away);
+  kill(child, SIGCONT);
+  if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return 5;
+  return WEXITSTATUS(status);
+}
+
+}  // namespace
+
+TEST_CASE("a task is not taken for one that never ends because the whole machine was away") {
+  CHECK(judged_stuck(std::chrono::milliseconds(900)) == 0);
 }
 
 TEST_CASE("overload sheds C and then B, never A, and everything comes back when it is over") {
