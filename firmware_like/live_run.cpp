@@ -67,8 +67,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   // Locked now, because locking takes long; the workers ask again and tell what was refused.
   const bool locks = !options.virtual_time && options.realtime;
   if (locks) static_cast<void>(rt::posix::lock_memory());
-  RunClock clock{rt::posix::monotonic_now() + (options.virtual_time ? 0 : start_lead(runtime, locks))};
-  const rt::Nanoseconds utc_minus_run = rt::posix::utc_minus_monotonic() + clock.start_ns;
+  RunFlightRing ring(runtime, options.flight_ring, options.virtual_time);
   PoseCollector collector(runtime);
   RecorderOptions recording;
   recording.path = options.record;
@@ -78,6 +77,10 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     collector.job(record);
     chains.job(record);
   };
+  // Everything that takes long is done: the run begins.
+  RunClock clock{rt::posix::monotonic_now() + (options.virtual_time ? 0 : start_lead(runtime, locks))};
+  const rt::Nanoseconds utc_minus_run = rt::posix::utc_minus_monotonic() + clock.start_ns;
+  ring.set_clock(clock.start_ns, utc_minus_run - clock.start_ns);
   FlightRecorder recorder(runtime, recording,
                           make_header(runtime, bench ? bench->describe() : "live devices",
                                       options.virtual_time ? 0 : utc_minus_run));
@@ -95,8 +98,6 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   }
   Surroundings surroundings(runtime, bench.get(), options.can_interface.empty() ? nullptr : &can, recorder,
                             !options.record.empty());
-  RunFlightRing ring(runtime, options.flight_ring, options.virtual_time, clock.start_ns,
-                     utc_minus_run - clock.start_ns);
   executive.set_sink(ring.before(recorder.job_sink()));
   doctor.begin(executive, recorder, !options.virtual_time && options.realtime);
   executive.set_record_fields(true);

@@ -63,8 +63,7 @@ rt::posix::FlightPlan plan_of(const Runtime& runtime, std::uint32_t ticks) {
 
 }  // namespace
 
-RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options, bool simulated_time,
-                             rt::Nanoseconds start_ns, rt::Nanoseconds utc_minus_monotonic_ns)
+RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options, bool simulated_time)
     : runtime_(runtime) {
   if (options.path == "none" || (options.path == "auto" && simulated_time)) return;
   std::string path = options.path;
@@ -84,11 +83,8 @@ RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options,
     path = folder + "/sortie-" + runtime.profile().name() + "-" + std::to_string(getpid()) + ".ring";
     own_file_ = true;
   }
-  rt::posix::FlightPlan plan = plan_of(runtime, options.ticks);
-  plan.start_ns = start_ns;
-  plan.utc_minus_monotonic_ns = utc_minus_monotonic_ns;
   try {
-    ring_ = std::make_unique<rt::posix::FlightRing>(path, plan);
+    ring_ = std::make_unique<rt::posix::FlightRing>(path, plan_of(runtime, options.ticks));
   } catch (const std::runtime_error& error) {
     if (!own_file_) throw;
     warnings_.emplace_back(error.what());
@@ -107,6 +103,10 @@ RunFlightRing::~RunFlightRing() {
     runtime_.executive().group(i).running = running_before_[i];
   if (ring_ && next_.call != nullptr) runtime_.executive().set_sink(next_);
   if (ring_ && own_file_) unlink(ring_->path().c_str());  // whoever gets here has not crashed
+}
+
+void RunFlightRing::set_clock(rt::Nanoseconds start_ns, rt::Nanoseconds utc_minus_monotonic_ns) {
+  if (ring_) ring_->set_clock(start_ns, utc_minus_monotonic_ns);
 }
 
 rt::JobSink RunFlightRing::before(rt::JobSink next) {
@@ -143,12 +143,7 @@ std::vector<std::string> unfinished_flight_rings(const std::string& folder) {
   for (const std::filesystem::directory_iterator end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     if (name.rfind("sortie-", 0) != 0 || it->path().extension() != ".ring") continue;
-    try {
-      const rt::posix::FlightReader ring(it->path().string());
-      if (ring.ended() || ring.writer_lives()) continue;
-    } catch (const std::runtime_error&) {
-      continue;
-    }
+    if (!rt::posix::FlightReader::was_left(it->path().string())) continue;
     std::error_code ignored;
     found.emplace_back(std::filesystem::last_write_time(it->path(), ignored), it->path().string());
   }

@@ -22,15 +22,16 @@ struct FlightRingOptions {
 /// A ring, or nothing: then every call does nothing.
 class RunFlightRing {
  public:
-  /// `start_ns`: CLOCK_MONOTONIC when the run clock is 0. Throws std::runtime_error when a file that was
-  /// asked for cannot be had; "auto" turns that into a warning.
-  RunFlightRing(Runtime& runtime, const FlightRingOptions& options, bool simulated_time,
-                rt::Nanoseconds start_ns, rt::Nanoseconds utc_minus_monotonic_ns);
+  /// Throws std::runtime_error when a file that was asked for cannot be had; "auto" turns that into a
+  /// warning.
+  RunFlightRing(Runtime& runtime, const FlightRingOptions& options, bool simulated_time);
   /// A file that nobody asked for by name goes away.
   ~RunFlightRing();
   RunFlightRing(const RunFlightRing&) = delete;
   RunFlightRing& operator=(const RunFlightRing&) = delete;
 
+  /// When the run begins: CLOCK_MONOTONIC at 0 of the run clock, and what makes it UTC. Before the first job.
+  void set_clock(rt::Nanoseconds start_ns, rt::Nanoseconds utc_minus_monotonic_ns);
   /// A sink that notes each job and hands it on to `next`. Lives as long as this object.
   rt::JobSink before(rt::JobSink next);
   /// Notes something in words. Not for real-time threads.

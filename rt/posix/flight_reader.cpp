@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "rt/digest.hpp"
@@ -67,6 +67,26 @@ std::uint64_t flight_header_check(const FlightHeader& header) {
   return digest_bytes(reinterpret_cast<const std::uint8_t*>(&copy), static_cast<std::uint32_t>(sizeof(copy)));
 }
 
+namespace {
+
+// The state of a ring with a whole header of this format.
+bool read_state(const std::string& path, FlightState& state) noexcept {
+  try {
+    std::ifstream in(path, std::ios::binary);
+    std::vector<char> bytes(kFlightHeaderBytes);
+    if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return false;
+    const auto header = std::make_unique<FlightHeader>();
+    std::memcpy(header.get(), bytes.data(), sizeof(FlightHeader));
+    std::memcpy(&state, bytes.data() + kFlightStateOffset, sizeof(state));
+    return std::memcmp(header->magic, kFlightMagic, sizeof(kFlightMagic)) == 0 &&
+           header->version == kFlightVersion && flight_header_check(*header) == header->check;
+  } catch (...) {
+    return false;
+  }
+}
+
+}  // namespace
+
 bool FlightReader::is_ring(const std::string& path) noexcept {
   try {
     std::ifstream in(path, std::ios::binary);
@@ -78,11 +98,25 @@ bool FlightReader::is_ring(const std::string& path) noexcept {
   }
 }
 
+bool FlightReader::has_ended(const std::string& path) noexcept {
+  FlightState state;
+  return read_state(path, state) && state.ended == 1;
+}
+
+bool FlightReader::was_left(const std::string& path) noexcept {
+  FlightState state;
+  return read_state(path, state) && state.ended != 1 && !is_locked(path);
+}
+
 FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<FlightHeader>()) {
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) fail(path, std::string(std::strerror(errno)) + "; give the path of a flight ring");
-  std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  std::vector<char> bytes(error ? 0 : static_cast<std::size_t>(size));
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
   if (bytes.size() < sizeof(kFlightMagic) ||
       std::memcmp(bytes.data(), kFlightMagic, sizeof(kFlightMagic)) != 0)
     fail(path, "is no flight ring; `sortie run --flight-ring FILE` writes one");

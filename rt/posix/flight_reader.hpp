@@ -58,6 +58,13 @@ class FlightReader {
   /// True when the file begins as a flight ring does. Never throws.
   static bool is_ring(const std::string& path) noexcept;
 
+  /// True when the file is a flight ring with a whole header whose run ended by itself. Reads the header
+  /// alone. Never throws.
+  static bool has_ended(const std::string& path) noexcept;
+  /// True when it is one whose run has not ended and whose writer is gone. Reads the header alone. Never
+  /// throws.
+  static bool was_left(const std::string& path) noexcept;
+
   const FlightHeader& header() const { return *header_; }
   const std::vector<FlightJob>& jobs() const { return jobs_; }
   const std::vector<FlightSpan>& spans() const { return spans_; }

@@ -131,12 +131,8 @@ void FlightRing::open_file() {
 
 /// What stands at the path goes away: a finished ring is removed, an unfinished one is kept beside it.
 void FlightRing::keep_unfinished() {
-  bool finished = false;
-  try {
-    finished = FlightReader(path_).ended();
-  } catch (const std::runtime_error& error) {
-    if (!FlightReader::is_ring(path_)) refuse(path_, "it exists and is no flight ring; choose another file");
-  }
+  if (!FlightReader::is_ring(path_)) refuse(path_, "it exists and is no flight ring; choose another file");
+  const bool finished = FlightReader::has_ended(path_);
   const std::string kept = path_ + ".previous";
   if (finished ? unlink(path_.c_str()) != 0 : std::rename(path_.c_str(), kept.c_str()) != 0) {
     refuse(path_, std::string("the ring of the run before cannot be moved: ") + std::strerror(errno) +
@@ -179,6 +175,15 @@ void FlightRing::map_file(const FlightHeader& header) {
     tracks_[i] = SpanTrack(words_at(header.track[i].spans), header.track[i].spans.slots);
   events_ = words_at(header.events);
   event_mask_ = header.events.slots - 1;
+}
+
+void FlightRing::set_clock(std::int64_t start_ns, std::int64_t utc_minus_monotonic_ns) {
+  const auto header = std::make_unique<FlightHeader>();
+  std::memcpy(header.get(), map_, sizeof(FlightHeader));
+  header->start_ns = start_ns;
+  header->utc_minus_monotonic_ns = utc_minus_monotonic_ns;
+  header->check = flight_header_check(*header);
+  std::memcpy(map_, header.get(), sizeof(FlightHeader));
 }
 
 void FlightRing::job(const JobRecord& record) noexcept {

@@ -43,7 +43,7 @@ struct FlightPlan {
   std::uint64_t scene_hash{};
   std::int64_t base_tick_ns{};
   std::int64_t epoch_ns{};
-  std::int64_t start_ns{};  ///< CLOCK_MONOTONIC when the run clock is 0
+  std::int64_t start_ns{};  ///< CLOCK_MONOTONIC when the run clock is 0, where that is known already
   std::int64_t utc_minus_monotonic_ns{};
   std::vector<FlightGroupPlan> groups;
   std::vector<std::string> more_tracks;  ///< threads beside the workers whose spans are kept
@@ -63,6 +63,10 @@ class FlightRing {
   ~FlightRing();
   FlightRing(const FlightRing&) = delete;
   FlightRing& operator=(const FlightRing&) = delete;
+
+  /// Says when the run begins: CLOCK_MONOTONIC at 0 of the run clock, and what makes it UTC. Before the first
+  /// job: known only when everything else that takes time is done, the making of this file included.
+  void set_clock(std::int64_t start_ns, std::int64_t utc_minus_monotonic_ns);
 
   /// Notes a job that has run, and makes the group's track that of the calling thread. Real-time safe; a
   /// group's jobs come from one thread at a time.

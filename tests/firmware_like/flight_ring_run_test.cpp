@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -53,6 +54,7 @@ TEST_CASE("the flight ring of a live run holds the same jobs and times as its lo
   CHECK_FALSE(ring.writer_lives());
   CHECK(ring.torn() + ring.damaged() == 0);
   const LogFile log(options.record);
+  CHECK(ring.header().start_ns + ring.header().utc_minus_monotonic_ns == log.header().utc_minus_monotonic_ns);
   const auto& events = log.channel(std::string(drivers::kChannelTiming));
   REQUIRE(ring.jobs().size() == events.size());
   std::size_t same = 0;
@@ -168,11 +170,11 @@ TEST_CASE("by itself a live run keeps its ring in memory and takes it away again
   {
     const Runtime runtime(load_scene(stall_scene(folder)), stall_vehicles(), RuntimeStart{});
     auto& mutable_runtime = const_cast<Runtime&>(runtime);
-    const RunFlightRing none(mutable_runtime, {"none", 100}, false, 0, 0);
+    const RunFlightRing none(mutable_runtime, {"none", 100}, false);
     CHECK(none.path().empty());
-    const RunFlightRing simulated(mutable_runtime, {"auto", 100}, true, 0, 0);
+    const RunFlightRing simulated(mutable_runtime, {"auto", 100}, true);
     CHECK(simulated.path().empty());
-    RunFlightRing ring(mutable_runtime, {"auto", 100}, false, 0, 0);
+    RunFlightRing ring(mutable_runtime, {"auto", 100}, false);
     CHECK(ring.path().find(memory) == 0);
     CHECK_FALSE(ring.stays());
     CHECK(std::filesystem::exists(ring.path()));
@@ -184,6 +186,13 @@ TEST_CASE("by itself a live run keeps its ring in memory and takes it away again
   rt::posix::FlightPlan plan;
   plan.base_tick_ns = 1'000'000;
   { const rt::posix::FlightRing dead(memory + "/sortie-dead.ring", plan); }
+  std::filesystem::copy_file(memory + "/sortie-dead.ring", memory + "/sortie-damaged.ring");
+  {
+    std::fstream damaged(memory + "/sortie-damaged.ring", std::ios::binary | std::ios::in | std::ios::out);
+    damaged.seekp(40);
+    damaged.put('\x7f');
+  }
+  std::ofstream(memory + "/sortie-short.ring") << "SORTIE";
   CHECK(unfinished_flight_rings(memory) == std::vector<std::string>{memory + "/sortie-dead.ring"});
   before == nullptr ? unsetenv("XDG_RUNTIME_DIR") : setenv("XDG_RUNTIME_DIR", old.c_str(), 1);
   std::filesystem::remove_all(memory);

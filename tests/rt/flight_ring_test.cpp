@@ -93,6 +93,19 @@ TEST_CASE("a long event is cut and its time may be negative") {
   CHECK(reader.events()[0].text == std::string(kEventText, 'x'));
 }
 
+TEST_CASE("the run's clock may be set when all else is ready, and the header stays whole") {
+  const RingFolder folder;
+  {
+    FlightRing ring(folder.file(), plan_of_two());
+    ring.set_clock(123'456'789, -42);
+    ring.job(job_of(0, 9));
+  }
+  const FlightReader reader(folder.file());
+  CHECK(reader.header().start_ns == 123'456'789);
+  CHECK(reader.header().utc_minus_monotonic_ns == -42);
+  CHECK(reader.jobs().size() == 1);
+}
+
 TEST_CASE("a ring that is read while it is written shows whole jobs only") {
   const RingFolder folder;
   FlightRing ring(folder.file(), plan_of_two(64));
