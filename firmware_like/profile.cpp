@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "firmware_like/profile_tree.hpp"
 #include "rt/digest.hpp"
@@ -37,22 +37,22 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
-std::string line_of(const toml::node& node) {
-  const auto line = node.source().begin.line;
-  return line == 0 ? std::string() : ":" + std::to_string(line);
+// Where a value stands: its own file, which may be that of a base, and line. What came by --set has neither.
+std::string place_of(const toml::node& node, const std::string& source) {
+  const toml::source_region& region = node.source();
+  if (region.begin.line == 0) return source;
+  return (region.path ? *region.path : source) + ":" + std::to_string(region.begin.line);
 }
 
 }  // namespace
 
 Profile::Profile(const std::string& toml, const std::string& source,
                  const std::vector<std::string>& overrides)
-    : tree_(std::make_unique<Tree>()), source_(source) {
-  try {
-    tree_->root = toml::parse(toml, source);
-  } catch (const toml::parse_error& error) {
-    throw ProfileError(source + ":" + std::to_string(error.source().begin.line) +
-                       ": not valid TOML: " + std::string(error.description()));
-  }
+    : Profile(std::make_unique<Tree>(Tree{parse_profile(toml, source), ""}), source, overrides) {}
+
+Profile::Profile(std::unique_ptr<Tree> tree, const std::string& source,
+                 const std::vector<std::string>& overrides)
+    : tree_(std::move(tree)), source_(source), base_(tree_->base) {
   for (const std::string& assignment : overrides) apply_override(assignment);
   name_ = text("scene.name", "", "name of the scene");
   vehicle_ = text("scene.vehicle", "", "which vehicle the scene builds");
@@ -93,7 +93,7 @@ void Profile::apply_override(const std::string& assignment) {
 
 std::string Profile::place(const std::string& path) const {
   const auto node = tree_->root.at_path(path);
-  return source_ + (node.node() != nullptr ? line_of(*node.node()) : std::string()) + ": " + path;
+  return (node.node() != nullptr ? place_of(*node.node(), source_) : source_) + ": " + path;
 }
 
 void Profile::fail(const std::string& path, const std::string& why) const {
@@ -204,17 +204,25 @@ std::vector<std::array<double, 2>> Profile::points(const std::string& path, std:
 }
 
 std::vector<std::string> Profile::tables(const std::string& path) const {
-  std::vector<std::pair<toml::source_index, std::string>> found;
+  struct Found {
+    bool own;
+    toml::source_index line;
+    std::string name;
+  };
+  std::vector<Found> found;
   const toml::table* table = path.empty() ? &tree_->root : tree_->root.at_path(path).as_table();
   if (table != nullptr) {
     for (const auto& [key, value] : *table) {
-      if (value.is_table()) found.emplace_back(value.source().begin.line, std::string(key.str()));
+      const toml::source_region& region = value.source();
+      if (value.is_table())
+        found.push_back({region.path && *region.path == source_, region.begin.line, std::string(key.str())});
     }
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::tie(a.own, a.line) < std::tie(b.own, b.line);
+  });
   std::vector<std::string> names;
-  for (auto& [line, name] : found) names.push_back(std::move(name));
+  for (Found& entry : found) names.push_back(std::move(entry.name));
   return names;
 }
 
@@ -235,7 +243,7 @@ void Profile::refuse_unknown_keys(const std::string& below, const std::string& e
           [&path](const auto& a, const auto& b) { return edit_distance(a, path) < edit_distance(b, path); });
       const bool close = nearest != known.end() &&
                          edit_distance(*nearest, path) <= std::max<std::size_t>(3, path.size() / 4);
-      throw ProfileError(source_ + line_of(value) + ": unknown key " + path +
+      throw ProfileError(place_of(value, source_) + ": unknown key " + path +
                          (close ? "; did you mean " + *nearest + "?"
                                 : "; remove it, or see `sortie scenes --keys` for what this vehicle knows"));
     }
@@ -255,20 +263,9 @@ std::uint64_t Profile::hash() const {
 }
 
 Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides) {
-  if (scene.size() > 5 && scene.compare(scene.size() - 5, 5, ".toml") == 0) {
-    std::ifstream file(scene, std::ios::binary);
-    std::ostringstream bytes;
-    if (!file || !(bytes << file.rdbuf())) {
-      throw ProfileError(scene + ": cannot be read; give a file that exists, or a name from `sortie scenes`");
-    }
-    return Profile(bytes.str(), scene, overrides);
-  }
-  std::string names;
-  for (const BuiltInScene& built_in : built_in_scenes()) {
-    if (scene == built_in.name) return Profile(built_in.toml, scene + ".toml", overrides);
-    names += (names.empty() ? "" : ", ") + std::string(built_in.name);
-  }
-  throw ProfileError("unknown scene \"" + scene + "\"; known: " + names + "; or give a .toml file");
+  auto tree = std::make_unique<Profile::Tree>();
+  tree->root = read_with_bases(scene, tree->base);
+  return Profile(std::move(tree), read_scene(scene).source, overrides);
 }
 
 }  // namespace sortie::firmware

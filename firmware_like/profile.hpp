@@ -101,7 +101,7 @@ class Profile {
   /// there.
   const ProfileKey& changeable(const std::string& path);
   bool has(const std::string& path) const;
-  /// Names of the tables directly below `path`, in the file's order.
+  /// Names of the tables directly below `path`, in the file's order; those of a base come first.
   std::vector<std::string> tables(const std::string& path) const;
 
   /// After all reading: ProfileError for the first key that nobody declared, with its line and the nearest
@@ -115,6 +115,8 @@ class Profile {
   const std::string& vehicle() const { return vehicle_; }
   /// One sentence for lists.
   const std::string& about() const { return about_; }
+  /// The scene that this one only changes, or nothing.
+  const std::string& base() const { return base_; }
   /// The whole profile with overrides applied, as canonical TOML: what a log's header stores.
   std::string canonical() const;
   /// xxhash64 of canonical().
@@ -124,6 +126,8 @@ class Profile {
 
  private:
   struct Tree;
+  friend Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides);
+  Profile(std::unique_ptr<Tree> tree, const std::string& source, const std::vector<std::string>& overrides);
   ProfileKey* declare(const std::string& path, const std::string& value, const std::string& unit,
                       const std::string& range, const std::string& meaning, bool is_default);
   std::string place(const std::string& path) const;
@@ -134,6 +138,7 @@ class Profile {
   std::string name_;
   std::string vehicle_;
   std::string about_;
+  std::string base_;
   std::vector<ProfileKey> keys_;
 };
 
@@ -147,7 +152,9 @@ struct BuiltInScene {
 const std::vector<BuiltInScene>& built_in_scenes();
 
 /// Loads a built-in scene by name, or a file if `scene` ends in .toml. ProfileError lists the known names
-/// otherwise.
+/// otherwise. A scene with `scene.base` begins with all that its base says, a scene by name or a file beside
+/// it: its own tables are laid over the base's key by key, its own values and lists take the place of the
+/// base's. The profile that results has no base: it, as a log carries it, stands for itself.
 Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides = {});
 
 }  // namespace sortie::firmware

@@ -17,6 +17,7 @@ struct SceneLine {
   std::string name;
   std::string vehicle;
   std::string about;
+  std::string base;
   std::size_t bytes{};
   double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
   std::string tasks;
@@ -29,6 +30,7 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
   SceneLine line{runtime.profile().name(),
                  runtime.profile().vehicle(),
                  runtime.profile().about(),
+                 runtime.profile().base(),
                  runtime.memory_bytes(),
                  0,
                  "",
@@ -68,6 +70,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
     if (json) {
       rows.push_back({{"scene", line.name},
                       {"vehicle", line.vehicle},
+                      {"base", line.base},
                       {"bytes", line.bytes},
                       {"budget_us_per_tick", line.declared_us_per_tick},
                       {"tasks", line.tasks},

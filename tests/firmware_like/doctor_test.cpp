@@ -22,14 +22,14 @@ namespace {
 // The names of the findings whose verdicts differ.
 std::vector<std::string> changed(const DoctorReport& before, const DoctorReport& after) {
   std::vector<std::string> names;
-  for (const Finding& one : after.findings) {
+  for (const firmware::Finding& one : after.findings) {
     if (one.verdict != finding(before, one.name).verdict) names.push_back(one.name);
   }
   return names;
 }
 
 // True when a finding is of this verdict, and its value and its cure hold these words.
-bool says(const Finding& found, Health verdict, const std::string& value, const std::string& cure) {
+bool says(const firmware::Finding& found, Health verdict, const std::string& value, const std::string& cure) {
   UNSCOPED_INFO(found.name << ": " << to_string(found.verdict) << ": " << found.value << " | " << found.cure);
   return found.verdict == verdict && found.value.find(value) != std::string::npos &&
          found.cure.find(cure) != std::string::npos;
@@ -41,7 +41,7 @@ TEST_CASE("a board that is set up well has nothing but good findings") {
   const Board board;
   for (const int core : {-1, 2, 3}) {
     const DoctorReport report = board.report(core);
-    for (const Finding& one : report.findings) {
+    for (const firmware::Finding& one : report.findings) {
       INFO(one.name << ": " << one.value);
       CHECK(one.verdict == Health::good);
       CHECK(one.cure.empty());
@@ -168,7 +168,7 @@ TEST_CASE("interrupts are rates of the time between two readings and name the bu
   const Doctor quiet(board.options(3));
   board.set("/proc/uptime", "1004.00 3000.00");
   board.set("/proc/interrupts", Board::interrupts(9000, 9));
-  const Finding found = finding(quiet.report(), "interrupts");
+  const firmware::Finding found = finding(quiet.report(), "interrupts");
   CHECK(found.verdict == Health::good);
   CHECK(found.value == "core 3: 1/s of devices (most: can0), 0/s of its timer");
   // On x86 the timer is not a device and has a label instead of a number.
@@ -212,7 +212,7 @@ TEST_CASE("a machine that tells nothing is unknown and never bad") {
   const TempFolder empty;
   const DoctorReport report = Doctor({empty.path(), -1}).report();
   CHECK(report.findings.size() == 16);
-  for (const Finding& one : report.findings) {
+  for (const firmware::Finding& one : report.findings) {
     INFO(one.name << ": " << one.value);
     CHECK(one.verdict != Health::bad);
     CHECK_FALSE(one.value.empty());

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenes that change another scene: found, read and laid over each other before anything is read from them.
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "firmware_like/profile_tree.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+constexpr std::size_t kMostBases = 8;
+
+bool is_file(const std::string& scene) {
+  return scene.size() > 5 && scene.compare(scene.size() - 5, 5, ".toml") == 0;
+}
+
+// A base is a scene by name, or a file beside the one that names it.
+std::string beside(const std::string& scene, const std::string& base) {
+  const std::size_t slash = scene.rfind('/');
+  if (!is_file(base) || base[0] == '/' || !is_file(scene) || slash == std::string::npos) return base;
+  return scene.substr(0, slash + 1) + base;
+}
+
+// Tables are laid over each other, everything else takes the other's place; nodes keep their file and line.
+void lay_over(toml::table& below, toml::table&& above) {
+  for (auto&& [key, value] : above) {
+    toml::node* there = below.get(key.str());
+    if (there != nullptr && there->is_table() && value.is_table())
+      lay_over(*there->as_table(), std::move(*value.as_table()));
+    else
+      below.insert_or_assign(key, std::move(value));
+  }
+}
+
+// Takes `scene.base` out of a table. Empty where there is none.
+std::string take_base(toml::table& root, const std::string& source) {
+  toml::table* scene = root["scene"].as_table();
+  const toml::node* base = scene == nullptr ? nullptr : scene->get("base");
+  if (base == nullptr) return {};
+  const std::string name = base->value<std::string>().value_or("");
+  if (name.empty()) {
+    throw ProfileError(source + ":" + std::to_string(base->source().begin.line) +
+                       ": scene.base: must be a scene's name or a .toml file, in quotes");
+  }
+  scene->erase("base");
+  return name;
+}
+
+}  // namespace
+
+toml::table parse_profile(const std::string& toml, const std::string& source) {
+  try {
+    return toml::parse(toml, source);
+  } catch (const toml::parse_error& error) {
+    throw ProfileError(source + ":" + std::to_string(error.source().begin.line) +
+                       ": not valid TOML: " + std::string(error.description()));
+  }
+}
+
+SceneText read_scene(const std::string& scene) {
+  if (is_file(scene)) {
+    std::ifstream file(scene, std::ios::binary);
+    std::ostringstream bytes;
+    if (!file || !(bytes << file.rdbuf())) {
+      throw ProfileError(scene + ": cannot be read; give a file that exists, or a name from `sortie scenes`");
+    }
+    return {bytes.str(), scene};
+  }
+  std::string names;
+  for (const BuiltInScene& built_in : built_in_scenes()) {
+    if (scene == built_in.name) return {built_in.toml, scene + ".toml"};
+    names += (names.empty() ? "" : ", ") + std::string(built_in.name);
+  }
+  throw ProfileError("unknown scene \"" + scene + "\"; known: " + names + "; or give a .toml file");
+}
+
+toml::table read_with_bases(const std::string& scene, std::string& base) {
+  std::vector<toml::table> layers;
+  std::vector<std::string> chain;
+  base.clear();
+  for (std::string next = scene; !next.empty();) {
+    if (std::find(chain.begin(), chain.end(), next) != chain.end())
+      throw ProfileError(scene + ": scene.base leads back to " + next + "; a scene cannot be its own base");
+    if (chain.size() > kMostBases) {
+      throw ProfileError(scene + ": more than " + std::to_string(kMostBases) +
+                         " scenes stand on each other; does one of them name itself by another path?");
+    }
+    SceneText text;
+    try {
+      text = read_scene(next);
+    } catch (const ProfileError& error) {
+      if (chain.empty()) throw;
+      throw ProfileError(chain.back() + ": scene.base: " + error.what());
+    }
+    layers.push_back(parse_profile(text.toml, text.source));
+    const std::string below = take_base(layers.back(), text.source);
+    chain.push_back(next);
+    next = below.empty() ? below : beside(next, below);
+    if (chain.size() == 1) base = next;
+  }
+  toml::table root = std::move(layers.back());
+  for (std::size_t i = layers.size() - 1; i-- > 0;) lay_over(root, std::move(layers[i]));
+  return root;
+}
+
+}  // namespace sortie::firmware
