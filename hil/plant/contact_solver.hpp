@@ -9,11 +9,12 @@ namespace sortie::hil {
 
 /// Limits of work and accuracy.
 struct SolverOptions {
-  int newton_iterations{8};   ///< of each try
-  int softened{9};            ///< stages of softened contacts, each three times stiffer than the one before
-  int rounds{6};              ///< of the last resort: sweeps, then a try
-  int sweeps{10};             ///< of a round; the next round doubles it, to at most 8 times
-  double tolerance_ns{1e-8};  ///< natural residual at which an answer is taken
+  int newton_iterations{8};    ///< of each try
+  int softened{9};             ///< stages of softened contacts, each three times stiffer than the one before
+  int shorter_iterations{60};  ///< with steps of a whole, a half or a quarter
+  int rounds{6};               ///< of the last resort: sweeps, then a try
+  int sweeps{10};              ///< of a round; the next round doubles it, to at most 8 times
+  double tolerance_ns{1e-8};   ///< natural residual at which an answer is taken
 };
 
 /// What the solver did.
@@ -30,10 +31,10 @@ struct SolverReport {
 /// left, whatever the number of contacts: Newton's method for the projections of all contacts together (Alart
 /// and Curnier 1991), each step one solution of a 10x10 system. Where it cycles (about 1 step in 50 on stairs
 /// and rubble), it starts with contacts 3^softened times softer, where it does not, and follows the answer to
-/// the true ones. Where that fails too, projected Gauss-Seidel sweeps over the contacts from the best answer
-/// so far (they hardly ever fail, but are slow to end), then Newton again. The best answer met is kept. No
-/// heap, bounded by the options. Cost: about (0.3 + 0.05 contacts) us an iteration, 0.06 us a contact and
-/// sweep.
+/// the true ones. Where that fails too, it goes on from the best answer with shorter steps; then projected
+/// Gauss-Seidel sweeps over the contacts from the best answer so far (they hardly ever fail, but are slow to
+/// end), then Newton again. The best answer met is kept. No heap, bounded by the options. Cost: about (0.3 +
+/// 0.05 contacts) us an iteration, 0.06 us a contact and sweep.
 SolverReport solve_contacts(ContactProblem& problem, Generalised& velocity, const SolverOptions& options);
 
 }  // namespace sortie::hil

@@ -144,5 +144,5 @@ TEST_CASE("plant: the production solver agrees with the dense one", "[plant][hea
     REQUIRE(solve(problem.mass, momentum, v));
     CHECK(norm(v.linear - u.linear) + norm(v.angular - u.angular) < 1e-6);
   });
-  CHECK(close > steps * 98 / 100);
+  CHECK(steps - close <= steps / 1000);  // at most one step of 1,500
 }
