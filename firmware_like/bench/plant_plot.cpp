@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <numeric>
 
 #include "firmware_like/bench/plant_bench.hpp"
 #include "firmware_like/text_format.hpp"
@@ -34,7 +35,7 @@ Plot plot_steps(const PlantData& curves) {
     Series& line = curve->line;
     line.x.push_back(point.value("us_per_s", 0.0));
     line.y.push_back(std::max(point.value("error_mm", 0.0), kLeastError_mm));
-    line.labels.push_back(format_short(point.value("dt_ms", 0.0)) + " ms");
+    line.labels.push_back(point.value("named", false) ? format_short(point.value("dt_ms", 0.0)) + " ms" : "");
   }
   Plot plot;
   plot.title = "Error over run time, by step size";
@@ -71,7 +72,7 @@ Plot side_view(const PlantData& picture) {
   contacts.name = "loaded contacts";
   contacts.mark = Mark::dots;
   contacts.colour = kVermilion;
-  contacts.width = 4;
+  contacts.width = 2.2;
   double low = 1e9;
   double high = -1e9;
   double top = 0;
@@ -87,14 +88,14 @@ Plot side_view(const PlantData& picture) {
       top = std::max(top, *std::max_element(line.y.begin(), line.y.end()));
       if (first) {
         if (number <= 2) line.name = number == 1 ? "track and flippers" : "the next moment";
-        // The moment stands above the middle of the track.
-        const auto highest = std::max_element(line.y.begin(), line.y.end());
+        // The moment stands in the middle of the track.
+        const auto count = static_cast<double>(line.x.size());
         Series label;
         label.mark = Mark::dots;
         label.colour = colour;
         label.width = 0.1;
-        label.x = {line.x[static_cast<std::size_t>(highest - line.y.begin())]};
-        label.y = {*highest};
+        label.x = {std::accumulate(line.x.begin(), line.x.end(), 0.0) / count};
+        label.y = {std::accumulate(line.y.begin(), line.y.end(), 0.0) / count};
         label.labels = {format_fixed(moment.value("t_s", 0.0), 1) + " s"};
         plot.series.push_back(std::move(label));
       }

@@ -153,7 +153,7 @@ std::vector<BenchScene> make() {
        {"end d_t", 0.0, -1}});
   add({"stairs-up",
        "0.3 m/s up five steps of 0.28 / 0.17 m",
-       12,
+       10,
        0,
        1.2,
        stairs_up,

@@ -50,8 +50,8 @@ std::string published(const Published& p) {
 
 void compare(const BenchScene& scene, Json& rows) {
   const auto row = [&](const char* engine, const Deviation& d, const std::string& last) {
-    rows.push_back({scene.name, scene.closed_form ? "closed form" : "ours at 0.25 ms", engine, d.end_d_t,
-                    d.end_d_w, d.sum_d_t, d.sum_d_w, last});
+    rows.push_back({scene.name, scene.closed_form ? "closed form" : "ours at 0.25 ms", engine,
+                    1e3 * d.end_d_t, 1e3 * d.end_d_w, d.sum_d_t, d.sum_d_w, last});
   };
   OwnVehicle ours(scene);
   row("ours", deviation_of(ours, scene, kStep_s), published(scene.published));
@@ -102,7 +102,7 @@ void measure_plant_metrics(const PlantSettings& settings, Report& report) {
   }
   check_goals(scenes, report);
   report.add_table(kGroup,
-                   {"scene", "reference", "engine, 1 ms", "end d_t m", "end d_w rad", "sum d_t m",
+                   {"scene", "reference", "engine, 1 ms", "end d_t mm", "end d_w mrad", "sum d_t m",
                     "sum d_w rad", "published CSM"},
                    rows);
   report.note(kGroup,
