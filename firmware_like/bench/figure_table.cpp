@@ -57,6 +57,16 @@ std::string cell_text(const Json& cell) {
   return cell.is_number() ? format_short(cell.get<double>()) : "";
 }
 
+// Columns of words stand left, of numbers right.
+std::vector<bool> word_columns(const Json& table) {
+  std::vector<bool> words(table["columns"].size(), true);
+  for (const Json& row : table["rows"]) {
+    for (std::size_t i = 0; i < std::min(words.size(), row.size()); ++i)
+      words[i] = words[i] && row[i].is_string();
+  }
+  return words;
+}
+
 template <class Each>
 void for_each_of(const Json& result, const char* list, const std::string& group, const Each& each) {
   for (const Json& one : result.value(list, Json::array())) {
@@ -91,18 +101,23 @@ std::vector<std::string> figure_notes(const Json& result, const std::string& gro
 }
 
 void print_figures(std::ostream& out, const Json& result, const std::string& group, bool colour) {
-  out << "\n"
-      << pad_right(group, 46) << pad_right("ours (range)", 25) << pad_right("theirs (range)", 25)
-      << pad_right("ratio (range)", 25) << "n, goal\n";
+  std::vector<FigureRow> rows;
+  std::size_t width = 44;
   for_each_of(result, "figures", group, [&](const Json& figure) {
-    const FigureRow row = row_of(figure);
-    out << "  " << pad_right(row.what, 44) << pad_right(row.ours, 25) << pad_right(row.theirs, 25)
+    rows.push_back(row_of(figure));
+    width = std::max(width, rows.back().what.size() + 2);
+  });
+  out << "\n"
+      << pad_right(group, width + 2) << pad_right("ours (range)", 25) << pad_right("theirs (range)", 25)
+      << pad_right("ratio (range)", 25) << "n, goal\n";
+  for (const FigureRow& row : rows) {
+    out << "  " << pad_right(row.what, width) << pad_right(row.ours, 25) << pad_right(row.theirs, 25)
         << pad_right(row.ratio, 25) << row.n;
     if (!row.peer.empty()) out << "  " << row.peer;
     if (const std::string goal = verdict(row); !goal.empty())
       out << "  " << (colour && !row.met ? "\033[31m" + goal + "\033[0m" : goal);
     out << "\n";
-  });
+  }
   for (const std::string& line : figure_notes(result, group)) out << "  " << line << "\n";
 }
 
@@ -123,6 +138,7 @@ void print_tables(std::ostream& out, const Json& result, const std::string& grou
   for_each_of(result, "tables", group, [&](const Json& table) {
     std::vector<std::vector<std::string>> lines(1);
     for (const Json& column : table["columns"]) lines[0].push_back(cell_text(column));
+    const std::vector<bool> words = word_columns(table);
     std::vector<std::size_t> widths(lines[0].size(), 0);
     for (const Json& row : table["rows"]) {
       std::vector<std::string>& line = lines.emplace_back();
@@ -135,7 +151,7 @@ void print_tables(std::ostream& out, const Json& result, const std::string& grou
     out << "\n";
     for (const auto& line : lines) {
       for (std::size_t i = 0; i < std::min(widths.size(), line.size()); ++i)
-        out << "  " << (i == 0 ? pad_right(line[i], widths[i]) : pad_left(line[i], widths[i]));
+        out << "  " << (words[i] ? pad_right(line[i], widths[i]) : pad_left(line[i], widths[i]));
       out << "\n";
     }
   });
@@ -144,10 +160,10 @@ void print_tables(std::ostream& out, const Json& result, const std::string& grou
 std::string tables_page(const Json& result, const std::string& group) {
   std::string text;
   for_each_of(result, "tables", group, [&](const Json& table) {
-    std::string rule = "|---|";
+    std::string rule = "|";
     text += "\n|";
     for (const Json& column : table["columns"]) text += " " + cell_text(column) + " |";
-    for (std::size_t i = 1; i < table["columns"].size(); ++i) rule += "---:|";
+    for (const bool words : word_columns(table)) rule += words ? "---|" : "---:|";
     text += "\n" + rule + "\n";
     for (const Json& row : table["rows"]) {
       text += "|";
