@@ -5,7 +5,7 @@
 #include <iostream>
 #include <new>
 
-#include "firmware_like/bench/rt_bench.hpp"
+#include "firmware_like/bench/peer_program.hpp"
 #include "firmware_like/bench/wcet.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/flight_recorder.hpp"

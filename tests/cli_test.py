@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "scenes", "doctor", "bench", "bench wcet", "bench rt"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
@@ -340,6 +340,25 @@ elif result.returncode == 0:
 else:
     check(result.returncode == 4 and "is not built" in result.stderr, "bench rt says what is missing", result)
     print("left out: the real-time benchmark is not built")
+
+# So is the plant's. Its drives are the same at each run, their times are not: nothing here looks at those.
+expect(4, "bench", "plant", "--program", "absent/sortie-bench-plant", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "plant", "--only", "nothing")
+expect(2, "bench", "plant", "--scene", "nowhere")
+result = run("bench", "plant", "--only", "metrics", "--scene", "straight", "--json", "--out", "plant")
+if len(PROGRAM) > 1:
+    print("left out: the plant's benchmark under an emulator")
+elif result.returncode == 0:
+    answer = parsed(result)
+    check(all(figure["met"] for figure in answer.get("figures", [])) and answer.get("figures"), "a straight drive ends where it must", result)
+    engines = [row[2] for table in answer.get("tables", []) for row in table["rows"]]
+    check("ours" in engines and ("ODE QuickStep" in engines or answer["skipped"]), "bench plant names a peer that is missing", result)
+    check("| straight |" in pathlib.Path("plant/bench-plant.md").read_text(), "bench plant --out writes a page", result)
+    result = expect(0, "bench", "plant", "--only", "pictures", "--scene", "pallet", "--out", "plant")
+    check("<svg" in pathlib.Path("plant/bench-plant-pallet.svg").read_text(), "bench plant --out draws a side view", result)
+else:
+    check(result.returncode == 4 and "is not built" in result.stderr, "bench plant says what is missing", result)
+    print("left out: the plant's benchmark is not built")
 
 # Imports.
 expect(2, "import", "sheep", "x", "-o", "x.lcm")

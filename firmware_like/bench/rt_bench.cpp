@@ -1,58 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/bench/rt_bench.hpp"
 
-#include <unistd.h>
-
-#include <filesystem>
-
-#include "firmware_like/bench/child_process.hpp"
-#include "firmware_like/doctor/doctor.hpp"
-#include "firmware_like/results.hpp"
+#include "firmware_like/bench/peer_program.hpp"
 
 namespace sortie::firmware {
 
-namespace {
-
-constexpr const char* kProgram = "sortie-bench-rt";
-
-std::string find_program(const RtBenchOptions& options) {
-  const std::filesystem::path own = std::filesystem::path(own_program_path()).parent_path();
-  std::vector<std::string> tried;
-  for (const std::filesystem::path& file :
-       {std::filesystem::path(options.program), own / kProgram, own / "tests" / "bench" / kProgram}) {
-    if (file.empty()) continue;
-    tried.push_back(file.string());
-    if (access(file.c_str(), X_OK) == 0) return file.string();
-    if (!options.program.empty()) break;
-  }
-  std::string text = std::string(kProgram) + " is not built: no";
-  for (const std::string& file : tried) text += " " + file;
-  throw BenchRefused(text + "; cure: cmake --build --preset release --target " + kProgram);
-}
-
-}  // namespace
-
 nlohmann::ordered_json run_rt_bench(const RtBenchOptions& options) {
-  ChildCommand command;
-  command.arguments = {find_program(options),           "--rounds", std::to_string(options.rounds), "--slice",
-                       std::to_string(options.slice_s), "--load",   std::to_string(options.load)};
+  PeerProgram program{"sortie-bench-rt", options.program, {}, options.core};
+  program.arguments = {"--rounds", std::to_string(options.rounds), "--slice", std::to_string(options.slice_s),
+                       "--load",   std::to_string(options.load)};
   if (options.core >= 0)
-    command.arguments.insert(command.arguments.end(), {"--core", std::to_string(options.core)});
-  if (!options.only.empty()) command.arguments.insert(command.arguments.end(), {"--only", options.only});
-  const Doctor doctor({"/", options.core});
-  std::string text;
-  const ChildEnd end = run_child(command, [&text](std::string_view line) { text += line; });
-  if (end.exit_code != 0) {
-    throw BenchRefused(command.arguments[0] + " ended with " + std::to_string(end.exit_code) +
-                       (end.exit_code == 126 || end.exit_code == 127 ? "; build it for this processor" : ""));
-  }
-  nlohmann::ordered_json result = nlohmann::ordered_json::parse(text, nullptr, false);
-  if (!result.is_object() || !result.contains("figures"))
-    throw BenchRefused(command.arguments[0] + " is of another version: its output is not understood");
-  result["machine"] = machine_description();
-  result["compiler"] = compiler_description();
-  result["doctor"] = to_json(doctor.report());
-  return result;
+    program.arguments.insert(program.arguments.end(), {"--core", std::to_string(options.core)});
+  if (!options.only.empty()) program.arguments.insert(program.arguments.end(), {"--only", options.only});
+  return run_peer_program(program);
 }
 
 }  // namespace sortie::firmware

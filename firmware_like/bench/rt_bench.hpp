@@ -5,9 +5,7 @@
 
 #include <iosfwd>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "firmware_like/report/svg.hpp"
 
@@ -21,12 +19,6 @@ struct RtBenchOptions {
   int load{0};          ///< busy processes beside the wake-up slices
   std::string only;     ///< one part alone: wake, queue, count, mailbox, executive, calls, cause, load
   std::string program;  ///< sortie-bench-rt, if it is not where a build or an installation puts it
-};
-
-/// The benchmark's program is not there or failed; commands end with exit code 4.
-class BenchRefused : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the

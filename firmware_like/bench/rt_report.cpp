@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <ostream>
 
+#include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/bench/rt_bench.hpp"
 #include "firmware_like/text_format.hpp"
 
@@ -10,45 +10,6 @@ namespace sortie::firmware {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// One line of the table as texts.
-struct Row {
-  std::string what;
-  std::string ours;
-  std::string peer;
-  std::string theirs;
-  std::string ratio;
-  std::string n;
-  std::string goal;
-  bool met{true};
-};
-
-std::string with_range(const Json& spread) {
-  if (!spread.is_object() || !spread.contains("value") || !spread["value"].is_number()) return {};
-  std::string text = format_short(spread["value"].get<double>());
-  if (spread.contains("low") && spread["low"].is_number() && spread["high"].is_number())
-    text += " (" + format_short(spread["low"].get<double>()) + " - " +
-            format_short(spread["high"].get<double>()) + ")";
-  return text;
-}
-
-Row row_of(const Json& figure) {
-  Row row;
-  row.what = figure.value("what", "");
-  if (const std::string unit = figure.value("unit", ""); !unit.empty()) row.what += " [" + unit + "]";
-  row.ours = with_range(figure.value("ours", Json::object()));
-  row.peer = figure.value("peer", "");
-  row.theirs = with_range(figure.value("theirs", Json::object()));
-  row.ratio = with_range(figure.value("ratio", Json::object()));
-  row.n = group_digits(figure.value("n", std::uint64_t{0}));
-  row.goal = figure.value("goal", "");
-  if (figure.contains("met") && figure["met"].is_boolean()) row.met = figure["met"].get<bool>();
-  return row;
-}
-
-std::string verdict(const Row& row) {
-  return row.goal.empty() ? "" : row.goal + (row.met ? ": met" : ": MISSED");
-}
 
 std::string noise_line(const Json& noise, const char* when) {
   if (!noise.contains(when)) return {};
@@ -79,52 +40,13 @@ std::vector<std::string> conditions(const Json& result) {
   return lines;
 }
 
-std::vector<std::string> skips(const Json& result) {
-  std::vector<std::string> lines;
-  for (const Json& skip : result.value("skipped", Json::array()))
-    lines.push_back(skip.value("what", "") + ": " + skip.value("why", ""));
-  return lines;
-}
-
-std::vector<std::string> groups(const Json& result) {
-  std::vector<std::string> names;
-  for (const Json& figure : result["figures"]) {
-    const std::string name = figure.value("group", "");
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
-  return names;
-}
-
-std::vector<std::string> notes(const Json& result, const std::string& group) {
-  std::vector<std::string> lines;
-  for (const Json& note : result.value("notes", Json::array())) {
-    if (note.value("group", "") == group) lines.push_back(note.value("words", ""));
-  }
-  return lines;
-}
-
 }  // namespace
 
 void print_rt_bench(std::ostream& out, const Json& result, bool colour) {
   for (const std::string& line : conditions(result)) out << line << "\n";
-  for (const std::string& group : groups(result)) {
-    out << "\n"
-        << pad_right(group, 46) << pad_right("ours (range)", 25) << pad_right("theirs (range)", 25)
-        << pad_right("ratio (range)", 25) << "n, goal\n";
-    for (const Json& figure : result["figures"]) {
-      if (figure.value("group", "") != group) continue;
-      const Row row = row_of(figure);
-      out << "  " << pad_right(row.what, 44) << pad_right(row.ours, 25) << pad_right(row.theirs, 25)
-          << pad_right(row.ratio, 25) << row.n;
-      if (!row.peer.empty()) out << "  " << row.peer;
-      if (const std::string goal = verdict(row); !goal.empty())
-        out << "  " << (colour && !row.met ? "\033[31m" + goal + "\033[0m" : goal);
-      out << "\n";
-    }
-    for (const std::string& line : notes(result, group)) out << "  " << line << "\n";
-  }
+  for (const std::string& group : figure_groups(result)) print_figures(out, result, group, colour);
   out << "\n";
-  for (const std::string& line : skips(result)) out << "skipped   " << line << "\n";
+  for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
 }
 
 std::string rt_bench_page(const Json& result, const std::string& command) {
@@ -138,19 +60,12 @@ std::string rt_bench_page(const Json& result, const std::string& command) {
           "How to read them: [timing](../timing.md).\n\n```\n";
   for (const std::string& line : conditions(result)) text += line + "\n";
   text += "```\n";
-  for (const std::string& group : groups(result)) {
+  for (const std::string& group : figure_groups(result)) {
     text += "\n## " + group + "\n";
     if (group == "wake-up") text += "\n![lateness of wake-ups](bench-rt-wake.svg)\n";
-    text += "\n| figure | ours | peer | theirs | ratio | n | goal |\n|---|---:|---|---:|---:|---:|---|\n";
-    for (const Json& figure : result["figures"]) {
-      if (figure.value("group", "") != group) continue;
-      const Row row = row_of(figure);
-      text += "| " + row.what + " | " + row.ours + " | " + row.peer + " | " + row.theirs + " | " + row.ratio +
-              " | " + row.n + " | " + verdict(row) + " |\n";
-    }
-    for (const std::string& line : notes(result, group)) text += "\n" + line + "\n";
+    text += figures_page(result, group);
   }
-  for (const std::string& line : skips(result)) text += "\nskipped: " + line + "\n";
+  for (const std::string& line : figure_skips(result)) text += "\nskipped: " + line + "\n";
   return text;
 }
 

@@ -54,7 +54,7 @@ void add_bench(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench",
                                          "Measure: sweep a profile's keys over a log; rt: the real-time "
-                                         "ground; wcet: instructions of every job");
+                                         "ground; plant: the tracked plant; wcet: instructions of every job");
   command->footer(
       "Marks: * no other cell is as cheap and better, < what the profile says by itself.\n"
       "Examples:\n"
@@ -87,6 +87,7 @@ void add_bench(CLI::App& app, CommandContext& context) {
       ->type_name("DIR");
   command->require_subcommand(0, 1);
   add_bench_rt(*command, context);
+  add_bench_plant(*command, context);
   add_bench_wcet(*command, context);
   command->callback([&context, options, command, log, sweep] {
     if (!command->get_subcommands().empty()) return;

@@ -8,6 +8,8 @@ namespace sortie::firmware {
 
 /// `bench rt`: the real-time ground beside its peers.
 void add_bench_rt(CLI::App& bench, CommandContext& context);
+/// `bench plant`: the tracked plant beside its peer.
+void add_bench_plant(CLI::App& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
 void add_bench_wcet(CLI::App& bench, CommandContext& context);
 

@@ -4,8 +4,6 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <fstream>
 #include <future>
 #include <iostream>
 #include <stdexcept>
@@ -14,6 +12,7 @@
 #include "firmware_like/bench/child_process.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
+#include "tests/bench/report/arguments.hpp"
 #include "tests/bench/rt/measure.hpp"
 
 namespace sortie::bench {
@@ -32,16 +31,6 @@ constexpr Part kParts[] = {{"wake", measure_wake},
                            {"calls", measure_system_calls},
                            {"cause", measure_causes},
                            {"load", measure_load}};
-
-double number(const char* option, const char* text, double low, double high) {
-  char* end = nullptr;
-  const double value = text != nullptr ? std::strtod(text, &end) : 0;
-  if (text == nullptr || end == text || *end != '\0' || !(value >= low && value <= high)) {
-    throw std::invalid_argument(std::string(option) + " takes a number from " + std::to_string(low) + " to " +
-                                std::to_string(high));
-  }
-  return value;
-}
 
 struct Arguments {
   Settings settings;
@@ -73,13 +62,6 @@ Arguments parse(int argc, char** argv) {
       throw std::invalid_argument("unknown option " + option);
   }
   return all;
-}
-
-std::string load_average() {
-  std::ifstream in("/proc/loadavg");
-  std::string one;
-  in >> one;
-  return one;
 }
 
 // A refused right is found here once, on a thread of its own.

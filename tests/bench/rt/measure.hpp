@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the parts of the real-time benchmark share: settings, repetitions, and the JSON that they fill.
+// What the parts of the real-time benchmark share: settings, and two threads that begin together.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <latch>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
-#include <vector>
 
-#include "rt/histogram.hpp"
 #include "rt/posix/realtime.hpp"
 #include "rt/time.hpp"
+#include "tests/bench/report/figures.hpp"
 
 namespace sortie::bench {
-
-using Json = nlohmann::ordered_json;
 
 /// How much is measured, and where.
 struct Settings {
@@ -28,66 +24,6 @@ struct Settings {
   bool realtime{};      ///< SCHED_FIFO was granted
   std::string program;  ///< own path
 };
-
-/// Repetitions of one figure, one a round.
-class Rounds {
- public:
-  void add(double value) { values_.push_back(value); }
-  bool empty() const { return values_.empty(); }
-  std::size_t size() const { return values_.size(); }
-  const std::vector<double>& values() const { return values_; }
-  double median() const;
-  double low() const;
-  double high() const;
-  /// Nearest-rank quantile, 0..1.
-  double quantile(double share) const;
-
- private:
-  std::vector<double> values_;
-};
-
-/// Round by round, own over theirs.
-Rounds ratio(const Rounds& own, const Rounds& theirs);
-
-/// One line of the table: our figure beside a peer's.
-struct Figure {       // NOLINT(bugprone-exception-escape): JSON's own move, out of memory at most
-  std::string group;  ///< "wake-up", "queue", ...
-  std::string what;   ///< e.g. "round trip p50"
-  std::string unit;
-  std::uint64_t n{};  ///< samples behind it
-  Json ours;          ///< {value, low, high}: median and range of the rounds, or the whole run's figure
-  std::string peer;   ///< empty: no peer
-  Json theirs;
-  Json ratio;        ///< {value, low, high}
-  std::string goal;  ///< in words, empty: none
-  Json met;          ///< true, false, or null where there is no goal
-};
-
-/// {value, low, high} of rounds; of one number.
-Json spread(const Rounds& rounds);
-Json spread(double value);
-
-/// What the parts fill.
-class Report {  // NOLINT(bugprone-exception-escape)
- public:
-  void add(const Figure& figure);
-  /// A peer or a part that could not run: what, why, and the cure.
-  void skip(const std::string& what, const std::string& why);
-  /// A line below the table of a group.
-  void note(const std::string& group, const std::string& words);
-  /// A whole distribution for the plots; durations in ns.
-  void add_distribution(const std::string& name, const rt::LatencyHistogram& histogram);
-  /// The same in 1-us bins of another program.
-  void add_distribution(const std::string& name, const std::vector<std::uint64_t>& bins_us,
-                        std::uint64_t max_us);
-  Json& root() { return root_; }
-
- private:
-  Json root_;
-};
-
-/// "a at most b" in words and as verdict.
-void set_goal(Figure& figure, const std::string& words, bool met);
 
 /// Tells on stderr what is being measured.
 void say(const std::string& words);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Instructions of a push and a pop, exact: this program again, under callgrind.
-#include <charconv>
-
-#include "firmware_like/bench/child_process.hpp"
 #include "firmware_like/bench/instruction_count.hpp"
+#include "tests/bench/report/counted_child.hpp"
 #include "tests/bench/rt/measure.hpp"
 #include "tests/bench/rt/queue_peers.hpp"
 
@@ -76,30 +74,10 @@ int run_counted_queues() {
 
 void measure_queue_instructions(const Settings& settings, Report& report) {
   say("instructions of a push and a pop");
-  if (const char* why = firmware::why_not_counting(); why != nullptr) {
-    report.skip("instructions of queues", why);
-    return;
-  }
-  if (firmware::find_in_path("valgrind").empty()) {
-    report.skip("instructions of queues", "valgrind is not in PATH; apt-get install valgrind");
-    return;
-  }
-  firmware::ChildCommand command;
-  command.arguments = {
-      "valgrind",           "--quiet",    "--tool=callgrind", "--callgrind-out-file=/dev/null",
-      "--instr-atstart=no", "--log-fd=9", settings.program,   "--counted-queues"};
-  command.read_fd = 9;
-  std::vector<std::uint64_t> marks;
-  const firmware::ChildEnd end = firmware::run_child(command, [&marks](std::string_view line) {
-    constexpr std::string_view kCount = "events-1: ";
-    if (line.substr(0, kCount.size()) != kCount) return;
-    line.remove_prefix(kCount.size());
-    std::uint64_t value = 0;
-    std::from_chars(line.data(), line.data() + line.size(), value);
-    marks.push_back(value);
-  });
-  if (end.exit_code != 0 || marks.size() != std::size_t{3} * (kQueues + 1)) {
-    report.skip("instructions of queues", "the counted program ended with " + std::to_string(end.exit_code));
+  const Marks counted = count_instructions({settings.program, "--counted-queues"});
+  const std::vector<std::uint64_t>& marks = counted.instructions;
+  if (!counted.why_none.empty() || marks.size() != std::size_t{3} * (kQueues + 1)) {
+    report.skip("instructions of queues", counted.why_none.empty() ? "marks are missing" : counted.why_none);
     return;
   }
   const auto with_loop = [&marks](int queue, std::size_t mark) {

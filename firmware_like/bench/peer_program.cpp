@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/bench/peer_program.hpp"
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "firmware_like/bench/child_process.hpp"
+#include "firmware_like/doctor/doctor.hpp"
+#include "firmware_like/results.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+std::string find_program(const PeerProgram& program) {
+  const std::filesystem::path own = std::filesystem::path(own_program_path()).parent_path();
+  std::vector<std::string> tried;
+  for (const std::filesystem::path& file :
+       {std::filesystem::path(program.given), own / program.name, own / "tests" / "bench" / program.name}) {
+    if (file.empty()) continue;
+    tried.push_back(file.string());
+    if (access(file.c_str(), X_OK) == 0) return file.string();
+    if (!program.given.empty()) break;
+  }
+  std::string text = program.name + " is not built: no";
+  for (const std::string& file : tried) text += " " + file;
+  throw BenchRefused(text + "; cure: cmake --build --preset release --target " + program.name);
+}
+
+}  // namespace
+
+nlohmann::ordered_json run_peer_program(const PeerProgram& program) {
+  ChildCommand command;
+  command.arguments = {find_program(program)};
+  command.arguments.insert(command.arguments.end(), program.arguments.begin(), program.arguments.end());
+  const Doctor doctor({"/", program.core});
+  std::string text;
+  const ChildEnd end = run_child(command, [&text](std::string_view line) { text += line; });
+  if (end.exit_code != 0) {
+    throw BenchRefused(command.arguments[0] + " ended with " + std::to_string(end.exit_code) +
+                       (end.exit_code == 126 || end.exit_code == 127 ? "; build it for this processor" : ""));
+  }
+  nlohmann::ordered_json result = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (!result.is_object() || !result.contains("figures"))
+    throw BenchRefused(command.arguments[0] + " is of another version: its output is not understood");
+  result["machine"] = machine_description();
+  result["compiler"] = compiler_description();
+  result["doctor"] = to_json(doctor.report());
+  return result;
+}
+
+}  // namespace sortie::firmware

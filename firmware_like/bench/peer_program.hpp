@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Benchmarks that link what the product does not are programs of their own: found, run and read here.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sortie::firmware {
+
+/// The benchmark's program is not there or failed; commands end with exit code 4.
+class BenchRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Which program, and what it is told.
+struct PeerProgram {
+  std::string name;                    ///< such as sortie-bench-rt
+  std::string given;                   ///< its path, if it is not where a build or an installation puts it
+  std::vector<std::string> arguments;  ///< without the program itself
+  int core{-1};                        ///< that it measures on, for the doctor; -1: the last one
+};
+
+/// Runs it (its progress goes to stderr) and returns the object that it printed, with machine, compiler and
+/// the doctor's verdict added. Throws BenchRefused with the cure.
+nlohmann::ordered_json run_peer_program(const PeerProgram& program);
+
+}  // namespace sortie::firmware

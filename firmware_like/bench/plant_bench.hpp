@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The plant's benchmark: a program of its own (sortie-bench-plant, which links ODE) that is found, run and
+// shown here.
+#pragma once
+
+#include <iosfwd>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "firmware_like/report/svg.hpp"
+
+namespace sortie::firmware {
+
+/// How much to measure.
+struct PlantBenchOptions {
+  int rounds{5};        ///< of what is timed
+  std::string only;     ///< one part alone: speed, count, metrics, belt, steps, depth, pictures
+  std::string scene;    ///< one scene alone
+  std::string program;  ///< sortie-bench-plant, if it is not where a build or an installation puts it
+};
+
+/// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
+/// doctor's verdict added. Throws BenchRefused with the cure.
+nlohmann::ordered_json run_plant_bench(const PlantBenchOptions& options);
+
+/// The tables, part by part: ours, theirs, ratio, and the goals.
+void print_plant_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+
+/// The same as a Markdown page, with `command` as how to get it again.
+std::string plant_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+
+/// A picture and the name of its file.
+struct PlantPicture {
+  std::string file;
+  Plot plot;
+};
+
+/// What was measured as pictures: error over run time, and a side view of each drive over obstacles.
+std::vector<PlantPicture> plant_pictures(const nlohmann::ordered_json& result);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the benchmark programs read: numbers after options, and how busy the machine is.
+#pragma once
+
+#include <string>
+
+namespace sortie::bench {
+
+/// The number after an option. Throws std::invalid_argument with the range where there is none in it.
+double number(const char* option, const char* text, double low, double high);
+
+/// Mean number of processes that wanted to run in the last minute, as the kernel writes it.
+std::string load_average();
+
+}  // namespace sortie::bench
