@@ -69,7 +69,7 @@ void measure_plant_count(const PlantSettings& settings, Report& report) {
     all_steps += steps;
     add(std::string("of a step, ") + scene->name, steps, per_step);
   }
-  add("of a step, mean of the scenes", all_steps, sums);
+  if (scenes.size() > 1) add("of a step, mean of the scenes", all_steps, sums);
   report.note(kGroup,
               "Counted by callgrind over whole drives at 1 ms: these do not depend on the machine's load.");
 }
