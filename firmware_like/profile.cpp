@@ -149,7 +149,7 @@ std::string Profile::text(const std::string& path, const std::string& fallback, 
                           const std::vector<std::string>& choices) {
   const auto node = tree_->root.at_path(path);
   if (node && !node.is_string()) fail(path, "must be a text in quotes");
-  const std::string value = node.value<std::string>().value_or(fallback);
+  std::string value = node.value<std::string>().value_or(fallback);
   std::string range;
   for (const std::string& choice : choices) range += (range.empty() ? "" : ", ") + choice;
   if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
@@ -222,6 +222,7 @@ std::vector<std::string> Profile::tables(const std::string& path) const {
     return std::tie(a.own, a.line) < std::tie(b.own, b.line);
   });
   std::vector<std::string> names;
+  names.reserve(found.size());
   for (Found& entry : found) names.push_back(std::move(entry.name));
   return names;
 }

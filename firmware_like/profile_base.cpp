@@ -39,7 +39,7 @@ std::string take_base(toml::table& root, const std::string& source) {
   toml::table* scene = root["scene"].as_table();
   const toml::node* base = scene == nullptr ? nullptr : scene->get("base");
   if (base == nullptr) return {};
-  const std::string name = base->value<std::string>().value_or("");
+  std::string name = base->value<std::string>().value_or("");
   if (name.empty()) {
     throw ProfileError(source + ":" + std::to_string(base->source().begin.line) +
                        ": scene.base: must be a scene's name or a .toml file, in quotes");
@@ -71,7 +71,7 @@ SceneText read_scene(const std::string& scene) {
   std::string names;
   for (const BuiltInScene& built_in : built_in_scenes()) {
     if (scene == built_in.name) return {built_in.toml, scene + ".toml"};
-    names += (names.empty() ? "" : ", ") + std::string(built_in.name);
+    names.append(names.empty() ? "" : ", ").append(built_in.name);
   }
   throw ProfileError("unknown scene \"" + scene + "\"; known: " + names + "; or give a .toml file");
 }

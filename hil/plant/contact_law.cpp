@@ -119,7 +119,7 @@ double classify(ContactProblem& problem, const Generalised& velocity, double rho
     drive.saturated = std::fabs(wanted) > drive.limit_nms;
     const double allowed = drive.saturated ? std::copysign(drive.limit_nms, wanted) : wanted;
     worst = std::max(worst, std::fabs(allowed - drive.impulse_nms) / problem.gyration_m);
-    if (drive.saturated) drive.impulse_nms = allowed;
+    drive.edge_nms = allowed;
   }
   return worst;
 }
@@ -130,7 +130,7 @@ void assemble(const ContactProblem& problem, ArrowMatrix& matrix, Generalised& r
   for (int j = 0; j < kFlippers; ++j) {
     const JointDrive& drive = problem.drives[j];
     if (drive.saturated) {
-      rhs.joint[j] += drive.impulse_nms;
+      rhs.joint[j] += drive.edge_nms;
     } else {
       matrix.diagonal[j] += 1.0 / drive.compliance;
       rhs.joint[j] -= drive.bias_rad_s / drive.compliance;
@@ -192,7 +192,7 @@ void take_impulses(ContactProblem& problem, const Generalised& velocity) {
   }
   for (int j = 0; j < kFlippers; ++j) {
     JointDrive& drive = problem.drives[j];
-    if (!drive.saturated) drive.impulse_nms = drive_impulse(drive, velocity.joint[j]);
+    drive.impulse_nms = drive.saturated ? drive.edge_nms : drive_impulse(drive, velocity.joint[j]);
   }
 }
 

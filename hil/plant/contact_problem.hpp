@@ -45,6 +45,7 @@ struct JointDrive {
   double limit_nms{};
   double impulse_nms{};  ///< out
   bool saturated{};      ///< out
+  double edge_nms{};     ///< out, of a saturated one: the limit that it is at, with its sign
 };
 
 constexpr std::uint32_t kMaxContacts = 160;

@@ -68,13 +68,13 @@ bool newton(ContactProblem& problem, Generalised& u, double rho_kg, const Solver
             SolverReport& report) {
   ArrowMatrix matrix;
   Generalised rhs;
-  double residual = classify(problem, u, rho_kg);
+  static_cast<void>(classify(problem, u, rho_kg));  // the contacts' grips
   for (int i = 0; i < options.newton_iterations; ++i) {
     assemble(problem, matrix, rhs);
     ++report.iterations;
     if (!solve(matrix, rhs, u)) return false;
     take_impulses(problem, u);
-    residual = classify(problem, u, rho_kg);
+    const double residual = classify(problem, u, rho_kg);
     report.residual_ns = residual;
     if (best != nullptr) best->offer(problem, u, residual);
     if (residual <= options.tolerance_ns) return true;

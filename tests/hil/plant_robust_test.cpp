@@ -21,6 +21,7 @@ TEST_CASE("plant: stays finite under random extremes", "[plant][heavy]") {
   CAPTURE(kSeed);
   const Shaken shaken = shake(kSeed, 10'000);
   CHECK(shaken.first_not_finite == -1);
+  CHECK(shaken.wrong == 0);
   CHECK(shaken.rejected <= 10);
 }
 

@@ -61,6 +61,7 @@ inline double gain_of_drop(std::uint64_t seed) {
 struct Shaken {
   long first_not_finite{-1};  ///< step, or -1
   std::uint64_t rejected{};   ///< states that the plant refused
+  std::uint64_t wrong{};      ///< answers that the solver took for good, and whose impulses say otherwise
 };
 
 /// Random configs, scenes, commands and step sizes; a new vehicle every 200 steps.
@@ -92,6 +93,11 @@ inline Shaken shake(std::uint64_t seed, long steps) {
     const double left = random.uniform(-3, 3);
     const double right = random.uniform(-3, 3);
     bench->step(left, right);
+    const ContactProblem& problem = bench->plant->problem();
+    const double pull_ns = bench->plant->model().mass_kg() * 10.0 * bench->dt_s;
+    if (bench->plant->report().solver.converged &&
+        !(natural_residual(problem, problem.compliance) <= 1e-3 * pull_ns))
+      ++result.wrong;
     const PlantState& state = bench->plant->state();
     bool finite = std::isfinite(dot(state.velocity, state.velocity)) &&
                   std::isfinite(norm(state.com_world_m)) &&
