@@ -88,15 +88,9 @@ int run(const PlantArguments& arguments) {
 }  // namespace sortie::bench
 
 int main(int argc, char** argv) {
-  try {
+  return sortie::bench::guarded_main("sortie-bench-plant", [argc, argv] {
     const sortie::bench::PlantArguments arguments = sortie::bench::parse(argc, argv);
     return arguments.counted_drives ? sortie::bench::run_counted_drives(arguments.settings)
                                     : sortie::bench::run(arguments);
-  } catch (const std::invalid_argument& error) {
-    std::cerr << "sortie-bench-plant: " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "sortie-bench-plant: " << error.what() << "\n";
-    return 3;
-  }
+  });
 }

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <stdexcept>
 
 namespace sortie::bench {
@@ -15,6 +16,18 @@ double number(const char* option, const char* text, double low, double high) {
                                 std::to_string(high));
   }
   return value;
+}
+
+int guarded_main(const char* program, const std::function<int()>& run) {
+  try {
+    return run();
+  } catch (const std::invalid_argument& error) {
+    std::cerr << program << ": " << error.what() << "\n";
+    return 2;
+  } catch (const std::exception& error) {
+    std::cerr << program << ": " << error.what() << "\n";
+    return 3;
+  }
 }
 
 std::string load_average() {

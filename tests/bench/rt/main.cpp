@@ -132,14 +132,8 @@ int run(const Arguments& arguments) {
 }  // namespace sortie::bench
 
 int main(int argc, char** argv) {
-  try {
+  return sortie::bench::guarded_main("sortie-bench-rt", [argc, argv] {
     const sortie::bench::Arguments arguments = sortie::bench::parse(argc, argv);
     return arguments.counted_queues ? sortie::bench::run_counted_queues() : sortie::bench::run(arguments);
-  } catch (const std::invalid_argument& error) {
-    std::cerr << "sortie-bench-rt: " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "sortie-bench-rt: " << error.what() << "\n";
-    return 3;
-  }
+  });
 }
