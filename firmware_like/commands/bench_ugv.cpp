@@ -3,6 +3,7 @@
 
 #include "drivers/can_stub.hpp"
 #include "firmware_like/commands/bench_course.hpp"
+#include "firmware_like/commands/bench_sensors.hpp"
 #include "firmware_like/vehicles/ugv_config.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
@@ -32,14 +33,6 @@ hil::UgvConfig read_config(Profile& profile) {
   config.robot.slip_right =
       profile.number("hil.slip_right",
                      {config.robot.slip_right, 0, 0.9, "", "share of the right belt's travel that is lost"});
-  config.imu.rate_hz =
-      static_cast<std::uint32_t>(whole("hil.imu_hz", config.imu.rate_hz, 1, 1000, "Hz", "must divide 1000"));
-  config.imu.gyr_bias_rad_s = profile.number(
-      "hil.gyr_bias_rad_s", {config.imu.gyr_bias_rad_s, 0, 1, "rad/s", "sigma of the switch-on bias"});
-  config.imu.loss =
-      profile.number("hil.imu_loss", {config.imu.loss, 0, 1, "", "share of samples that are not delivered"});
-  config.encoder.rate_hz = static_cast<std::uint32_t>(
-      whole("hil.encoder_hz", config.encoder.rate_hz, 1, 1000, "Hz", "must divide 1000"));
   config.lidar.rate_hz = static_cast<std::uint32_t>(
       whole("hil.lidar_hz", config.lidar.rate_hz, 0, 100, "Hz", "turns a second; 0: no lidar"));
   config.lidar.rows =
@@ -64,10 +57,7 @@ hil::UgvConfig read_config(Profile& profile) {
       profile.number("hil.start_yaw_deg", {0, -360, 360, "deg", "heading at the start"}) * kDegree;
   config.command_faults.drop =
       profile.number("hil.command_loss", {0, 0, 1, "", "share of drive commands that are not heard"});
-  config.track_faults.drop =
-      profile.number("hil.encoder_loss", {0, 0, 1, "", "share of encoder messages that are not sent"});
-  config.imu_faults.saturate =
-      profile.number("hil.imu_saturate", {0, 0, 1, "", "share of samples with a clipped axis"});
+  read_sensors(profile, config);
   read_course(profile, config);
   return config;
 }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of [hil] that describes the errors of the simulated IMU and encoders.
+#pragma once
+
+#include "firmware_like/profile.hpp"
+#include "hil/ugv_config.hpp"
+
+namespace sortie::firmware {
+
+/// Reads rates, noise, ranges, stamps' errors and losses of IMU and encoders. Throws ProfileError.
+void read_sensors(Profile& profile, hil::UgvConfig& config);
+
+}  // namespace sortie::firmware
