@@ -264,9 +264,11 @@ std::uint64_t Profile::hash() const {
 }
 
 Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides) {
+  LaidScene laid = read_with_bases(scene);
   auto tree = std::make_unique<Profile::Tree>();
-  tree->root = read_with_bases(scene, tree->base);
-  return Profile(std::move(tree), read_scene(scene).source, overrides);
+  tree->root = std::move(laid.root);
+  tree->base = std::move(laid.base);
+  return Profile(std::move(tree), laid.source, overrides);
 }
 
 }  // namespace sortie::firmware

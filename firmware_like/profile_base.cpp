@@ -48,16 +48,10 @@ std::string take_base(toml::table& root, const std::string& source) {
   return name;
 }
 
-}  // namespace
-
-toml::table parse_profile(const std::string& toml, const std::string& source) {
-  try {
-    return toml::parse(toml, source);
-  } catch (const toml::parse_error& error) {
-    throw ProfileError(source + ":" + std::to_string(error.source().begin.line) +
-                       ": not valid TOML: " + std::string(error.description()));
-  }
-}
+struct SceneText {
+  std::string toml;
+  std::string source;  // what messages call it
+};
 
 SceneText read_scene(const std::string& scene) {
   if (is_file(scene)) {
@@ -76,10 +70,21 @@ SceneText read_scene(const std::string& scene) {
   throw ProfileError("unknown scene \"" + scene + "\"; known: " + names + "; or give a .toml file");
 }
 
-toml::table read_with_bases(const std::string& scene, std::string& base) {
+}  // namespace
+
+toml::table parse_profile(const std::string& toml, const std::string& source) {
+  try {
+    return toml::parse(toml, source);
+  } catch (const toml::parse_error& error) {
+    throw ProfileError(source + ":" + std::to_string(error.source().begin.line) +
+                       ": not valid TOML: " + std::string(error.description()));
+  }
+}
+
+LaidScene read_with_bases(const std::string& scene) {
+  LaidScene result;
   std::vector<toml::table> layers;
   std::vector<std::string> chain;
-  base.clear();
   for (std::string next = scene; !next.empty();) {
     if (std::find(chain.begin(), chain.end(), next) != chain.end())
       throw ProfileError(scene + ": scene.base leads back to " + next + "; a scene cannot be its own base");
@@ -98,11 +103,13 @@ toml::table read_with_bases(const std::string& scene, std::string& base) {
     const std::string below = take_base(layers.back(), text.source);
     chain.push_back(next);
     next = below.empty() ? below : beside(next, below);
-    if (chain.size() == 1) base = next;
+    if (chain.size() > 1) continue;
+    result.source = text.source;
+    result.base = next;
   }
-  toml::table root = std::move(layers.back());
-  for (std::size_t i = layers.size() - 1; i-- > 0;) lay_over(root, std::move(layers[i]));
-  return root;
+  result.root = std::move(layers.back());
+  for (std::size_t i = layers.size() - 1; i-- > 0;) lay_over(result.root, std::move(layers[i]));
+  return result;
 }
 
 }  // namespace sortie::firmware

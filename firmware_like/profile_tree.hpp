@@ -19,16 +19,16 @@ struct Profile::Tree {
 /// Parses a file's text; ProfileError where it is not valid TOML.
 toml::table parse_profile(const std::string& toml, const std::string& source);
 
-/// The text of a scene by name or of a .toml file, and what names it in messages. ProfileError lists the
-/// known names.
-struct SceneText {
-  std::string toml;
-  std::string source;
+/// A scene, laid over what it stands on.
+struct LaidScene {
+  toml::table root;
+  std::string base;    ///< of the scene that was named; empty if it has none
+  std::string source;  ///< what messages call the scene's own file
 };
-SceneText read_scene(const std::string& scene);
 
-/// Reads a scene and lays it over its base, over that one's base, and so on; `base` becomes the name of the
-/// first. ProfileError names the file for a base that cannot be had, or a chain that leads back to itself.
-toml::table read_with_bases(const std::string& scene, std::string& base);
+/// Reads a scene by name or from a .toml file and lays it over its base, over that one's base, and so on.
+/// ProfileError lists the known names, names the file for a base that cannot be had, or a chain that leads
+/// back to itself.
+LaidScene read_with_bases(const std::string& scene);
 
 }  // namespace sortie::firmware
