@@ -3,7 +3,7 @@
 
 #include "drivers/can_stub.hpp"
 #include "firmware_like/commands/bench_course.hpp"
-#include "firmware_like/commands/bench_sensors.hpp"
+#include "firmware_like/commands/bench_inertial.hpp"
 #include "firmware_like/vehicles/ugv_config.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
@@ -57,7 +57,7 @@ hil::UgvConfig read_config(Profile& profile) {
       profile.number("hil.start_yaw_deg", {0, -360, 360, "deg", "heading at the start"}) * kDegree;
   config.command_faults.drop =
       profile.number("hil.command_loss", {0, 0, 1, "", "share of drive commands that are not heard"});
-  read_sensors(profile, config);
+  read_inertial(profile, config);
   read_course(profile, config);
   return config;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/commands/bench_sensors.hpp"
+#include "firmware_like/commands/bench_inertial.hpp"
 
 #include <algorithm>
 #include <string>
@@ -50,7 +50,7 @@ void read_imu(Profile& profile, hil::ImuConfig& imu) {
 
 }  // namespace
 
-void read_sensors(Profile& profile, hil::UgvConfig& config) {
+void read_inertial(Profile& profile, hil::UgvConfig& config) {
   read_imu(profile, config.imu);
   config.imu_faults.saturate =
       profile.number("hil.imu_saturate", {0, 0, 1, "", "share of samples with a clipped axis"});

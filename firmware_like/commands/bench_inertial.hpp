@@ -8,6 +8,6 @@
 namespace sortie::firmware {
 
 /// Reads rates, noise, ranges, stamps' errors and losses of IMU and encoders. Throws ProfileError.
-void read_sensors(Profile& profile, hil::UgvConfig& config);
+void read_inertial(Profile& profile, hil::UgvConfig& config);
 
 }  // namespace sortie::firmware
