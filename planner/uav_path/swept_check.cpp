@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planner/uav_path/swept_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rt/convex/query.hpp"
+
+namespace sortie::planner {
+namespace {
+
+struct Bounds {
+  rt::Vector3 low;
+  rt::Vector3 high;
+};
+
+bool overlap(const Bounds& a, const Bounds& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+// Does the line pass the box, grown by the robot's radii? A cheap no for most boxes beside a slanted line.
+bool line_meets(const rt::Vector3& a, const rt::Vector3& d, const Bounds& box, const rt::Vector3& grow) {
+  double first = 0.0;
+  double last = 1.0;
+  const double from[3] = {a.x, a.y, a.z};
+  const double way[3] = {d.x, d.y, d.z};
+  const double low[3] = {box.low.x - grow.x, box.low.y - grow.y, box.low.z - grow.z};
+  const double high[3] = {box.high.x + grow.x, box.high.y + grow.y, box.high.z + grow.z};
+  for (int i = 0; i < 3; ++i) {
+    if (way[i] == 0.0) {
+      if (from[i] < low[i] || from[i] > high[i]) return false;
+      continue;
+    }
+    const double one = (low[i] - from[i]) / way[i];
+    const double other = (high[i] - from[i]) / way[i];
+    first = std::max(first, std::min(one, other));
+    last = std::min(last, std::max(one, other));
+  }
+  return first <= last;
+}
+
+}  // namespace
+
+SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {
+  SweptCheck result;
+  const FlightMapConfig& config = map.config();
+  const rt::Vector3& r = config.radii_m;
+  const double h = config.voxel_m;
+  const rt::Vector3 margin{r.x + 1e-9, r.y + 1e-9, r.z + 1e-9};
+  if (map.usable() != Status::ok || !rt::is_finite(a_m) || !rt::is_finite(b_m)) return result;
+  Bounds swept{{std::min(a_m.x, b_m.x), std::min(a_m.y, b_m.y), std::min(a_m.z, b_m.z)},
+               {std::max(a_m.x, b_m.x), std::max(a_m.y, b_m.y), std::max(a_m.z, b_m.z)}};
+  swept = {swept.low - margin, swept.high + margin};
+  const rt::Vector3 top{config.origin_m.x + h * config.nx, config.origin_m.y + h * config.ny,
+                        config.origin_m.z + h * config.nz};
+  if (swept.low.x < config.origin_m.x || swept.low.y < config.origin_m.y || swept.low.z < config.origin_m.z ||
+      swept.high.x > top.x || swept.high.y > top.y || swept.high.z > top.z)
+    return result;
+  rt::convex::Convex robot = rt::convex::make_swept_ellipsoid(r, 0.5 * (b_m - a_m));
+  robot.p_world_m = 0.5 * (a_m + b_m);
+  rt::convex::Convex voxel = rt::convex::make_box({0.5 * h, 0.5 * h, 0.5 * h});
+  rt::convex::Convex brick = rt::convex::make_box({2 * h, 2 * h, 2 * h});
+  const auto is_hit = [&](rt::convex::Convex& body, const rt::Vector3& middle) {
+    body.p_world_m = middle;
+    ++result.queries;
+    return rt::convex::is_collision(rt::convex::query(robot, body).state);
+  };
+  const Voxel3 low = map.voxel_at(swept.low);
+  const Voxel3 high = map.voxel_at(swept.high);
+  const rt::Vector3 way = b_m - a_m;
+  for (std::int32_t z = low.z / 4; z <= std::min(high.z / 4, map.bz() - 1); ++z) {
+    for (std::int32_t y = low.y / 4; y <= std::min(high.y / 4, map.by() - 1); ++y) {
+      for (std::int32_t x = low.x / 4; x <= std::min(high.x / 4, map.bx() - 1); ++x) {
+        const Voxel3 corner{4 * x, 4 * y, 4 * z};
+        const BrickMask blocked = map.blocked_brick(map.brick_of(corner));
+        if (blocked == 0) continue;
+        const rt::Vector3 middle = map.middle_m(corner) + rt::Vector3{1.5 * h, 1.5 * h, 1.5 * h};
+        const rt::Vector3 two{2 * h, 2 * h, 2 * h};
+        if (!line_meets(a_m, way, {middle - two, middle + two}, margin)) continue;
+        if (blocked == kWholeBrick) {
+          if (is_hit(brick, middle)) return result;
+          continue;
+        }
+        for (int bit = 0; bit < 64; ++bit) {
+          if ((blocked >> bit & 1u) == 0) continue;
+          const rt::Vector3 m =
+              map.middle_m({corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)});
+          const rt::Vector3 half{0.5 * h, 0.5 * h, 0.5 * h};
+          const Bounds box{m - half, m + half};
+          if (overlap(swept, box) && line_meets(a_m, way, box, margin) && is_hit(voxel, m)) return result;
+        }
+      }
+    }
+  }
+  result.is_free = true;
+  return result;
+}
+
+}  // namespace sortie::planner

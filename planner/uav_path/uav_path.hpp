@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A short, safe way through the map for a flying robot: wide search, fine search, shortening, exact check; in
+// slices of work, with an answer at any time after the first way was found.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "planner/uav_path/coarse_search.hpp"
+#include "planner/uav_path/corners.hpp"
+#include "planner/uav_path/fine_search.hpp"
+#include "planner/uav_path/flight_map.hpp"
+
+namespace sortie::planner {
+
+/// Where a plan stands.
+enum class PathState : std::uint8_t {
+  idle,       ///< nothing was asked
+  running,    ///< no way yet
+  found,      ///< there is a way; more work may make it shorter
+  done,       ///< there is a way, and it gets no shorter
+  none,       ///< there is no way
+  capacity,   ///< the memory is too small for this map
+  bad_start,  ///< no free voxel can be reached from the start: the robot stands too near to something
+  bad_goal,   ///< the goal's voxel is not free
+  outdated,   ///< the map changed: ask again
+};
+
+/// Memory of a planner, which outlives it.
+struct UavPathMemory {
+  CoarseMemory coarse;
+  FineMemory fine;
+  CornerMemory corners;
+};
+
+/// What was done, for reports.
+struct UavPathWork {
+  std::uint64_t units{};
+  std::uint32_t parts{};  ///< connected parts of bricks that were met
+  std::uint32_t
+      crawled{};          ///< plans whose fine search ran out of memory and that were led by the parts alone
+  std::uint32_t exact{};  ///< pairs that the exact check judged, all plans
+  std::uint32_t
+      unsafe{};  ///< ways that the exact check refused: a fault of this program, never shown as a way
+};
+
+/// Plans one way at a time. No heap, no clock; the result does not depend on how the work is sliced. Memory
+/// as given: 48 bytes a part, 24 a voxel of the fine search, 20 a corner. Source: hierarchical A* as in Holte
+/// et al. 1996 with exact connectivity instead of an optimistic one.
+class UavPath {
+ public:
+  static constexpr std::uint32_t kMostWaypoints = 64;
+
+  explicit UavPath(const UavPathMemory& memory)
+      : coarse_(memory.coarse), fine_(memory.fine), corners_(memory.corners) {}
+
+  /// Asks for a way between two points (world). A start in a voxel that is not free is led to a free one
+  /// nearby first. Cost: that of clearing the tables, and up to 64 exact checks.
+  PathState begin(const FlightMap& map, const rt::Vector3& start_m, const rt::Vector3& goal_m);
+
+  /// Works on for at most `units`: a part of a brick, a voxel of the fine search and 16 voxels of a line of
+  /// sight are one each; beyond them by one point's lines of sight at the most.
+  PathState step(const FlightMap& map, std::uint64_t units);
+
+  /// The way as it is now, from start to goal, world; empty before `found`. A way with more corners than room
+  /// ends early: then is_whole() is false, and its last point is a good place to ask again from.
+  std::span<const rt::Vector3> waypoints() const { return {waypoints_, waypoint_count_}; }
+  bool is_whole() const { return whole_; }
+  /// Its length, m.
+  double length_m() const;
+
+  PathState state() const { return state_; }
+  const UavPathWork& work() const { return work_; }
+
+  /// True when the way of `waypoints` is still safe in a map that changed: exact.
+  static bool is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints);
+
+ private:
+  enum class Phase : std::uint8_t { coarse, fine, shorten };
+  bool find_free_start(const FlightMap& map, const rt::Vector3& start_m);
+  PathState finish_search(const FlightMap& map, Status taken);
+  bool publish(const FlightMap& map);
+
+  CoarseSearch coarse_;
+  FineSearch fine_;
+  Corners corners_;
+  PathState state_{PathState::idle};
+  Phase phase_{Phase::coarse};
+  std::uint32_t map_version_{};
+  std::uint32_t published_rounds_{};
+  rt::Vector3 start_m_;
+  rt::Vector3 goal_m_;
+  Voxel3 start_;
+  Voxel3 goal_;
+  rt::Vector3 waypoints_[kMostWaypoints]{};
+  std::uint32_t waypoint_count_{};
+  bool whole_{};
+  UavPathWork work_;
+};
+
+}  // namespace sortie::planner
