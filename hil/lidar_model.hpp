@@ -24,7 +24,7 @@ struct LidarConfig {
   double min_range_m{0.3};                         ///< nearer returns are not reported
   double max_range_m{30.0};
   RangeNoiseConfig noise{};
-  bool keep_truth{};                   ///< 40 bytes a ray, for tests and judges
+  bool keep_truth{};                   ///< 48 bytes a ray, for tests and judges
   double mount_m[3]{0.05, 0.0, 0.45};  ///< place of the sensor on the body
   double mount_ypr_rad[3]{0, 0, 0};    ///< yaw, pitch, roll of the sensor on the body
 };

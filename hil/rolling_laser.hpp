@@ -18,7 +18,7 @@ struct RollingLaserConfig {
   double min_range_m{0.3};
   double max_range_m{20.0};
   RangeNoiseConfig noise{};
-  bool keep_truth{};                   ///< 40 bytes a ray, for tests and judges
+  bool keep_truth{};                   ///< 48 bytes a ray, for tests and judges
   double mount_m[3]{0.05, 0.0, 0.45};  ///< place of the base on the body
   double mount_ypr_rad[3]{0, 0, 0};    ///< yaw, pitch, roll of the base on the body
 };

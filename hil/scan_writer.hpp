@@ -24,9 +24,11 @@ struct LidarCounters {
 /// heap after construction.
 class ScanWriter {
  public:
-  /// `keep_truth`: memory for the truth of `capacity` points.
+  /// `keep_truth`: memory for the truth of twice `capacity` points.
   ScanWriter(std::uint32_t capacity, bool keep_truth) : capacity_(capacity) {
-    if (keep_truth) truth_.resize(capacity);
+    if (!keep_truth) return;
+    truth_.resize(capacity);
+    shown_.resize(capacity);
   }
 
   /// Begins a scan. A sink's buffer stays reserved until its end.
@@ -70,13 +72,15 @@ class ScanWriter {
     if (sink.commit(header) == Status::ok) {
       ++counters_.scans;
       counters_.points += filled_;
+      truth_.swap(shown_);  // the next scan begins before anybody can ask
+      shown_points_ = filled_;
     } else {
       ++counters_.refused;
     }
   }
 
-  /// Truth of the points of the newest scan, in their order. Empty unless it is kept.
-  std::span<const RangeTruth> truth() const { return {truth_.data(), truth_.empty() ? 0 : filled_}; }
+  /// Truth of the points of the newest scan that was handed over, in their order. Empty unless it is kept.
+  std::span<const RangeTruth> truth() const { return {shown_.data(), shown_.empty() ? 0 : shown_points_}; }
   std::uint32_t capacity() const { return capacity_; }
   const LidarCounters& counters() const { return counters_; }
 
@@ -90,7 +94,9 @@ class ScanWriter {
   }
 
   std::uint32_t capacity_;
-  std::vector<RangeTruth> truth_;
+  std::vector<RangeTruth> truth_;  ///< of the scan under way
+  std::vector<RangeTruth> shown_;  ///< of the newest that was handed over
+  std::uint32_t shown_points_{};
   rt::ScanPoint* buffer_{};
   std::uint32_t filled_{};
   LidarCounters counters_{};

@@ -41,6 +41,19 @@ Contact meet_box(const Ray& ray, const Vec3& centre_m, const Vec3& half_m) {
   return contact_of(clip);
 }
 
+// True if no point of the ray is within `reach_m` of a point.
+bool misses_ball(const Ray& ray, const Vec3& middle_m, double reach_m) {
+  const Vec3 to = middle_m - ray.origin_m;
+  const double ahead = dot(to, ray.direction);
+  return ahead < -reach_m || dot(to, to) - ahead * ahead > reach_m * reach_m;
+}
+
+// Radius of a ball about the middle of a wheel pair that holds it.
+double reach_of(const WheelPair& pair) {
+  const double flat = 0.5 * pair.length_m + std::max(pair.first_radius_m, pair.second_radius_m);
+  return std::sqrt(flat * flat + pair.half_width_m * pair.half_width_m);
+}
+
 // A wheel pair placed in the body: `x` and `z` are the components of its first axis, which lies in the
 // body's plane y = 0.
 Contact meet_pair(const Ray& ray, const WheelPair& pair, const Vec3& start_m, double x, double z) {
@@ -103,6 +116,9 @@ VehicleShell::VehicleShell(const VehicleConfig& v, double height_m)
   const double high = std::max({body_centre_m_.z + body_half_m_.z, track_start_m_.z + v.track_radius_m,
                                 flipper_pivot_m_.z + swing}) +
                       kSlack_m;
+  body_reach_m_ = norm(body_half_m_) + kSlack_m;
+  track_reach_m_ = reach_of(track_) + kSlack_m;
+  flipper_reach_m_ = reach_of(flipper_) + kSlack_m;
   bounds_centre_m_ = {0.0, 0.0, 0.5 * (low + high)};
   bounds_half_m_ = {half_x, half_y, 0.5 * (high - low)};
 }
@@ -120,28 +136,40 @@ ShellPosture VehicleShell::posture(const double (&flipper_rad)[kFlippers]) {
 bool VehicleShell::meet(const Ray& ray_body, const ShellPosture& posture, double within_m,
                         ShellHit& hit) const {
   if (!(meet_box(ray_body, bounds_centre_m_, bounds_half_m_).range_m < within_m)) return false;
-  return meet_every_part(ray_body, posture, within_m, hit);
+  return meet_parts<false>(ray_body, posture, within_m, hit);
 }
 
 bool VehicleShell::meet_every_part(const Ray& ray_body, const ShellPosture& posture, double within_m,
                                    ShellHit& hit) const {
+  return meet_parts<true>(ray_body, posture, within_m, hit);
+}
+
+template <bool kEveryPart>
+bool VehicleShell::meet_parts(const Ray& ray_body, const ShellPosture& posture, double within_m,
+                              ShellHit& hit) const {
   bool found = false;
+  const auto passes = [&](const Vec3& middle_m, double reach_m) {
+    return !kEveryPart && misses_ball(ray_body, middle_m, reach_m);
+  };
   const auto offer = [&](const Contact& contact, int part) {
     if (!(contact.range_m < within_m)) return;
     within_m = contact.range_m;
     hit = {contact.range_m, contact.normal, static_cast<Part>(part)};
     found = true;
   };
-  offer(meet_box(ray_body, body_centre_m_, body_half_m_), 0);
+  if (!passes(body_centre_m_, body_reach_m_)) offer(meet_box(ray_body, body_centre_m_, body_half_m_), 0);
   for (int part = 1; part < 3; ++part) {
     const Vec3 start{track_start_m_.x, side_of(part) * track_start_m_.y, track_start_m_.z};
+    if (passes(start + Vec3{0.5 * track_.length_m, 0.0, 0.0}, track_reach_m_)) continue;
     offer(meet_pair(ray_body, track_, start, 1.0, 0.0), part);
   }
   for (int part = 3; part < kParts; ++part) {
     const int f = joint_of(part);
     const double ahead = f < 2 ? 1.0 : -1.0;
     const Vec3 pivot{ahead * flipper_pivot_m_.x, side_of(part) * flipper_pivot_m_.y, flipper_pivot_m_.z};
-    offer(meet_pair(ray_body, flipper_, pivot, ahead * posture.cosine[f], posture.sine[f]), part);
+    const Vec3 along{ahead * posture.cosine[f], 0.0, posture.sine[f]};
+    if (passes(pivot + 0.5 * flipper_.length_m * along, flipper_reach_m_)) continue;
+    offer(meet_pair(ray_body, flipper_, pivot, along.x, along.z), part);
   }
   return found;
 }

@@ -45,19 +45,25 @@ class VehicleShell {
 
   /// The nearest part that a ray in the body frame meets nearer than `within_m`. Of equal ranges the part
   /// that is listed first. False: none, and `hit` is unchanged. Cost: 5 ns where the ray misses the box
-  /// around it all, else about 0.1 us.
+  /// around it all, else 20 ns and 10 to 25 ns for each part whose ball it hits.
   bool meet(const Ray& ray_body, const ShellPosture& posture, double within_m, ShellHit& hit) const;
-  /// The same without the box around it all: the twin for tests.
+  /// The same without that box and those balls: the twin for tests.
   bool meet_every_part(const Ray& ray_body, const ShellPosture& posture, double within_m,
                        ShellHit& hit) const;
 
  private:
+  template <bool kEveryPart>
+  bool meet_parts(const Ray& ray_body, const ShellPosture& posture, double within_m, ShellHit& hit) const;
+
   Vec3 body_centre_m_;
   Vec3 body_half_m_;
   Vec3 track_start_m_;    ///< rear axle of the left track
   Vec3 flipper_pivot_m_;  ///< of the front left flipper
   WheelPair track_;
   WheelPair flipper_;
+  double body_reach_m_{};  ///< balls about the middles of the parts
+  double track_reach_m_{};
+  double flipper_reach_m_{};
   Vec3 bounds_centre_m_;
   Vec3 bounds_half_m_;  ///< holds every part at every angle
 };
