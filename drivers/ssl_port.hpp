@@ -29,7 +29,7 @@ constexpr bool can_be_fired(const rt::SslCommand& command) {
   return true;
 }
 
-/// Both ends in memory, each for a thread of its own. About 10 kB, no heap.
+/// Both ends in memory, each for a thread of its own. About 9 kB, no heap.
 class SslStub final : public SslPort {
  public:
   [[nodiscard]] Status send(const rt::SslCommand& command) noexcept override {

@@ -37,7 +37,7 @@ LidarConfig make_rows_64(std::uint64_t device);
 
 /// The lidar. It fires column by column as it turns, so the points carry the distortion of the robot's
 /// motion. A scan's stamp is that of its last column. The noise of a scan depends on its number only, not on
-/// refused scans. About 5 kB.
+/// refused scans. About 7 kB.
 class LidarModel {
  public:
   static constexpr std::uint32_t kMaxRows = LidarConfig::kMaxRows;

@@ -33,7 +33,7 @@ struct SslCounters {
 
 /// The device. Idle until a command is there; then it fires ray k of n at (k + 1) / n of the frame, from
 /// where the sensor is then, and answers at the frame's end. Commands that come meanwhile wait in the link.
-/// The noise of a frame depends on its number only. About 12 kB; no heap.
+/// The noise of a frame depends on its number only. About 11 kB; no heap.
 class SslSensor {
  public:
   /// Throws std::runtime_error naming the setting if the config is not usable.

@@ -28,7 +28,7 @@ struct UgvCounters {
   std::uint64_t late_steps{};        ///< steps made up for after a call that came late
 };
 
-/// The vehicle. About 100 kB, with contacts 200 kB more on the heap: keep it off small stacks. No heap after
+/// The vehicle. About 90 kB, with contacts 200 kB more on the heap: keep it off small stacks. No heap after
 /// construction. One thread at a time; the world is its own. Deterministic: equal config and equal received
 /// frames give equal sent frames, scans and truth, on every compiler and processor.
 class UgvPlant {

@@ -34,7 +34,7 @@ struct ShellHit {
 };
 
 /// The outline. Body frame of sensors and estimators: x forward, y left, z up, origin on the ground between
-/// the tracks. Const after construction; no heap. About 0.5 kB.
+/// the tracks. Const after construction; no heap. 232 bytes.
 class VehicleShell {
  public:
   /// `height_m`: of the vehicle's own origin above the ground, as TrackedBodyConfig has it.
