@@ -29,9 +29,11 @@ inline constexpr std::string_view kChannelCustom =
 inline constexpr std::string_view kChannelImu = "IMU";      ///< imu_t
 inline constexpr std::string_view kChannelTrack = "TRACK";  ///< track_t
 inline constexpr std::string_view kChannelScan = "SCAN";    ///< scan_t
-inline constexpr std::string_view kChannelTruth = "TRUTH";  ///< truth_t
-inline constexpr std::string_view kChannelCan = "CAN";      ///< can_t
-inline constexpr std::string_view kChannelPose = "POSE_BODY";  ///< pose_t = bot_core.pose_t
+inline constexpr std::string_view kChannelSsl = "SSL";      ///< ssl_returns_t
+inline constexpr std::string_view kChannelSslCommand = "SSL_COMMAND";  ///< ssl_command_t, what was asked for
+inline constexpr std::string_view kChannelTruth = "TRUTH";             ///< truth_t
+inline constexpr std::string_view kChannelCan = "CAN";                 ///< can_t
+inline constexpr std::string_view kChannelPose = "POSE_BODY";          ///< pose_t = bot_core.pose_t
 
 /// Longest channel name that LCM carries, in bytes.
 inline constexpr std::size_t kMaxChannelLength = 63;
@@ -56,6 +58,8 @@ inline constexpr std::uint64_t kFingerprintParameter = 0xbbe96bbd27937e90u;
 inline constexpr std::uint64_t kFingerprintSetParameter = 0xd7d4ae612974e7bcu;
 inline constexpr std::uint64_t kFingerprintParameters = 0x9314a8c6309c452eu;
 inline constexpr std::uint64_t kFingerprintDriveRequest = 0xd10ac911ffc49358u;
+inline constexpr std::uint64_t kFingerprintSslCommand = 0xf91359d55a24fbfdu;
+inline constexpr std::uint64_t kFingerprintSslReturns = 0x5462a43ba8317072u;
 inline constexpr std::uint64_t kFingerprintPose = 0x2e16efb052b0105eu;
 
 /// A message type that this program knows.
@@ -66,7 +70,7 @@ struct MessageType {
 };
 
 /// Every message type. Order is the order in which tables show them.
-inline constexpr std::array<MessageType, 19> kMessageTypes{{
+inline constexpr std::array<MessageType, 21> kMessageTypes{{
     {"header_t", kFingerprintHeader, kChannelHeader},
     {"tick_t", kFingerprintTick, kChannelTick},
     {"timing_t", kFingerprintTiming, kChannelTiming},
@@ -75,6 +79,8 @@ inline constexpr std::array<MessageType, 19> kMessageTypes{{
     {"imu_t", kFingerprintImu, kChannelImu},
     {"track_t", kFingerprintTrack, kChannelTrack},
     {"scan_t", kFingerprintScan, kChannelScan},
+    {"ssl_returns_t", kFingerprintSslReturns, kChannelSsl},
+    {"ssl_command_t", kFingerprintSslCommand, kChannelSslCommand},
     {"truth_t", kFingerprintTruth, kChannelTruth},
     {"can_t", kFingerprintCan, kChannelCan},
     {"custom_t", kFingerprintCustom, kChannelCustom},

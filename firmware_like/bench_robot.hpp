@@ -20,6 +20,8 @@ class BenchRobot {
   virtual rt::TruthSample truth() const { return {}; }
   /// The node of its bus that the vehicle's drivers use, or null.
   virtual drivers::CanBus* vehicle_can() = 0;
+  /// The link to its solid-state lidar, or null.
+  virtual drivers::SslPort* vehicle_ssl() { return nullptr; }
   /// One line about what was built, with its seed.
   virtual std::string describe() const { return {}; }
   /// Counters for the result.

@@ -14,6 +14,7 @@
 #include "drivers/wire.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
+#include "drivers/wire_ssl.hpp"
 #include "firmware_like/arrivals.hpp"
 #include "rt/executive.hpp"
 

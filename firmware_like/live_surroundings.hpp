@@ -45,6 +45,7 @@ class Surroundings {
                bool recording)
       : runtime_(runtime), bench_(bench), recorder_(recorder) {
     devices_.can = bench != nullptr ? bench->vehicle_can() : can;
+    devices_.ssl = bench != nullptr ? bench->vehicle_ssl() : nullptr;
     devices_.log = recording ? &recorder : nullptr;
   }
   /// Moves the bench robot, if there is one, and notes its truth each 10 ms.

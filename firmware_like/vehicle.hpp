@@ -19,7 +19,8 @@
 
 namespace sortie::drivers {
 class CanBus;
-}
+class SslPort;
+}  // namespace sortie::drivers
 
 namespace sortie::firmware {
 
@@ -184,7 +185,8 @@ class VehicleBuilder {
 /// What a vehicle's devices are reached by. Members that a vehicle does not use stay null.
 struct Devices {
   drivers::CanBus* can{};
-  /// Writes a CAN frame to the log, if one is kept.
+  drivers::SslPort* ssl{};
+  /// Writes a CAN frame or a command to the log, if one is kept.
   SampleSink* log{};
 };
 

@@ -5,44 +5,42 @@
 #include <array>
 #include <cstdint>
 
-#include "drivers/scan_source.hpp"
-#include "hil/fault_injection.hpp"
-#include "hil/motion.hpp"
-#include "hil/random.hpp"
-#include "hil/world.hpp"
+#include "hil/scan_writer.hpp"
 
 namespace sortie::hil {
 
 /// The device and how it is mounted.
 struct LidarConfig {
-  std::uint32_t rows{16};                  ///< 1..128, evenly spaced in elevation
+  static constexpr std::uint32_t kMaxRows = 128;
+
+  std::uint32_t rows{16};                  ///< 1..128, evenly spaced in elevation unless there is a table
   std::uint32_t columns{360};              ///< 1..4096 firings a turn
-  std::uint32_t rate_hz{10};               ///< turns a second, 1..100; 0: no lidar
+  std::uint32_t rate_hz{10};               ///< turns a second, 2..100; 0: no lidar
   double lowest_rad{-0.2617993877991494};  ///< elevation of the lowest row (-15 deg)
   double highest_rad{0.2617993877991494};
-  double min_range_m{0.3};  ///< nearer returns are not reported
+  bool row_table{};  ///< the two tables below hold, in place of lowest_rad and highest_rad
+  std::array<double, kMaxRows> row_elevation_rad{};
+  std::array<double, kMaxRows> row_azimuth_rad{};  ///< by which a row looks left of its column
+  double min_range_m{0.3};                         ///< nearer returns are not reported
   double max_range_m{30.0};
-  double range_sigma_m{0.015};         ///< standard deviation of the range noise
-  double loss{0.005};                  ///< share of returns that are lost
+  RangeNoiseConfig noise{};
+  bool keep_truth{};                   ///< 48 bytes a ray, for tests and judges
   double mount_m[3]{0.05, 0.0, 0.45};  ///< place of the sensor on the body
   double mount_ypr_rad[3]{0, 0, 0};    ///< yaw, pitch, roll of the sensor on the body
 };
 
-/// Counts of a lidar.
-struct LidarCounters {
-  std::uint64_t scans{};    ///< handed over
-  std::uint64_t refused{};  ///< not taken by the sink, at the start or at the end of the turn
-  std::uint64_t dropped{};  ///< by fault injection
-  std::uint64_t rays{};
-  std::uint64_t points{};  ///< returns in scans that were handed over
-};
+/// A lidar of 64 rows from 16.6 degrees up to 16.6 down, in four staggered columns of lasers: rows look
+/// -3.16, -1.05, 1.05 and 3.16 degrees beside their column, as the published tables of such devices do. Each
+/// device has its own calibration, a few hundredths of a degree, drawn from `device`. 1024 columns, 10 turns
+/// a second, 90 m, 3 mm steps.
+LidarConfig make_rows_64(std::uint64_t device);
 
 /// The lidar. It fires column by column as it turns, so the points carry the distortion of the robot's
 /// motion. A scan's stamp is that of its last column. The noise of a scan depends on its number only, not on
-/// refused scans. About 2 kB.
+/// refused scans. About 7 kB.
 class LidarModel {
  public:
-  static constexpr std::uint32_t kMaxRows = 128;
+  static constexpr std::uint32_t kMaxRows = LidarConfig::kMaxRows;
   static constexpr std::uint32_t kMaxColumns = 4096;
 
   /// The first turn begins at `start_ns`. A sink's buffer stays reserved for a whole turn. Throws
@@ -50,39 +48,45 @@ class LidarModel {
   LidarModel(const LidarConfig& config, const FaultConfig& faults, std::uint64_t seed,
              rt::Nanoseconds start_ns);
 
-  /// Fires all columns later than `before` and not later than `after`, with the pose between the two, and
-  /// hands finished scans over. Bounded by the columns in that span. Cost: about 0.3 us a ray.
-  void advance(const World& world, const Motion& before, const Motion& after, drivers::ScanSink& sink);
+  /// Fires all columns later than the step's begin and not later than its end, with the pose between the two,
+  /// and hands finished scans over. Columns of a step whose pose is no pose have no returns and are counted.
+  /// Bounded by the columns in that span. Cost: about 0.3 us a ray.
+  void advance(const RayCaster& caster, const SensorStep& step, drivers::ScanSink& sink);
 
   /// Points that one scan can have: what a buffer must hold.
-  std::uint32_t capacity() const { return config_.rows * config_.columns; }
+  std::uint32_t capacity() const { return writer_.capacity(); }
   /// Counts so far.
-  const LidarCounters& counters() const { return counters_; }
+  const LidarCounters& counters() const { return writer_.counters(); }
+  const RangeCounters& ranges() const { return noise_.counters(); }
+  /// Truth of the newest scan's points, see ScanWriter.
+  std::span<const RangeTruth> truth() const { return writer_.truth(); }
+  /// Direction of a ray, sensor frame.
+  Vec3 direction(std::uint32_t column, std::uint32_t row) const;
 
  private:
   rt::Nanoseconds column_ns(std::uint32_t column) const;
   void begin_scan(drivers::ScanSink& sink);
-  void fire(const World& world, const Vec3& p_world_sensor, const Quat& q_world_sensor, std::uint32_t column);
+  void fire(const RayCaster& caster, const SensorStep& step, std::uint32_t column);
   void end_scan(drivers::ScanSink& sink);
+  rt::SinCos column_turn(std::uint32_t column) const;
+  Vec3 ray(const rt::SinCos& azimuth, std::uint32_t row) const;
 
   LidarConfig config_;
   FaultInjector faults_;
+  RangeNoise noise_;
+  ScanWriter writer_;
   std::uint64_t seed_;
-  Vec3 p_body_sensor_m_;
-  Quat q_body_sensor_;
+  SensorMount mount_;
   rt::Nanoseconds start_ns_;
   rt::Nanoseconds scan_start_ns_;
   rt::Nanoseconds scan_end_ns_;
   std::uint64_t scan_{};
   std::uint32_t column_{};
   bool turning_{};  ///< a turn has begun
-  Random random_;
   Fault fault_{};
-  rt::ScanPoint* buffer_{};  ///< null: this scan was refused or is dropped
-  std::uint32_t filled_{};
   std::array<double, kMaxRows> row_sin_{};
   std::array<double, kMaxRows> row_cos_{};
-  LidarCounters counters_{};
+  std::array<rt::SinCos, kMaxRows> row_turn_{};  ///< of the rows' azimuths
 };
 
 }  // namespace sortie::hil

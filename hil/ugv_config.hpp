@@ -13,8 +13,16 @@
 #include "hil/lidar_model.hpp"
 #include "hil/plant/course.hpp"
 #include "hil/plant/tracked_body.hpp"
+#include "hil/rolling_laser.hpp"
+#include "hil/ssl_sensor.hpp"
 
 namespace sortie::hil {
+
+/// The lidar that a vehicle has.
+enum class LidarKind : std::uint8_t {
+  rows,         ///< `lidar`
+  rotating_2d,  ///< `rolling_laser`
+};
 
 /// The vehicle, its hall, its sensors and their faults. The defaults are a working mission in a 20 x 14 m
 /// hall.
@@ -28,10 +36,15 @@ struct UgvConfig {
   TrackedBodyConfig tracked{};
   ImuConfig imu{};
   EncoderConfig encoder{};
+  LidarKind lidar_kind{LidarKind::rows};
   LidarConfig lidar{};
+  RollingLaserConfig rolling_laser{};
+  SslConfig ssl{};
+  bool self_hits{};  ///< the range sensors see the robot itself
   FaultConfig imu_faults{};
   FaultConfig track_faults{};
   FaultConfig lidar_faults{};     ///< only drop and time jump mean something
+  FaultConfig ssl_faults{};       ///< the same
   FaultConfig command_faults{};   ///< only drop: the drives do not hear a command
   drivers::CanCodecConfig can{};  ///< epoch of the devices' time counters; the decoder needs the same
 };

@@ -23,6 +23,19 @@ const EncoderConfig& checked(const EncoderConfig& encoder) {
   return encoder;
 }
 
+// Only one of the lidars turns.
+LidarConfig rows_of(const UgvConfig& config) {
+  LidarConfig lidar = config.lidar;
+  if (config.lidar_kind != LidarKind::rows) lidar.rate_hz = 0;
+  return lidar;
+}
+
+RollingLaserConfig rolling_of(const UgvConfig& config) {
+  RollingLaserConfig laser = config.rolling_laser;
+  if (config.lidar_kind != LidarKind::rotating_2d) laser.line_hz = 0;
+  return laser;
+}
+
 // Scene, world and body that the config asks for.
 std::unique_ptr<PlantScene> make_scene(const UgvConfig& config, World& world) {
   if (!config.contacts) return nullptr;
@@ -40,16 +53,22 @@ std::unique_ptr<VehicleBody> make_body(const UgvConfig& config, const World& wor
 
 }  // namespace
 
-UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::ScanSink* scans)
+UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::ScanSink* scans,
+                   drivers::SslStub* ssl)
     : config_(config),
       port_(&port),
       scans_(scans),
+      ssl_link_(ssl),
       scene_(make_scene(config, world_)),
       hall_(scene_ ? HallReport{} : build_hall(config.hall, world_)),
       body_(make_body(config, world_, scene_.get(), kStepNs)),
       inertia_({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]}),
       imu_(config.imu, config.seed),
-      lidar_(config.lidar, config.lidar_faults, config.seed, config.start_ns),
+      shell_(config.tracked.plant.vehicle, config.tracked.height_m),
+      caster_(world_, config.self_hits ? &shell_ : nullptr),
+      lidar_(rows_of(config), config.lidar_faults, config.seed, config.start_ns),
+      rolling_laser_(rolling_of(config), config.lidar_faults, config.seed, config.start_ns),
+      ssl_(config.ssl, config.ssl_faults, config.seed, config.start_ns),
       imu_faults_(config.imu_faults, config.seed, kImuStream),
       track_faults_(config.track_faults, config.seed, kTrackStream),
       command_faults_(config.command_faults, config.seed, kCommandStream),
@@ -69,16 +88,36 @@ Status UgvPlant::step(rt::Nanoseconds now_ns) {
 void UgvPlant::step_once() {
   ++counters_.steps;
   take_commands();
-  const Motion before = body_->motion();
+  SensorStep sensors;
+  sensors.before = body_->motion();
+  note_flippers(sensors.before_flipper_rad);
   body_->step();
   const Motion& after = body_->motion();
-  inertia_.add(before, after);
-  if (scans_ != nullptr) lidar_.advance(world_, before, after, *scans_);
+  sensors.after = after;
+  note_flippers(sensors.after_flipper_rad);
+  inertia_.add(sensors.before, after);
+  fire_rays(sensors);
   const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
   if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
   if (since_start_ns % track_period_ns_ != 0) return;
   send_tracks(since_start_ns);
   send_flippers();
+}
+
+// A robot without moving flippers holds them where it began.
+void UgvPlant::note_flippers(double (&flipper_rad)[kFlippers]) const {
+  rt::FlipperSample sample;
+  const bool moving = config_.self_hits && body_->read_flippers(sample);
+  for (int f = 0; f < kFlippers; ++f)
+    flipper_rad[f] = moving ? sample.angle_rad[f] : config_.tracked.plant.start_flipper_rad[f];
+}
+
+void UgvPlant::fire_rays(const SensorStep& step) {
+  if (scans_ != nullptr) {
+    lidar_.advance(caster_, step, *scans_);
+    rolling_laser_.advance(caster_, step, *scans_);
+  }
+  if (ssl_link_ != nullptr) ssl_.advance(caster_, step, *ssl_link_);
 }
 
 void UgvPlant::take_commands() {

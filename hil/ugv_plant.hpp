@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole simulated ground vehicle: drive and flipper commands in by CAN; IMU, encoders, flippers by CAN
-// and lidar scans out; exact truth.
+// The whole simulated ground vehicle: drive and flipper commands in by CAN, rays to fire by the link of the
+// solid-state lidar; IMU, encoders, flippers by CAN, scans and frames of returns out; exact truth.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct UgvCounters {
   std::uint64_t late_steps{};        ///< steps made up for after a call that came late
 };
 
-/// The vehicle. About 75 kB, with contacts 200 kB more on the heap: keep it off small stacks. No heap after
+/// The vehicle. About 90 kB, with contacts 200 kB more on the heap: keep it off small stacks. No heap after
 /// construction. One thread at a time; the world is its own. Deterministic: equal config and equal received
 /// frames give equal sent frames, scans and truth, on every compiler and processor.
 class UgvPlant {
@@ -37,12 +37,14 @@ class UgvPlant {
   static constexpr int kMaxStepsPerCall = 100;
   static constexpr int kMaxFramesPerStep = 64;
 
-  /// `port` is the vehicle's own node on the bus; `scans` may be null: then there is no lidar. Both must
-  /// outlive the plant. Throws std::runtime_error naming the setting if the config is not usable.
-  UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::ScanSink* scans);
+  /// `port` is the vehicle's own node on the bus; `scans` may be null: then there is no lidar; `ssl` may be
+  /// null: then there is no solid-state lidar. All must outlive the plant. Throws std::runtime_error naming
+  /// the setting if the config is not usable.
+  UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::ScanSink* scans,
+           drivers::SslStub* ssl = nullptr);
 
   /// Advances plant time in steps of 1 ms to the last whole one not after `now_ns`; usually one step. In each
-  /// step: take commands, move, fire the lidar columns of that millisecond, send due IMU and track frames
+  /// step: take commands, move, fire the rays of that millisecond, send due IMU and track frames
   /// (stamped with the plant's time). Status: ok; time_repeated (less than one step since the last: nothing
   /// done); time_backwards (the same); stale (more than 100 steps behind: 100 were made, the rest follows at
   /// the next call). Cost: about 15 us a step with the default lidar, of which most is rays.
@@ -56,7 +58,9 @@ class UgvPlant {
   rt::Nanoseconds now_ns() const { return body_->motion().stamp_ns; }
 
   /// Points that a scan buffer must hold.
-  std::uint32_t scan_capacity() const { return lidar_.capacity(); }
+  std::uint32_t scan_capacity() const {
+    return config_.lidar_kind == LidarKind::rows ? lidar_.capacity() : rolling_laser_.capacity();
+  }
   /// The body; with contacts it is a TrackedBody.
   const VehicleBody& body() const { return *body_; }
   /// The hall that was built; print its seed. Empty with contacts.
@@ -66,7 +70,19 @@ class UgvPlant {
 
   const UgvCounters& counters() const { return counters_; }
   RobotCounters robot_counters() const { return body_->counters(); }
-  const LidarCounters& lidar_counters() const { return lidar_.counters(); }
+  /// Of the lidar that the vehicle has.
+  const LidarCounters& lidar_counters() const {
+    return config_.lidar_kind == LidarKind::rows ? lidar_.counters() : rolling_laser_.counters();
+  }
+  const RangeCounters& lidar_ranges() const {
+    return config_.lidar_kind == LidarKind::rows ? lidar_.ranges() : rolling_laser_.ranges();
+  }
+  /// The sensors, with the truth of their newest rays.
+  const LidarModel& lidar() const { return lidar_; }
+  const RollingLaser& rolling_laser() const { return rolling_laser_; }
+  const SslSensor& ssl() const { return ssl_; }
+  /// What the sensors' rays are cast by.
+  const RayCaster& caster() const { return caster_; }
   const FaultCounters& imu_faults() const { return imu_faults_.counters(); }
   const FaultCounters& track_faults() const { return track_faults_.counters(); }
   const FaultCounters& command_faults() const { return command_faults_.counters(); }
@@ -75,6 +91,8 @@ class UgvPlant {
 
  private:
   void step_once();
+  void note_flippers(double (&flipper_rad)[kFlippers]) const;
+  void fire_rays(const SensorStep& step);
   void take_commands();
   void send_imu(rt::Nanoseconds since_start_ns);
   void send_tracks(rt::Nanoseconds since_start_ns);
@@ -85,13 +103,18 @@ class UgvPlant {
   UgvConfig config_;
   drivers::CanBus* port_;
   drivers::ScanSink* scans_;
+  drivers::SslStub* ssl_link_;
   World world_;
   std::unique_ptr<PlantScene> scene_;  ///< with contacts alone
   HallReport hall_;
   std::unique_ptr<VehicleBody> body_;
   InertialIntegral inertia_;
   ImuModel imu_;
+  VehicleShell shell_;
+  RayCaster caster_;
   LidarModel lidar_;
+  RollingLaser rolling_laser_;
+  SslSensor ssl_;
   FaultInjector imu_faults_;
   FaultInjector track_faults_;
   FaultInjector command_faults_;

@@ -2,9 +2,10 @@
 #include "firmware_like/commands/bench_ugv.hpp"
 
 #include "drivers/can_stub.hpp"
+#include "drivers/ssl_port.hpp"
 #include "firmware_like/commands/bench_course.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
-#include "firmware_like/vehicles/ugv_config.hpp"
+#include "firmware_like/commands/bench_sensors.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
 
@@ -33,26 +34,13 @@ hil::UgvConfig read_config(Profile& profile) {
   config.robot.slip_right =
       profile.number("hil.slip_right",
                      {config.robot.slip_right, 0, 0.9, "", "share of the right belt's travel that is lost"});
-  config.lidar.rate_hz = static_cast<std::uint32_t>(
-      whole("hil.lidar_hz", config.lidar.rate_hz, 0, 100, "Hz", "turns a second; 0: no lidar"));
-  config.lidar.rows =
-      static_cast<std::uint32_t>(whole("hil.lidar_rows", config.lidar.rows, 1, 128, "", "rows of the lidar"));
-  config.lidar.columns = static_cast<std::uint32_t>(
-      whole("hil.lidar_columns", config.lidar.columns, 1, 4096, "", "firings a turn"));
-  config.lidar.range_sigma_m =
-      profile.number("hil.lidar_sigma_m", {config.lidar.range_sigma_m, 0, 1, "m", "noise of a range"});
-  // Furniture keeps off the way that the mission drives, and the lidar sits where the vehicle believes it to
-  // be.
+  read_range_sensors(profile, config);
+  // Furniture keeps off the way that the mission drives.
   const auto route =
       profile.points("mission.waypoints", hil::HallConfig::kMaxPath - 1, "way to drive, in order");
   for (std::size_t i = 0; i < route.size(); ++i) config.hall.path_m[i + 1] = {route[i][0], route[i][1]};
   if (!route.empty()) config.hall.path_points = static_cast<std::uint32_t>(route.size() + 1);
   config.hall.path_m[0] = {config.robot.start_x_m, config.robot.start_y_m};
-  const MapMount mount = read_lidar_mount(profile);
-  for (int i = 0; i < 3; ++i) {
-    config.lidar.mount_m[i] = mount.place_m[i];
-    config.lidar.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];
-  }
   config.robot.start_yaw_rad =
       profile.number("hil.start_yaw_deg", {0, -360, 360, "deg", "heading at the start"}) * kDegree;
   config.command_faults.drop =
@@ -68,7 +56,8 @@ class BenchUgv final : public BenchRobot {
   BenchUgv(const hil::UgvConfig& config, drivers::ScanSink* scans)
       : vehicle_(bus_.attach("runtime")),
         plant_port_(bus_.attach("plant")),
-        plant_(config, plant_port_, scans),
+        plant_(config, plant_port_, scans, &ssl_link_),
+        has_ssl_(config.ssl.enabled),
         seed_(config.seed),
         course_seed_(config.course.seed) {}
 
@@ -80,6 +69,7 @@ class BenchUgv final : public BenchRobot {
   }
   rt::TruthSample truth() const override { return plant_.truth(); }
   drivers::CanBus* vehicle_can() override { return &vehicle_; }
+  drivers::SslPort* vehicle_ssl() override { return has_ssl_ ? &ssl_link_ : nullptr; }
   std::string describe() const override {
     const std::string what = "simulated ugv, seed " + std::to_string(seed_);
     if (tracked() == nullptr)
@@ -92,6 +82,7 @@ class BenchUgv final : public BenchRobot {
     counters["bench_frames_refused"] = plant_.counters().frames_refused;
     counters["bench_commands"] = plant_.counters().commands_taken;
     counters["bench_can_frames"] = bus_.stats().frames;
+    add_range_counters(plant_, counters);
     if (tracked() == nullptr) return;
     const hil::PlantCounters& contacts = tracked()->plant().counters();
     counters["bench_flipper_commands"] = plant_.counters().flipper_commands;
@@ -105,9 +96,11 @@ class BenchUgv final : public BenchRobot {
   const hil::TrackedBody* tracked() const { return dynamic_cast<const hil::TrackedBody*>(&plant_.body()); }
 
   drivers::CanStub bus_;
+  drivers::SslStub ssl_link_;
   drivers::CanBus& vehicle_;
   drivers::CanBus& plant_port_;
   hil::UgvPlant plant_;
+  bool has_ssl_;
   std::uint64_t seed_;
   std::uint64_t course_seed_;
 };

@@ -9,6 +9,7 @@
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
+#include "drivers/wire_ssl.hpp"
 #include "drivers/wire_timing.hpp"
 #include "rt/fields.hpp"
 
@@ -62,6 +63,19 @@ Status read_scan(Message message, Values& values) {
   add(values, "seq", seq);
   add_fields(values, header);
   return status == Status::full ? Status::ok : status;
+}
+
+// What each ray was is too much for a table.
+template <class Sample>
+Status read_ssl(Message message, Values& values) {
+  Sample sample;
+  std::int64_t seq = 0;
+  const Status status = drivers::decode(message, sample, seq);
+  add(values, "seq", seq);
+  add(values, "stamp_ns", sample.stamp_ns);
+  add(values, "number", sample.number);
+  add(values, "rays", sample.rays);
+  return status;
 }
 
 Status read_pose(Message message, Values& values) {
@@ -209,6 +223,8 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintTruth, read_plain<rt::TruthSample>},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
+    {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},
+    {drivers::kFingerprintSslReturns, read_ssl<rt::SslReturns>},
     {drivers::kFingerprintPose, read_pose},
     {drivers::kFingerprintFields, read_named},
     {drivers::kFingerprintTick, read_tick},

@@ -22,6 +22,7 @@ Ugv::Ugv(VehicleBuilder& builder) {
     }
   }
   if (builder.wants("map", false)) add_map(builder);
+  if (builder.wants("ssl", false)) ssl_ = std::make_unique<UgvSsl>(builder);
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (grid_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();
@@ -189,6 +190,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
 }
 
 void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
+  if (ssl_) ssl_->poll(devices, now_ns);
   if (devices.can == nullptr) return;
   drivers::CanFrame frame;
   for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)

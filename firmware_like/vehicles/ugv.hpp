@@ -9,6 +9,7 @@
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/ugv_ssl.hpp"
 #include "mapping/pose_history.hpp"
 #include "mapping/voxel_grid.hpp"
 #include "planner/flipper_postures.hpp"
@@ -62,6 +63,7 @@ class Ugv final : public Vehicle {
   std::unique_ptr<planner::FlipperPostures> flippers_;
   std::unique_ptr<mapping::VoxelGrid> grid_;
   std::unique_ptr<mapping::PoseHistory> poses_;
+  std::unique_ptr<UgvSsl> ssl_;
   // Tasks and what crosses groups.
   rt::Task<rt::AttitudeEstimate>* attitude_task_{};
   rt::Task<rt::PoseEstimate>* odometry_task_{};

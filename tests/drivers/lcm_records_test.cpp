@@ -22,6 +22,8 @@
 #include "sortie/pose_t.hpp"
 #include "sortie/scan_t.hpp"
 #include "sortie/set_parameter_t.hpp"
+#include "sortie/ssl_command_t.hpp"
+#include "sortie/ssl_returns_t.hpp"
 #include "sortie/tick_t.hpp"
 #include "sortie/timing_t.hpp"
 #include "sortie/track_t.hpp"
@@ -57,6 +59,8 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintImu, imu_t::getHash()},
       {kFingerprintTrack, track_t::getHash()},
       {kFingerprintScan, scan_t::getHash()},
+      {kFingerprintSslCommand, ssl_command_t::getHash()},
+      {kFingerprintSslReturns, ssl_returns_t::getHash()},
       {kFingerprintTruth, truth_t::getHash()},
       {kFingerprintCan, can_t::getHash()},
       {kFingerprintHeader, header_t::getHash()},

@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "drivers/lcm_log.hpp"
+#include "drivers/ssl_port.hpp"
 #include "drivers/wire.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "drivers/wire_records.hpp"
+#include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
 #include "drivers/wire_timing.hpp"
 
@@ -57,6 +59,19 @@ void decode_samples(Message message) {
   if (decode(message, scan.header, points, seq) == Status::ok) {
     scan.points = points;
     require_same(message, [&](auto out, auto& size) { return encode(scan, seq, out, size); });
+  }
+}
+
+void decode_ssl(Message message) {
+  rt::SslCommand command;
+  rt::SslReturns returns;
+  std::int64_t seq = 0;
+  if (decode(message, command, seq) == Status::ok) {
+    require(can_be_fired(command));
+    require_same(message, [&](auto out, auto& size) { return encode(command, seq, out, size); });
+  }
+  if (decode(message, returns, seq) == Status::ok) {
+    require_same(message, [&](auto out, auto& size) { return encode(returns, seq, out, size); });
   }
 }
 
@@ -115,6 +130,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(event.data.empty() ||
             (event.data.data() >= data && event.data.data() + event.data.size() <= data + size));
     decode_samples(event.data);
+    decode_ssl(event.data);
     decode_records(event.data);
     decode_telemetry(event.data);
   }
@@ -132,6 +148,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   WireWriter(message).put(fingerprint);
   message.insert(message.end(), data + 1, data + size);
   decode_samples(message);
+  decode_ssl(message);
   decode_records(message);
   decode_telemetry(message);
   return 0;

@@ -33,7 +33,7 @@ struct LidarBench {
       c.flags = 1;
       REQUIRE(robot->set_command(c, robot->motion().stamp_ns) == Status::ok);
       robot->step();
-      lidar.advance(world, track.back(), robot->motion(), sink);
+      lidar.advance(RayCaster(world), {track.back(), robot->motion()}, sink);
       track.push_back(robot->motion());
     }
   }
@@ -63,7 +63,7 @@ Vec3 vector(const rt::ScanPoint& p) {
 
 TEST_CASE("without noise every point of a moving, tilted lidar lies on a surface of the world", "[heavy]") {
   LidarConfig config;
-  config.range_sigma_m = 0.0;
+  config.noise.sigma_m = 0.0;
   config.mount_ypr_rad[0] = 0.3;
   config.mount_ypr_rad[1] = 0.1;
   config.mount_ypr_rad[2] = -0.05;
@@ -96,8 +96,8 @@ TEST_CASE("without noise every point of a moving, tilted lidar lies on a surface
 
 TEST_CASE("range noise is unbiased, has the deviation asked for, and lies along the ray") {
   LidarConfig config;
-  config.range_sigma_m = 0.02;
-  config.loss = 0.0;
+  config.noise.sigma_m = 0.02;
+  config.noise.loss = 0.0;
   LidarBench bench(config);
   bench.run(1000, 0.0, 0.0);
   Vec3 p;
@@ -127,11 +127,11 @@ TEST_CASE("range noise is unbiased, has the deviation asked for, and lies along 
 
 TEST_CASE("a scan has a return for each ray that meets something in range, less the share lost") {
   LidarConfig config;
-  config.range_sigma_m = 0.0;
-  config.loss = 0.0;
+  config.noise.sigma_m = 0.0;
+  config.noise.loss = 0.0;
   config.max_range_m = 8.0;
   LidarBench whole(config);
-  config.loss = 0.25;
+  config.noise.loss = 0.25;
   LidarBench lossy(config);
   whole.run(200, 0.0, 0.0);
   lossy.run(200, 0.0, 0.0);
@@ -230,8 +230,8 @@ TEST_CASE("intensity is the reflectivity seen under the angle of incidence") {
   config.rows = 1;
   config.columns = 8;
   config.lowest_rad = config.highest_rad = 0.0;
-  config.range_sigma_m = 0.0;
-  config.loss = 0.0;
+  config.noise.sigma_m = 0.0;
+  config.noise.loss = 0.0;
   config.mount_m[0] = 0.0;
   World world;
   REQUIRE(world.add(make_box({5, 0, 0, 1, 30, 0, 3}, 1000)) == Status::ok);
@@ -242,7 +242,7 @@ TEST_CASE("intensity is the reflectivity seen under the angle of incidence") {
   for (int i = 0; i < 100; ++i) {
     const Motion before = robot.motion();
     robot.step();
-    lidar.advance(world, before, robot.motion(), sink);
+    lidar.advance(RayCaster(world), {before, robot.motion()}, sink);
   }
   REQUIRE(sink.scans.size() == 1);
   REQUIRE(sink.scans[0].points.size() == 3);  // -45, 0 and 45 degrees meet the wall

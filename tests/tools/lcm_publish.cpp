@@ -14,6 +14,7 @@
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
+#include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
 #include "drivers/wire_timing.hpp"
 
@@ -108,6 +109,16 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   parameters.scene = "hall";
   parameters.parameters = {{"drive.max_speed_m_s", "m/s", 0.5, 0, 2}};
   send(publisher, kChannelParameters, [&](auto out, auto& size) { return encode(parameters, out, size); });
+  rt::SslCommand rays;
+  rays.stamp_ns = robot.stamp_ns;
+  rays.number = static_cast<std::uint32_t>(step);
+  rays.rays = 3;
+  send(publisher, kChannelSslCommand, [&](auto out, auto& size) { return encode(rays, step, out, size); });
+  rt::SslReturns returns;
+  returns.stamp_ns = robot.stamp_ns;
+  returns.number = rays.number;
+  returns.rays = 3;
+  send(publisher, kChannelSsl, [&](auto out, auto& size) { return encode(returns, step, out, size); });
   send(publisher, kChannelCustom, [&](auto out, auto& size) { return encode(custom, out, size); });
   send(publisher, kChannelTruth, [&](auto out, auto& size) { return encode(truth, out, size); });
   send(publisher, kChannelCan, [&](auto out, auto& size) { return encode(frame, out, size); });
