@@ -78,13 +78,13 @@ class Judge {
 
   bool exact() const { return a_.kind == Kind::box && b_.kind == Kind::box; }
 
-  // The outermost points face each other: the direction is a smallest one among those beside it. So it is
-  // when they do so but for half of what a face is preferred by, since what is shown below of the points that
-  // do face each other leaves no other direction enough: an edge that is longer than the face is wide, and
-  // not quite in its plane, sticks out beside it. An overlap is believed when a point is shown that lies in
-  // both bodies.
+  // The outermost points face each other: the direction is a smallest one among those beside it. So it is,
+  // too, when they miss that by less than what a face is preferred by: the points that do face each other
+  // leave no other direction so little overlap. (An edge that is longer than the face is wide, and not quite
+  // in its plane, sticks out beside it. Features are drawn up to 0.1 of the preference too large: hence 0.8.)
+  // An overlap is believed when a point is shown that lies in both bodies.
   bool is_settled() {
-    const double lead_m = 0.5 * search_.lead_m(preference_m_);
+    const double lead_m = 0.8 * search_.lead_m(preference_m_);
     if (deepest_m_ < out_.axis.overlap_m - std::max(kSettled_m, lead_m)) return false;
     if (out_.axis.overlap_m < -kTouching_m) return true;
     Vector3 sum{};

@@ -62,6 +62,11 @@ struct PlantBench {
     return std::asin(std::clamp(2.0 * (q.w * q.y - q.z * q.x), -1.0, 1.0));
   }
 
+  double roll() const {
+    const Quat& q = plant->state().q_world_body;
+    return std::atan2(2.0 * (q.w * q.x + q.y * q.z), 1.0 - 2.0 * (q.x * q.x + q.y * q.y));
+  }
+
   std::unique_ptr<PlantScene> scene;
   PlantConfig config;
   std::unique_ptr<TrackedPlant> plant;
