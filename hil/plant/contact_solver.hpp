@@ -40,4 +40,8 @@ struct SolverReport {
 /// contacts) us an iteration, 0.06 us a contact and sweep.
 SolverReport solve_contacts(ContactProblem& problem, Generalised& velocity, const SolverOptions& options);
 
+/// A solver of contact problems, such as solve_contacts().
+using ContactSolver = SolverReport (*)(ContactProblem& problem, Generalised& velocity,
+                                       const SolverOptions& options);
+
 }  // namespace sortie::hil
