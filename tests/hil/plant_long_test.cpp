@@ -22,15 +22,16 @@ TEST_CASE("plant: a million random steps stay finite", "[plant][long]") {
   CHECK(shaken.rejected <= 10);
 }
 
-TEST_CASE("plant: every drive that is not marginal ends where the dense solver's does", "[plant][long]") {
+TEST_CASE("plant: every drive that is not marginal agrees with the dense solver, its image and 5 ms",
+          "[plant][long]") {
   for (const ProvingDrive& drive : proving_drives()) {
     for (const ContactMode mode : {ContactMode::csm, ContactMode::belt}) {
       const ProvingWay way{1e-3, mode};
-      prove_mirror_image(drive, way);
       if (is_marginal(drive, way)) {
         WARN(drive.name << " is marginal in mode " << static_cast<int>(mode));
         continue;
       }
+      prove_mirror_image(drive, way);
       prove_against_dense(drive, way);
       prove_step_size(drive, way);
     }

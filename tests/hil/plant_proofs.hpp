@@ -17,7 +17,7 @@ inline double& dense_residual_share() {
 /// The dense solver in the plant's place for one. The tolerance of a plant at rest is 1e-7 m g dt.
 inline SolverReport solve_densely(ContactProblem& problem, Generalised& velocity,
                                   const SolverOptions& options) {
-  const ReferenceReport found = solve_reference(problem, velocity, 1e-2 * options.tolerance_ns, 20000);
+  const ReferenceReport found = solve_reference(problem, velocity, 1e-2 * options.tolerance_ns);
   dense_residual_share() = std::max(dense_residual_share(), 1e-7 * found.residual_ns / options.tolerance_ns);
   SolverReport report;
   report.residual_ns = found.residual_ns;
@@ -55,6 +55,10 @@ inline void prove_against_dense(const ProvingDrive& drive, ProvingWay way) {
   CHECK(norm(end - judged) <= 1e-3);
 }
 
+/// Belts that are at full speed at once slip on the first edge that they meet, and where they slip a step's
+/// problem may have several answers: rounding chooses one, and paths part by up to 3 mm.
+constexpr double kMirrorRamp_s = 0.3;
+
 inline void prove_mirror_image(const ProvingDrive& drive, ProvingWay way) {
   CAPTURE(drive.name, way.dt_s, static_cast<int>(way.mode));
   PlantBench one = proving_bench(drive, way);
@@ -64,9 +68,11 @@ inline void prove_mirror_image(const ProvingDrive& drive, ProvingWay way) {
   const double left = drive.left_m_s;
   const double right = drive.right_m_s;
   double worst = 0.0;
-  for (long i = std::lround(drive.seconds / way.dt_s); i > 0; --i) {
-    one.step(left, right);
-    other.step(right, left);
+  const long steps = std::lround(drive.seconds / way.dt_s);
+  for (long i = 1; i <= steps; ++i) {
+    const double share = std::min(1.0, static_cast<double>(i) * way.dt_s / kMirrorRamp_s);
+    one.step(share * left, share * right);
+    other.step(share * right, share * left);
     const Vec3 image = other.position();
     worst = std::max(worst, norm(one.position() - Vec3{image.x, -image.y, image.z}));
   }
