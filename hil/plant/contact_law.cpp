@@ -5,73 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/plant/contact_rows.hpp"
+
 namespace sortie::hil {
 namespace {
-
-/// matrix += a b^T, a and b as six base numbers and one of the joint.
-void add_product(ArrowMatrix& matrix, int joint, const double (&a)[7], const double (&b)[7]) {
-  for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c < 6; ++c) matrix.base[r][c] += a[r] * b[c];
-  }
-  if (joint < 0) return;
-  for (int r = 0; r < 6; ++r) {
-    matrix.column[joint][r] += a[r] * b[6];
-    matrix.row[joint][r] += a[6] * b[r];
-  }
-  matrix.diagonal[joint] += a[6] * b[6];
-}
-
-/// factor * J^T d of a direction.
-void row_of(const ContactPoint& c, const Vec3& d, double factor, double (&out)[7]) {
-  const Vec3 turn = cross(c.point_m, d);
-  out[0] = factor * d.x;
-  out[1] = factor * d.y;
-  out[2] = factor * d.z;
-  out[3] = factor * turn.x;
-  out[4] = factor * turn.y;
-  out[5] = factor * turn.z;
-  out[6] = factor * dot(c.lever_m, d);
-}
-
-/// Sum over sticking contacts of k J^T J: the same stiffness k in all directions needs no contact frame.
-struct StickSum {
-  double count{};
-  Vec3 first;
-  double xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
-
-  void add(const Vec3& p) {
-    count += 1.0;
-    first = first + p;
-    xx += p.x * p.x;
-    yy += p.y * p.y;
-    zz += p.z * p.z;
-    xy += p.x * p.y;
-    xz += p.x * p.z;
-    yz += p.y * p.z;
-  }
-
-  void write(double k, ArrowMatrix& matrix) const {
-    double(&b)[6][6] = matrix.base;
-    for (int i = 0; i < 3; ++i) b[i][i] += k * count;
-    const Vec3 s = k * first;
-    const double skew[3][3] = {{0.0, -s.z, s.y}, {s.z, 0.0, -s.x}, {-s.y, s.x, 0.0}};
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        b[3 + i][j] += skew[i][j];
-        b[i][3 + j] += skew[j][i];
-      }
-    }
-    b[3][3] += k * (yy + zz);
-    b[4][4] += k * (xx + zz);
-    b[5][5] += k * (xx + yy);
-    b[3][4] -= k * xy;
-    b[4][3] -= k * xy;
-    b[3][5] -= k * xz;
-    b[5][3] -= k * xz;
-    b[4][5] -= k * yz;
-    b[5][4] -= k * yz;
-  }
-};
 
 double drive_impulse(const JointDrive& drive, double speed_rad_s) {
   return -(speed_rad_s + drive.bias_rad_s) / drive.compliance;
@@ -96,11 +33,11 @@ LawPoint look_at(const ContactPoint& contact, const Generalised& velocity, doubl
   return point;
 }
 
-double classify(ContactProblem& problem, const Generalised& velocity, double rho_kg) {
-  double worst = 0.0;
+Misfit classify(ContactProblem& problem, const Generalised& velocity, double rho_kg) {
+  Misfit misfit;
   for (ContactPoint& c : problem.contacts) {
     const LawPoint point = look_at(c, velocity, problem.compliance, rho_kg);
-    worst = std::max(worst, point.misfit_ns);
+    misfit.add(point.misfit_ns);
     const double radius = c.friction * point.normal_ns;
     if (!(point.normal_ns > 0.0)) {
       c.grip = Grip::open;
@@ -118,10 +55,10 @@ double classify(ContactProblem& problem, const Generalised& velocity, double rho
     const double wanted = drive_impulse(drive, velocity.joint[j]);
     drive.saturated = std::fabs(wanted) > drive.limit_nms;
     const double allowed = drive.saturated ? std::copysign(drive.limit_nms, wanted) : wanted;
-    worst = std::max(worst, std::fabs(allowed - drive.impulse_nms) / problem.gyration_m);
+    misfit.add(std::fabs(allowed - drive.impulse_nms) / problem.gyration_m);
     drive.edge_nms = allowed;
   }
-  return worst;
+  return misfit;
 }
 
 void assemble(const ContactProblem& problem, ArrowMatrix& matrix, Generalised& rhs) {
@@ -143,15 +80,7 @@ void assemble(const ContactProblem& problem, ArrowMatrix& matrix, Generalised& r
   for (const ContactPoint& c : problem.contacts) {
     if (c.grip == Grip::open) continue;
     if (c.grip == Grip::stick) {
-      stick.add(c.point_m);
-      if (c.joint >= 0) {
-        row_of(c, c.lever_m, k, a);
-        for (int r = 0; r < 6; ++r) {
-          matrix.column[c.joint][r] += a[r];
-          matrix.row[c.joint][r] += a[r];
-        }
-        matrix.diagonal[c.joint] += a[6];
-      }
+      stick.add(c, k, matrix);
       add_impulse(c, k * (c.target_m_s - c.approach_m_s * c.normal), rhs);
       continue;
     }

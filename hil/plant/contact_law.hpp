@@ -19,9 +19,20 @@ struct LawPoint {
 /// Looks at one contact. Cost: 15 ns.
 LawPoint look_at(const ContactPoint& contact, const Generalised& velocity, double compliance, double rho_kg);
 
-/// Reads every contact's grip from its law point, and each servo's; returns the largest misfit (servos' too,
-/// over `gyration_m`). Writes grip, slip_direction, slip_rate into the contacts. Cost: 20 ns a contact.
-double classify(ContactProblem& problem, const Generalised& velocity, double rho_kg);
+/// What is left of all laws.
+struct Misfit {
+  double worst_ns{};
+  double squares_n2s2{};  ///< sum
+
+  void add(double misfit_ns) {
+    if (misfit_ns > worst_ns || misfit_ns != misfit_ns) worst_ns = misfit_ns;
+    squares_n2s2 += misfit_ns * misfit_ns;
+  }
+};
+
+/// Reads every contact's grip from its law point, and each servo's; returns the misfits (servos' too, over
+/// `gyration_m`). Writes grip, slip_direction, slip_rate into the contacts. Cost: 20 ns a contact.
+Misfit classify(ContactProblem& problem, const Generalised& velocity, double rho_kg);
 
 /// The linear system of the grips that classify() found (the generalised derivative of the projection, Alart
 /// and Curnier 1991): matrix * velocity = rhs. A contact that sticks adds k J^T J, k = 1 / R; one that slips

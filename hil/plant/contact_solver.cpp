@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "hil/plant/contact_convex.hpp"
 #include "hil/plant/contact_law.hpp"
 #include "hil/plant/contact_sweeps.hpp"
 
@@ -13,10 +14,13 @@ namespace {
 
 /// Share of the vehicle's mass that a contact feels, roughly: the scale between slip speeds and impulses. A
 /// factor of four in either direction costs an iteration, not the answer.
-constexpr double kContactMassShare = 0.2;
+constexpr double kContactMassShare = 0.4;
 
-/// Accuracy of the stages on the way, as a speed of the whole mass.
-constexpr double kRoughResidual_m_s = 1e-6;
+/// Accuracy of the answers on the way, as a multiple of the tolerance.
+constexpr double kRoughly = 10.0;
+
+/// Share of a Newton step below which it is taken whatever it leaves.
+constexpr double kShortestStep = 0.01;
 
 /// Velocity and impulses that belong together.
 struct Answer {
@@ -64,34 +68,33 @@ void go_between(const Answer& from, const Answer& to, double share, ContactProbl
 
 /// Newton with full steps. True when it converged; velocity and impulses are the answer then. `best` may be
 /// null on the first, usually only, try.
-bool newton(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options, Best* best,
-            SolverReport& report) {
+bool newton(ContactProblem& problem, Generalised& u, double rho_kg, int iterations, double tolerance_ns,
+            Best* best, SolverReport& report) {
   ArrowMatrix matrix;
   Generalised rhs;
   static_cast<void>(classify(problem, u, rho_kg));  // the contacts' grips
-  for (int i = 0; i < options.newton_iterations; ++i) {
+  for (int i = 0; i < iterations; ++i) {
     assemble(problem, matrix, rhs);
     ++report.iterations;
     if (!solve(matrix, rhs, u)) return false;
     take_impulses(problem, u);
-    const double residual = classify(problem, u, rho_kg);
+    const double residual = classify(problem, u, rho_kg).worst_ns;
     report.residual_ns = residual;
     if (best != nullptr) best->offer(problem, u, residual);
-    if (residual <= options.tolerance_ns) return true;
+    if (residual <= tolerance_ns) return true;
   }
   return false;
 }
 
-/// Newton from the best answer with a step of a whole, a half or a quarter, whichever leaves least: where
-/// whole steps go round between two sets of grips, a shorter one ends elsewhere. True when it converged.
+/// Newton with steps that are halved until less is left, or nearly nothing of the step. True when it
+/// converged.
 bool shorter_newton(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
                     Best& best, SolverReport& report) {
   ArrowMatrix matrix;
   Generalised rhs;
   Answer from;
   Answer whole;
-  best.put(problem, u);
-  double residual = classify(problem, u, rho_kg);
+  Misfit left = classify(problem, u, rho_kg);
   for (int i = 0; i < options.shorter_iterations; ++i) {
     from.take(problem, u);
     assemble(problem, matrix, rhs);
@@ -99,86 +102,50 @@ bool shorter_newton(ContactProblem& problem, Generalised& u, double rho_kg, cons
     if (!solve(matrix, rhs, u)) return false;
     take_impulses(problem, u);
     whole.take(problem, u);
-    double least = std::numeric_limits<double>::infinity();
-    double chosen = 1.0;
-    for (const double share : {1.0, 0.5, 0.25}) {
+    const double before = left.squares_n2s2;
+    left = classify(problem, u, rho_kg);
+    for (double share = 0.5; share > kShortestStep && !(left.squares_n2s2 < before); share *= 0.5) {
       go_between(from, whole, share, problem, u);
-      const double left = classify(problem, u, rho_kg);
-      if (left < least) {
-        least = left;
-        chosen = share;
-      }
-      if (left < 0.5 * residual) break;
+      left = classify(problem, u, rho_kg);
     }
-    go_between(from, whole, chosen, problem, u);
-    residual = classify(problem, u, rho_kg);
-    best.offer(problem, u, residual);
-    if (residual <= options.tolerance_ns) return true;
+    best.offer(problem, u, left.worst_ns);
+    if (left.worst_ns <= options.tolerance_ns) return true;
   }
   return false;
 }
 
-void restart(ContactProblem& problem) {
-  for (ContactPoint& c : problem.contacts) c.impulse_ns = {};
-  for (JointDrive& drive : problem.drives) drive.impulse_nms = 0.0;
-}
-
-/// Follows the answer from soft contacts to the true ones. A stage that fails is left out.
-bool soften(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options, Best& best,
-            SolverReport& report) {
-  const double compliance = problem.compliance;
-  double factor = 1.0;
-  for (int stage = 0; stage < options.softened; ++stage) factor *= 3.0;
-  SolverOptions rough = options;
-  rough.tolerance_ns = std::max(options.tolerance_ns, kRoughResidual_m_s * problem.mass.base[0][0]);
-  Vec3 kept[kMaxContacts];
-  restart(problem);
-  for (int stage = 0; stage < options.softened; ++stage) {
-    problem.compliance = compliance * factor;
-    for (std::uint32_t i = 0; i < problem.contacts.size(); ++i) kept[i] = problem.contacts[i].impulse_ns;
-    Generalised next = u;
-    if (newton(problem, next, rho_kg, rough, nullptr, report)) {
-      u = next;
-    } else {
-      for (std::uint32_t i = 0; i < problem.contacts.size(); ++i) problem.contacts[i].impulse_ns = kept[i];
+/// From convex problem to convex problem, with tries of Newton's method from their answers.
+bool approach(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
+              Best& best, SolverReport& report) {
+  ConvexContacts convex(problem, u);
+  for (int i = 0; i < options.approaches; ++i) {
+    report.iterations += convex.descend(u, options.approach_steps, kRoughly * options.tolerance_ns);
+    if (i < 3 || i % 4 == 0) {
+      Generalised fast = u;
+      convex.write_impulses(problem, u);
+      if (newton(problem, fast, rho_kg, options.polish_iterations, options.tolerance_ns, &best, report))
+        return true;
     }
-    factor /= 3.0;
+    convex.renew(u);
   }
-  problem.compliance = compliance;
-  return newton(problem, u, rho_kg, options, &best, report);
+  return false;
 }
 
-/// Sweeps and Newton in turn.
+/// Sweeps and shorter steps in turn.
 void sweep_out(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
                Best& best, SolverReport& report) {
+  for (ContactPoint& c : problem.contacts) c.impulse_ns = {};
+  for (JointDrive& drive : problem.drives) drive.impulse_nms = 0.0;
+  Answer swept;
   int count = options.sweeps;
-  restart(problem);
   for (int round = 0; round < options.rounds; ++round) {
     if (!sweep_contacts(problem, u, count)) return;
     report.sweeps += count;
-    best.offer(problem, u, classify(problem, u, rho_kg));
-    Generalised fast = u;
-    if (best.residual_ns <= options.tolerance_ns || newton(problem, fast, rho_kg, options, &best, report))
-      return;
-    best.put(problem, u);
-    count = std::min(2 * count, 8 * options.sweeps);
+    swept.take(problem, u);
+    if (shorter_newton(problem, u, rho_kg, options, best, report)) return;
+    swept.put(problem, u);
+    count = std::min(2 * count, 32 * options.sweeps);
   }
-}
-
-void solve_safely(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
-                  SolverReport& report) {
-  report.safe_path = true;
-  const Generalised start = u;
-  Best best;
-  if (!soften(problem, u, rho_kg, options, best, report) &&
-      !shorter_newton(problem, u, rho_kg, options, best, report)) {
-    u = start;
-    sweep_out(problem, u, rho_kg, options, best, report);
-    if (best.residual_ns > options.tolerance_ns)
-      static_cast<void>(shorter_newton(problem, u, rho_kg, options, best, report));
-  }
-  best.put(problem, u);
-  report.residual_ns = best.residual_ns;
 }
 
 }  // namespace
@@ -187,10 +154,16 @@ SolverReport solve_contacts(ContactProblem& problem, Generalised& velocity, cons
   SolverReport report;
   const double rho_kg = kContactMassShare * problem.mass.base[0][0];
   Generalised u = velocity;
-  if (newton(problem, u, rho_kg, options, nullptr, report)) {
+  if (newton(problem, u, rho_kg, options.newton_iterations, options.tolerance_ns, nullptr, report)) {
     velocity = u;
   } else {
-    solve_safely(problem, velocity, rho_kg, options, report);
+    report.safe_path = true;
+    Best best;
+    u = velocity;
+    if (!approach(problem, u, rho_kg, options, best, report))
+      sweep_out(problem, u, rho_kg, options, best, report);
+    best.put(problem, velocity);
+    report.residual_ns = best.residual_ns;
   }
   report.converged = report.residual_ns <= options.tolerance_ns;
   return report;

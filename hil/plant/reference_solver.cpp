@@ -141,15 +141,34 @@ void polish(const Dense& d, Vector& p, double tolerance, ReferenceReport& report
   }
 }
 
+/// The impulses in the problem, along the rows of build().
+Vector guess_of(const ContactProblem& problem) {
+  Vector p(3 * static_cast<Eigen::Index>(problem.contacts.size()));
+  for (std::uint32_t i = 0; i < problem.contacts.size(); ++i) {
+    const ContactPoint& c = problem.contacts[i];
+    const Eigen::Vector3d normal(c.normal.x, c.normal.y, c.normal.z);
+    const Eigen::Vector3d first = normal.unitOrthogonal();
+    const Eigen::Vector3d impulse(c.impulse_ns.x, c.impulse_ns.y, c.impulse_ns.z);
+    const Eigen::Index row = 3 * static_cast<Eigen::Index>(i);
+    p(row) = normal.dot(impulse);
+    p(row + 1) = first.dot(impulse);
+    p(row + 2) = normal.cross(first).dot(impulse);
+  }
+  return p;
+}
+
 }  // namespace
 
 ReferenceReport solve_reference(ContactProblem& problem, Generalised& velocity, double tolerance_ns,
                                 int sweep_limit) {
   ReferenceReport report;
   for (JointDrive& drive : problem.drives) drive.saturated = false;
-  Vector p = Vector::Zero(3 * static_cast<Eigen::Index>(problem.contacts.size()));
+  Vector p = guess_of(problem);
   for (int servo_round = 0; servo_round < 16; ++servo_round) {
     const Dense d = build(problem);
+    Vector first = p;
+    polish(d, first, 0.1 * tolerance_ns, report);
+    if (natural_map(d, first, nullptr).lpNorm<Eigen::Infinity>() <= 0.1 * tolerance_ns) p = first;
     int block = 100;
     while (natural_map(d, p, nullptr).lpNorm<Eigen::Infinity>() > 0.1 * tolerance_ns &&
            report.sweeps < sweep_limit) {

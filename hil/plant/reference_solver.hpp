@@ -16,9 +16,9 @@ struct ReferenceReport {
 
 /// Solves the same problem over impulses instead of velocities: a dense Delassus matrix J M^-1 J^T (Eigen),
 /// projected Gauss-Seidel sweeps over it, and damped Newton steps on the natural map of all impulses at once,
-/// until the residual is below `tolerance_ns` or `sweep_limit` sweeps are done. Shares the problem and its
-/// meaning with the production solver, and no method or code of it. Impulses and servos are written into the
-/// problem.
+/// until the residual is below `tolerance_ns` or `sweep_limit` sweeps are done. The impulses in the problem
+/// are the guess that it starts from. Shares the problem and its meaning with the production solver, and no
+/// method or code of it. Impulses and servos are written into the problem.
 ReferenceReport solve_reference(ContactProblem& problem, Generalised& velocity, double tolerance_ns,
                                 int sweep_limit = 200000);
 

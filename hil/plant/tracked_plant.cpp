@@ -25,8 +25,8 @@ void check(const PlantConfig& c) {
 
 }  // namespace
 
-TrackedPlant::TrackedPlant(const PlantConfig& config, const PlantScene& scene)
-    : config_(config), model_(config.vehicle), finder_(model_, scene) {
+TrackedPlant::TrackedPlant(const PlantConfig& config, const PlantScene& scene, ContactSolver solver)
+    : config_(config), solver_(solver), model_(config.vehicle), finder_(model_, scene) {
   check(config);
   for (int f = 0; f < kFlippers; ++f) {
     if (!std::isfinite(config.start_flipper_rad[f])) throw std::runtime_error("hil plant: start_flipper_rad");
@@ -74,7 +74,7 @@ Status TrackedPlant::step(const PlantCommand& command, double dt_s) {
   options.tolerance_ns =
       config_.tolerance_share * model_.mass_kg() * std::max(1.0, config_.gravity_m_s2) * dt_s + rounding;
   Generalised velocity = state_.velocity;
-  report_.solver = solve_contacts(problem_, velocity, options);
+  report_.solver = solver_(problem_, velocity, options);
   finder_.remember(problem_);
   state_.velocity = velocity;
   const Generalised correction = correct(dt_s);

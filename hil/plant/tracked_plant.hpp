@@ -86,8 +86,9 @@ class TrackedPlant {
   static constexpr double kShortestStep_s = 1e-4;
   static constexpr double kLongestStep_s = 0.02;
 
-  /// At rest at the start pose. Throws std::runtime_error naming the setting that cannot be used.
-  TrackedPlant(const PlantConfig& config, const PlantScene& scene);
+  /// At rest at the start pose. `solver` is for tests, which put a slow exact one in its place. Throws
+  /// std::runtime_error naming the setting that cannot be used.
+  TrackedPlant(const PlantConfig& config, const PlantScene& scene, ContactSolver solver = solve_contacts);
 
   /// Advances by `dt_s` with these commands. Status: ok; not_finite or out_of_range (command above 50 m/s or
   /// dt outside 0.1..20 ms): nothing was changed. Cost: 2-4 us on a plane.
@@ -132,6 +133,7 @@ class TrackedPlant {
   void report_energy();
 
   PlantConfig config_;
+  ContactSolver solver_;
   VehicleModel model_;
   ContactFinder finder_;
   PlantState state_;

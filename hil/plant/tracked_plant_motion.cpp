@@ -60,7 +60,7 @@ Generalised TrackedPlant::correct(double dt_s) {
   options.newton_iterations = config_.newton_iterations;
   options.rounds = config_.rounds;
   options.tolerance_ns = 1e-6 * model_.mass_kg() * config_.correction_speed_m_s;
-  report_.correction = solve_contacts(correction_, push, options);
+  report_.correction = solver_(correction_, push, options);
   ++counters_.corrections;
   if (!usable(push)) return {};
   return push;

@@ -42,20 +42,26 @@ double overlap_along(const Convex& a, const Convex& b, const Vector3& direction)
 }
 
 bool AxisSearch::consider(const Vector3& direction, double handicap_m) {
-  const double overlap = overlap_along(a_, b_, direction);
-  if (overlap + handicap_m < handicapped_m_) {
-    handicapped_m_ = overlap + handicap_m;
-    best_ = {direction, overlap};
+  return judge(direction, overlap_along(a_, b_, direction), handicap_m);
+}
+
+bool AxisSearch::judge(const Vector3& direction, double overlap_m, double handicap_m) {
+  if (overlap_m + handicap_m < handicapped_m_) {
+    handicapped_m_ = overlap_m + handicap_m;
+    best_ = {direction, overlap_m};
   }
-  if (overlap < -margin_m_) {
-    best_ = {direction, overlap};
+  if (overlap_m < -margin_m_) {
+    best_ = {direction, overlap_m};
     return true;
   }
   return false;
 }
 
 bool AxisSearch::consider_both(const Vector3& direction, double handicap_m) {
-  return consider(direction, handicap_m) || consider(-1.0 * direction, handicap_m);
+  const Reach of_a = reach_both(a_, direction, b_.p_world_m);
+  const Reach of_b = reach_both(b_, direction, b_.p_world_m);
+  return judge(direction, of_b.ahead_m + of_a.behind_m, handicap_m) ||
+         judge(-1.0 * direction, of_b.behind_m + of_a.ahead_m, handicap_m);
 }
 
 bool AxisSearch::consider_faces(const Convex& body, double sign) {

@@ -37,12 +37,15 @@ class AxisSearch {
   bool consider_all();
 
   const Axis& best() const { return best_; }
+  /// How much less overlap another direction, with the handicap given, must have to become best().
+  double lead_m(double handicap_m) const { return handicap_m - (handicapped_m_ - best_.overlap_m); }
 
  private:
   bool consider_faces(const Convex& body, double sign);
   bool consider_edges();
   bool consider_wheels(const Convex& track, const Convex& box, double sign);
   bool consider_both(const Vector3& direction, double handicap_m);
+  bool judge(const Vector3& direction, double overlap_m, double handicap_m);
 
   const Convex& a_;
   const Convex& b_;

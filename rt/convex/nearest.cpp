@@ -43,7 +43,7 @@ NearestResult nearest_points(const Convex& a, const Vector3& shift_m, const Conv
     }
     Simplex trial = simplex;
     trial.corners[trial.count++] = corner;
-    if (!reduce(trial)) return result;  // they meet
+    if (!reduce(trial, simplex.count)) return result;  // they meet
     const Vector3 nearer = nearest_difference(trial);
     const double nearer_distance = norm(nearer);
     if (simplex.count != 0 && !(nearer_distance < distance)) break;  // rounding has the last word

@@ -4,25 +4,28 @@
 namespace sortie::rt::convex {
 namespace {
 
-// Weights of the point nearest to the origin on a part of a simplex; zero for corners that it does not need.
+// The part of a simplex that is nearest to the origin so far: up to three corners, in order, and their
+// weights.
 struct Part {
-  double weights[4]{};
+  std::uint32_t corners[3]{};
+  double weights[3]{};
+  std::uint32_t count{};
   double distance2{1e300};
+
+  // True when a point is nearer; the caller writes corners and weights then.
+  bool take(const Vector3& point, std::uint32_t corner_count) {
+    const double squared = dot(point, point);
+    if (!(squared < distance2)) return false;
+    distance2 = squared;
+    count = corner_count;
+    return true;
+  }
 };
 
-void keep_nearer(Part& best, const Simplex& s, const double (&weights)[4]) {
-  Vector3 p{};
-  for (std::uint32_t i = 0; i < s.count; ++i) p = p + weights[i] * s.corners[i].difference;
-  const double distance2 = dot(p, p);
-  if (!(distance2 < best.distance2)) return;
-  best.distance2 = distance2;
-  for (int i = 0; i < 4; ++i) best.weights[i] = weights[i];
-}
-
 void corner_part(Part& best, const Simplex& s, std::uint32_t i) {
-  double weights[4]{};
-  weights[i] = 1.0;
-  keep_nearer(best, s, weights);
+  if (!best.take(s.corners[i].difference, 1)) return;
+  best.corners[0] = i;
+  best.weights[0] = 1.0;
 }
 
 // The inner part of a segment, or nothing where the nearest point is an end.
@@ -32,10 +35,13 @@ void segment_part(Part& best, const Simplex& s, std::uint32_t i, std::uint32_t k
   const double length2 = dot(along, along);
   const double t = -dot(p, along);
   if (!(t > 0.0) || !(t < length2)) return;
-  double weights[4]{};
-  weights[k] = t / length2;
-  weights[i] = 1.0 - weights[k];
-  keep_nearer(best, s, weights);
+  const double of_k = t / length2;
+  const double of_i = 1.0 - of_k;
+  if (!best.take(of_i * p + of_k * s.corners[k].difference, 2)) return;
+  best.corners[0] = i;
+  best.corners[1] = k;
+  best.weights[0] = of_i;
+  best.weights[1] = of_k;
 }
 
 // The inner part of a triangle, or nothing where the nearest point is on its border or the triangle is flat.
@@ -49,11 +55,17 @@ void triangle_part(Part& best, const Simplex& s, std::uint32_t i, std::uint32_t 
   const double to_k = dot(cross(e2, p), n);  // areas over the edges, seen from the origin's foot point
   const double to_m = dot(cross(p, e1), n);
   if (!(to_k > 0.0) || !(to_m > 0.0) || !(to_k + to_m < n2)) return;
-  double weights[4]{};
-  weights[k] = to_k / n2;
-  weights[m] = to_m / n2;
-  weights[i] = 1.0 - weights[k] - weights[m];
-  keep_nearer(best, s, weights);
+  const double of_k = to_k / n2;
+  const double of_m = to_m / n2;
+  const double of_i = 1.0 - of_k - of_m;
+  const Vector3 nearest = of_i * p + of_k * s.corners[k].difference + of_m * s.corners[m].difference;
+  if (!best.take(nearest, 3)) return;
+  best.corners[0] = i;
+  best.corners[1] = k;
+  best.corners[2] = m;
+  best.weights[0] = of_i;
+  best.weights[1] = of_k;
+  best.weights[2] = of_m;
 }
 
 // True when the origin is inside the tetrahedron, on its border included.
@@ -71,26 +83,25 @@ bool inside(const Simplex& s) {
 
 }  // namespace
 
-bool reduce(Simplex& simplex) {
+bool reduce(Simplex& simplex, std::uint32_t first_new) {
   if (simplex.count == 4 && inside(simplex)) return false;
   Part best;
-  for (std::uint32_t i = 0; i < simplex.count; ++i) corner_part(best, simplex, i);
-  for (std::uint32_t i = 0; i < simplex.count; ++i) {
-    for (std::uint32_t k = i + 1; k < simplex.count; ++k) segment_part(best, simplex, i, k);
+  for (std::uint32_t i = first_new; i < simplex.count; ++i) corner_part(best, simplex, i);
+  for (std::uint32_t k = first_new; k < simplex.count; ++k) {
+    for (std::uint32_t i = 0; i < k; ++i) segment_part(best, simplex, i, k);
   }
-  for (std::uint32_t i = 0; i < simplex.count; ++i) {
-    for (std::uint32_t k = i + 1; k < simplex.count; ++k) {
-      for (std::uint32_t m = k + 1; m < simplex.count; ++m) triangle_part(best, simplex, i, k, m);
+  for (std::uint32_t m = first_new; m < simplex.count; ++m) {
+    for (std::uint32_t k = 1; k < m; ++k) {
+      for (std::uint32_t i = 0; i < k; ++i) triangle_part(best, simplex, i, k, m);
     }
   }
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < simplex.count; ++i) {
+  simplex.count = 0;
+  for (std::uint32_t i = 0; i < best.count; ++i) {
     if (best.weights[i] == 0.0) continue;
-    simplex.corners[kept] = simplex.corners[i];
-    simplex.weights[kept] = best.weights[i];
-    ++kept;
+    simplex.corners[simplex.count] = simplex.corners[best.corners[i]];
+    simplex.weights[simplex.count] = best.weights[i];
+    ++simplex.count;
   }
-  simplex.count = kept;
   return true;
 }
 

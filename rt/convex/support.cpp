@@ -102,6 +102,24 @@ double reach(const Convex& body, const Vector3& dir_world, const Vector3& refere
   return dot(dir_world, body.p_world_m - reference_world_m) + local_reach(body, to_body(body, dir_world));
 }
 
+Reach reach_both(const Convex& body, const Vector3& dir_world, const Vector3& reference_world_m) {
+  const Vector3 d = to_body(body, dir_world);
+  const double along = dot(dir_world, body.p_world_m - reference_world_m);
+  if (body.kind != Kind::track) {  // the others are their own mirror images
+    const double reach = local_reach(body, d);
+    return {along + reach, reach - along};
+  }
+  const double length = std::sqrt(d.x * d.x + d.z * d.z);
+  const double near_wheel = body.radius_m[0] * length;
+  const double far_wheel = body.radius_m[1] * length;
+  const double ahead = body.length_m * d.x + far_wheel;
+  const double behind = far_wheel - body.length_m * d.x;
+  const double first = body.first_x_m * d.x;
+  const double side = body.half_m.y * std::fabs(d.y);
+  return {along + (first + (ahead > near_wheel ? ahead : near_wheel) + side),
+          (((behind > near_wheel ? behind : near_wheel) - first) + side) - along};
+}
+
 Vector3 middle(const Convex& body) { return to_world(body, body.middle_m); }
 
 double thickness(const Convex& body) {

@@ -16,6 +16,15 @@ Vector3 support(const Convex& body, const Vector3& dir_world);
 /// reference keeps digits far from the origin. Exact to rounding; about half the price of support().
 double reach(const Convex& body, const Vector3& dir_world, const Vector3& reference_world_m);
 
+/// reach() along a direction and against it.
+struct Reach {
+  double ahead_m{};
+  double behind_m{};
+};
+
+/// Both at little more than the price of one, to the same bits.
+Reach reach_both(const Convex& body, const Vector3& dir_world, const Vector3& reference_world_m);
+
 /// The body's middle, in the world.
 Vector3 middle(const Convex& body);
 

@@ -16,10 +16,11 @@ namespace sortie::hil {
 /// Scene, plant and a clock.
 struct PlantBench {
   explicit PlantBench(const PlantConfig& plant_config = {}, double step_s = 1e-3,
-                      const std::function<void(PlantScene&)>& build = on_plane)
+                      const std::function<void(PlantScene&)>& build = on_plane,
+                      ContactSolver solver = solve_contacts)
       : scene(std::make_unique<PlantScene>()), config(plant_config), dt_s(step_s) {
     build(*scene);
-    plant = std::make_unique<TrackedPlant>(config, *scene);
+    plant = std::make_unique<TrackedPlant>(config, *scene, solver);
     for (int f = 0; f < kFlippers; ++f) command.flipper_rad[f] = config.start_flipper_rad[f];
   }
 
@@ -60,6 +61,11 @@ struct PlantBench {
   double pitch() const {
     const Quat& q = plant->state().q_world_body;
     return std::asin(std::clamp(2.0 * (q.w * q.y - q.z * q.x), -1.0, 1.0));
+  }
+
+  double roll() const {
+    const Quat& q = plant->state().q_world_body;
+    return std::atan2(2.0 * (q.w * q.x + q.y * q.z), 1.0 - 2.0 * (q.x * q.x + q.y * q.y));
   }
 
   std::unique_ptr<PlantScene> scene;

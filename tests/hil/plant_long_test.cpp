@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The trials of the tracked plant in numbers: a thousand drops, a million steps under extremes.
+// The trials of the tracked plant in numbers: a thousand drops, a million steps under extremes, all proving
+// drives.
+#include "plant_proofs.hpp"
 #include "plant_trials.hpp"
 
 using namespace sortie::hil;
@@ -18,4 +20,20 @@ TEST_CASE("plant: a million random steps stay finite", "[plant][long]") {
   CHECK(shaken.first_not_finite == -1);
   CHECK(shaken.wrong == 0);
   CHECK(shaken.rejected <= 10);
+}
+
+TEST_CASE("plant: every drive that is not marginal agrees with the dense solver, its image and 5 ms",
+          "[plant][long]") {
+  for (const ProvingDrive& drive : proving_drives()) {
+    for (const ContactMode mode : {ContactMode::csm, ContactMode::belt}) {
+      const ProvingWay way{1e-3, mode};
+      if (is_marginal(drive, way)) {
+        WARN(drive.name << " is marginal in mode " << static_cast<int>(mode));
+        continue;
+      }
+      prove_mirror_image(drive, way);
+      prove_against_dense(drive, way);
+      prove_step_size(drive, way);
+    }
+  }
 }

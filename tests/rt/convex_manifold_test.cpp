@@ -228,4 +228,41 @@ TEST_CASE("convex: queries and manifolds take no memory from the heap") {
   CHECK(work > 200);
 }
 
+TEST_CASE("convex: on a nose that is not quite parallel, the run's face is never worse than its preference") {
+  // A query prefers nothing and searches on: the twin of the manifold, which ends at a face that leads.
+  Draw draw(31);
+  const Convex step = at(make_box({0.14, 0.5, 0.085}), {0.14, 0, -0.085});
+  int faces = 0;
+  int missed = 0;
+  double worst = -1.0;
+  for (int i = 0; i < 4000; ++i) {
+    Convex body = i % 2 == 0 ? kTrack : kFlipper;
+    const double pitch = draw.within(-0.8, -0.3);
+    const double size = i % 8 < 2 ? 1e-4 : i % 8 < 4 ? 1e-3 : i % 8 < 6 ? 1e-2 : 5e-2;
+    const double roll = draw.within(-size, size);
+    const double yaw = draw.within(-size, size);
+    const RotationMatrix turn = to_matrix(from_yaw_pitch_roll(yaw, pitch, roll));
+    const Vector3 under = turn * Vector3{-body.run_normal[0], 0.0, body.run_normal[1]};
+    const Vector3 run = turn * Vector3{body.run_normal[1], 0.0, body.run_normal[0]};
+    const double depth = draw.within(-2e-4, 4e-4);
+    const double along = draw.within(-0.3, 1.3) * body.length_m;
+    const Vector3 aside{0.0, draw.within(-0.3, 0.3), 0.0};
+    place(body, {}, from_yaw_pitch_roll(yaw, pitch, roll));
+    body.p_world_m = aside + (body.radius_m[0] - depth) * under - along * run;
+    const Manifold found = manifold(body, step);
+    const QueryResult least = query(body, step);
+    if (found.count == 0) {
+      if (least.depth_m >= 0.0) ++missed;
+      continue;
+    }
+    const double overlap = overlap_by_parts(body, step, found.contacts[0].normal);
+    worst = std::max(worst, overlap - least.depth_m);
+    ++faces;
+  }
+  INFO("worse by " << worst);
+  CHECK(faces > 2000);
+  CHECK(missed == 0);
+  CHECK(worst <= ManifoldOptions{}.face_preference_m + 1e-6);
+}
+
 }  // namespace sortie::rt::convex::test

@@ -100,9 +100,8 @@ void measure_plant_depth(const PlantSettings& settings, Report& report) {
                    rows);
   report.note(
       kGroup,
-      "A residual above the goal is that of a step that neither Newton's method nor sweeps ended "
-      "within their limits (counted under not converged): the best answer met was taken, and the next "
-      "step starts from it.");
+      "A step that no method ended within its limits is counted under not converged: the best answer met was "
+      "taken, and the next step starts from it.");
   report.note(kGroup, "ODE lets contacts sink by its surface layer of 1 mm before it pushes them out.");
 }
 

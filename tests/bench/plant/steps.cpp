@@ -135,7 +135,7 @@ void measure_plant_steps(const PlantSettings& settings, Report& report) {
               "Run time is CPU time of the measuring thread; errors are against the closed form, or on "
               "obstacles against our plant at 0.25 ms. Iterations are "
               "those of one try of Newton's method: fewer do not make a step cheaper where it then starts "
-              "again with softened contacts. QuickStep on obstacles also differs in its model (rigid "
+              "again from convex problems. QuickStep on obstacles also differs in its model (rigid "
               "flippers).");
 }
 
