@@ -74,8 +74,8 @@ LogFeed::LogFeed(const LogFile& log, Runtime& runtime, bool use_ticks)
   }
   for (const auto& entry : log.channels()) {
     const std::string& name = entry.first;  // clang 14 cannot capture a structured binding
-    const bool is_sample =
-        name.rfind("SORTIE_", 0) != 0 && name != drivers::kChannelTruth && name != drivers::kChannelCan;
+    const bool is_sample = name.rfind("SORTIE_", 0) != 0 && name != drivers::kChannelTruth &&
+                           name != drivers::kChannelContacts && name != drivers::kChannelCan;
     const bool is_used = std::any_of(ports_.begin(), ports_.end(),
                                      [&name](const auto& cursor) { return cursor->port->channel() == name; });
     if (is_sample && !is_used) unused_channels_.push_back(name);
