@@ -136,7 +136,7 @@ TEST_CASE(
                  "does not say when"));
 }
 
-TEST_CASE("without a plant the robot stands, and the run says so; a plant may come later") {
+TEST_CASE("without a plant the robot stands, and the run says so, and a plant may come later") {
   const std::uint16_t port = two_free_ports();
   const LiveRunOutcome alone = run_live(own_vehicles(), make_own_bench, against(port, 0.4, ""));
   CHECK(mentions(alone.results.warnings, "no plant was heard on port " + std::to_string(port)));
