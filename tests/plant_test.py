@@ -153,16 +153,18 @@ def drive():
     check(counters.get("heap_calls", 0) == 0, "heap calls of a drive")
     # The sums fit, whatever came late: what one end sent the other took, or it was lost and counted.
     check(counters.get("plant_can_foreign", 1) == 0 and counters.get("plant_can_oversized", 1) == 0, "refusals", counters)
-    return run, sim, verdict, witness.longest_s
+    missed = sum(task["missed"] for task in run.get("tasks", []))
+    late = sim.get("counters", {}).get("late_wakes", 0)
+    return run, sim, verdict, witness.longest_s < 0.1 and late == 0 and missed < 50, (witness.longest_s, late, missed)
 
 
 for attempt in range(6):
-    run, sim, verdict, away_s = drive()
-    if away_s < 0.1:
+    run, sim, verdict, calm, seen = drive()
+    if calm:
         break
-    print(f"away for {away_s:.2f} s: once more")
+    print("disturbed: away for %.2f s, the plant woke late %d times, %d jobs missed" % seen)
 inside = answer("run", *SCENE, *MISSION, "--seconds", "5", "--virtual", "--lcm-url", "none")
-if away_s < 0.1:
+if calm:
     errors, usual = verdict.get("errors", {}), inside.get("errors", {})
     check(errors.get("distance_m", 0) > 0.5, "it drove", errors)
     for name, room in (("ate_max_m", 0.02), ("inclination_max_deg", 0.5), ("heading_max_deg", 0.5)):
@@ -201,7 +203,8 @@ zero_s = path[0][0] - 0.001  # the log's times may be dates
 # Found gone after 0.5 s of silence; until then the drives (0.2 s, then a ramp of 2 m/s2) have stopped, by the plant's own clock.
 still = speed(path, zero_s + gone_s + 0.4, zero_s + gone_s + 1.2)
 check(still is not None and still < 1e-3, "the robot stands after its runtime was killed", still)
-check(max(speed(path, zero_s + t, zero_s + t + 0.3) or 0 for t in (gone_s - 1.5, gone_s - 1.0)) > 0.05, "it drove until then")
+fastest = max(speed(path, zero_s + t / 10, zero_s + t / 10 + 0.3) or 0 for t in range(int(10 * gone_s)))
+check(fastest > 0.05, "it drove until then", fastest)
 check(answer("check", "second.lcm").get("passed") is True, "the second runtime's log replays")
 
 # The plant is killed: the runtime finds its sensors stale, brakes, says so and goes on; with a new plant it drives again.
