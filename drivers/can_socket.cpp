@@ -8,11 +8,12 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+
+#include "drivers/kernel_stamp.hpp"
 #endif
 
 namespace sortie::drivers {
@@ -36,16 +37,6 @@ void SocketCan::note_overruns(std::uint32_t kernel_total) noexcept {
 #if defined(__linux__)
 
 namespace {
-
-rt::Nanoseconds to_ns(const timespec& t) {
-  return static_cast<rt::Nanoseconds>(t.tv_sec) * rt::kNanosecondsPerSecond + t.tv_nsec;
-}
-
-rt::Nanoseconds clock_ns(clockid_t clock) {
-  timespec t{};
-  ::clock_gettime(clock, &t);
-  return to_ns(t);
-}
 
 /// What a failed system call means for a port.
 Status meaning_of(int error, Status when_busy) {
@@ -119,7 +110,7 @@ Status SocketCan::receive(CanFrame& frame) noexcept {
   if (descriptor_ < 0) return Status::disconnected;
   can_frame k{};
   iovec data{&k, sizeof k};
-  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t)) + 64];
+  alignas(cmsghdr) char control[kKernelNoteBytes];
   msghdr message{};
   message.msg_iov = &data;
   message.msg_iovlen = 1;
@@ -130,23 +121,10 @@ Status SocketCan::receive(CanFrame& frame) noexcept {
   if (taken == 0) return Status::disconnected;
   if (taken != static_cast<ssize_t>(sizeof k) || (message.msg_flags & MSG_TRUNC) != 0)
     return Status::malformed;
-  const rt::Nanoseconds now_ns = clock_ns(CLOCK_MONOTONIC);
-  rt::Nanoseconds stamp_ns = now_ns;
-  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
-    if (c->cmsg_level != SOL_SOCKET) continue;
-    if (c->cmsg_type == SCM_TIMESTAMPNS) {
-      timespec t{};
-      std::memcpy(&t, CMSG_DATA(c), sizeof t);
-      stamp_ns = now_ns - (clock_ns(CLOCK_REALTIME) - to_ns(t));
-      if (stamp_ns > now_ns) stamp_ns = now_ns;
-    } else if (c->cmsg_type == SO_RXQ_OVFL) {
-      std::uint32_t total = 0;
-      std::memcpy(&total, CMSG_DATA(c), sizeof total);
-      note_overruns(total);
-    }
-  }
+  const KernelNote note = read_kernel_note(message);
+  if (note.counts_overruns) note_overruns(note.overruns);
   frame = from_kernel(k);
-  frame.stamp_ns = stamp_ns - epoch_ns_;
+  frame.stamp_ns = note.stamp_ns - epoch_ns_;
   if ((frame.flags & kCanError) != 0) {
     note_error_frame(frame);
   } else {

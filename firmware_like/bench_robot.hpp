@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware_like/vehicle.hpp"
+#include "rt/contact_truth.hpp"
 
 namespace sortie::firmware {
 
@@ -18,6 +19,16 @@ class BenchRobot {
   virtual void step(rt::Nanoseconds now_ns) = 0;
   /// Exact pose now; flags 0 if this robot has none.
   virtual rt::TruthSample truth() const { return {}; }
+  /// Contacts and flippers now; false if this robot knows of none.
+  virtual bool contacts(rt::ContactTruth& truth) const {
+    static_cast<void>(truth);
+    return false;
+  }
+  /// Least time between two of those in a log; 0: they are not written.
+  virtual rt::Nanoseconds contacts_every_ns() const { return 0; }
+  /// Says what the clock of its devices reads at time 0 of step(), where that is not 0: in a process of its
+  /// own it is CLOCK_MONOTONIC. Before the first step.
+  virtual void set_device_clock(rt::Nanoseconds reading_ns) { static_cast<void>(reading_ns); }
   /// The node of its bus that the vehicle's drivers use, or null.
   virtual drivers::CanBus* vehicle_can() = 0;
   /// The link to its solid-state lidar, or null.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/event_desk.hpp"
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -11,18 +12,31 @@ namespace sortie::firmware {
 void EventDesk::take(rt::posix::LiveRunner& runner) {
   rt::posix::LiveEvent event;
   for (int i = 0; i < 1024 && runner.poll_event(event); ++i) {
-    drivers::EventRecord record = to_record(event, runtime_.executive(), utc_minus_run_ns_);
-    const std::size_t bytes = 256 + record.kind.size() + record.subject.size() + record.text.size();
-    std::vector<std::uint8_t> message(bytes);
-    std::size_t size = 0;
-    if (drivers::encode(record, message, size) == Status::ok) {
-      recorder_.sample(std::string(drivers::kChannelEvent), runtime_.executive().time_of(event.tick),
-                       {message.data(), size});
-    }
-    telemetry_.tell(record);
-    ring_.event(runtime_.executive().time_of(event.tick), event.tick, record.text);
-    ++count;
+    write(to_record(event, runtime_.executive(), utc_minus_run_ns_),
+          runtime_.executive().time_of(event.tick));
   }
+}
+
+void EventDesk::tell(const std::string& kind, const std::string& subject, const std::string& text,
+                     rt::Nanoseconds now_ns) {
+  drivers::EventRecord record;
+  record.utime = (now_ns + utc_minus_run_ns_) / rt::kNanosecondsPerMicrosecond;
+  record.tick = now_ns / runtime_.executive().base_tick_ns();
+  record.kind = kind;
+  record.subject = subject;
+  record.text = text;
+  write(record, now_ns);
+  std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+void EventDesk::write(const drivers::EventRecord& record, rt::Nanoseconds now_ns) {
+  std::vector<std::uint8_t> message(256 + record.kind.size() + record.subject.size() + record.text.size());
+  std::size_t size = 0;
+  if (drivers::encode(record, message, size) == Status::ok)
+    recorder_.sample(std::string(drivers::kChannelEvent), now_ns, {message.data(), size});
+  telemetry_.tell(record);
+  ring_.event(now_ns, static_cast<rt::Tick>(record.tick), record.text);
+  ++count;
 }
 
 }  // namespace sortie::firmware

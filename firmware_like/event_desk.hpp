@@ -23,10 +23,15 @@ class EventDesk {
 
   /// Takes all events that wait. From one thread that is not real-time.
   void take(rt::posix::LiveRunner& runner);
+  /// One event of the run itself, at `now_ns` of its clock; also on stderr, for whoever sits before it.
+  void tell(const std::string& kind, const std::string& subject, const std::string& text,
+            rt::Nanoseconds now_ns);
   RunFlightRing& ring() { return ring_; }
   std::uint64_t count{};
 
  private:
+  void write(const drivers::EventRecord& record, rt::Nanoseconds now_ns);
+
   const Runtime& runtime_;
   FlightRecorder& recorder_;
   Telemetry& telemetry_;

@@ -11,6 +11,7 @@
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/live_threads.hpp"
+#include "firmware_like/log_clock.hpp"
 #include "firmware_like/parameter_desk.hpp"
 #include "firmware_like/telemetry.hpp"
 #include "rt/posix/clock.hpp"
@@ -39,6 +40,11 @@ rt::Tick run_in_virtual_time(Runtime& runtime, Surroundings& surroundings, Fligh
   return last + 1;
 }
 
+std::string what_is_outside(const LiveRunOptions& options) {
+  const std::string bus = options.can_interface.empty() ? "" : ", CAN on " + options.can_interface;
+  return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
+}
+
 struct RunClock {
   rt::Nanoseconds start_ns;
 };
@@ -54,9 +60,11 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   rt::Executive& executive = runtime.executive();
 
   Profile for_bench = load_scene(options.scene, options.overrides);
-  std::unique_ptr<BenchRobot> bench = bench_factory && options.can_interface.empty()
-                                          ? bench_factory(for_bench, runtime.vehicle().scan_sink())
-                                          : nullptr;
+  const bool is_outside = !options.can_interface.empty() || !options.plant.empty();
+  if (is_outside && options.virtual_time)
+    throw ProfileError("--virtual has its plant inside; leave out --plant and --can");
+  std::unique_ptr<BenchRobot> bench =
+      bench_factory && !is_outside ? bench_factory(for_bench, runtime.vehicle().scan_sink()) : nullptr;
   if (bench) {  // without one, nobody has declared what [hil] may hold
     for_bench.refuse_unknown_keys("hil");
     outcome.bench = bench->describe();
@@ -82,7 +90,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   const rt::Nanoseconds utc_minus_run = rt::posix::utc_minus_monotonic() + clock.start_ns;
   ring.set_clock(clock.start_ns, utc_minus_run - clock.start_ns);
   FlightRecorder recorder(runtime, recording,
-                          make_header(runtime, bench ? bench->describe() : "live devices",
+                          make_header(runtime, bench ? bench->describe() : what_is_outside(options),
                                       options.virtual_time ? 0 : utc_minus_run));
   if (!options.record.empty()) {
     for (const auto& port : runtime.parts().ports()) port->set_sink(&recorder);
@@ -96,8 +104,16 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     if (can.open(config, problem) != Status::ok)
       throw ProfileError("--can " + options.can_interface + ": " + problem);
   }
-  Surroundings surroundings(runtime, bench.get(), options.can_interface.empty() ? nullptr : &can, recorder,
-                            !options.record.empty());
+  OutsideDevices outside{options.can_interface.empty() ? nullptr : &can, nullptr, clock.start_ns};
+  std::unique_ptr<PlantLink> link;
+  if (!options.plant.empty()) {
+    link = std::make_unique<PlantLink>(parse_plant(options.plant), outside.can == nullptr, clock.start_ns,
+                                       runtime.vehicle().scan_sink());
+    outside.link = link.get();
+    if (outside.can == nullptr) outside.can = link->can();
+  }
+  if (!options.virtual_time) write_log_clock(recorder, clock.start_ns, utc_minus_run);
+  Surroundings surroundings(runtime, bench.get(), outside, recorder, !options.record.empty());
   executive.set_sink(ring.before(recorder.job_sink()));
   doctor.begin(executive, recorder, !options.virtual_time && options.realtime);
   executive.set_record_fields(true);
@@ -141,7 +157,8 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   recorder.stop();
 
   outcome.estimate = collector.poses.take();
-  outcome.truth = surroundings.truth.take();
+  outcome.truth = surroundings.truth.poses.take();
+  outcome.contacts = surroundings.truth.contacts.take();
   tidy(outcome.estimate);
   tidy(outcome.truth);
   if (!outcome.truth.empty() && !outcome.estimate.empty()) {
@@ -172,6 +189,13 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     add_counters("parameters_", parameters.counters(), results.counters);
   if (parameters.drive().wanted()) add_counters("requests_", parameters.drive().counters(), results.counters);
   if (bench) bench->add_counters(results.counters);
+  if (!outcome.contacts.empty())
+    results.counters["bench_truth_contacts_dropped"] = surroundings.truth.contacts_dropped;
+  if (link) {
+    link->add_counters(results.counters);
+    const std::vector<std::string> silences = link->warnings();
+    warnings.insert(warnings.end(), silences.begin(), silences.end());
+  }
   if (const std::string problem = recorder.error(); !problem.empty()) warnings.push_back(problem);
   results.warnings.insert(results.warnings.end(), warnings.begin(), warnings.end());
   results.doctor = std::move(health);

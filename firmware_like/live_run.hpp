@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware_like/bench_robot.hpp"
+#include "firmware_like/evaluation/contact_truth.hpp"
 #include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/run_flight_ring.hpp"
 #include "firmware_like/runtime.hpp"
@@ -27,6 +28,7 @@ struct LiveRunOptions {
   bool record_fields{};     ///< with the outputs' fields
   std::string lcm_url;      ///< telemetry; "none": off
   std::string can_interface;  ///< real devices on this SocketCAN interface; then the bench robot is left out
+  std::string plant;          ///< a plant in a process of its own instead, see parse_plant(); or empty
   EvaluationOptions evaluation;
   FlightRingOptions flight_ring;
   std::function<void(double share)> progress;
@@ -39,10 +41,11 @@ struct LiveRunOutcome {
   Evaluation evaluation;
   Trajectory estimate;
   Trajectory truth;
-  std::unique_ptr<Runtime> runtime;  ///< as the run left it: the map is still there
-  std::string bench;                 ///< what was simulated, with its seed
-  std::string flight_ring;           ///< file that was asked for and stays
-  std::string stopped;               ///< why the run ended before its time, or empty
+  std::vector<ContactSummary> contacts;  ///< of the bench robot, if it knows
+  std::unique_ptr<Runtime> runtime;      ///< as the run left it: the map is still there
+  std::string bench;                     ///< what was simulated, with its seed
+  std::string flight_ring;               ///< file that was asked for and stays
+  std::string stopped;                   ///< why the run ended before its time, or empty
 };
 
 /// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.

@@ -8,7 +8,9 @@
 #include "firmware_like/bounded_trajectory.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/plant_link.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/truth_writer.hpp"
 #include "rt/virtual_runner.hpp"
 
 namespace sortie::firmware {
@@ -38,27 +40,40 @@ class PoseCollector {
   std::uint32_t offset_{};
 };
 
+/// Devices that are not simulated in this process.
+struct OutsideDevices {
+  drivers::CanBus* can{};      ///< null: there is no bus
+  PlantLink* link{};           ///< to a plant in a process of its own, or null
+  rt::Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at the start of the run: the devices' clock counts that
+};
+
 /// Everything around the executive that moves between ticks: the bench robot, the devices, the truth.
 class Surroundings {
  public:
-  Surroundings(Runtime& runtime, BenchRobot* bench, drivers::CanBus* can, FlightRecorder& recorder,
+  /// `outside` counts only without a bench robot.
+  Surroundings(Runtime& runtime, BenchRobot* bench, const OutsideDevices& outside, FlightRecorder& recorder,
                bool recording)
       : runtime_(runtime), bench_(bench), recorder_(recorder) {
-    devices_.can = bench != nullptr ? bench->vehicle_can() : can;
     devices_.ssl = bench != nullptr ? bench->vehicle_ssl() : nullptr;
     devices_.log = recording ? &recorder : nullptr;
+    devices_.can = bench != nullptr ? bench->vehicle_can() : outside.can;
+    if (bench != nullptr) return;
+    link_ = outside.link;
+    devices_.device_epoch_ns = -outside.start_ns;
   }
-  /// Moves the bench robot, if there is one, and notes its truth each 10 ms.
+  /// Moves the bench robot, if there is one, and notes its truth.
   void step_bench(rt::Nanoseconds now);
-  void poll_devices(rt::Nanoseconds now) { runtime_.vehicle().poll_devices(devices_, now); }
-  BoundedTrajectory truth{1};
+  void poll_devices(rt::Nanoseconds now);
+  /// What a user wants to know at once, or empty. One thread that is not real-time.
+  std::string news() { return link_ != nullptr ? link_->news() : std::string(); }
+  TruthWriter truth;
 
  private:
   Runtime& runtime_;
   BenchRobot* bench_;
   FlightRecorder& recorder_;
+  PlantLink* link_{};
   Devices devices_;
-  rt::Nanoseconds next_truth_ns_{};
 };
 
 /// Everything around the executive, moved between the ticks of a virtual run.

@@ -92,6 +92,8 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
     if (interrupted || (options.require_realtime && runner.refused())) runner.stop();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     parts.desk.take(runner);
+    if (const std::string news = parts.surroundings.news(); !news.empty())
+      parts.desk.tell("plant", "plant", news, rt::posix::monotonic_now() - start_ns);
     if (const std::uint64_t code = stuck.load(); code != 0)
       leave_stuck(parts, static_cast<std::uint32_t>((code - 1) >> 16),
                   static_cast<std::uint32_t>((code - 1) & 0xffff));

@@ -75,6 +75,7 @@ LogFeed::LogFeed(const LogFile& log, Runtime& runtime, bool use_ticks)
   for (const auto& entry : log.channels()) {
     const std::string& name = entry.first;  // clang 14 cannot capture a structured binding
     const bool is_sample = name.rfind("SORTIE_", 0) != 0 && name != drivers::kChannelTruth &&
+                           name != drivers::kChannelContacts && name != drivers::kChannelSensorTruth &&
                            name != drivers::kChannelCan && name != drivers::kChannelSslCommand;
     const bool is_used = std::any_of(ports_.begin(), ports_.end(),
                                      [&name](const auto& cursor) { return cursor->port->channel() == name; });

@@ -41,6 +41,7 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   app.set_help_all_flag("--help-all", "Help of all commands");
   app.require_subcommand(1);
   add_run(app, context);
+  add_plant(app, context);
   add_replay(app, context);
   add_check(app, context);
   add_diff(app, context);

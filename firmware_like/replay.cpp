@@ -9,6 +9,7 @@
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/log_clock.hpp"
 #include "firmware_like/replay_part.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/threaded_runner.hpp"
@@ -132,6 +133,9 @@ rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
 
 ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
   const drivers::LogHeader& header = log.header();
+  // Read first: what cannot be used is told before the replay, not after it.
+  std::unique_ptr<TruthLog> truth;
+  if (!options.truth.empty()) truth = std::make_unique<TruthLog>(log, options.truth);
   if (options.scene.empty() && header.scene_toml.empty()) {
     throw ProfileError(log.path() +
                        " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
@@ -179,9 +183,11 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
     recorder = std::make_unique<FlightRecorder>(runtime, recording,
                                                 make_header(runtime, "replay of " + log.path(), 0));
     for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
-    for (const StoredEvent& truth : log.channel(std::string(drivers::kChannelTruth))) {
-      recorder->sample(std::string(drivers::kChannelTruth),
-                       truth.timestamp_us * rt::kNanosecondsPerMicrosecond, truth.message);
+    for (const std::string_view channel : {drivers::kChannelTruth, drivers::kChannelContacts}) {
+      for (const StoredEvent& stored : log.channel(std::string(channel))) {
+        recorder->sample(std::string(channel), stored.timestamp_us * rt::kNanosecondsPerMicrosecond,
+                         stored.message);
+      }
     }
   }
   Observer observer(runtime, feed, options, options.from.empty() ? 0 : part.asked);
@@ -214,7 +220,8 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   if (recorder) recorder->stop();
 
   outcome.estimate = std::move(observer.estimate);
-  outcome.truth = log.truth();
+  outcome.truth = truth ? std::move(truth->poses) : log.truth();
+  outcome.contacts = truth ? contact_summaries(truth->log, truth->offset.offset_ns) : contact_summaries(log);
   tidy(outcome.estimate);
   if (!outcome.truth.empty() && !outcome.estimate.empty()) {
     outcome.evaluation = evaluate(outcome.estimate, outcome.truth, options.evaluation);
@@ -240,6 +247,9 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   results.doctor = recorded_doctor(log);
   results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
   outcome.damage = feed.damage().empty() ? log.damage() : feed.damage();
+  if (truth && !truth->offset.exact)
+    results.warnings.push_back(
+        options.truth + ": of another machine or start of it; laid beside the run by their dates (UTC)");
   if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
   for (const std::string& name : feed.unused_channels()) {
     results.warnings.push_back("channel " + name + " is not used by scene " + results.scene);

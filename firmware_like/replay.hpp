@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "firmware_like/compare.hpp"
+#include "firmware_like/evaluation/contact_truth.hpp"
 #include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/log_feed.hpp"
 #include "firmware_like/log_file.hpp"
@@ -22,6 +23,7 @@ struct ReplayOptions {
   std::string scene;                   ///< empty: the profile that stands in the log
   std::vector<std::string> overrides;  ///< key=value each: "what if"
   EvaluationOptions evaluation;
+  std::string truth;   ///< log of the plant, where it ran in a process of its own; empty: the log's own truth
   bool threaded{};     ///< one worker a group instead of one thread: same outputs, for perturbation tests
   std::string fault;   ///< "task@tick" or "task.byte@tick": flip a bit there; proves that a check can fail
   std::string record;  ///< write a log of this replay (outputs of a what-if), or empty
@@ -46,6 +48,7 @@ struct ReplayOutcome {
   Evaluation evaluation;
   Trajectory estimate;
   Trajectory truth;
+  std::vector<ContactSummary> contacts;  ///< truth of contacts and flippers, if a simulation wrote it
   bool comparable{};
   std::string why_not_comparable;
   std::string damage;  ///< empty, or where the log is cut off or damaged

@@ -188,6 +188,9 @@ struct Devices {
   drivers::SslPort* ssl{};
   /// Writes a CAN frame or a command to the log, if one is kept.
   SampleSink* log{};
+  /// When the time counters of the devices were 0, on the run's clock: they count CLOCK_MONOTONIC on a robot,
+  /// the run's clock where the devices are simulated beside it.
+  rt::Nanoseconds device_epoch_ns{};
 };
 
 /// Where requests to a vehicle's drive go in.

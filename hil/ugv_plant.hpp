@@ -52,6 +52,11 @@ class UgvPlant {
 
   /// Exact pose at plant time.
   rt::TruthSample truth() const { return to_truth(body_->motion()); }
+  /// Contacts and flippers of the last step. False without contacts.
+  bool contact_truth(rt::ContactTruth& truth) const { return body_->read_contacts(truth); }
+  /// Says what the devices' clock reads at plant time 0: the time counters in the frames count from there.
+  /// Before the first step.
+  void set_device_clock(rt::Nanoseconds reading_ns) { config_.can.epoch_ns = -reading_ns; }
   /// Exact pose, twist and belt travel at plant time.
   const Motion& motion() const { return body_->motion(); }
   /// Plant time.

@@ -7,6 +7,7 @@
 
 #include "drivers/can_flippers.hpp"
 #include "hil/motion.hpp"
+#include "rt/contact_truth.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 
@@ -40,6 +41,11 @@ class VehicleBody {
   /// Angles and torques of the flippers now. False where there are none.
   virtual bool read_flippers(rt::FlipperSample& sample) const {
     static_cast<void>(sample);
+    return false;
+  }
+  /// Contacts of the last step, and the flippers, exact. False where there are no contacts.
+  virtual bool read_contacts(rt::ContactTruth& truth) const {
+    static_cast<void>(truth);
     return false;
   }
   virtual RobotCounters counters() const = 0;

@@ -53,13 +53,14 @@ hil::UgvConfig read_config(Profile& profile) {
 // Plant and runtime are two nodes of one bus; the bus belongs to the plant's thread.
 class BenchUgv final : public BenchRobot {
  public:
-  BenchUgv(const hil::UgvConfig& config, drivers::ScanSink* scans)
+  BenchUgv(const hil::UgvConfig& config, drivers::ScanSink* scans, rt::Nanoseconds contacts_every_ns)
       : vehicle_(bus_.attach("runtime")),
         plant_port_(bus_.attach("plant")),
         plant_(config, plant_port_, scans, &ssl_link_),
         has_ssl_(config.ssl.enabled),
         seed_(config.seed),
-        course_seed_(config.course.seed) {}
+        course_seed_(config.course.seed),
+        contacts_every_ns_(contacts_every_ns) {}
 
   void step(rt::Nanoseconds now_ns) override {
     bus_.advance(now_ns);
@@ -68,6 +69,9 @@ class BenchUgv final : public BenchRobot {
     bus_.advance(now_ns);
   }
   rt::TruthSample truth() const override { return plant_.truth(); }
+  bool contacts(rt::ContactTruth& truth) const override { return plant_.contact_truth(truth); }
+  rt::Nanoseconds contacts_every_ns() const override { return contacts_every_ns_; }
+  void set_device_clock(rt::Nanoseconds reading_ns) override { plant_.set_device_clock(reading_ns); }
   drivers::CanBus* vehicle_can() override { return &vehicle_; }
   drivers::SslPort* vehicle_ssl() override { return has_ssl_ ? &ssl_link_ : nullptr; }
   std::string describe() const override {
@@ -81,6 +85,8 @@ class BenchUgv final : public BenchRobot {
     counters["bench_frames_sent"] = plant_.counters().frames_sent;
     counters["bench_frames_refused"] = plant_.counters().frames_refused;
     counters["bench_commands"] = plant_.counters().commands_taken;
+    counters["bench_drive_stale_ms"] = plant_.robot_counters().stale_steps;
+    counters["bench_late_steps"] = plant_.counters().late_steps;
     counters["bench_can_frames"] = bus_.stats().frames;
     add_range_counters(plant_, counters);
     if (tracked() == nullptr) return;
@@ -103,15 +109,27 @@ class BenchUgv final : public BenchRobot {
   bool has_ssl_;
   std::uint64_t seed_;
   std::uint64_t course_seed_;
+  rt::Nanoseconds contacts_every_ns_;
 };
+
+// Period of the contacts' truth; 0: none. The default is the rate of the pose's.
+rt::Nanoseconds read_contacts_period(Profile& profile, const hil::UgvConfig& config) {
+  if (!config.contacts) return 0;
+  const auto rate = static_cast<rt::Nanoseconds>(profile.integer(
+      "hil.contact_truth_hz",
+      {100, 0, 1000, "Hz", "how often contacts are written to the log; 0: not, must divide 1000"}));
+  if (rate != 0 && 1000 % rate != 0) profile.fail("hil.contact_truth_hz", "must divide 1000");
+  return rate == 0 ? 0 : rt::kNanosecondsPerSecond / rate;
+}
 
 }  // namespace
 
 std::unique_ptr<BenchRobot> make_own_bench(Profile& profile, drivers::ScanSink* scans) {
   if (!profile.has("hil") || profile.vehicle() != "ugv") return nullptr;
   const hil::UgvConfig config = read_config(profile);
+  const rt::Nanoseconds contacts_every_ns = read_contacts_period(profile, config);
   try {
-    return std::make_unique<BenchUgv>(config, scans);
+    return std::make_unique<BenchUgv>(config, scans, contacts_every_ns);
   } catch (const ProfileError&) {
     throw;
   } catch (const std::runtime_error& error) {

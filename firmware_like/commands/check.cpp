@@ -18,6 +18,7 @@ struct CheckOptions {
   std::string gate;
   std::string align{"none"};
   bool threaded{};
+  std::string truth;
   SpanOptions span;
   bool accept_damage{};
   OutputOptions output;
@@ -47,6 +48,7 @@ int run(const CommandContext& context, const CheckOptions& options) {
   replay_options.from = options.span.from;
   replay_options.to = options.span.to;
   replay_options.keyframes = options.span.keyframes;
+  replay_options.truth = options.truth;
   replay_options.evaluation.align = parse_alignment(options.align);
   replay_options.progress = progress_bar(options.output, "check");
   const ReplayOutcome outcome = replay(log, context.parts.vehicles, replay_options);
@@ -112,6 +114,7 @@ void add_check(CLI::App& app, CommandContext& context) {
   command->add_option("--fault", options->fault,
                       "Flip a bit of a task's output: task@tick or task.byte@tick");
   command->add_flag("--threads", options->threaded, "One worker a group");
+  add_truth_option(*command, options->truth);
   add_span_options(*command, options->span);
   add_alignment_option(*command, options->align);
   add_damage_option(*command, options->accept_damage);

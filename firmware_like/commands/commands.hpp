@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_like/evaluation/contact_truth.hpp"
 #include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/log_file.hpp"
 #include "firmware_like/program.hpp"
@@ -36,6 +37,9 @@ void add_output_options(CLI::App& command, OutputOptions& options);
 /// Adds --align.
 void add_alignment_option(CLI::App& command, std::string& alignment);
 
+/// Adds --truth: errors against the log of a plant that ran in a process of its own.
+void add_truth_option(CLI::App& command, std::string& truth);
+
 /// Where a command that replays begins and ends: --from, --to, --keyframes.
 struct SpanOptions {
   std::string from;
@@ -54,6 +58,9 @@ void show_results(const OutputOptions& options, const ReportInput& report);
 /// Adds a picture of the map, if there is one, with the path that was estimated, before any alignment.
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path);
 
+/// Adds the pictures of contacts and flippers, where the truth of a simulation is known.
+void add_contact_plots(ReportInput& report, const std::vector<ContactSummary>& contacts);
+
 /// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
 /// unless its good part was declared to be enough.
 int finish_with_log(const CommandContext& context, const LogFile& log, bool accept_damage, int code);
@@ -64,6 +71,7 @@ int finish_with_damage(const CommandContext& context, const std::string& damage,
 void add_damage_option(CLI::App& command, bool& accept_damage);
 
 void add_run(CLI::App& app, CommandContext& context);
+void add_plant(CLI::App& app, CommandContext& context);
 void add_replay(CLI::App& app, CommandContext& context);
 void add_check(CLI::App& app, CommandContext& context);
 void add_diff(CLI::App& app, CommandContext& context);

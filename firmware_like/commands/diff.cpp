@@ -19,6 +19,7 @@ struct DiffOptions {
   std::string scene;
   std::vector<std::string> overrides;
   std::string align{"none"};
+  std::vector<std::string> truth;  ///< of the first log, then of the second
   bool json{};
 };
 
@@ -35,6 +36,8 @@ Side run_side(const CommandContext& context, const std::string& path, const Diff
   ReplayOptions replay_options;
   replay_options.scene = options.scene;
   if (with_overrides) replay_options.overrides = options.overrides;
+  if (const std::size_t index = with_overrides ? 1 : 0; options.truth.size() > index)
+    replay_options.truth = options.truth[index];
   replay_options.evaluation.align = parse_alignment(options.align);
   replay_options.on_job = [&side](const rt::JobRecord& record, Runtime&) { side.jobs.push_back(record); };
   side.outcome = replay(log, context.parts.vehicles, replay_options);
@@ -115,6 +118,11 @@ void add_diff(CLI::App& app, CommandContext& context) {
   command->add_option("--set", options->overrides, "Override a key of the second side's profile: key=value")
       ->take_all();
   command->add_flag("--json", options->json, "Print one JSON object");
+  command
+      ->add_option("--truth", options->truth,
+                   "Take the truth of the first log, and of the second, from these logs of `plant --record`")
+      ->expected(1, 2)
+      ->type_name("LOG");
   add_alignment_option(*command, options->align);
   command->callback(
       [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });

@@ -9,6 +9,7 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/exporters/candump.hpp"
 #include "firmware_like/exporters/chrome_trace.hpp"
+#include "firmware_like/exporters/contacts_csv.hpp"
 #include "firmware_like/exporters/csv.hpp"
 #include "firmware_like/exporters/flight_jobs.hpp"
 #include "firmware_like/exporters/output_file.hpp"
@@ -58,6 +59,8 @@ void export_ply(const CommandContext& context, const ExportOptions& options, con
 // One row a job of the chosen task, all its fields.
 void export_csv(const CommandContext& context, ExportOptions& options, const LogFile& log,
                 std::ostream& out) {
+  if (options.task == "truth_contacts") return write_contacts_csv(out, log);
+  if (options.task == "truth_flippers") return write_flippers_csv(out, log);
   std::unique_ptr<CsvWriter> writer;
   bool known = false;
   std::string names;
@@ -202,6 +205,7 @@ void add_export(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  sortie export tum hall.lcm -o hall.tum\n"
       "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
+      "  sortie export csv pallet.lcm --task truth_contacts -o contacts.csv\n"
       "  sortie export trace hall.lcm -o hall.trace.json\n"
       "  sortie export latency hall.lcm -o latency.svg\n"
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
@@ -213,7 +217,9 @@ void add_export(CLI::App& app, CommandContext& context) {
   command->add_option("-o,--output", options->path, "File; - is standard output")
       ->type_name("FILE")
       ->capture_default_str();
-  command->add_option("--task", options->task, "csv: whose output; tum: `truth` writes the reference")
+  command
+      ->add_option("--task", options->task,
+                   "csv: whose output, or truth_contacts, truth_flippers; tum: `truth` writes the reference")
       ->capture_default_str();
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");

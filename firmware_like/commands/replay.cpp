@@ -11,6 +11,7 @@ void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) 
                      "Another scene than the log's own; needed for imported logs");
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
       ->take_all();
+  add_truth_option(command, options.replay.truth);
   add_span_options(command, options.span);
   add_alignment_option(command, options.align);
   add_damage_option(command, options.accept_damage);
@@ -30,6 +31,7 @@ int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
   report.command = context.command_line;
   report.source = options.log;
   report.alignment = options.align;
+  add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   report.estimate = outcome.evaluation.pairs.estimate.empty() ? std::move(outcome.estimate)
                                                               : std::move(outcome.evaluation.pairs.estimate);
@@ -51,6 +53,7 @@ void add_replay(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  sortie replay hall.lcm\n"
       "  sortie replay husky.lcm --scene skid_outdoor --align se2 --json\n"
+      "  sortie replay drive.lcm --truth plant.lcm\n"
       "  sortie replay hall.lcm --from 60 --to 70\n"
       "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
   add_replay_report_options(*command, options->replay);

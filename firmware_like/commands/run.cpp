@@ -36,6 +36,7 @@ int run(const CommandContext& context, RunOptions& options) {
       outcome.evaluation.pairs.estimate.empty() ? outcome.estimate : outcome.evaluation.pairs.estimate;
   report.truth = outcome.evaluation.pairs.truth;
   report.errors = outcome.evaluation.series;
+  add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   show_results(options.output, report);
   if (!outcome.flight_ring.empty()) std::cerr << "flight ring: " << outcome.flight_ring << "\n";
@@ -53,6 +54,8 @@ void add_run(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  sortie run --scene ugv_hall --seconds 20 --record hall.lcm\n"
       "  sortie run --scene ugv_hall --virtual --out out/hall\n"
+      "  sortie run --scene ugv_hall --plant own --record hall.lcm   # beside: sortie plant --scene "
+      "ugv_hall\n"
       "  sortie run --scene ugv_hall --can can0 --require-rt");
   command->add_option("--scene", options->live.scene, "Scene by name, or a .toml file")->required();
   command->add_option("--set", options->live.overrides, "Override a key of the profile: key=value")
@@ -71,6 +74,10 @@ void add_run(CLI::App& app, CommandContext& context) {
   command
       ->add_option("--can", options->live.can_interface, "Real CAN interface instead of the simulated robot")
       ->type_name("IFACE");
+  command
+      ->add_option("--plant", options->live.plant,
+                   "own, or own:PORT: against `sortie plant` in another process instead; with --can over CAN")
+      ->type_name("WHERE");
   command->add_flag("--require-rt", options->live.require_realtime,
                     "Exit 4 when the platform refuses real-time scheduling");
   command->add_flag("!--no-rt", options->live.realtime, "Do not ask for real-time scheduling");

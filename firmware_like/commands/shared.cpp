@@ -9,6 +9,7 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/tum.hpp"
+#include "firmware_like/report/contact_plots.hpp"
 #include "firmware_like/report/map_plot.hpp"
 
 namespace sortie::firmware {
@@ -24,6 +25,13 @@ void add_alignment_option(CLI::App& command, std::string& alignment) {
   command.add_option("--align", alignment, "What may move before errors are taken")
       ->check(CLI::IsMember({"none", "first", "se2", "se3"}))
       ->capture_default_str();
+}
+
+void add_truth_option(CLI::App& command, std::string& truth) {
+  command
+      .add_option("--truth", truth,
+                  "Take the truth from this log of `plant --record`, not from the run's own")
+      ->type_name("LOG");
 }
 
 void add_damage_option(CLI::App& command, bool& accept_damage) {
@@ -55,6 +63,10 @@ int finish_with_damage(const CommandContext& context, const std::string& damage,
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path) {
   const std::vector<MapPoint> points = map_points(runtime.vehicle());
   if (!points.empty()) report.more_plots.push_back(plot_map(points, path));
+}
+
+void add_contact_plots(ReportInput& report, const std::vector<ContactSummary>& contacts) {
+  for (Plot& plot : plot_contacts(contacts)) report.more_plots.push_back(std::move(plot));
 }
 
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word) {

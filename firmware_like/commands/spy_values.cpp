@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drivers/wire.hpp"
+#include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
@@ -182,6 +183,23 @@ Status read_parameters(Message message, Values& values) {
   return status;
 }
 
+Status read_contacts(Message message, Values& values) {
+  rt::ContactTruth truth;
+  const Status status = drivers::decode(message, truth);
+  add(values, "stamp_ns", truth.stamp_ns);
+  add(values, "contacts", truth.contacts.size());
+  add(values, "dropped", truth.dropped);
+  for (std::uint32_t part = 0; part < rt::kVehicleParts; ++part)
+    add(values, rt::kVehiclePartNames[part], truth.count(static_cast<rt::VehiclePart>(part)));
+  for (std::uint32_t i = 0; i < rt::kFlippers; ++i) {
+    const std::string index = "[" + std::to_string(i) + "]";
+    values.push_back({"flipper_asked_rad" + index, truth.flipper_asked_rad[i]});
+    values.push_back({"flipper_angle_rad" + index, truth.flipper_angle_rad[i]});
+    values.push_back({"flipper_torque_n_m" + index, truth.flipper_torque_n_m[i]});
+  }
+  return status;
+}
+
 Status read_request(Message message, Values& values) {
   drivers::SetParameter request;
   const Status status = drivers::decode(message, nullptr, request);
@@ -221,6 +239,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintImu, read_numbered<rt::ImuSample>},
     {drivers::kFingerprintTrack, read_numbered<rt::TrackSample>},
     {drivers::kFingerprintTruth, read_plain<rt::TruthSample>},
+    {drivers::kFingerprintContacts, read_contacts},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
     {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},

@@ -192,6 +192,11 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
 void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   if (ssl_) ssl_->poll(devices, now_ns);
   if (devices.can == nullptr) return;
+  if (devices.device_epoch_ns != device_epoch_ns_) {  // at the first call
+    drivers::CanCodecConfig codec;
+    codec.epoch_ns = device_epoch_ns_ = devices.device_epoch_ns;
+    decoder_ = drivers::CanSampleDecoder(codec);
+  }
   drivers::CanFrame frame;
   for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)
     take_frame(frame, devices, now_ns);

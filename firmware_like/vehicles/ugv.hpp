@@ -81,6 +81,7 @@ class Ugv final : public Vehicle {
   std::uint64_t scans_unplaced_{};
   // Devices.
   drivers::CanSampleDecoder decoder_;
+  rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   rt::Nanoseconds next_command_ns_{};
   std::uint8_t command_counter_{};

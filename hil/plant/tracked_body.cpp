@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 namespace sortie::hil {
+static_assert(rt::kVehicleParts == kParts, "truth names the parts in the plant's order");
+
 namespace {
 
 rt::Nanoseconds checked(rt::Nanoseconds step_ns) {
@@ -63,6 +65,38 @@ bool TrackedBody::read_flippers(rt::FlipperSample& sample) const {
   for (int i = 0; i < kFlippers; ++i) {
     sample.angle_rad[i] = plant_.state().flipper_rad[i];
     sample.torque_n_m[i] = plant_.flipper_torque_nm(i);
+  }
+  return true;
+}
+
+bool TrackedBody::read_contacts(rt::ContactTruth& truth) const {
+  truth = {};
+  truth.stamp_ns = motion_.stamp_ns;
+  truth.step_ns = step_ns_;
+  for (int i = 0; i < kFlippers; ++i) {
+    truth.flipper_asked_rad[i] = command_.flipper_rad[i];
+    truth.flipper_angle_rad[i] = plant_.state().flipper_rad[i];
+    truth.flipper_torque_n_m[i] = plant_.flipper_torque_nm(i);
+  }
+  const auto put = [](double(&out)[3], const Vec3& v) {
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+  };
+  const ContactList& contacts = plant_.contacts();
+  for (std::uint32_t i = 0; i < contacts.size() && i < plant_.tags().size(); ++i) {
+    const ContactPoint& found = contacts[i];
+    const ContactTag& tag = plant_.tags()[i];
+    if (found.grip == Grip::open && tag.gap_m > 0.0) continue;  // listed because it might have touched
+    rt::TruthContact contact;
+    contact.part = static_cast<rt::VehiclePart>(tag.part);
+    const double load = dot(found.impulse_ns, found.normal);
+    put(contact.point_m, found.point_m + Vec3{0, 0, height_m_});
+    put(contact.normal, found.normal);
+    contact.normal_impulse_n_s = load;
+    put(contact.friction_impulse_n_s, found.impulse_ns - load * found.normal);
+    contact.penetration_m = -tag.gap_m;
+    if (!truth.contacts.push_back(contact)) ++truth.dropped;
   }
   return true;
 }

@@ -36,6 +36,9 @@ class TrackedBody final : public VehicleBody {
 
   const Motion& motion() const override { return motion_; }
   bool read_flippers(rt::FlipperSample& sample) const override;
+  /// Contacts that carry load or overlap, in the plant's order; what is beyond the list is counted. Cost: one
+  /// pass over the plant's list.
+  bool read_contacts(rt::ContactTruth& truth) const override;
   RobotCounters counters() const override { return {drives_.commands(), drives_.stale_steps(), 0}; }
   /// Contacts, energies, slip: what only a simulation knows.
   const TrackedPlant& plant() const { return plant_; }

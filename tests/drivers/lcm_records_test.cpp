@@ -8,6 +8,7 @@
 
 #include "drivers/wire_records.hpp"
 #include "sortie/can_t.hpp"
+#include "sortie/contacts_t.hpp"
 #include "sortie/custom_t.hpp"
 #include "sortie/drive_request_t.hpp"
 #include "sortie/event_t.hpp"
@@ -62,6 +63,7 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintSslCommand, ssl_command_t::getHash()},
       {kFingerprintSslReturns, ssl_returns_t::getHash()},
       {kFingerprintTruth, truth_t::getHash()},
+      {kFingerprintContacts, contacts_t::getHash()},
       {kFingerprintCan, can_t::getHash()},
       {kFingerprintHeader, header_t::getHash()},
       {kFingerprintTick, tick_t::getHash()},

@@ -53,7 +53,7 @@ struct TwoScenes {
   std::string above;
 };
 
-std::string refusal(const std::string& scene) {
+std::string base_refusal(const std::string& scene) {
   return message_of<ProfileError>([&] { static_cast<void>(load_scene(scene)); });
 }
 
@@ -109,7 +109,7 @@ TEST_CASE("a base may have a base and may be a scene of the program, but not its
             .vehicle() == "ugv");
 
   const auto with_base = [&](const std::string& name, const std::string& base) {
-    return refusal(files.folder.write(name, "[scene]\nname = \"x\"\nbase = " + base + "\n"));
+    return base_refusal(files.folder.write(name, "[scene]\nname = \"x\"\nbase = " + base + "\n"));
   };
   CHECK(mentions(with_base("self.toml", "\"self.toml\""), "leads back to"));
   CHECK(mentions(with_base("dot.toml", "\"./dot.toml\""), "stand on each other"));

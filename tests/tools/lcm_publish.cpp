@@ -11,6 +11,7 @@
 
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/wire.hpp"
+#include "drivers/wire_contacts.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -121,6 +122,10 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   send(publisher, kChannelSsl, [&](auto out, auto& size) { return encode(returns, step, out, size); });
   send(publisher, kChannelCustom, [&](auto out, auto& size) { return encode(custom, out, size); });
   send(publisher, kChannelTruth, [&](auto out, auto& size) { return encode(truth, out, size); });
+  rt::ContactTruth contacts;
+  contacts.stamp_ns = robot.stamp_ns;
+  static_cast<void>(contacts.contacts.push_back({}));
+  send(publisher, kChannelContacts, [&](auto out, auto& size) { return encode(contacts, out, size); });
   send(publisher, kChannelCan, [&](auto out, auto& size) { return encode(frame, out, size); });
 }
 

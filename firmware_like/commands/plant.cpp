@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "firmware_like/commands/commands.hpp"
+#include "firmware_like/plant_link.hpp"
+#include "firmware_like/plant_process.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+std::atomic<bool> plant_interrupted{false};
+
+int run_command(const CommandContext& context, PlantOptions& options, bool json) {
+  options.interrupted = &plant_interrupted;
+  options.tell = [&context](const std::string& line) {
+    std::cerr << context.parts.name << " plant: " << line << std::endl;
+  };
+  std::signal(SIGINT, [](int) { plant_interrupted.store(true); });
+  std::signal(SIGTERM, [](int) { plant_interrupted.store(true); });
+  const PlantOutcome outcome = run_plant(context.parts.bench, options);
+  if (json) {
+    std::cout << nlohmann::ordered_json{{"scene", outcome.scene},
+                                        {"bench", outcome.bench},
+                                        {"duration_s", outcome.duration_s},
+                                        {"counters", outcome.counters},
+                                        {"warnings", outcome.warnings}}
+                     .dump(2)
+              << "\n";
+    return 0;
+  }
+  std::printf("plant     %s, %.1f s\n          %s\n", outcome.scene.c_str(), outcome.duration_s,
+              outcome.bench.c_str());
+  for (const auto& [name, value] : outcome.counters)
+    if (value != 0) std::printf("%-28s %llu\n", name.c_str(), static_cast<unsigned long long>(value));
+  for (const std::string& warning : outcome.warnings) std::cerr << "warning: " << warning << "\n";
+  return 0;
+}
+
+}  // namespace
+
+void add_plant(CLI::App& app, CommandContext& context) {
+  struct Options {
+    PlantOptions plant;
+    bool json{};
+  };
+  auto options = std::make_shared<Options>();
+  options->plant.port = kPlantPort;
+  CLI::App* command =
+      app.add_subcommand("plant", "Run a scene's simulated robot alone, for a runtime in another process");
+  command->footer(
+      "Examples:\n"
+      "  sortie plant --scene ugv_pallet --record truth.lcm &\n"
+      "  sortie run --scene ugv_pallet --plant own --record drive.lcm\n"
+      "  sortie replay drive.lcm --truth truth.lcm\n"
+      "  sortie plant --scene ugv_pallet --can vcan0");
+  command->add_option("--scene", options->plant.scene, "Scene by name, or a .toml file")->required();
+  command->add_option("--set", options->plant.overrides, "Override a key of the profile: key=value")
+      ->take_all();
+  command->add_option("--seconds", options->plant.seconds, "How long; 0: until it is interrupted")
+      ->check(CLI::Range(0.0, 1e7))
+      ->capture_default_str();
+  command
+      ->add_option("--port", options->plant.port,
+                   "UDP port of 127.0.0.1 for the bus; the next is the lidar's")
+      ->check(CLI::Range(1024, 65534))
+      ->capture_default_str();
+  command->add_option("--can", options->plant.can_interface, "The bus is this SocketCAN interface instead")
+      ->type_name("IFACE");
+  command->add_option("--record", options->plant.record, "Write the truth: poses, contacts, flippers")
+      ->type_name("LOG");
+  command->add_flag("--json", options->json, "Print one JSON object at the end");
+  command->callback([&context, options] {
+    context.chosen = [&context, options] { return run_command(context, options->plant, options->json); };
+  });
+}
+
+}  // namespace sortie::firmware

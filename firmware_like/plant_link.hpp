@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The runtime's end of what lies between it and a plant in a process of its own: a CAN bus and a lidar.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "drivers/can_datagram.hpp"
+#include "drivers/scan_datagram.hpp"
+
+namespace sortie::firmware {
+
+/// Port on 127.0.0.1 that a plant listens on; the one above it is its lidar's.
+inline constexpr std::uint16_t kPlantPort = 7710;
+
+/// "own", or "own:PORT" for another port than kPlantPort. Throws ProfileError.
+std::uint16_t parse_plant(const std::string& text);
+
+/// Both links of a runtime. Opened at start-up; then one thread polls, and any other may ask for news.
+class PlantLink {
+ public:
+  /// `with_can`: frames come over the link, not over a SocketCAN interface. `scans` may be null: then there
+  /// is no lidar. Stamps count from `start_ns` of CLOCK_MONOTONIC. Throws ProfileError.
+  PlantLink(std::uint16_t port, bool with_can, rt::Nanoseconds start_ns, drivers::ScanSink* scans);
+
+  /// The port on the plant's bus, or null when that is a SocketCAN interface.
+  drivers::CanBus* can() { return with_can_ ? &can_ : nullptr; }
+  /// Takes scans, and notes whether the plant is there. On the thread that polls devices. Real-time safe.
+  void poll(rt::Nanoseconds now_ns);
+  /// One line when the plant has come or gone since the last call, else empty. Any one thread.
+  std::string news();
+
+  void add_counters(std::map<std::string, std::uint64_t>& counters) const;
+  /// What a user should know at the end.
+  std::vector<std::string> warnings() const;
+
+ private:
+  const drivers::DatagramLink& judged() const { return with_can_ ? can_.link() : scans_.link(); }
+
+  std::uint16_t port_;
+  bool with_can_;
+  bool with_scans_;
+  drivers::CanDatagram can_;
+  drivers::ScanReceiver scans_;
+  bool heard_{};                             ///< of the polling thread
+  std::atomic<std::int64_t> changed_ns_{0};  ///< run's clock
+  std::atomic<std::uint32_t> changes_{0};    ///< odd: the plant is there
+  std::atomic<std::uint64_t> silences_{0};
+  std::uint32_t told_{};  ///< of the asking thread
+};
+
+}  // namespace sortie::firmware

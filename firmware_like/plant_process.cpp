@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/plant_process.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "drivers/can_datagram.hpp"
+#include "drivers/can_socket.hpp"
+#include "drivers/lcm_log.hpp"
+#include "drivers/scan_datagram.hpp"
+#include "firmware_like/drive_desk.hpp"
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/log_clock.hpp"
+#include "firmware_like/secret.hpp"
+#include "firmware_like/truth_writer.hpp"
+#include "rt/posix/clock.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+constexpr std::uint32_t kMostScanPoints = 128 * 4096;
+constexpr int kMostFramesPerStep = 256;
+
+// The truth's log: a header without jobs, then events. A kill takes what was written in the last second.
+class PlantLog final : public SampleSink {
+ public:
+  PlantLog(const std::string& path, const Profile& profile, const std::string& source,
+           rt::Nanoseconds utc_minus_log_ns)
+      : writer_(path) {
+    drivers::LogHeader header;
+    header.version = version();
+    header.compiler = compiler_description();
+    header.vehicle = profile.vehicle();
+    header.scene = profile.name();
+    header.scene_toml = profile.canonical();
+    header.scene_hash = static_cast<std::int64_t>(profile.hash());
+    header.base_tick_ns = rt::kNanosecondsPerMillisecond;
+    header.utc_minus_monotonic_ns = utc_minus_log_ns;
+    header.source = source;
+    std::vector<std::uint8_t> message(drivers::encoded_bytes(header));
+    std::size_t size = 0;
+    if (drivers::encode(header, message, size) != Status::ok)
+      throw std::runtime_error(
+          path + ": the log's header cannot be encoded; a text in the profile holds a zero byte");
+    sample(std::string(drivers::kChannelHeader), 0, {message.data(), size});
+  }
+  void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
+              std::span<const std::uint8_t> message) override {
+    // A disk that is full says so in error(), and the log keeps what it has.
+    static_cast<void>(writer_.append(channel, stamp_ns / rt::kNanosecondsPerMicrosecond, message));
+    if (stamp_ns < next_flush_ns_) return;
+    next_flush_ns_ = stamp_ns + rt::kNanosecondsPerSecond;
+    static_cast<void>(writer_.flush());
+  }
+  std::string close() {
+    static_cast<void>(writer_.close());
+    return writer_.error();
+  }
+
+ private:
+  drivers::LcmLogWriter writer_;
+  rt::Nanoseconds next_flush_ns_{};
+};
+
+// The bus that the runtime is on, and the simulated one that the plant is on, are one bus.
+void carry_frames(drivers::CanBus& from, drivers::CanBus& to) {
+  drivers::CanFrame frame;
+  for (int i = 0; i < kMostFramesPerStep && from.receive(frame) == Status::ok; ++i) {
+    frame.stamp_ns = 0;                 // of the other clock; on the bus at once
+    static_cast<void>(to.send(frame));  // refusals are counted by both
+  }
+}
+
+drivers::DatagramLinkConfig listening(std::uint16_t port) {
+  drivers::DatagramLinkConfig config;
+  config.port = port;
+  config.listens = true;
+  config.session = static_cast<std::uint64_t>(unguessable_number());
+  return config;
+}
+
+void require(Status status, const std::string& option, const std::string& problem) {
+  if (status != Status::ok) throw ProfileError(option + ": " + problem);
+}
+
+// The runtime as the plant sees it: there, or not.
+class PeerWatch {
+ public:
+  explicit PeerWatch(const PlantOptions& options) : options_(options) {}
+  void look(const drivers::DatagramLink& link, rt::Nanoseconds now_ns) {
+    if (link.has_peer() == there_) return;
+    there_ = link.has_peer();
+    if (!options_.tell) return;
+    const std::string when = std::to_string(now_ns / rt::kNanosecondsPerMillisecond) + " ms";
+    options_.tell(there_ ? "a runtime is heard at " + when
+                         : "the runtime has gone at " + when + "; its drives stop by their own rule");
+  }
+
+ private:
+  const PlantOptions& options_;
+  bool there_{};
+};
+
+}  // namespace
+
+PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& options) {
+  Profile profile = load_scene(options.scene, options.overrides);
+  drivers::ScanSender scans(kMostScanPoints);
+  const std::unique_ptr<BenchRobot> bench = bench_factory ? bench_factory(profile, &scans) : nullptr;
+  if (!bench || bench->vehicle_can() == nullptr)
+    throw ProfileError(options.scene +
+                       ": `plant` needs a scene with a simulated robot ([hil]) that has a bus");
+  profile.refuse_unknown_keys("hil");
+
+  std::string problem;
+  const std::string lidar_port = std::to_string(options.port + 1);
+  // The clock of the devices is the machine's, as whole milliseconds of it are steps.
+  const rt::Nanoseconds now_ns = rt::posix::monotonic_now();
+  const rt::Nanoseconds zero_ns = now_ns - now_ns % rt::kNanosecondsPerMillisecond;
+  drivers::CanDatagram datagrams;
+  drivers::SocketCan interface;
+  if (options.can_interface.empty()) {
+    require(datagrams.open(listening(options.port), zero_ns, problem),
+            "--port " + std::to_string(options.port), problem);
+  } else {
+    drivers::SocketCanConfig config;
+    config.interface = options.can_interface;
+    config.epoch_ns = zero_ns;
+    require(interface.open(config, problem), "--can " + options.can_interface, problem);
+  }
+  require(scans.open(listening(static_cast<std::uint16_t>(options.port + 1)), zero_ns, problem),
+          "--port " + std::to_string(options.port) + ", lidar on " + lidar_port, problem);
+  drivers::CanBus& outside = options.can_interface.empty() ? static_cast<drivers::CanBus&>(datagrams)
+                                                           : static_cast<drivers::CanBus&>(interface);
+  const drivers::DatagramLink& judged = options.can_interface.empty() ? datagrams.link() : scans.link();
+  bench->set_device_clock(zero_ns);
+
+  PlantOutcome outcome;
+  outcome.scene = profile.name();
+  outcome.bench = bench->describe();
+  std::unique_ptr<PlantLog> log;
+  if (!options.record.empty()) {
+    const rt::Nanoseconds utc = rt::posix::utc_minus_monotonic() + zero_ns;
+    log = std::make_unique<PlantLog>(options.record, profile, outcome.bench, utc);
+    write_log_clock(*log, zero_ns, utc);
+  }
+  TruthWriter truth;
+  PeerWatch peer(options);
+  const auto length_ns = static_cast<rt::Nanoseconds>(options.seconds * 1e9);
+  rt::Nanoseconds next_ns = zero_ns;
+  rt::Nanoseconds since_ns = 0;
+  std::uint64_t late = 0;
+  while ((options.interrupted == nullptr || !options.interrupted->load()) &&
+         (length_ns == 0 || since_ns < length_ns)) {
+    rt::posix::sleep_until(next_ns);
+    const rt::Nanoseconds woke_ns = rt::posix::monotonic_now();
+    if (woke_ns - next_ns > 10 * rt::kNanosecondsPerMillisecond) ++late;
+    since_ns = woke_ns - zero_ns;
+    carry_frames(outside, *bench->vehicle_can());
+    bench->step(since_ns);
+    carry_frames(*bench->vehicle_can(), outside);
+    scans.poll();
+    truth.note(*bench, since_ns, log.get());
+    peer.look(judged, since_ns);
+    next_ns = std::max(next_ns + rt::kNanosecondsPerMillisecond, woke_ns);
+  }
+  outcome.duration_s = static_cast<double>(since_ns) * 1e-9;
+  bench->add_counters(outcome.counters);
+  if (options.can_interface.empty()) {
+    add_counters("can_", datagrams.link().counters(), outcome.counters);
+    add_counters("can_", datagrams.datagram_counters(), outcome.counters);
+  }
+  add_counters("lidar_", scans.link().counters(), outcome.counters);
+  add_counters("scan_", scans.counters(), outcome.counters);
+  outcome.counters["late_wakes"] = late;
+  outcome.counters["truth_contacts_dropped"] = truth.contacts_dropped;
+  if (judged.counters().peers == 0) outcome.warnings.push_back("no runtime was heard");
+  if (late != 0)
+    outcome.warnings.push_back("woke " + std::to_string(late) +
+                               " times more than 10 ms late; the sensors' samples came late as well");
+  if (log)
+    if (const std::string error = log->close(); !error.empty()) outcome.warnings.push_back(error);
+  return outcome;
+}
+
+}  // namespace sortie::firmware

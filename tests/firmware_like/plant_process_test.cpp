@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A plant and a runtime that know each other by datagrams alone. Here both are in one process, on threads of
+// their own; tests/plant_test.py starts two, and kills them.
+#include "firmware_like/plant_process.hpp"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <mutex>
+#include <thread>
+
+#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/log_clock.hpp"
+#include "firmware_like/plant_link.hpp"
+#include "tests/drivers/scripted_peer.hpp"
+#include "tests/firmware_like/run_support.hpp"
+
+using namespace sortie;
+using namespace sortie::firmware;
+using namespace sortie::testing;
+
+namespace {
+
+// A port whose neighbour is free as well.
+std::uint16_t two_free_ports() {
+  for (int i = 0; i < 100; ++i) {
+    const test::LoopbackSocket first;
+    if (first.port() == 65535) continue;
+    const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in name{};
+    name.sin_family = AF_INET;
+    name.sin_port = htons(static_cast<std::uint16_t>(first.port() + 1));
+    name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const bool good = ::bind(fd, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0;
+    ::close(fd);
+    if (good) return first.port();
+  }
+  FAIL("no two free ports side by side");
+  return 0;
+}
+
+const std::vector<std::string> kBriskPallet = {"hil.lidar_rows=4", "hil.lidar_columns=90",
+                                               "mission.commands=[{at_s=0.3,speed_m_s=0.3},{at_s=60.0}]"};
+
+// A plant on a thread until it is ended.
+class PlantThread {
+ public:
+  PlantThread(std::uint16_t port, const std::string& record)
+      : thread_([this, port, record] {
+          PlantOptions options;
+          options.scene = "ugv_pallet";
+          options.overrides = kBriskPallet;
+          options.port = port;
+          options.record = record;
+          options.interrupted = &enough_;
+          options.tell = [this](const std::string& line) {
+            if (line.find("is heard") != std::string::npos) heard_.store(true);
+          };
+          outcome_ = run_plant(make_own_bench, options);
+        }) {}
+  ~PlantThread() { static_cast<void>(end()); }
+  PlantThread(const PlantThread&) = delete;
+  PlantThread& operator=(const PlantThread&) = delete;
+  /// Waits until it has met a runtime; however long that takes on a busy machine, within a minute.
+  bool wait_until_heard() const {
+    for (int i = 0; i < 6000 && !heard_.load(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return heard_.load();
+  }
+  const PlantOutcome& end() {
+    enough_.store(true);
+    if (thread_.joinable()) thread_.join();
+    return outcome_;
+  }
+
+ private:
+  std::atomic<bool> enough_{false};
+  std::atomic<bool> heard_{false};
+  PlantOutcome outcome_;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+LiveRunOptions against(std::uint16_t port, double seconds, const std::string& record) {
+  LiveRunOptions options;
+  options.scene = "ugv_pallet";
+  options.overrides = kBriskPallet;
+  options.seconds = seconds;
+  options.realtime = false;
+  options.record = record;
+  options.lcm_url = "none";
+  options.plant = "own:" + std::to_string(port);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a runtime drives a plant by datagrams, its log replays, and the plant's log tells how well it knew") {
+  const TempFolder folder;
+  const std::uint16_t port = two_free_ports();
+  const bool counts_heap = watch_heap();
+  LiveRunOutcome run;
+  PlantOutcome plant;
+  run = undisturbed(std::chrono::milliseconds(200), [&] {
+    PlantThread beside(port, folder.file("plant.lcm"));
+    LiveRunOutcome outcome =
+        run_live(own_vehicles(), make_own_bench, against(port, 3, folder.file("run.lcm")));
+    plant = beside.end();
+    return outcome;
+  });
+  const auto& counters = run.results.counters;
+  if (counts_heap) CHECK(counters.at("heap_calls") == 0);
+  CHECK(counters.at("plant_can_peers") == 1);
+  CHECK(counters.at("plant_can_foreign") == 0);
+  // How much was driven needs a machine on which the plant keeps up, an emulator may not be one.
+  const bool kept_up = plant.counters.at("late_wakes") == 0 && plant.counters.at("bench_late_steps") < 300;
+  if (!kept_up)
+    WARN("this machine is too slow for a plant in real time; only what must always hold is checked");
+  if (kept_up) {
+    CHECK(counters.at("plant_can_lost") == 0);
+    CHECK(counters.at("imu_used") > 450);
+    CHECK(counters.at("track_used") > 230);
+    CHECK(counters.at("scans") > 20);
+    CHECK(plant.counters.at("bench_commands") > 200);
+    CHECK(plant.warnings.empty());
+  }
+  CHECK(run.truth.empty());  // the runtime does not know it
+
+  ReplayOptions options;
+  options.truth = folder.file("plant.lcm");
+  const ReplayOutcome replayed = replay_log(folder.file("run.lcm"), options);
+  CHECK(complaint_of(replayed).empty());
+  CHECK(replayed.results.digest == run.results.digest);
+  if (kept_up) {
+    CHECK(replayed.truth.size() > 250);
+    CHECK(replayed.contacts.size() > 250);
+    CHECK(replayed.evaluation.errors.at("distance_m") > 0.5);
+    CHECK(replayed.evaluation.errors.at("ate_max_m") < 0.05);
+  }
+  CHECK_FALSE(mentions(replayed.results.warnings, "UTC"));
+
+  // The stamps of both are of one clock: what the tracks say they travelled is what the truth did then.
+  const ClockOffset offset = clock_offset(LogFile(folder.file("run.lcm")), LogFile(folder.file("plant.lcm")));
+  CHECK(offset.exact);
+
+  // Logs that do not belong together, and one without truth.
+  CHECK(mentions(message_of<InputError>([&] {
+                   options.truth = folder.file("run.lcm");
+                   static_cast<void>(replay_log(folder.file("run.lcm"), options));
+                 }),
+                 "holds no truth"));
+  CHECK(mentions(message_of<InputError>([&] {
+                   options.truth = folder.file("plant.lcm");
+                   static_cast<void>(replay_log(two_seconds().log, options));
+                 }),
+                 "does not say when"));
+}
+
+TEST_CASE("without a plant the robot stands, and the run says so, and a plant may come later") {
+  const std::uint16_t port = two_free_ports();
+  const LiveRunOutcome alone = run_live(own_vehicles(), make_own_bench, against(port, 0.4, ""));
+  CHECK(mentions(alone.results.warnings, "no plant was heard on port " + std::to_string(port)));
+  CHECK(alone.results.counters.at("imu_used") == 0);
+  CHECK(alone.results.counters.at("commands_refused") > 0);
+
+  // Long enough that a plant which comes late is heard, on a machine however busy.
+  LiveRunOptions options = against(port, 600, "");
+  std::atomic<bool> enough{false};
+  options.interrupted = &enough;
+  LiveRunOutcome run;
+  std::thread runtime([&] { run = run_live(own_vehicles(), make_own_bench, options); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  PlantOutcome last;
+  for (int life = 0; life < 2; ++life) {
+    PlantThread plant(port, "");
+    CHECK(plant.wait_until_heard());
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+    last = plant.end();
+  }
+  enough.store(true);
+  runtime.join();
+  CHECK(last.counters.at("can_peers") == 1);
+  CHECK(last.counters.at("bench_commands") > 0);
+  CHECK(run.results.counters.at("plant_can_peers") == 2);
+  CHECK(run.results.counters.at("imu_used") > 0);
+  CHECK(mentions(run.results.warnings, "the plant was restarted 1 times"));
+  CHECK(mentions(run.results.warnings, "went silent"));
+}
+
+TEST_CASE("where a plant runs is checked, and it keeps its port to itself") {
+  CHECK(parse_plant("own") == kPlantPort);
+  CHECK(parse_plant("own:2000") == 2000);
+  for (const char* text :
+       {"", "mine", "own:", "own:0", "own:1023", "own:65535", "own:70000", "own:20x", "own: 20"})
+    CHECK_THROWS_AS(parse_plant(text), ProfileError);
+  LiveRunOptions options = against(kPlantPort, 1, "");
+  options.virtual_time = true;
+  CHECK(mentions(message_of<ProfileError>([&] { run_live(own_vehicles(), make_own_bench, options); }),
+                 "--virtual has its plant inside"));
+  const test::LoopbackSocket taken;
+  PlantOptions plant;
+  plant.scene = "ugv_pallet";
+  plant.seconds = 0.01;
+  plant.port = taken.port();
+  CHECK(mentions(message_of<ProfileError>([&] { run_plant(make_own_bench, plant); }),
+                 "is another plant running"));
+  plant.scene = "imu_bench";
+  CHECK(mentions(message_of<ProfileError>([&] { run_plant(make_own_bench, plant); }), "simulated robot"));
+}
+
+TEST_CASE("logs are laid side by side by the machine's clock, else by their dates") {
+  const TempFolder folder;
+  const auto write_log = [&](const std::string& name, std::int64_t utc, const char* boot, std::int64_t zero) {
+    drivers::LcmLogWriter writer(folder.file(name));
+    drivers::LogHeader header;
+    header.utc_minus_monotonic_ns = utc;
+    std::vector<std::uint8_t> bytes(4096);
+    std::size_t size = 0;
+    REQUIRE(drivers::encode(header, bytes, size) == Status::ok);
+    REQUIRE(writer.append(drivers::kChannelHeader, 0, {bytes.data(), size}) == Status::ok);
+    if (boot != nullptr) {
+      REQUIRE(drivers::encode(drivers::EventRecord{0, 0, "clock", boot, zero, ""}, bytes, size) ==
+              Status::ok);
+      REQUIRE(writer.append(drivers::kChannelEvent, 0, {bytes.data(), size}) == Status::ok);
+    }
+    REQUIRE(writer.close() == Status::ok);
+    return LogFile(folder.file(name));
+  };
+  const LogFile run = write_log("a", 1'000'000'000'000, "boot-1", 5'000'000'000);
+  const LogFile same = write_log("b", 1'000'200'000'000, "boot-1", 5'000'000'123);
+  CHECK(clock_offset(run, same).exact);
+  CHECK(clock_offset(run, same).offset_ns == 123);
+  CHECK(clock_offset(same, run).offset_ns == -123);
+  const LogFile other = write_log("c", 1'000'200'000'000, "boot-2", 5'000'000'123);
+  CHECK_FALSE(clock_offset(run, other).exact);
+  CHECK(clock_offset(run, other).offset_ns == 200'000'000);
+  const LogFile silent = write_log("d", 0, nullptr, 0);
+  CHECK(mentions(message_of<InputError>([&] { static_cast<void>(clock_offset(run, silent)); }),
+                 "does not say when"));
+}

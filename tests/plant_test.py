@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+# A plant and a runtime as two processes: a drive, its replay, its errors against the plant's own log, and what happens when
+# either is killed. Usage: plant_test.py PROGRAM [ARGUMENT...] (an emulator may stand before the program).
+#
+# What must hold on any machine, however busy, is checked always. What needs the machine to be there is gathered beside a
+# witness that measures whether it was, and gathered again if not.
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+PROGRAM = sys.argv[1:]
+work = pathlib.Path(tempfile.mkdtemp(prefix="sortie-plant-"))
+os.chdir(work)
+failures = []
+checks = 0
+SCENE = ["--scene", "ugv_pallet", "--set", "hil.lidar_rows=4", "--set", "hil.lidar_columns=90"]
+# Drives at once, over the pallet.
+MISSION = ["--set", 'mission.commands=[{at_s=0.3,posture="climb"},{at_s=0.5,speed_m_s=0.3},{at_s=100.0}]']
+
+
+def check(good, what, *shown):
+    global checks
+    checks += 1
+    if not good:
+        failures.append(what)
+        print("FAILED", what, *shown)
+
+
+class Witness:
+    """The longest time that this process was away, measured by a thread that sleeps a millisecond at a time."""
+
+    def __enter__(self):
+        self.longest_s, self.ended = 0.0, False
+        self.thread = threading.Thread(target=self.watch)
+        self.thread.start()
+        return self
+
+    def watch(self):
+        before = time.monotonic()
+        while not self.ended:
+            time.sleep(0.001)
+            now = time.monotonic()
+            self.longest_s, before = max(self.longest_s, now - before), now
+
+    def __exit__(self, *_):
+        self.ended = True
+        self.thread.join()
+
+
+def two_free_ports():
+    for _ in range(100):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as first, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as second:
+            first.bind(("127.0.0.1", 0))
+            try:
+                second.bind(("127.0.0.1", first.getsockname()[1] + 1))
+            except OSError:
+                continue
+            return first.getsockname()[1]
+    sys.exit("no two free ports side by side")
+
+
+class Child:
+    """A command of the program; its stderr is read line by line as it comes."""
+
+    def __init__(self, *arguments):
+        self.process = subprocess.Popen(PROGRAM + [str(a) for a in arguments], stdin=subprocess.DEVNULL, text=True,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.lines = []
+        self.reader = threading.Thread(target=lambda: self.lines.extend(iter(self.process.stderr.readline, "")))
+        self.reader.start()
+
+    def wait_for(self, text, seconds=60):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if any(text in line for line in list(self.lines)):
+                return True
+            if self.process.poll() is not None and not self.reader.is_alive():
+                break
+            time.sleep(0.02)
+        return any(text in line for line in self.lines)
+
+    def end(self, sign=None):
+        if sign is not None and self.process.poll() is None:
+            self.process.send_signal(sign)
+        output = self.process.stdout.read()
+        self.code = self.process.wait(timeout=120)
+        self.reader.join()
+        try:
+            return json.loads(output)
+        except ValueError:
+            return {}
+
+
+def call(*arguments, code=0):
+    result = subprocess.run(PROGRAM + [str(a) for a in arguments], capture_output=True, text=True, timeout=300,
+                            stdin=subprocess.DEVNULL)
+    check(result.returncode == code, f"sortie {' '.join(map(str, arguments))}: exit {result.returncode}", result.stderr[:800])
+    return result
+
+
+def answer(*arguments):
+    try:
+        return json.loads(call(*arguments, "--json").stdout)
+    except ValueError:
+        return {}
+
+
+def poses(log):
+    """Truth of a plant's log: (time in s, x, y, z)."""
+    return [tuple(map(float, line.split()[:4])) for line in call("export", "tum", log, "--task", "truth").stdout.splitlines()
+            if line and not line.startswith("#")]
+
+
+def speed(path, since_s, until_s):
+    part = [p for p in path if since_s <= p[0] <= until_s]
+    if len(part) < 2:
+        return None
+    way = sum((a[i] - b[i]) ** 2 for a, b in [(part[0], part[-1])] for i in (1, 2, 3)) ** 0.5
+    return way / (part[-1][0] - part[0][0])
+
+
+def plant(port, *more):
+    return Child("plant", *SCENE, "--port", port, "--json", *more)
+
+
+def runtime(port, seconds, *more):
+    return Child("run", *SCENE, *MISSION, "--plant", f"own:{port}", "--seconds", seconds, "--no-rt", "--lcm-url", "none",
+                 "--json", *more)
+
+
+def drive():
+    """Five seconds with both processes, runtime first. Invariants are checked here; the rest is returned."""
+    port = two_free_ports()
+    with Witness() as witness:
+        ours = runtime(port, 5, "--record", "drive.lcm")
+        beside = plant(port, "--record", "truth.lcm")
+        run = ours.end()
+        sim = beside.end(signal.SIGTERM)
+    check(ours.code == 0 and beside.code == 0, f"both end well: {ours.code} {beside.code}", ours.lines, beside.lines)
+    verdict = answer("check", "drive.lcm", "--truth", "truth.lcm")
+    check(verdict.get("passed") is True and verdict.get("digest") == run.get("digest"), "the drive replays to its digest",
+          verdict.get("failures"))
+    counters = run.get("counters", {})
+    check(counters.get("heap_calls", 0) == 0, "heap calls of a drive")
+    # The sums fit, whatever came late: what one end sent the other took, or it was lost and counted.
+    check(counters.get("plant_can_foreign", 1) == 0 and counters.get("plant_can_oversized", 1) == 0, "refusals", counters)
+    missed = sum(task["missed"] for task in run.get("tasks", []))
+    late = sim.get("counters", {}).get("late_wakes", 0)
+    return run, sim, verdict, witness.longest_s < 0.1 and late == 0 and missed < 50, (witness.longest_s, late, missed)
+
+
+for attempt in range(6):
+    run, sim, verdict, calm, seen = drive()
+    if calm:
+        break
+    print("disturbed: away for %.2f s, the plant woke late %d times, %d jobs missed" % seen)
+inside = answer("run", *SCENE, *MISSION, "--seconds", "5", "--virtual", "--lcm-url", "none")
+if calm:
+    errors, usual = verdict.get("errors", {}), inside.get("errors", {})
+    check(errors.get("distance_m", 0) > 0.5, "it drove", errors)
+    for name, room in (("ate_max_m", 0.02), ("inclination_max_deg", 0.5), ("heading_max_deg", 0.5)):
+        check(errors.get(name, 99) < 1.5 * usual.get(name, 0) + room, f"{name} with two processes", errors, usual)
+    check(run["counters"].get("plant_can_lost") == 0 and run["counters"].get("scans", 0) > 10, "frames and scans", run["counters"])
+    check(sim["counters"].get("bench_commands", 0) > 300, "commands", sim.get("counters"))
+else:
+    print("left out: figures of a drive, this machine does not stay")
+check(len(call("export", "csv", "truth.lcm", "--task", "truth_contacts").stdout.splitlines()) > 1000, "contacts in the plant's log")
+call("report", "drive.lcm", "--truth", "truth.lcm", "--out", "page")
+page = pathlib.Path("page/report.html").read_text()
+check("Contacts by part" in page and "Flipper torques" in page, "contacts in the report")
+both = answer("diff", "drive.lcm", "drive.lcm", "--truth", "truth.lcm", "truth.lcm")
+check(both.get("same_digest") is True and both.get("first", {}).get("errors") == both.get("second", {}).get("errors") != {},
+      "diff with the truth of a plant")
+
+# The runtime is killed in full drive: the drives stop by their own silence rule. Its successor drives on.
+port = two_free_ports()
+beside = plant(port, "--record", "kill.lcm")
+first = runtime(port, 100)
+check(first.wait_for("the plant is heard"), "the runtime hears the plant", first.lines)
+time.sleep(2.5)
+first.end(signal.SIGKILL)
+check(first.code in (-signal.SIGKILL, 128 + signal.SIGKILL), "killed")
+check(beside.wait_for("the runtime has gone"), "the plant notices", beside.lines)
+time.sleep(1.5)
+second = runtime(port, 3, "--record", "second.lcm")
+run = second.end()
+sim = beside.end(signal.SIGTERM)
+check(beside.code == 0 and second.code == 0, "plant and second runtime end well", second.lines, beside.lines)
+check(sim.get("counters", {}).get("can_peers") == 2, "two runtimes were met", sim.get("counters"))
+check(sim.get("counters", {}).get("bench_drive_stale_ms", 0) > 500, "the silence rule was at work", sim.get("counters"))
+gone_s = [int(line.split(" at ")[1].split()[0]) * 1e-3 for line in beside.lines if "has gone" in line][0]
+path = poses("kill.lcm")
+zero_s = path[0][0] - 0.001  # the log's times may be dates
+# Found gone after 0.5 s of silence; until then the drives (0.2 s, then a ramp of 2 m/s2) have stopped, by the plant's own clock.
+still = speed(path, zero_s + gone_s + 0.4, zero_s + gone_s + 1.2)
+check(still is not None and still < 1e-3, "the robot stands after its runtime was killed", still)
+fastest = max(speed(path, zero_s + t / 10, zero_s + t / 10 + 0.3) or 0 for t in range(int(10 * gone_s)))
+check(fastest > 0.05, "it drove until then", fastest)
+check(answer("check", "second.lcm").get("passed") is True, "the second runtime's log replays")
+
+# The plant is killed: the runtime finds its sensors stale, brakes, says so and goes on; with a new plant it drives again.
+port = two_free_ports()
+beside = plant(port, "--record", "cut.lcm")
+ours = runtime(port, 100, "--record", "silent.lcm")
+check(ours.wait_for("the plant is heard"), "the runtime hears the plant", ours.lines)
+time.sleep(2.0)
+beside.end(signal.SIGKILL)
+check(ours.wait_for("the plant has gone silent"), "the runtime tells that its plant is gone", ours.lines)
+beside = plant(port)
+check(beside.wait_for("a runtime is heard"), "the new plant hears the runtime", beside.lines)
+time.sleep(2.5)
+run = ours.end(signal.SIGINT)
+sim = beside.end(signal.SIGTERM)
+check(ours.code == 0, "the runtime ends well", ours.lines)
+counters = run.get("counters", {})
+check(counters.get("stale_IMU", 0) > 100 and counters.get("drive_stops_imu_stale", 0) >= 1, "stale sensors stop the drive", counters)
+check(counters.get("plant_can_peers") == 2, "two plants were met", counters)
+check(any("restarted 1 times" in w for w in run.get("warnings", [])) and any("went silent" in w for w in run.get("warnings", [])),
+      "the closing words", run.get("warnings"))
+check(sim.get("counters", {}).get("bench_commands", 0) > 0, "the new plant is driven", sim.get("counters"))
+check(answer("check", "silent.lcm").get("passed") is True, "a log across a plant's death replays")
+call("export", "tum", "cut.lcm", "--task", "truth", "--accept-damage")
+
+# What is wrong is told in one line, with exit code 2.
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+    taken.bind(("127.0.0.1", 0))
+    result = call("plant", *SCENE, "--port", min(taken.getsockname()[1], 65534), "--seconds", "1", code=2)
+    check("is another plant running" in result.stderr and len(result.stderr.splitlines()) == 1, "a port that is taken", result.stderr)
+for wrong in ("mine", "own:80", "own:65535"):
+    check("own:PORT" in call("run", *SCENE, "--plant", wrong, code=2).stderr, f"--plant {wrong}")
+call("run", *SCENE, "--plant", "own", "--virtual", code=2)
+check("simulated robot" in call("plant", "--scene", "imu_bench", code=2).stderr, "a scene without a robot")
+check("unknown key hil.frictoin" in call("plant", *SCENE, "--set", "hil.frictoin=1", code=2).stderr, "a key that is misspelt")
+call("plant", *SCENE, "--can", "can9", "--seconds", "1", code=2)
+call("replay", "drive.lcm", "--truth", "absent.lcm", code=3)
+check("holds no truth" in call("replay", "drive.lcm", "--truth", "drive.lcm", code=3).stderr, "a log without truth")
+check("of another time" in call("replay", "drive.lcm", "--truth", "kill.lcm", code=3).stderr, "truth of another time")
+
+shutil.rmtree(work, ignore_errors=True)
+print(f"{checks - len(failures)} of {checks} checks passed")
+sys.exit(1 if failures else 0)
