@@ -8,6 +8,7 @@
 
 #include "firmware_like/vehicle.hpp"
 #include "rt/contact_truth.hpp"
+#include "rt/sensor_truth.hpp"
 
 namespace sortie::firmware {
 
@@ -24,7 +25,12 @@ class BenchRobot {
     static_cast<void>(truth);
     return false;
   }
-  /// Least time between two of those in a log; 0: they are not written.
+  /// Truth of the newest IMU interval and of the belts; false if this robot knows of none.
+  virtual bool sensors(rt::SensorTruth& truth) const {
+    static_cast<void>(truth);
+    return false;
+  }
+  /// Least time between two records of contacts in a log; 0: they are not written.
   virtual rt::Nanoseconds contacts_every_ns() const { return 0; }
   /// Says what the clock of its devices reads at time 0 of step(), where that is not 0: in a process of its
   /// own it is CLOCK_MONOTONIC. Before the first step.

@@ -112,6 +112,11 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
     throw ProfileError(options.scene +
                        ": `plant` needs a scene with a simulated robot ([hil]) that has a bus");
   profile.refuse_unknown_keys("hil");
+  if (bench->vehicle_ssl() != nullptr) {
+    throw ProfileError(options.scene +
+                       ": the solid-state lidar has no link between processes; run this scene in one "
+                       "(`sortie run`), or add --set hil.ssl.enabled=false");
+  }
 
   std::string problem;
   const std::string lidar_port = std::to_string(options.port + 1);

@@ -183,7 +183,8 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
     recorder = std::make_unique<FlightRecorder>(runtime, recording,
                                                 make_header(runtime, "replay of " + log.path(), 0));
     for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
-    for (const std::string_view channel : {drivers::kChannelTruth, drivers::kChannelContacts}) {
+    for (const std::string_view channel :
+         {drivers::kChannelTruth, drivers::kChannelContacts, drivers::kChannelSensorTruth}) {
       for (const StoredEvent& stored : log.channel(std::string(channel))) {
         recorder->sample(std::string(channel), stored.timestamp_us * rt::kNanosecondsPerMicrosecond,
                          stored.message);

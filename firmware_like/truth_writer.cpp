@@ -2,6 +2,7 @@
 #include "firmware_like/truth_writer.hpp"
 
 #include "drivers/wire_contacts.hpp"
+#include "drivers/wire_sensor_truth.hpp"
 
 namespace sortie::firmware {
 
@@ -11,6 +12,7 @@ constexpr rt::Nanoseconds kPoseEvery = 10 * rt::kNanosecondsPerMillisecond;
 
 void TruthWriter::note(const BenchRobot& bench, rt::Nanoseconds now_ns, SampleSink* sink) {
   note_contacts(bench, now_ns, sink);
+  if (sink != nullptr) note_sensors(bench, now_ns, *sink);
   const rt::TruthSample sample = bench.truth();
   if (sample.flags == 0 || sample.stamp_ns < next_pose_ns_) return;
   next_pose_ns_ = sample.stamp_ns + kPoseEvery;
@@ -20,6 +22,16 @@ void TruthWriter::note(const BenchRobot& bench, rt::Nanoseconds now_ns, SampleSi
   std::size_t size = 0;
   if (drivers::encode(sample, message, size) == Status::ok)
     sink->sample(std::string(drivers::kChannelTruth), now_ns, {message, size});
+}
+
+void TruthWriter::note_sensors(const BenchRobot& bench, rt::Nanoseconds now_ns, SampleSink& sink) {
+  rt::SensorTruth truth;
+  if (!bench.sensors(truth) || truth.stamp_ns == last_sensors_ns_) return;
+  last_sensors_ns_ = truth.stamp_ns;
+  std::uint8_t message[drivers::kMaxSensorTruthBytes];
+  std::size_t size = 0;
+  if (drivers::encode(truth, sensor_records_++, message, size) == Status::ok)
+    sink.sample(std::string(drivers::kChannelSensorTruth), now_ns, {message, size});
 }
 
 void TruthWriter::note_contacts(const BenchRobot& bench, rt::Nanoseconds now_ns, SampleSink* sink) {

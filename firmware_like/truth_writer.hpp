@@ -8,8 +8,8 @@
 
 namespace sortie::firmware {
 
-/// Notes the truth after each step of the robot: the pose every 10 ms, contacts as often as the robot says.
-/// One thread. What is kept is bounded, however long the run.
+/// Notes the truth after each step of the robot: the pose every 10 ms, contacts as often as the robot says,
+/// sensors with each IMU sample. One thread. What is kept is bounded, however long the run.
 class TruthWriter {
  public:
   /// `sink`: where messages go, or null.
@@ -20,10 +20,13 @@ class TruthWriter {
   std::uint64_t contacts_dropped{};  ///< in what was noted: beyond the list of a record
 
  private:
+  void note_sensors(const BenchRobot& bench, rt::Nanoseconds now_ns, SampleSink& sink);
   void note_contacts(const BenchRobot& bench, rt::Nanoseconds now_ns, SampleSink* sink);
 
   rt::Nanoseconds next_pose_ns_{};
   rt::Nanoseconds next_contacts_ns_{};
+  rt::Nanoseconds last_sensors_ns_{};
+  std::int64_t sensor_records_{};
 };
 
 }  // namespace sortie::firmware

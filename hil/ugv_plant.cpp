@@ -96,12 +96,42 @@ void UgvPlant::step_once() {
   sensors.after = after;
   note_flippers(sensors.after_flipper_rad);
   inertia_.add(sensors.before, after);
+  move_ground(sensors.before, after);
   fire_rays(sensors);
   const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
   if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
   if (since_start_ns % track_period_ns_ != 0) return;
   send_tracks(since_start_ns);
   send_flippers();
+}
+
+// How far the body went over the middle lines of its tracks; by the mean of the speeds at both ends.
+void UgvPlant::move_ground(const Motion& before, const Motion& after) {
+  const double side_m =
+      scene_ ? config_.tracked.plant.vehicle.track_centre_m.y : 0.5 * config_.robot.track_distance_m;
+  const double dt_s = rt::to_seconds(after.stamp_ns - before.stamp_ns);
+  const double ahead_m_s = 0.5 * (rotate(conjugate(before.q_world_body), before.v_world_m_s).x +
+                                  rotate(conjugate(after.q_world_body), after.v_world_m_s).x);
+  const double turn_rad_s = 0.5 * (before.w_body_rad_s.z + after.w_body_rad_s.z);
+  ground_left_m_ += dt_s * (ahead_m_s - side_m * turn_rad_s);
+  ground_right_m_ += dt_s * (ahead_m_s + side_m * turn_rad_s);
+}
+
+void UgvPlant::note_sensor_truth(const InertialTruth& truth) {
+  const auto put = [](const Vec3& v, double(&out)[3]) {
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+  };
+  sensor_truth_.stamp_ns = now_ns();
+  put(truth.gyr_rad_s, sensor_truth_.gyr_rad_s);
+  put(truth.acc_m_s2, sensor_truth_.acc_m_s2);
+  put(imu_.gyr_bias_rad_s(), sensor_truth_.gyr_bias_rad_s);
+  put(imu_.acc_bias_m_s2(), sensor_truth_.acc_bias_m_s2);
+  sensor_truth_.belt_left_m = body_->motion().left_m;
+  sensor_truth_.belt_right_m = body_->motion().right_m;
+  sensor_truth_.ground_left_m = ground_left_m_;
+  sensor_truth_.ground_right_m = ground_right_m_;
 }
 
 // A robot without moving flippers holds them where it began.
@@ -159,11 +189,14 @@ bool UgvPlant::take_flippers(const drivers::CanFrame& frame) {
 }
 
 void UgvPlant::send_imu(rt::Nanoseconds since_start_ns) {
-  InertialTruth truth = inertia_.take();
+  const InertialTruth exact = inertia_.take();
+  InertialTruth truth = exact;
   const Fault fault = imu_faults_.next(since_start_ns);
   if (fault.saturate) truth.gyr_rad_s.x = 2.0 * config_.imu.gyr_range_rad_s;
   rt::ImuSample sample;
-  if (!imu_.read(truth, now_ns(), sample) || fault.drop) return;
+  const bool delivered = imu_.read(truth, now_ns(), sample);
+  note_sensor_truth(exact);
+  if (!delivered || fault.drop) return;
   drivers::CanFrame frames[2];
   const std::uint16_t counter =
       drivers::can_time_counter(sample.stamp_ns + fault.stamp_offset_ns, config_.can);

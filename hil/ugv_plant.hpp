@@ -11,6 +11,7 @@
 #include "drivers/scan_source.hpp"
 #include "hil/imu_truth.hpp"
 #include "hil/ugv_config.hpp"
+#include "rt/sensor_truth.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::hil {
@@ -52,6 +53,9 @@ class UgvPlant {
 
   /// Exact pose at plant time.
   rt::TruthSample truth() const { return to_truth(body_->motion()); }
+  /// What IMU and encoders would have shown without errors, as of the newest IMU sample, sent or lost; stamp
+  /// 0 before the first.
+  const rt::SensorTruth& sensor_truth() const { return sensor_truth_; }
   /// Contacts and flippers of the last step. False without contacts.
   bool contact_truth(rt::ContactTruth& truth) const { return body_->read_contacts(truth); }
   /// Says what the devices' clock reads at plant time 0: the time counters in the frames count from there.
@@ -100,6 +104,8 @@ class UgvPlant {
   void fire_rays(const SensorStep& step);
   void take_commands();
   void send_imu(rt::Nanoseconds since_start_ns);
+  void move_ground(const Motion& before, const Motion& after);
+  void note_sensor_truth(const InertialTruth& truth);
   void send_tracks(rt::Nanoseconds since_start_ns);
   void send_flippers();
   bool take_flippers(const drivers::CanFrame& frame);
@@ -127,6 +133,9 @@ class UgvPlant {
   rt::Nanoseconds track_period_ns_;
   bool heard_{};
   std::uint8_t last_counter_{};
+  double ground_left_m_{};
+  double ground_right_m_{};
+  rt::SensorTruth sensor_truth_{};
   UgvCounters counters_{};
 };
 

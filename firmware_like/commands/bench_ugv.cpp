@@ -70,6 +70,10 @@ class BenchUgv final : public BenchRobot {
   }
   rt::TruthSample truth() const override { return plant_.truth(); }
   bool contacts(rt::ContactTruth& truth) const override { return plant_.contact_truth(truth); }
+  bool sensors(rt::SensorTruth& truth) const override {
+    truth = plant_.sensor_truth();
+    return truth.stamp_ns != 0;
+  }
   rt::Nanoseconds contacts_every_ns() const override { return contacts_every_ns_; }
   void set_device_clock(rt::Nanoseconds reading_ns) override { plant_.set_device_clock(reading_ns); }
   drivers::CanBus* vehicle_can() override { return &vehicle_; }

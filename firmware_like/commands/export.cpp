@@ -14,6 +14,7 @@
 #include "firmware_like/exporters/flight_jobs.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/ply.hpp"
+#include "firmware_like/exporters/sensor_truth_csv.hpp"
 #include "firmware_like/exporters/tum.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/releases.hpp"
@@ -61,6 +62,7 @@ void export_csv(const CommandContext& context, ExportOptions& options, const Log
                 std::ostream& out) {
   if (options.task == "truth_contacts") return write_contacts_csv(out, log);
   if (options.task == "truth_flippers") return write_flippers_csv(out, log);
+  if (options.task == "truth_sensors") return write_sensor_truth_csv(out, log);
   std::unique_ptr<CsvWriter> writer;
   bool known = false;
   std::string names;
@@ -219,7 +221,8 @@ void add_export(CLI::App& app, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--task", options->task,
-                   "csv: whose output, or truth_contacts, truth_flippers; tum: `truth` writes the reference")
+                   "csv: whose output, or truth_contacts, truth_flippers, truth_sensors; tum: `truth` writes "
+                   "the reference")
       ->capture_default_str();
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");

@@ -59,7 +59,8 @@ TEST_CASE("no task sees the truth: digests are the same with it, without it and 
   rewrite_log(folder.file("a.lcm"), folder.file("d.lcm"), [](EditableEvent& event, std::size_t index) {
     if (event.channel == drivers::kChannelContacts && index % 2 == 0) return false;
     if (event.channel == drivers::kChannelContacts) event.bytes[30] ^= 0x55;
-    if (event.channel == drivers::kChannelTruth) event.bytes[30] ^= 0x55;
+    if (event.channel == drivers::kChannelTruth || event.channel == drivers::kChannelSensorTruth)
+      event.bytes[30] ^= 0x55;
     return true;
   });
   const ReplayOutcome replayed = replay_log(folder.file("d.lcm"));
