@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The complementary filter. Order in update(): every check, then strapdown, then the accelerometer, then
-// rest.
+// What every sample costs. Order in update(): every check, then strapdown, then the accelerometer.
 #include "estimators/attitude.hpp"
 
 #include <algorithm>
@@ -8,218 +7,371 @@
 
 namespace sortie::estimators {
 namespace {
-using rt::Quaternion;
-using rt::Vector3;
-
-constexpr Vector3 kUp{0, 0, 1};
-constexpr double kRestTimeConstant_s = 0.5;
-constexpr double kBiasYouth_s = 10.0;
+constexpr double kMaxTrackSpeed_m_s = 100.0;
+constexpr double kDeviationTime_s = 1.0;
+constexpr double kHalfTurn_rad = 3.1416;
+constexpr std::uint32_t kEvenSteps = 16;
 constexpr double kLeastForce_m_s2 = 1.0;  // below it (free fall) the direction of the force means nothing
 
-bool within(const Vector3& v, double limit) {
-  return std::fabs(v.x) <= limit && std::fabs(v.y) <= limit && std::fabs(v.z) <= limit;
+// Also false for a NaN.
+bool within(const double (&v)[3], double limit) {
+  return std::fabs(v[0]) <= limit && std::fabs(v[1]) <= limit && std::fabs(v[2]) <= limit;
 }
 
-bool is_zero(const Vector3& v) { return dot(v, v) == 0.0; }
+bool is_zero(const double (&v)[3]) { return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0; }
 
-/// Weight of a new value in a mean with time constant `tau_s` that is `age_s` old.
-double mean_weight(double dt_s, double tau_s, double age_s) { return dt_s / (std::min(tau_s, age_s) + dt_s); }
+template <class Real>
+Real size_of(const VectorOf<Real>& v) {
+  return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+}
 }  // namespace
 
-Attitude::Attitude(const AttitudeConfig& config)
+template <class Real>
+BasicAttitude<Real>::BasicAttitude(const AttitudeConfig& config)
     : config_(config),
       gate_(config.max_step_ns),
-      q_world_body_(normalised(rt::to_quaternion(config.q_world_body))),
-      bias_(rt::to_vector(config.bias_rad_s)) {
-  store(q_world_body_, estimate_.q_world_body);
-  store(bias_, estimate_.bias_rad_s);
+      q_(quaternion_of<Real>(normalised(rt::to_quaternion(config.q_world_body)))),
+      turn_(matrix_of(q_)),
+      bias_(vector_of<Real>(config.bias_rad_s),
+            real(config.bias_sigma_initial_rad_s * config.bias_sigma_initial_rad_s)) {
+  config_.block_ns = std::max(config_.block_ns, rt::Nanoseconds{1});
+  store(widened(q_), estimate_.q_world_body);
+  store(widened(bias_.value()), estimate_.bias_rad_s);
 }
 
-Status Attitude::update(const rt::ImuSample& sample) {
-  const bool first = !gate_.started();
-  const rt::Nanoseconds last_stamp_ns = gate_.last();
+template <class Real>
+Status BasicAttitude<Real>::update(const rt::ImuSample& sample) {
   const Status status = check(sample);
-  if (status != Status::ok) {
-    ++estimate_.rejected;
-    return status;
-  }
-  ++counters_.used;
-  coasted_ = false;
-  double dt_s = 0.0;
-  if (gate_.resumed()) {
-    ++counters_.resumed;
-    last_step_s_ = 0.0;
-    levelled_s_ = 0.0;  // how far the robot turned is unknown: average afresh
-    heading_invalid_ = true;
-  } else if (!first) {
-    dt_s = step_seconds(sample, last_stamp_ns);
-    integrate(sample, dt_s);
-  }
-  if ((sample.flags & rt::kImuAcc) != 0) {
-    const Vector3 acc_body = rt::to_vector(sample.acc_m_s2);
-    if (levelled_) {
-      correct(acc_body, dt_s);
-      watch_rest(sample, dt_s);
+  if (status != Status::ok) return refuse(status, sample);
+  if (held_) {
+    held_ = false;
+    if (sample.stamp_ns > held_sample_.stamp_ns) {
+      static_cast<void>(take(held_sample_));  // a gap it was
     } else {
-      level(acc_body);
-      mean_rate_ = rt::to_vector(sample.gyr_rad_s);
-      mean_acc_ = acc_body;
+      ++counters_.time_jumped;
+      static_cast<void>(refuse(Status::out_of_range, held_sample_));
     }
   }
-  last_rate_ = rt::to_vector(sample.gyr_rad_s);
-  publish(sample);
-  return Status::ok;
+  if (is_wide_step(sample.stamp_ns)) {
+    held_ = true;
+    held_sample_ = sample;
+    return Status::ok;
+  }
+  return take(sample);
 }
 
-/// Every reason to refuse a sample. Nothing that the estimate depends on is touched before all have been
-/// asked.
-Status Attitude::check(const rt::ImuSample& sample) {
-  const Vector3 gyr = rt::to_vector(sample.gyr_rad_s);
-  const Vector3 acc = rt::to_vector(sample.acc_m_s2);
+template <class Real>
+Status BasicAttitude<Real>::refuse(Status status, const rt::ImuSample& sample) {
+  ++estimate_.rejected;
+  ++refused_;
+  // Of a sample with a bad force or a bad stamp the rate may be good: kept for the bridge over its place.
+  const bool good = (sample.flags & rt::kImuGyr) != 0 && !is_zero(sample.gyr_rad_s) &&
+                    within(sample.gyr_rad_s, config_.max_rate_rad_s);
+  has_refused_rate_ = refused_ == 1 && good;
+  if (has_refused_rate_) refused_rate_ = vector_of<Real>(sample.gyr_rad_s);
+  return status;
+}
+
+/// Every reason to refuse what a sample holds. Nothing that the estimate depends on is touched before.
+template <class Real>
+Status BasicAttitude<Real>::check(const rt::ImuSample& sample) {
   const bool has_acc = (sample.flags & rt::kImuAcc) != 0;
-  if (!is_finite(gyr) || (has_acc && !is_finite(acc))) {
-    ++counters_.not_finite;
-    return Status::not_finite;
+  if (!within(sample.gyr_rad_s, config_.max_rate_rad_s) ||
+      (has_acc && !within(sample.acc_m_s2, config_.max_acc_m_s2))) {
+    const bool finite =
+        is_finite(rt::to_vector(sample.gyr_rad_s)) && (!has_acc || is_finite(rt::to_vector(sample.acc_m_s2)));
+    ++(finite ? counters_.out_of_range : counters_.not_finite);
+    return finite ? Status::out_of_range : Status::not_finite;
   }
-  const bool dead = has_acc && is_zero(acc) && is_zero(gyr);  // no living sensor reads six exact zeros
-  const bool in_range =
-      within(gyr, config_.max_rate_rad_s) && (!has_acc || within(acc, config_.max_acc_m_s2));
-  if ((sample.flags & rt::kImuGyr) == 0 || dead || !in_range) {
+  const bool zero = is_zero(sample.gyr_rad_s);
+  const bool dead = zero && has_acc && is_zero(sample.acc_m_s2);  // no living sensor reads six exact zeros
+  if ((sample.flags & rt::kImuGyr) == 0 || dead) {
     ++counters_.out_of_range;
     return Status::out_of_range;
   }
+  if (!zero) {
+    zero_rates_ = 0;
+  } else if (has_acc && sample.stamp_ns > gate_.last() &&
+             refuse_zero_rate()) {  // else the stamp gate names it
+    ++counters_.zero_rate;
+    return Status::out_of_range;
+  }
+  return Status::ok;
+}
+
+/// In a stream of even steps one several times as wide is a gap or a wild stamp: the next sample tells. What
+/// is further ahead than max_step_ns, or behind, is the stamp gate's.
+template <class Real>
+bool BasicAttitude<Real>::is_wide_step(rt::Nanoseconds stamp_ns) const {
+  const rt::Nanoseconds last_ns = gate_.last();
+  if (even_steps_ < kEvenSteps || stamp_ns <= last_ns || stamp_ns > last_ns + config_.max_step_ns)
+    return false;
+  return 2 * (stamp_ns - last_ns) > 9 * usual_step_ns_;
+}
+
+/// A sample whose content and step are believed; its stamp is asked first.
+template <class Real>
+Status BasicAttitude<Real>::take(const rt::ImuSample& sample) {
+  const bool first = !gate_.started();
+  const rt::Nanoseconds last_stamp_ns = gate_.last();
   const Status time = gate_.take(sample.stamp_ns);
   if (time == Status::time_backwards) ++counters_.time_backwards;
   if (time == Status::time_repeated) ++counters_.time_repeated;
   if (time == Status::out_of_range) ++counters_.time_jumped;
-  return time;
+  if (time != Status::ok) return refuse(time, sample);
+  ++counters_.used;
+  coasted_ = false;
+  Real dt_s{};
+  if (gate_.resumed()) {
+    ++counters_.resumed;
+    last_step_s_ = Real{0};
+    even_steps_ = 0;
+    block_end_ns_ = sample.stamp_ns;
+    unknown_turn_rad_ = real(kHalfTurn_rad);  // how far the robot turned is unknown
+    heading_invalid_ = true;
+    restart_mean();
+  } else if (!first) {
+    note_step(sample.stamp_ns - last_stamp_ns);
+    dt_s = integrate(sample, sample.stamp_ns - last_stamp_ns);
+  }
+  refused_ = 0;
+  has_refused_rate_ = false;
+  gather(sample, dt_s);
+  last_rate_ = vector_of<Real>(sample.gyr_rad_s);
+  if (block_.time_s > Real{0} && sample.stamp_ns >= block_end_ns_) {
+    close_block(sample.stamp_ns);
+    // On a grid of time: a lost sample does not shift all that follows.
+    block_end_ns_ = sample.stamp_ns - sample.stamp_ns % config_.block_ns + config_.block_ns;
+  }
+  publish(sample);
+  return Status::ok;
 }
 
-/// The interval to integrate over. A held rate is worth nothing after max_coast_ns; a mean rate covers its
-/// interval however long that is.
-double Attitude::step_seconds(const rt::ImuSample& sample, rt::Nanoseconds last_stamp_ns) {
-  rt::Nanoseconds step_ns = sample.stamp_ns - last_stamp_ns;
-  if (step_ns > config_.max_coast_ns && (sample.flags & rt::kImuMeanRate) == 0) {
+/// The usual step is the shortest of late: it follows a shorter one at once, a longer one if it stays.
+template <class Real>
+void BasicAttitude<Real>::note_step(rt::Nanoseconds step_ns) {
+  if (4 * step_ns < 3 * usual_step_ns_ || even_steps_ == 0) {
+    usual_step_ns_ = step_ns;
+    even_steps_ = 1;
+  } else if (4 * step_ns < 5 * usual_step_ns_) {
+    usual_step_ns_ += (step_ns - usual_step_ns_) / 8;
+    even_steps_ = std::min(even_steps_ + 1, 2 * kEvenSteps);
+  } else {
+    --even_steps_;
+  }
+}
+
+/// A gyro that turned a moment ago does not read three exact zeros; a perfect one of a simulation may, and so
+/// many in a row are believed.
+template <class Real>
+bool BasicAttitude<Real>::refuse_zero_rate() {
+  const Real speed = size_of(last_rate_);
+  const bool turning = speed > real(config_.rest_rate_rad_s) || (moving_ && speed > Real{0});
+  if (!turning) return false;
+  if (++zero_rates_ <= config_.max_zero_rates) return true;
+  last_rate_ = {};  // so it was zero all the while, or the gyro is dead: the heading is not to be trusted
+  heading_invalid_ = true;
+  return false;
+}
+
+/// Strapdown over the time since the last used sample. A held rate is worth nothing after max_coast_ns; a
+/// mean covers its interval however long that is. Returns the time integrated over.
+template <class Real>
+Real BasicAttitude<Real>::integrate(const rt::ImuSample& sample, rt::Nanoseconds step_ns) {
+  const bool mean = config_.samples == ImuValues::means ||
+                    (config_.samples == ImuValues::as_flagged && (sample.flags & rt::kImuMeanRate) != 0);
+  // A gyro alone that sends means (increments of a heading) sums up until it is heard.
+  const bool bridge = !config_.means_cover_gaps && (sample.flags & rt::kImuAcc) != 0;
+  const Vector now = vector_of<Real>(sample.gyr_rad_s) - bias_.value();
+  const Vector before = last_rate_ - bias_.value();
+  if (step_ns > config_.max_coast_ns && !mean) {
     step_ns = config_.max_coast_ns;
     coasted_ = true;
     heading_invalid_ = true;
     ++counters_.gaps;
   }
-  return rt::to_seconds(step_ns);
-}
-
-/// Strapdown. The rotation vector of a step in which the rate changes linearly is the mean rate times dt,
-/// plus a coning term dt^2/12 (w_begin x w_end); from means over two neighbouring intervals the same term is
-/// dt^3 / (6 (dt + dt_before)) (w_before x w_now). Coning: Miller 1983, Ignagni 1990.
-void Attitude::integrate(const rt::ImuSample& sample, double dt_s) {
-  const Vector3 now = rt::to_vector(sample.gyr_rad_s) - bias_;
-  const Vector3 before = last_rate_ - bias_;
-  Vector3 phi;
-  if ((sample.flags & rt::kImuMeanRate) != 0) {
-    phi = dt_s * now;
-    if (last_step_s_ > 0.0) {
-      phi = phi + (dt_s * dt_s * dt_s / (6.0 * (dt_s + last_step_s_))) * cross(before, now);
-    }
+  const Real dt_s = real(rt::to_seconds(step_ns));
+  if (coasted_) unknown_turn_rad_ += dt_s * (size_of(now) + size_of(before));
+  if (refused_ == 1 && has_refused_rate_) {
+    const Vector between = refused_rate_ - bias_.value();
+    const Real half_s = Real{0.5} * dt_s;
+    turn_by(mean ? turn_of_means(between, before, half_s, false) : turn_of_points(between, before, half_s));
+    turn_by(mean ? half_s * now : turn_of_points(now, between, half_s));
   } else {
-    phi = (0.5 * dt_s) * (before + now) + (dt_s * dt_s / 12.0) * cross(before, now);
+    turn_by(mean ? turn_of_means(now, before, dt_s, bridge) : turn_of_points(now, before, dt_s));
   }
   last_step_s_ = dt_s;
-  delta_heading_rad_ += rotate(q_world_body_, phi).z;
-  q_world_body_ = normalised(q_world_body_ * exp_rotation(phi));
+  return dt_s;
+}
+
+/// The rotation vector of a step in which the rate changes linearly: the mean rate times dt, plus a coning
+/// term dt^2/12 (w_begin x w_end). Miller 1983, Ignagni 1990.
+template <class Real>
+VectorOf<Real> BasicAttitude<Real>::turn_of_points(const Vector& now, const Vector& before, Real dt_s) const {
+  return (Real{0.5} * dt_s) * (before + now) + (dt_s * dt_s * Real(1.0 / 12)) * cross(before, now);
+}
+
+/// The same from means over two neighbouring intervals: dt^3 / (6 (dt + dt_before)) (w_before x w_now). Where
+/// samples were refused, or a stream of even steps has a wide one, no mean covers all of it: it is bridged.
+template <class Real>
+VectorOf<Real> BasicAttitude<Real>::turn_of_means(const Vector& now, const Vector& before, Real dt_s,
+                                                  bool bridge) const {
+  Real own_s = dt_s;
+  if (refused_ > 0 && !has_refused_rate_) {
+    own_s = dt_s / static_cast<Real>(refused_ + 1);
+  } else if (bridge && even_steps_ >= kEvenSteps) {
+    const Real usual_s = real(rt::to_seconds(usual_step_ns_));
+    if (dt_s > Real{1.5} * usual_s) own_s = usual_s;
+  }
+  if (own_s < dt_s) return own_s * now + (Real{0.5} * (dt_s - own_s)) * (before + now);
+  const Vector phi = dt_s * now;
+  if (!(last_step_s_ > Real{0})) return phi;
+  return phi + (dt_s * dt_s * dt_s / (Real{6} * (dt_s + last_step_s_))) * cross(before, now);
+}
+
+/// Turns the attitude. The increment is added, not multiplied: with its own rounding carried along, a day in
+/// float ends where one in double does. The length stays one by a step of Newton's method.
+template <class Real>
+void BasicAttitude<Real>::turn_by(const Vector& phi) {
+  delta_heading_rad_ += static_cast<double>(dot(turn_.z, phi));
+  const QuaternionOf<Real> change = q_ * exp_minus_one(phi);
+  const Real shrink = Real{0.5} * (Real{1} - (q_.w * q_.w + q_.x * q_.x + q_.y * q_.y + q_.z * q_.z));
+  const auto add = [shrink](Real& value, Real& error, Real by) {
+    const Real wanted = by + (shrink * value - error);
+    const Real sum = value + wanted;
+    error = (sum - value) - wanted;
+    value = sum;
+  };
+  add(q_.w, q_error_.w, change.w);
+  add(q_.x, q_error_.x, change.x);
+  add(q_.y, q_error_.y, change.y);
+  add(q_.z, q_error_.z, change.z);
+  turn_ = matrix_of(q_);
+}
+
+/// Adds the sample to the block. A force far from the mean is shortened, never dropped, and motion that lasts
+/// opens the limit within seconds: a filter that drops what it does not believe can lock itself out.
+template <class Real>
+void BasicAttitude<Real>::gather(const rt::ImuSample& sample, Real dt_s) {
+  const bool clipped = (sample.flags & rt::kImuSaturated) != 0 ||
+                       (config_.gyr_range_rad_s > 0.0 && !within(sample.gyr_rad_s, config_.gyr_range_rad_s));
+  if (clipped) {
+    ++counters_.saturated;
+    heading_invalid_ = true;
+    unknown_turn_rad_ += dt_s * real(config_.clipped_rate_rad_s);
+  }
+  clipped_ = clipped;
+  const Vector rate = vector_of<Real>(sample.gyr_rad_s);
+  block_.time_s += dt_s;
+  block_.rate = block_.rate + dt_s * rate;
+  if ((sample.flags & rt::kImuAcc) == 0 || is_zero(sample.acc_m_s2)) {
+    block_.restless = true;  // without an accelerometer there is no witness of rest
+    return;
+  }
+  const Vector acc_body = vector_of<Real>(sample.acc_m_s2);
+  if (!levelled_) {
+    level(rt::to_vector(sample.acc_m_s2));
+    mean_rate_ = rate;
+    mean_acc_ = acc_body;
+    return;
+  }
+  Vector away = turn_ * acc_body - force_.value();
+  const Real limit = real(config_.acc_deviation_m_s2) + real(config_.acc_deviation_factor) * deviation_;
+  Real size = size_of(away);
+  if (size > limit && mean_s_ > real(kDeviationTime_s)) {  // a young mean may itself be the outlier
+    away = (limit / size) * away;
+    size = limit;
+    ++counters_.shortened;
+  }
+  deviation_ += std::min(dt_s * real(1.0 / kDeviationTime_s), Real{1}) * (size - deviation_);
+  block_.force_s += dt_s;
+  block_.away = block_.away + dt_s * away;
+  block_.body_force = block_.body_force + dt_s * acc_body;
+  block_.row_x = block_.row_x + dt_s * turn_.x;
+  block_.row_y = block_.row_y + dt_s * turn_.y;
+  const Vector turned = rate - mean_rate_;
+  const Vector pushed = acc_body - mean_acc_;
+  const Real rate_limit = real(config_.rest_rate_rad_s);
+  const Real acc_limit = real(config_.rest_acc_m_s2);
+  if (dot(turned, turned) > rate_limit * rate_limit || dot(pushed, pushed) > acc_limit * acc_limit) {
+    block_.restless = true;
+  }
 }
 
 /// First accelerometer reading: roll and pitch from it, heading as it was.
-void Attitude::level(const Vector3& acc_body) {
+template <class Real>
+void BasicAttitude<Real>::level(const rt::Vector3& acc_body) {
+  constexpr rt::Vector3 kUp{0, 0, 1};
   if (norm(acc_body) < kLeastForce_m_s2) return;
-  const double heading = yaw_of(q_world_body_);
-  const Quaternion levelled = rotation_between(rotate(q_world_body_, acc_body), kUp) * q_world_body_;
+  const rt::Quaternion q = widened(q_);
+  const double heading = yaw_of(q);
+  const rt::Quaternion levelled = rotation_between(rotate(q, acc_body), kUp) * q;
   const bool steep = std::fabs(rotate(levelled, {1, 0, 0}).z) > 0.99;  // then heading has no meaning to keep
-  const Vector3 turn{0, 0, steep ? 0.0 : rt::wrap_angle(heading - yaw_of(levelled))};
-  q_world_body_ = normalised(exp_rotation(turn) * levelled);
-  force_world_ = rotate(q_world_body_, acc_body);
+  const rt::Vector3 turn{0, 0, steep ? 0.0 : rt::wrap_angle(heading - yaw_of(levelled))};
+  q_ = quaternion_of<Real>(normalised(exp_rotation(turn) * levelled));
+  q_error_ = {Real{0}, Real{0}, Real{0}, Real{0}};
+  turn_ = matrix_of(q_);
+  force_.set({Real{0}, Real{0}, real(norm(acc_body))}, {});
   levelled_ = true;
 }
 
-/// PI loop on the tilt of the low-passed specific force. An outlier is shortened, never dropped: a filter
-/// that drops what it does not believe can lock itself out. The limit lies high, as shortening real shocks
-/// that average to zero would make a false mean of them.
-void Attitude::correct(const Vector3& acc_body, double dt_s) {
-  if (dt_s <= 0.0) return;
-  levelled_s_ += dt_s;
-  Vector3 innovation = rotate(q_world_body_, acc_body) - force_world_;
-  const double size = norm(innovation);
-  if (size > config_.acc_innovation_limit_m_s2)
-    innovation = (config_.acc_innovation_limit_m_s2 / size) * innovation;
-  force_world_ = force_world_ + mean_weight(dt_s, config_.acc_time_constant_s, levelled_s_) * innovation;
-
-  const double force = norm(force_world_);
-  if (force < kLeastForce_m_s2) return;
-  Vector3 tilt =
-      (1.0 / force) * cross(force_world_, kUp);  // sine of the error, about the axis that removes it
-  if (force_world_.z < 0.0) {                    // upside down: full effort, the sine would fade
-    const double s = norm(tilt);
-    tilt = s > 1e-9 ? (1.0 / s) * tilt : Vector3{1, 0, 0};
-  }
-  const double gain = std::max(config_.inclination_gain_per_s, 1.0 / levelled_s_);
-  const Quaternion correction = exp_rotation(std::min(1.0, gain * dt_s) * tilt);
-  q_world_body_ = normalised(correction * q_world_body_);
-  force_world_ = rotate(correction, force_world_);
-  // Before the mean force is worth its name its tilt is no bias. Then a young bias is learned faster, as if
-  // averaged: the slow pole of the loop lies at bias gain / inclination gain.
-  if (levelled_s_ < 2.0 * config_.acc_time_constant_s || config_.bias_gain_per_s2 <= 0.0) return;
-  const double young = config_.inclination_gain_per_s / (kBiasYouth_s + levelled_s_);
-  const double bias_gain = std::max(config_.bias_gain_per_s2, young);
-  bias_ = bias_ - (bias_gain * dt_s) * rotate_back(q_world_body_, tilt);
-  limit_bias();
+template <class Real>
+Status BasicAttitude<Real>::set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns) {
+  if (!std::isfinite(speed_m_s)) return Status::not_finite;
+  if (std::fabs(speed_m_s) > kMaxTrackSpeed_m_s) return Status::out_of_range;
+  aid_.set_speed(real(speed_m_s), stamp_ns);
+  return Status::ok;
 }
 
-/// At rest the gyro reads its bias. A steady slow turn within max_bias_rad_s looks the same: the price of
-/// having no other witness.
-void Attitude::watch_rest(const rt::ImuSample& sample, double dt_s) {
-  const Vector3 gyr = rt::to_vector(sample.gyr_rad_s);
-  const Vector3 acc = rt::to_vector(sample.acc_m_s2);
-  const double weight = dt_s / (kRestTimeConstant_s + dt_s);
-  mean_rate_ = mean_rate_ + weight * (gyr - mean_rate_);
-  mean_acc_ = mean_acc_ + weight * (acc - mean_acc_);
-  const bool quiet = norm(gyr - mean_rate_) < config_.rest_rate_rad_s &&
-                     norm(acc - mean_acc_) < config_.rest_acc_m_s2 &&
-                     within(mean_rate_, config_.max_bias_rad_s) && !coasted_ && !moving_;
-  rest_s_ = quiet ? rest_s_ + dt_s : 0.0;
-  if (rest_s_ < config_.rest_time_s) return;
-  bias_ = bias_ + std::min(1.0, config_.rest_bias_gain_per_s * dt_s) * (mean_rate_ - bias_);
-  limit_bias();
+template <class Real>
+Status BasicAttitude<Real>::set_heading(double heading_rad, double sigma_rad) {
+  if (!std::isfinite(heading_rad) || !std::isfinite(sigma_rad)) return Status::not_finite;
+  const rt::Quaternion q = widened(q_);
+  const double by = rt::wrap_angle(rt::wrap_angle(heading_rad) - yaw_of(q));
+  q_ = quaternion_of<Real>(normalised(exp_rotation(rt::Vector3{0, 0, by}) * q));
+  q_error_ = {Real{0}, Real{0}, Real{0}, Real{0}};
+  turn_ = matrix_of(q_);
+  restart_mean();  // what was low-passed lies in the old world
+  bias_.set_heading(real(sigma_rad * sigma_rad));
+  heading_invalid_ = false;
+  store(widened(q_), estimate_.q_world_body);
+  estimate_.flags &= ~std::uint32_t{kAttitudeHeadingInvalid};
+  return Status::ok;
 }
 
-void Attitude::limit_bias() {
-  const double m = config_.max_bias_rad_s;
-  bias_ = {std::clamp(bias_.x, -m, m), std::clamp(bias_.y, -m, m), std::clamp(bias_.z, -m, m)};
-}
-
-void Attitude::publish(const rt::ImuSample& sample) {
+template <class Real>
+void BasicAttitude<Real>::publish(const rt::ImuSample& sample) {
   std::uint32_t flags = kAttitudeStarted;
   if (levelled_) flags |= kAttitudeLevelled;
-  if (rest_s_ >= config_.rest_time_s) flags |= kAttitudeAtRest;
+  if (rest_s_ >= real(config_.rest_time_s)) flags |= kAttitudeAtRest;
   if (coasted_) flags |= kAttitudeCoasted;
-  if ((sample.flags & rt::kImuSaturated) != 0) {
-    ++counters_.saturated;
-    heading_invalid_ = true;
-    flags |= kAttitudeSaturated;
-  }
+  if (clipped_) flags |= kAttitudeSaturated;
   if (heading_invalid_) flags |= kAttitudeHeadingInvalid;
+  if (aid_.aided()) flags |= kAttitudeAided;
+  if (!aid_.trusted()) flags |= kAttitudeAidRefused;
   estimate_.stamp_ns = sample.stamp_ns;
-  store(q_world_body_, estimate_.q_world_body);
-  store(last_rate_ - bias_, estimate_.w_body_rad_s);
-  store(bias_, estimate_.bias_rad_s);
+  store(widened(q_), estimate_.q_world_body);
+  store(widened(last_rate_ - bias_.value()), estimate_.w_body_rad_s);
+  store(widened(bias_.value()), estimate_.bias_rad_s);
   estimate_.delta_heading_rad = delta_heading_rad_;
   estimate_.flags = flags;
 }
 
-void Attitude::archive(rt::Archive& archive) {
+template <class Real>
+void BasicAttitude<Real>::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "attitude filter")
       .fixed(config_)
-      .state(gate_, q_world_body_, bias_, force_world_, last_rate_, mean_rate_, mean_acc_, last_step_s_)
-      .state(levelled_s_, rest_s_, delta_heading_rad_, levelled_, coasted_, moving_, heading_invalid_)
+      .state(gate_, q_, q_error_, turn_, last_rate_, last_step_s_, block_, force_, row_x_, row_y_, seen_x_,
+             seen_y_)
+      .state(mean_s_, deviation_, bias_, aid_, mean_rate_, mean_acc_, rest_s_, tilt_variance_,
+             unknown_turn_rad_)
+      .state(delta_heading_rad_, block_end_ns_, usual_step_ns_, even_steps_, zero_rates_, refused_,
+             refused_rate_)
+      .state(held_sample_, held_, has_refused_rate_, levelled_, coasted_, clipped_, moving_, heading_invalid_)
       .state(counters_, estimate_);
 }
+
+template class BasicAttitude<double>;
+template class BasicAttitude<float>;
 
 }  // namespace sortie::estimators

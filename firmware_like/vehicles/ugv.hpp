@@ -80,6 +80,7 @@ class Ugv final : public Vehicle {
   // Devices.
   drivers::CanSampleDecoder decoder_;
   std::uint32_t imu_kind_{};
+  bool track_aid_{};
   rt::Nanoseconds next_command_ns_{};
   std::uint8_t command_counter_{};
   rt::Nanoseconds next_flippers_ns_{};
