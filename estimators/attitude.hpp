@@ -92,6 +92,7 @@ class BasicAttitude {
   void gather(const rt::ImuSample& sample, Real dt_s);
   void level(const rt::Vector3& acc_body);
   void restart_mean();
+  void turn_world(const MatrixOf<Real>& about);
   void close_block(rt::Nanoseconds now_ns);
   void forget_unknown(Real dt_s);
   void watch_rest(bool restless, const Vector& rate, const Vector& acc_body, Real dt_s);

@@ -10,6 +10,7 @@ namespace {
 constexpr double kLeastForce_m_s2 = 1.0;
 constexpr double kVarianceTime_s = 10.0;   // over which corrections are averaged to a variance
 constexpr double kWalk_rad_s = 0.0017453;  // of the bias in bias_forgetting_s
+constexpr double kYoung_s = 1.0;
 constexpr double kGravity_m_s2 = 9.81;
 }  // namespace
 
@@ -34,6 +35,8 @@ void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   const Vector rate = (Real{1} / dt_s) * block.rate;
   watch_rest(block.restless, rate, share * block.body_force, dt_s);
   Vector force = force_.value() + share * block.away;
+  // To a young mean each block counts much, and so does the noise of a speed.
+  if (mean_s_ < real(kYoung_s)) aid_.interrupt();
   if (aid_.correct(config_, turn_, last_rate_ - bias_.value(), now_ns, dt_s, force_.z.value, force)) {
     ++counters_.aid_refused;
   }
