@@ -89,6 +89,7 @@ class BasicAttitude {
   Vector turn_of_points(const Vector& now, const Vector& before, Real dt_s) const;
   Vector turn_of_means(const Vector& now, const Vector& before, Real dt_s, bool bridge) const;
   void turn_by(const Vector& phi);
+  void add_change(const QuaternionOf<Real>& change);
   void gather(const rt::ImuSample& sample, Real dt_s);
   void level(const rt::Vector3& acc_body);
   void restart_mean();
@@ -100,7 +101,7 @@ class BasicAttitude {
   void note_variance(const Vector& away, const SlowStep<Real>& step, Real dt_s);
   void learn_bias(const Vector& correction, const Vector& rate, Real dt_s);
   void publish(const rt::ImuSample& sample);
-  Real real(double value) const { return static_cast<Real>(value); }
+  static Real real(double value) { return static_cast<Real>(value); }
 
   AttitudeConfig config_;
   rt::StampGate gate_;
@@ -140,6 +141,17 @@ class BasicAttitude {
   AttitudeCounters counters_;
   rt::AttitudeEstimate estimate_;
 };
+
+/// A turned attitude is the old one plus a change, not a product: with its own rounding carried along, a day
+/// in float ends where one in double does. The length stays one by a step of Newton's method.
+template <class Real>
+inline void BasicAttitude<Real>::add_change(const QuaternionOf<Real>& change) {
+  const Real shrink = Real{0.5} * (Real{1} - (q_.w * q_.w + q_.x * q_.x + q_.y * q_.y + q_.z * q_.z));
+  add_exactly(q_.w, q_error_.w, change.w + shrink * q_.w);
+  add_exactly(q_.x, q_error_.x, change.x + shrink * q_.x);
+  add_exactly(q_.y, q_error_.y, change.y + shrink * q_.y);
+  add_exactly(q_.z, q_error_.z, change.z + shrink * q_.z);
+}
 
 /// In double precision, as the runtime uses it.
 using Attitude = BasicAttitude<double>;

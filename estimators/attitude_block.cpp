@@ -52,7 +52,6 @@ void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   const Vector correction = correct_inclination();
   note_variance(force - before, step, dt_s);
   learn_bias(correction, rate, dt_s);
-  q_ = normalised(q_);
   turn_ = matrix_of(q_);
   mean_s_ += dt_s;
 }
@@ -95,12 +94,14 @@ VectorOf<Real> BasicAttitude<Real>::correct_inclination() {
   if (size < real(kLeastForce_m_s2)) return {};
   const Real inverse = Real{1} / size;
   const Real w = size + force.z;
-  QuaternionOf<Real> turn{Real{0}, Real{1}, Real{0}, Real{0}};  // upside down: any way round
+  QuaternionOf<Real> less{Real{-1}, Real{1}, Real{0}, Real{0}};  // the turn minus one; upside down: any way
   if (w > real(1e-6) * size) {
     const Real scale = Real{1} / std::sqrt(Real{2} * size * w);
-    turn = {scale * w, scale * force.y, -scale * force.x, Real{0}};
+    less = {Real{0}, scale * force.y, -scale * force.x, Real{0}};
+    less.w = -(less.x * less.x + less.y * less.y) / (Real{1} + scale * w);
   }
-  q_ = turn * q_;
+  add_change(less * q_);
+  const QuaternionOf<Real> turn{Real{1} + less.w, less.x, less.y, less.z};
   force_.set({Real{0}, Real{0}, size}, rotate(turn, force_.slope()));
   return {inverse * force.y, -inverse * force.x, Real{0}};
 }
@@ -145,7 +146,7 @@ void BasicAttitude<Real>::learn_bias(const Vector& correction, const Vector& rat
   }
   // The low-passed vectors stay: they lie along the vertical, or forget so small a turn sooner than it grows.
   if (config_.heading_follows_bias) {
-    q_ = QuaternionOf<Real>{Real{1}, Real{0}, Real{0}, Real{0.5} * turn} * q_;
+    add_change(exp_minus_one(Vector{Real{0}, Real{0}, turn}) * q_);
     delta_heading_rad_ += static_cast<double>(turn);
   }
 }

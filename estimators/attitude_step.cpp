@@ -122,23 +122,10 @@ VectorOf<Real> BasicAttitude<Real>::turn_of_means(const Vector& now, const Vecto
   return phi + (dt_s * dt_s * dt_s / (Real{6} * (dt_s + last_step_s_))) * cross(before, now);
 }
 
-/// Turns the attitude. The increment is added, not multiplied: with its own rounding carried along, a day in
-/// float ends where one in double does. The length stays one by a step of Newton's method.
 template <class Real>
 void BasicAttitude<Real>::turn_by(const Vector& phi) {
   delta_heading_rad_ += static_cast<double>(dot(turn_.z, phi));
-  const QuaternionOf<Real> change = q_ * exp_minus_one(phi);
-  const Real shrink = Real{0.5} * (Real{1} - (q_.w * q_.w + q_.x * q_.x + q_.y * q_.y + q_.z * q_.z));
-  const auto add = [shrink](Real& value, Real& error, Real by) {
-    const Real wanted = by + (shrink * value - error);
-    const Real sum = value + wanted;
-    error = (sum - value) - wanted;
-    value = sum;
-  };
-  add(q_.w, q_error_.w, change.w);
-  add(q_.x, q_error_.x, change.x);
-  add(q_.y, q_error_.y, change.y);
-  add(q_.z, q_error_.z, change.z);
+  add_change(q_ * exp_minus_one(phi));
   turn_ = matrix_of(q_);
 }
 

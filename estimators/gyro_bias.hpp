@@ -10,7 +10,7 @@ namespace sortie::estimators {
 
 /// Three biases in the body, observed one direction at a time, and the variance of a heading that is the
 /// integral of the vertical rate: it grows with the bias that is not known, and shrinks when that becomes
-/// known. rad/s and rad. 13 numbers.
+/// known. rad/s and rad. 16 numbers.
 template <class Real>
 class GyroBias {
  public:
@@ -52,7 +52,9 @@ class GyroBias {
     const Real inverse = Real{1} / (dot(row, p) + noise);
     const Real gain = inverse * dot(row, with_heading_);
     const Real difference = std::clamp(seen - dot(row, bias_), -most, most);
-    bias_ = bias_ + (inverse * difference) * p;
+    add_exactly(bias_.x, rounding_.x, inverse * difference * p.x);
+    add_exactly(bias_.y, rounding_.y, inverse * difference * p.y);
+    add_exactly(bias_.z, rounding_.z, inverse * difference * p.z);
     bias_ = {std::clamp(bias_.x, -most, most), std::clamp(bias_.y, -most, most),
              std::clamp(bias_.z, -most, most)};
     heading_ = std::max(heading_ - gain * dot(row, with_heading_), Real{0});
@@ -67,7 +69,7 @@ class GyroBias {
     return gain * difference;
   }
 
-  SORTIE_FIELDS(bias_, with_heading_, heading_, xx_, xy_, xz_, yy_, yz_, zz_)
+  SORTIE_FIELDS(bias_, rounding_, with_heading_, heading_, xx_, xy_, xz_, yy_, yz_, zz_)
 
  private:
   VectorOf<Real> times(const VectorOf<Real>& v) const {
@@ -76,6 +78,7 @@ class GyroBias {
   }
 
   VectorOf<Real> bias_;
+  VectorOf<Real> rounding_;      // what it took from bias_: in float small steps would be lost
   VectorOf<Real> with_heading_;  // covariance of the heading's error with the bias's
   Real heading_{};
   Real xx_{}, xy_{}, xz_{}, yy_{}, yz_{}, zz_{};

@@ -40,6 +40,15 @@ template <class Real>
 constexpr VectorOf<Real> cross(const VectorOf<Real>& a, const VectorOf<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+/// value += by, where `error` keeps what rounding took and gives it back the next time (Kahan 1965).
+template <class Real>
+constexpr void add_exactly(Real& value, Real& error, Real by) {
+  const Real wanted = by - error;
+  const Real sum = value + wanted;
+  error = (sum - value) - wanted;
+  value = sum;
+}
+
 /// From the plain array that samples carry, rounded to the precision.
 template <class Real>
 constexpr VectorOf<Real> vector_of(const double (&a)[3]) {
@@ -80,13 +89,6 @@ constexpr VectorOf<Real> rotate(const QuaternionOf<Real>& q, const VectorOf<Real
   const VectorOf<Real> u{q.x, q.y, q.z};
   const VectorOf<Real> t = Real{2} * cross(u, v);
   return v + q.w * t + cross(u, t);
-}
-
-/// To length one; q is nearly that long.
-template <class Real>
-inline QuaternionOf<Real> normalised(const QuaternionOf<Real>& q) {
-  const Real s = Real{1} / std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  return {s * q.w, s * q.x, s * q.y, s * q.z};
 }
 
 /// Rotation vector to "quaternion minus one": of a small rotation all digits are kept, which 1 + w would
