@@ -39,6 +39,7 @@ struct AttitudeConfig {
   /// Otherwise, in a stream of even steps, a mean covers the usual step, and what is missing is bridged.
   /// Uneven steps, and those of a gyro without accelerometer, are always taken as covered.
   bool means_cover_gaps{false};
+  bool coning{true};  ///< false: the rate is taken to keep its direction over two samples
   /// Samples are gathered for so long before the accelerometer, the rest detector and the bias are looked at:
   /// their time constants are 10 to 1000 times longer. Slower sensors do so at each sample.
   rt::Nanoseconds block_ns{35 * rt::kNanosecondsPerMillisecond};

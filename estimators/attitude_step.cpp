@@ -101,7 +101,8 @@ Real BasicAttitude<Real>::integrate(const rt::ImuSample& sample, rt::Nanoseconds
 /// term dt^2/12 (w_begin x w_end). Miller 1983, Ignagni 1990.
 template <class Real>
 VectorOf<Real> BasicAttitude<Real>::turn_of_points(const Vector& now, const Vector& before, Real dt_s) const {
-  return (Real{0.5} * dt_s) * (before + now) + (dt_s * dt_s * Real(1.0 / 12)) * cross(before, now);
+  const Vector phi = (Real{0.5} * dt_s) * (before + now);
+  return config_.coning ? phi + (dt_s * dt_s * Real(1.0 / 12)) * cross(before, now) : phi;
 }
 
 /// The same from means over two neighbouring intervals: dt^3 / (6 (dt + dt_before)) (w_before x w_now). Where
@@ -118,7 +119,7 @@ VectorOf<Real> BasicAttitude<Real>::turn_of_means(const Vector& now, const Vecto
   }
   if (own_s < dt_s) return own_s * now + (Real{0.5} * (dt_s - own_s)) * (before + now);
   const Vector phi = dt_s * now;
-  if (!(last_step_s_ > Real{0})) return phi;
+  if (!(last_step_s_ > Real{0}) || !config_.coning) return phi;
   return phi + (dt_s * dt_s * dt_s / (Real{6} * (dt_s + last_step_s_))) * cross(before, now);
 }
 
