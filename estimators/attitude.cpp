@@ -10,6 +10,7 @@
 namespace sortie::estimators {
 namespace {
 constexpr double kMaxTrackSpeed_m_s = 100.0;
+constexpr rt::Nanoseconds kFarthestStamp_ns = rt::Nanoseconds{1} << 61;
 }  // namespace
 
 template <class Real>
@@ -114,7 +115,9 @@ bool BasicAttitude<Real>::refuse_zero_rate() {
 template <class Real>
 Status BasicAttitude<Real>::set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns) {
   if (!std::isfinite(speed_m_s)) return Status::not_finite;
-  if (std::fabs(speed_m_s) > kMaxTrackSpeed_m_s) return Status::out_of_range;
+  const bool far =
+      stamp_ns > kFarthestStamp_ns || stamp_ns < -kFarthestStamp_ns;  // differences must not overflow
+  if (far || std::fabs(speed_m_s) > kMaxTrackSpeed_m_s) return Status::out_of_range;
   aid_.set_speed(real(speed_m_s), stamp_ns);
   return Status::ok;
 }

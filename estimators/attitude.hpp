@@ -43,7 +43,7 @@ class BasicAttitude {
 
   /// Tells the speed of the body's origin along its x axis, at `stamp_ns` on the sensor's clock: the
   /// acceleration that follows from it is taken out of the specific force. `not_finite` and `out_of_range`
-  /// (beyond 100 m/s) change nothing. An aid that is not renewed ends by itself.
+  /// (beyond 100 m/s, or a stamp beyond 73 years) change nothing. An aid that is not renewed ends by itself.
   Status set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns);
 
   /// The heading comes from elsewhere (a map, a fix): turns the attitude about the vertical and makes the

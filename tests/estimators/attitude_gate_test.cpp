@@ -17,7 +17,8 @@ constexpr std::uint32_t kMeans = kBoth | rt::kImuMeanRate;
 Vector3 nodding(double t) { return {0.8 * std::sin(1.7 * t), 0.6 * std::sin(2.3 * t), 0.5}; }
 }  // namespace
 
-TEST_CASE("An all-zero gyro reading in motion is refused by name; a perfect gyro that stops is believed") {
+TEST_CASE(
+    "An all-zero gyro reading in motion is refused by name, and a perfect gyro that stops is believed") {
   Attitude filter{AttitudeConfig{}};
   rt::Nanoseconds now = 0;
   for (; now < 1000 * kMs; now += 5 * kMs)
@@ -54,7 +55,7 @@ TEST_CASE("A sensor that stands still may read exact zeros") {
   CHECK((filter.estimate().flags & estimators::kAttitudeAtRest) != 0);
 }
 
-TEST_CASE("A wild stamp ahead is held and refused; a true gap is bridged with the sample after it") {
+TEST_CASE("A wild stamp ahead is held and refused, a true gap is bridged with the sample after it") {
   for (const rt::Nanoseconds ahead : {30 * kMs, 400 * kMs, 5000 * kMs, 60'000 * kMs}) {
     for (const bool gap : {false, true}) {
       Attitude filter{AttitudeConfig{}};
@@ -120,7 +121,7 @@ TEST_CASE("A repeated sample leaves no hole to bridge") {
   }
 }
 
-TEST_CASE("After a second of a clipped gyro the inclination is right again soon; the heading is marked") {
+TEST_CASE("After a second of a clipped gyro the inclination is right again soon, and the heading is marked") {
   for (const bool flagged : {true, false}) {
     AttitudeConfig config;
     config.gyr_range_rad_s = flagged ? 0.0 : 35.0;
@@ -150,7 +151,8 @@ TEST_CASE("After a second of a clipped gyro the inclination is right again soon;
   }
 }
 
-TEST_CASE("Shocks that do not average to zero tilt it by less than 1.5 deg; a lasting push opens the gate") {
+TEST_CASE(
+    "Shocks that do not average to zero tilt it by less than 1.5 deg, and a lasting push opens the gate") {
   // 160 m/s^2 for 10 ms in each second: a mean of 1.6 m/s^2, by which an open filter leans 9 deg.
   Attitude shaken{AttitudeConfig{}};
   double worst = 0;

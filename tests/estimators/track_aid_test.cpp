@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "tests/estimators/attitude_samples.hpp"
@@ -128,6 +129,7 @@ TEST_CASE("An aid that is not renewed ends by itself, and a speed that is no num
   Attitude filter{AttitudeConfig{}};
   CHECK(filter.set_track_speed(std::nan(""), 0) == Status::not_finite);
   CHECK(filter.set_track_speed(1e30, 0) == Status::out_of_range);
+  CHECK(filter.set_track_speed(1, std::numeric_limits<rt::Nanoseconds>::min()) == Status::out_of_range);
   for (int i = 0; i < 800; ++i) {
     if (i < 600) REQUIRE(filter.set_track_speed(1.0, i * 5 * kMs) == Status::ok);
     REQUIRE(filter.update(sample_of(i * 5 * kMs, {0.01, 0, 0}, kGravity, kBoth)) == Status::ok);
