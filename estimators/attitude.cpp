@@ -176,6 +176,7 @@ void BasicAttitude<Real>::archive(rt::Archive& archive) {
 #define SORTIE_INSTANTIATE(Real)                                                 \
   template BasicAttitude<Real>::BasicAttitude(const AttitudeConfig&);            \
   template Status BasicAttitude<Real>::update(const rt::ImuSample&);             \
+  template Status BasicAttitude<Real>::refuse(Status, const rt::ImuSample&);     \
   template Status BasicAttitude<Real>::set_track_speed(double, rt::Nanoseconds); \
   template Status BasicAttitude<Real>::set_heading(double, double);              \
   template void BasicAttitude<Real>::archive(rt::Archive&);
