@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Attitude from an inertial sensor: a complementary filter on true time stamps, with gyro bias.
+// Attitude from an inertial sensor on true time stamps, with gyro bias and the tracks' speed.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
+#include "estimators/attitude_config.hpp"
+#include "estimators/gyro_bias.hpp"
+#include "estimators/real_rotation.hpp"
+#include "estimators/slow_value.hpp"
+#include "estimators/track_aid.hpp"
 #include "rt/archive.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"
@@ -12,120 +18,144 @@
 
 namespace sortie::estimators {
 
-/// Bits of rt::AttitudeEstimate::flags.
-enum AttitudeFlags : std::uint32_t {
-  kAttitudeStarted = 1u,     ///< at least one sample was used
-  kAttitudeLevelled = 2u,    ///< roll and pitch come from the accelerometer (else from the configuration)
-  kAttitudeAtRest = 4u,      ///< the sensor stands still; the gyro bias is being read off
-  kAttitudeCoasted = 8u,     ///< the newest step bridged a gap with a held rate
-  kAttitudeSaturated = 16u,  ///< the newest sample was clipped by the device
-  kAttitudeHeadingInvalid =
-      32u,  ///< a clipped or lost stretch was integrated: heading is off by an unknown angle
-};
-
-/// Settings of the attitude filter. The defaults serve small robots at 20 Hz to 1 kHz.
-struct AttitudeConfig {
-  /// Attitude at the first sample. The accelerometer replaces roll and pitch; heading stays.
-  double q_world_body[4]{1, 0, 0, 0};
-  double bias_rad_s[3]{};              ///< gyro bias at the first sample
-  double acc_time_constant_s{2.0};     ///< low-pass of the specific force in the world frame
-  double inclination_gain_per_s{0.4};  ///< proportional part: share of the tilt error removed in a second
-  double bias_gain_per_s2{0.004};      ///< integral part: tilt error to gyro bias; 0 switches it off
-  double rest_bias_gain_per_s{0.5};    ///< gyro mean to bias while at rest; 0 switches it off
-  double max_bias_rad_s{0.035};        ///< the bias is held within this; also the fastest turn taken for rest
-  double acc_innovation_limit_m_s2{40.0};  ///< one sample counts no more than this far from the mean
-  double rest_rate_rad_s{0.035};           ///< rest: gyro stays this close to its mean
-  double rest_acc_m_s2{0.5};               ///< rest: accelerometer stays this close to its mean
-  double rest_time_s{1.5};                 ///< rest: for so long
-  double max_rate_rad_s{100.0};            ///< a faster reading is no reading
-  double max_acc_m_s2{800.0};              ///< a larger reading is no reading
-  rt::Nanoseconds max_coast_ns{500 *
-                               rt::kNanosecondsPerMillisecond};  ///< longest gap bridged with a held rate
-  rt::Nanoseconds max_step_ns{10 * rt::kNanosecondsPerSecond};   ///< a longer step of time is doubted
-};
-
-/// What happened to the samples, since start. used + the refusals = all samples given.
-struct AttitudeCounters {
-  std::uint64_t used{};
-  std::uint64_t not_finite{};
-  std::uint64_t out_of_range{};  ///< too large, all zero, or without a gyro reading
-  std::uint64_t time_backwards{};
-  std::uint64_t time_repeated{};
-  std::uint64_t time_jumped{};  ///< too far ahead
-  std::uint64_t gaps{};         ///< used samples that ended a gap longer than max_coast_ns
-  std::uint64_t resumed{};      ///< used samples that began a new time line
-  std::uint64_t saturated{};    ///< used samples that the device had clipped
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("used", self.used);
-    visit("not_finite", self.not_finite);
-    visit("out_of_range", self.out_of_range);
-    visit("time_backwards", self.time_backwards);
-    visit("time_repeated", self.time_repeated);
-    visit("time_jumped", self.time_jumped);
-    visit("gaps", self.gaps);
-    visit("resumed", self.resumed);
-    visit("saturated", self.saturated);
-  }
-};
-
-/// Complementary filter: gyro strapdown by the exponential map (two-sample coning correction), inclination
-/// and bias by a PI loop on the specific force, which is low-passed in the world frame, where the
-/// accelerations of a robot that stays somewhere average out. Gyro-only samples are integrated as they are:
-/// with kImuMeanRate the sum of the heading increments is the sum of the inputs. About 600 bytes; no heap;
-/// bounded time. A sample that is refused changes nothing but a counter.
-class Attitude {
+/// Strapdown of the gyro by the exponential map with coning correction; inclination from the specific force,
+/// low-passed in the world frame, where the accelerations of a robot that stays somewhere average out; gyro
+/// bias by a Kalman filter from the corrections that the inclination needs and from rest. The structure is
+/// that of VQF (Laidig, Seel: Information Fusion 91, 2023). What is ours: steps of any length, slow parts in
+/// blocks of samples (a third of the work), limits that open by themselves, the tracks' acceleration,
+/// covariance, and every check before the state. Gyro-only samples are integrated as they are: with means the
+/// sum of the heading increments is the sum of the inputs. `Real` is float or double; heading increments are
+/// summed in double. 1.0 kB in double; no heap; bounded time. A refused sample changes nothing but a counter.
+template <class Real>
+class BasicAttitude {
  public:
-  explicit Attitude(const AttitudeConfig& config);
+  explicit BasicAttitude(const AttitudeConfig& config);
 
   /// Takes one sample. `ok`, or the reason of the refusal: not_finite, out_of_range, time_backwards,
-  /// time_repeated.
+  /// time_repeated. In a stream of even steps a sample that comes much later than the next should is held,
+  /// with `ok`: the next one tells whether it is used (a gap) or refused (a wild stamp), and until then the
+  /// estimate stays. About 230 floating point operations, and 600 more at the end of a block.
   Status update(const rt::ImuSample& sample);
 
   /// Tells what the sensor cannot know: that the robot moves (its tracks turn). A slow steady turn looks like
   /// a gyro bias at rest; while `moving` nothing is taken for rest. False until told otherwise.
   void set_moving(bool moving) { moving_ = moving; }
 
-  /// Other gains from the next sample on; the state stays. The caller keeps them finite and not negative.
-  void set_inclination_gain(double per_s) { config_.inclination_gain_per_s = per_s; }
-  void set_bias_gain(double per_s2) { config_.bias_gain_per_s2 = per_s2; }
+  /// Tells the speed of the body's origin along its x axis, at `stamp_ns` on the sensor's clock: the
+  /// acceleration that follows from it is taken out of the specific force. `not_finite` and `out_of_range`
+  /// (beyond 100 m/s, or a stamp beyond 73 years) change nothing. An aid that is not renewed ends by itself.
+  Status set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns);
+
+  /// The heading comes from elsewhere (a map, a fix): turns the attitude about the vertical and makes the
+  /// heading valid, with this 1 sigma. delta_heading_rad goes on counting turns only. `not_finite` changes
+  /// nothing.
+  Status set_heading(double heading_rad, double sigma_rad);
+
+  /// Other time constants from the next sample on; the state stays. The caller keeps them finite and above 0.
+  void set_acc_time_constant(double seconds) { config_.acc_time_constant_s = seconds; }
+  void set_bias_forgetting(double seconds) { config_.bias_forgetting_s = seconds; }
 
   /// The estimate after the newest sample that was used; the configured attitude before the first.
   const rt::AttitudeEstimate& estimate() const { return estimate_; }
   const AttitudeCounters& counters() const { return counters_; }
 
-  /// State to bytes and back, into a filter of the same configuration.
+  /// Covariance of the attitude's error as a rotation vector in the world (x, y: inclination, z: heading
+  /// since start), row-major, rad^2. As of the last block. The inclination's part is read off the corrections
+  /// that the accelerometer asked for, so that it follows the accelerations; inclination and heading are
+  /// taken as independent.
+  void covariance(double (&out)[9]) const;
+
+  /// State to bytes and back, into a filter of the same configuration and precision.
   void archive(rt::Archive& archive);
 
  private:
+  using Vector = VectorOf<Real>;
+
+  // What gathers up to the end of a block.
+  struct Block {
+    Vector rate, away, body_force, row_x, row_y;  // each times its step; away: force less the mean force
+    Real time_s{}, force_s{};
+    bool restless{};
+    SORTIE_FIELDS(rate, away, body_force, row_x, row_y, time_s, force_s, restless)
+  };
+
   Status check(const rt::ImuSample& sample);
-  double step_seconds(const rt::ImuSample& sample, rt::Nanoseconds last_stamp_ns);
-  void integrate(const rt::ImuSample& sample, double dt_s);
+  bool refuse_zero_rate();
+  Status refuse(Status status, const rt::ImuSample& sample);
+  bool is_wide_step(rt::Nanoseconds stamp_ns) const;
+  Status take(const rt::ImuSample& sample);
+  void note_step(rt::Nanoseconds step_ns);
+  Real integrate(const rt::ImuSample& sample, rt::Nanoseconds step_ns);
+  Vector turn_of_points(const Vector& now, const Vector& before, Real dt_s) const;
+  Vector turn_of_means(const Vector& now, const Vector& before, Real dt_s, bool bridge) const;
+  void turn_by(const Vector& phi);
+  void add_change(const QuaternionOf<Real>& change);
+  void gather(const rt::ImuSample& sample, Real dt_s);
   void level(const rt::Vector3& acc_body);
-  void correct(const rt::Vector3& acc_body, double dt_s);
-  void watch_rest(const rt::ImuSample& sample, double dt_s);
-  void limit_bias();
+  void restart_mean();
+  void turn_world(const MatrixOf<Real>& about);
+  void close_block(rt::Nanoseconds now_ns);
+  void forget_unknown(Real dt_s);
+  void watch_rest(bool restless, const Vector& rate, const Vector& acc_body, Real dt_s);
+  Vector correct_inclination();
+  void note_variance(const Vector& away, const SlowStep<Real>& step, Real dt_s);
+  void learn_bias(const Vector& correction, const Vector& rate, Real dt_s);
   void publish(const rt::ImuSample& sample);
+  static Real real(double value) { return static_cast<Real>(value); }
 
   AttitudeConfig config_;
   rt::StampGate gate_;
-  rt::Quaternion q_world_body_;
-  rt::Vector3 bias_;
-  rt::Vector3 force_world_;  ///< low-passed specific force
-  rt::Vector3 last_rate_;    ///< raw gyro reading of the last used sample
-  rt::Vector3 mean_rate_;    ///< for the detection of rest
-  rt::Vector3 mean_acc_;
-  double last_step_s_{};  ///< interval that last_rate_ is the mean of
-  double levelled_s_{};   ///< time since levelling: a young mean is averaged, not low-passed
-  double rest_s_{};
+  QuaternionOf<Real> q_;                    // body to world
+  QuaternionOf<Real> q_error_{0, 0, 0, 0};  // what rounding took from q_, put back at the next step
+  MatrixOf<Real> turn_;                     // the same as a matrix
+  Vector last_rate_;                        // raw gyro reading of the last used sample
+  Real last_step_s_{};                      // interval that last_rate_ is the mean of
+  Block block_;
+  rt::Nanoseconds block_end_ns_{std::numeric_limits<rt::Nanoseconds>::min()};
+  SlowVector<Real> force_;           // low-passed specific force, world
+  SlowVector<Real> row_x_, row_y_;   // low-passed rows of the rotation matrix
+  SlowValue<Real> seen_x_, seen_y_;  // low-passed bias in the world
+  Real mean_s_{};                    // time since levelling
+  Real deviation_{};                 // mean size of the force's deviation, sum of absolute coordinates
+  GyroBias<Real> bias_;
+  TrackAid<Real> aid_;
+  Vector mean_rate_;  // for the detection of rest
+  Vector mean_acc_;
+  Real rest_s_{};
+  Real tilt_variance_{};     // of the inclination per axis, from accelerations
+  Real unknown_turn_rad_{};  // that clipped samples may have hidden, of late
   double delta_heading_rad_{};
+  rt::Nanoseconds usual_step_ns_{};
+  std::uint32_t even_steps_{};  // how sure that is
+  std::uint32_t zero_rates_{};  // all-zero readings refused in a row
+  std::uint32_t refused_{};     // samples refused since the last used one
+  rt::ImuSample held_sample_;   // after a wide step, until the next sample tells what it was
+  Vector refused_rate_;         // of the one refused sample
+  bool has_refused_rate_{};
+  bool held_{};
   bool levelled_{};
   bool coasted_{};
+  bool clipped_{};
   bool moving_{};
   bool heading_invalid_{};
   AttitudeCounters counters_;
   rt::AttitudeEstimate estimate_;
 };
+
+/// A turned attitude is the old one plus a change, not a product: with its own rounding carried along, a day
+/// in float ends where one in double does. The length stays one by a step of Newton's method.
+template <class Real>
+inline void BasicAttitude<Real>::add_change(const QuaternionOf<Real>& change) {
+  const Real shrink = Real{0.5} * (Real{1} - (q_.w * q_.w + q_.x * q_.x + q_.y * q_.y + q_.z * q_.z));
+  add_exactly(q_.w, q_error_.w, change.w + shrink * q_.w);
+  add_exactly(q_.x, q_error_.x, change.x + shrink * q_.x);
+  add_exactly(q_.y, q_error_.y, change.y + shrink * q_.y);
+  add_exactly(q_.z, q_error_.z, change.z + shrink * q_.z);
+}
+
+/// In double precision, as the runtime uses it.
+using Attitude = BasicAttitude<double>;
+/// In single precision, for boards without double: the same within 0.01 deg.
+using AttitudeFloat = BasicAttitude<float>;
 
 }  // namespace sortie::estimators

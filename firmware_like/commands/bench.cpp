@@ -61,7 +61,7 @@ void add_bench(CLI::App& app, CommandContext& context) {
       "  sortie bench walk.lcm --scene building_walk --sweep map.voxel_m=0.05,0.1,0.2\n"
       "  sortie bench husky.lcm --scene skid_outdoor --align se2 --sweep groups.control.rate_hz=50,100,200 "
       "\\\n"
-      "    --sweep attitude.inclination_gain_per_s=0.2,0.5,1 --repeat 5 --out out/husky");
+      "    --sweep attitude.acc_time_constant_s=2,3,4 --repeat 5 --out out/husky");
   CLI::Option* log = command->add_option("log,--log", options->log, "LCM log from `run --record` or `import`")
                          ->type_name("LOG");
   CLI::Option* sweep =

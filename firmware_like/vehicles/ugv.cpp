@@ -37,21 +37,27 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
                   ? rt::kImuMeanRate
                   : 0u;
   attitude_ = std::make_unique<estimators::Attitude>(read_attitude_config(builder));
+  track_aid_ = builder.profile().text("attitude.track_aid", "on",
+                                      "the tracks' acceleration is taken out of the specific force",
+                                      {"on", "off"}) == "on";
   const auto adjust = [&](const char* path, void (estimators::Attitude::*set)(double)) {
     builder.parameter(group, path, [this, set](double value) {
       (attitude_.get()->*set)(value);
       return Status::ok;
     });
   };
-  adjust("attitude.inclination_gain_per_s", &estimators::Attitude::set_inclination_gain);
-  adjust("attitude.bias_gain_per_s2", &estimators::Attitude::set_bias_gain);
+  adjust("attitude.acc_time_constant_s", &estimators::Attitude::set_acc_time_constant);
+  adjust("attitude.bias_forgetting_s", &estimators::Attitude::set_bias_forgetting);
   attitude_task_ = builder.task<rt::AttitudeEstimate>(
       group, "attitude", 50, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
         job_attitude_count_ = 0;
         // A backward read: the tracks' speed of the job before.
         if (odometry_) {
-          const double speed = odometry_->estimate().v_body_m_s[0];
+          const rt::PoseEstimate& pose = odometry_->estimate();
+          const double speed = pose.v_body_m_s[0];
           attitude_->set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
+          // A speed that is not finite is no aid; the odometry counts what made it so.
+          if (track_aid_) static_cast<void>(attitude_->set_track_speed(speed, pose.stamp_ns));
         }
         for (const rt::ImuSample& sample : *imu_) {
           // A refused sample is counted by the filter, by reason.
@@ -69,6 +75,9 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   builder.counter("imu_time_repeated", [attitude] { return attitude->counters().time_repeated; });
   builder.counter("imu_gaps", [attitude] { return attitude->counters().gaps; });
   builder.counter("imu_saturated", [attitude] { return attitude->counters().saturated; });
+  builder.counter("imu_zero_rate", [attitude] { return attitude->counters().zero_rate; });
+  builder.counter("imu_shortened", [attitude] { return attitude->counters().shortened; });
+  builder.counter("imu_aid_refused", [attitude] { return attitude->counters().aid_refused; });
 }
 
 void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {

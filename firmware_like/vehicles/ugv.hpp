@@ -83,6 +83,7 @@ class Ugv final : public Vehicle {
   drivers::CanSampleDecoder decoder_;
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
+  bool track_aid_{};
   rt::Nanoseconds next_command_ns_{};
   std::uint8_t command_counter_{};
   rt::Nanoseconds next_flippers_ns_{};

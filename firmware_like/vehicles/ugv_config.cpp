@@ -12,15 +12,19 @@ estimators::AttitudeConfig read_attitude_config(VehicleBuilder& builder) {
   config.acc_time_constant_s = profile.number(
       "attitude.acc_time_constant_s",
       {config.acc_time_constant_s, 0.01, 100, "s", "low-pass of the specific force in the world frame"});
-  config.inclination_gain_per_s = profile.number(
-      "attitude.inclination_gain_per_s",
-      {config.inclination_gain_per_s, 0, 100, "1/s", "share of the tilt error removed in a second"});
-  config.bias_gain_per_s2 =
-      profile.number("attitude.bias_gain_per_s2",
-                     {config.bias_gain_per_s2, 0, 10, "1/s2", "tilt error to gyro bias; 0: off"});
-  config.rest_bias_gain_per_s =
-      profile.number("attitude.rest_bias_gain_per_s",
-                     {config.rest_bias_gain_per_s, 0, 100, "1/s", "gyro mean to bias while at rest; 0: off"});
+  config.bias_sigma_initial_rad_s = profile.number(
+      "attitude.bias_sigma_rad_s",
+      {config.bias_sigma_initial_rad_s, 0, 1, "rad/s", "sigma of the gyro bias at start; 0: no bias filter"});
+  config.bias_forgetting_s = profile.number(
+      "attitude.bias_forgetting_s",
+      {config.bias_forgetting_s, 1, 1e6, "s", "in which the gyro bias walks by 0.1 deg/s, 1 sigma"});
+  config.block_ns = milliseconds(
+      profile.number("attitude.block_ms", {static_cast<double>(config.block_ns) * 1e-6, 0.001, 1000, "ms",
+                                           "between looks at the accelerometer, the bias and rest"}));
+  const char* arm = "place of the IMU, seen from the point whose speed the tracks tell";
+  config.p_body_imu_m[0] = profile.number("imu.x_m", {0, -10, 10, "m", arm});
+  config.p_body_imu_m[1] = profile.number("imu.y_m", {0, -10, 10, "m", arm});
+  config.p_body_imu_m[2] = profile.number("imu.z_m", {0, -10, 10, "m", arm});
   config.max_rate_rad_s = profile.number("attitude.max_rate_rad_s", {config.max_rate_rad_s, 0.1, 1e4, "rad/s",
                                                                      "a faster reading is no reading"});
   config.max_coast_ns = milliseconds(

@@ -8,6 +8,7 @@
 
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
+#include "tests/bench/vqf_peer.hpp"
 
 namespace {
 
@@ -30,6 +31,25 @@ void attitude_sortie(benchmark::State& state) {
   if (attitude.counters().used != static_cast<std::uint64_t>(i)) state.SkipWithError("samples were refused");
 }
 BENCHMARK(attitude_sortie)->Name("attitude_update/sortie");
+
+void attitude_float(benchmark::State& state) {
+  estimators::AttitudeFloat attitude{estimators::AttitudeConfig{}};
+  std::int64_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(attitude.update(imu_at(++i)));
+}
+BENCHMARK(attitude_float)->Name("attitude_update/in float");
+
+void attitude_vqf(benchmark::State& state) {
+  bench::VqfPeer peer(static_cast<double>(kStep) * 1e-9);
+  std::int64_t i = 0;
+  for (auto _ : state) {
+    const rt::ImuSample imu = imu_at(++i);
+    peer.update({imu.gyr_rad_s[0], imu.gyr_rad_s[1], imu.gyr_rad_s[2]},
+                {imu.acc_m_s2[0], imu.acc_m_s2[1], imu.acc_m_s2[2]});
+    benchmark::DoNotOptimize(peer.attitude());
+  }
+}
+BENCHMARK(attitude_vqf)->Name("attitude_update/VQF, six axes, both bias estimators, unchecked");
 
 void attitude_bare(benchmark::State& state) {
   double q[4]{1, 0, 0, 0};

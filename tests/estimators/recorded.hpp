@@ -41,8 +41,9 @@ struct ImuRecord {
   float value[17];
 };
 
-inline std::vector<ImuRecord> read_imu(const std::string& name) {
-  std::ifstream file(data_path(name), std::ios::binary);
+/// Empty where the file cannot be read.
+inline std::vector<ImuRecord> read_imu_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
   char magic[4]{};
   std::uint32_t count = 0;
   double rate_hz = 0;
@@ -56,5 +57,7 @@ inline std::vector<ImuRecord> read_imu(const std::string& name) {
   if (!file) records.clear();
   return records;
 }
+
+inline std::vector<ImuRecord> read_imu(const std::string& name) { return read_imu_file(data_path(name)); }
 
 }  // namespace sortie::tests

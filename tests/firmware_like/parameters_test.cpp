@@ -101,7 +101,7 @@ TEST_CASE("replays of changed runs agree on one thread and on many, and answer w
   const TempFolder folder;
   std::mt19937 random(3);
   std::string script;
-  const char* names[] = {"drive.max_speed_m_s", "odometry.scale", "attitude.inclination_gain_per_s",
+  const char* names[] = {"drive.max_speed_m_s", "odometry.scale", "attitude.acc_time_constant_s",
                          "map.max_range_m"};
   for (int i = 0; i < 40; ++i) {
     const double at_s = 2.9 * static_cast<double>(random() % 1000u) / 1000.0;

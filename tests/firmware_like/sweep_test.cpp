@@ -142,13 +142,13 @@ TEST_CASE("The profile's own choice is added where the grid does not hold it") {
   const testing::TempFolder folder;
   const std::string log = folder.file("hall.lcm");
   testing::run_hall(1, log);
-  const Sweep sweep = sweep_hall(log, {"attitude.inclination_gain_per_s=0.1,9"});
+  const Sweep sweep = sweep_hall(log, {"attitude.acc_time_constant_s=0.1,9"});
   REQUIRE(sweep.cells.size() == 3);
   CHECK(sweep.cells[2].profile_choice);
   CHECK(sweep.cells[2].digest == testing::replay_log(log).results.digest);
   CHECK(sweep.tasks == std::vector<std::string>{"attitude"});
   CHECK(sweep.error == "inclination_rmse_deg");
-  CHECK(sweep_hall(log, {"attitude.inclination_gain_per_s=0.1"}, 1, "ate_rmse_m").error == "ate_rmse_m");
+  CHECK(sweep_hall(log, {"attitude.acc_time_constant_s=0.1"}, 1, "ate_rmse_m").error == "ate_rmse_m");
   CHECK(sweep_hall(log, {"groups.control.rate_hz=500"}).tasks ==
         std::vector<std::string>{"parameters_control", "attitude", "odometry", "drive"});
 }

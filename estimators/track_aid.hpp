@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the tracks know of the acceleration that the accelerometer cannot tell from gravity.
+#pragma once
+
+#include "estimators/attitude_config.hpp"
+#include "estimators/real_rotation.hpp"
+
+namespace sortie::estimators {
+
+/// Acceleration of the inertial sensor from the robot's own speed. The mean acceleration over a block is the
+/// difference of the world velocities at its ends over its time: braking, centripetal part and lever arm are
+/// all in it, nothing is differentiated twice, and an error of the speed cancels with the next block. Trusted
+/// while it explains the specific force; judged on, and so taken back, also while it is not.
+template <class Real>
+class TrackAid {
+ public:
+  /// Speed of the body's origin along its x axis, m/s, at `stamp_ns` of the sensor's clock.
+  void set_speed(Real speed_m_s, rt::Nanoseconds stamp_ns) {
+    speed_ = speed_m_s;
+    stamp_ns_ = stamp_ns;
+    known_ = true;
+  }
+  /// The velocity at the end of the block before says nothing about the next one.
+  void interrupt() { running_ = false; }
+
+  /// Takes the tracks' part out of `force` (world, mean of a block of `dt_s` that ended at `now_ns` with
+  /// attitude `turn` and rate `w_body`). `up_force` is the mean force: its direction is up. True when the
+  /// tracks have just lost trust.
+  bool correct(const AttitudeConfig& config, const MatrixOf<Real>& turn, const VectorOf<Real>& w_body,
+               rt::Nanoseconds now_ns, Real dt_s, Real up_force, VectorOf<Real>& force) {
+    aided_ = false;
+    const rt::Nanoseconds age_ns = now_ns - stamp_ns_;
+    if (!known_ || age_ns > config.max_aid_age_ns || age_ns < -config.max_aid_age_ns) {
+      running_ = false;
+      return false;
+    }
+    const VectorOf<Real> arm = vector_of<Real>(config.p_body_imu_m);
+    const VectorOf<Real> velocity = turn * (VectorOf<Real>{speed_, 0, 0} + cross(w_body, arm));
+    const VectorOf<Real> last = velocity_;
+    velocity_ = velocity;
+    if (!running_) {
+      running_ = true;
+      return false;
+    }
+    const VectorOf<Real> acceleration = (Real{1} / dt_s) * (velocity - last);
+    // What is left of the force beside gravity, without aid and with it; horizontal, as there the tilt is at
+    // stake.
+    const Real weight = dt_s / (static_cast<Real>(config.aid_window_s) + dt_s);
+    const VectorOf<Real> plain{force.x, force.y, 0};
+    const VectorOf<Real> rest{force.x - acceleration.x, force.y - acceleration.y, 0};
+    plain_ = plain_ + weight * (plain - plain_);
+    rest_ = rest_ + weight * (rest - rest_);
+    const Real margin = static_cast<Real>(config.aid_disagreement_m_s2);
+    const Real excess = dot(rest_, rest_) - dot(plain_, plain_);
+    const bool trusted_before = trusted_;
+    trusted_ = excess < (trusted_ ? Real{1} : Real{0.25}) * margin * margin;
+    aided_ = trusted_ && up_force > Real{0};
+    if (aided_) force = force - acceleration;
+    return trusted_before && !trusted_;
+  }
+
+  bool aided() const { return aided_; }
+  bool trusted() const { return trusted_; }
+
+  SORTIE_FIELDS(velocity_, plain_, rest_, speed_, stamp_ns_, known_, running_, trusted_, aided_)
+
+ private:
+  VectorOf<Real> velocity_;  // of the sensor, world, at the end of the block before
+  VectorOf<Real> plain_;     // low-passed horizontal force
+  VectorOf<Real> rest_;      // the same less the tracks' acceleration
+  Real speed_{};
+  rt::Nanoseconds stamp_ns_{};
+  bool known_{};
+  bool running_{};
+  bool trusted_{true};
+  bool aided_{};
+};
+
+}  // namespace sortie::estimators

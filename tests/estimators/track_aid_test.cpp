@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The attitude with the tracks' speed: accelerations that last, turns, the sensor off the centre, and slip.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/estimators/attitude_samples.hpp"
+
+using namespace sortie;
+using namespace sortie::estimators::test;
+using estimators::Attitude;
+using estimators::AttitudeConfig;
+
+namespace {
+constexpr std::uint32_t kMeans = kBoth | rt::kImuMeanRate;
+
+double noise(std::mt19937& random) {
+  double sum = 0;
+  for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() % 65536u) / 65536.0;
+  return sum - 6;
+}
+Vector3 noise3(std::mt19937& random, double sigma) {
+  const double x = noise(random);
+  const double y = noise(random);
+  const double z = noise(random);
+  return sigma * Vector3{x, y, z};
+}
+
+struct Worst {
+  double inclination_deg;
+  std::uint64_t refused;
+};
+
+/// Pushes of `push` m/s^2 for ten seconds forward and ten back, at 100 Hz, speed known at 10 or 100 Hz.
+Worst drive(double push, bool aided, int speed_every) {
+  std::mt19937 random(3);
+  Attitude filter{AttitudeConfig{}};
+  filter.set_moving(true);
+  double speed = 0;
+  double worst = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double a = i >= 2000 && i < 3000 ? push : (i >= 3000 && i < 4000 ? -push : 0.0);
+    speed += 0.01 * a;
+    if (aided && i % speed_every == 0)
+      REQUIRE(filter.set_track_speed(speed + 0.01 * noise(random), i * 10 * kMs) == Status::ok);
+    const Vector3 gyr = noise3(random, 0.001);
+    const Vector3 acc = Vector3{a, 0, 9.81} + noise3(random, 0.05);
+    REQUIRE(filter.update(sample_of(i * 10 * kMs, gyr, acc, kMeans)) == Status::ok);
+    worst = std::max(worst, kDegrees * inclination_error(attitude_of(filter), {}));
+  }
+  return {worst, filter.counters().aid_refused};
+}
+}  // namespace
+
+TEST_CASE("Ten seconds of 3 m/s^2 tilt it by less than 1.5 deg with the tracks' speed, by 15 without") {
+  CHECK(drive(3, false, 1).inclination_deg > 15);
+  for (const int every : {1, 10}) {
+    const Worst aided = drive(3, true, every);
+    INFO("speed at every " << every << "th sample: " << aided.inclination_deg << " deg");
+    CHECK(aided.inclination_deg < 1.5);
+    CHECK(aided.refused == 0);
+  }
+  CHECK(drive(-3, true, 1).inclination_deg < 1.5);
+}
+
+TEST_CASE("A circle and a sensor off the centre cost nothing when both are known") {
+  constexpr double kSpeed = 1.5;
+  constexpr double kTurn = 1.2;
+  const Vector3 arm{0.3, -0.2, 0.1};
+  double found[2]{};
+  for (const bool aided : {false, true}) {
+    AttitudeConfig config;
+    rt::store(arm, config.p_body_imu_m);
+    Attitude filter{config};
+    filter.set_moving(true);
+    double worst = 0;
+    for (int i = 0; i < 12'000; ++i) {
+      const double t = 0.005 * i - 5;  // five seconds at rest first
+      const bool starting = t > 0 && t < 5;
+      const double ramp = std::clamp(t / 5, 0.0, 1.0);
+      const double w = kTurn * ramp;
+      const double dw = starting ? kTurn / 5 : 0.0;
+      const double v = kSpeed * ramp;
+      const double dv = starting ? kSpeed / 5 : 0.0;
+      // w x v + dw x arm + w x (w x arm), about z
+      const Vector3 a{dv - dw * arm.y - w * w * arm.x, w * v + dw * arm.x - w * w * arm.y, 0};
+      if (aided) REQUIRE(filter.set_track_speed(v, i * 5 * kMs) == Status::ok);
+      REQUIRE(filter.update(sample_of(i * 5 * kMs, {0, 1e-6, w}, a + kGravity, kBoth)) == Status::ok);
+      worst = std::max(worst, kDegrees * inclination_error(attitude_of(filter), {}));
+    }
+    found[aided ? 1 : 0] = worst;
+  }
+  INFO("plain " << found[0] << " deg, aided " << found[1] << " deg");
+  CHECK(found[1] < 0.15);
+  CHECK(found[1] < found[0] / 3);
+}
+
+TEST_CASE("Tracks that spin on the spot lose trust, and get it back when they hold again") {
+  std::mt19937 random(5);
+  Attitude filter{AttitudeConfig{}};
+  filter.set_moving(true);
+  double speed = 0;
+  double worst = 0;
+  bool refused = false;
+  for (int i = 0; i < 12'000; ++i) {
+    const double t = 0.005 * i;
+    const bool slip = t > 10 && t < 16;
+    const bool push = t > 30 && t < 40;
+    if (slip) speed += 0.005 * 2;  // the belts run away while the robot stands
+    if (t >= 16 && t < 20) speed = 0;
+    if (push) speed += 0.005 * 2;
+    REQUIRE(filter.set_track_speed(speed, i * 5 * kMs) == Status::ok);
+    const Vector3 gyr = noise3(random, 0.002);
+    const Vector3 acc = Vector3{push ? 2.0 : 0.0, 0, 9.81} + noise3(random, 0.1);
+    REQUIRE(filter.update(sample_of(i * 5 * kMs, gyr, acc, kMeans)) == Status::ok);
+    worst = std::max(worst, kDegrees * inclination_error(attitude_of(filter), {}));
+    refused = refused || (filter.estimate().flags & estimators::kAttitudeAidRefused) != 0;
+    if (push && t > 31) REQUIRE((filter.estimate().flags & estimators::kAttitudeAided) != 0);
+  }
+  INFO("worst " << worst << " deg");
+  CHECK(refused);
+  CHECK(filter.counters().aid_refused >= 1);
+  CHECK(worst < 2.0);
+}
+
+TEST_CASE("An aid that is not renewed ends by itself, and a speed that is no number is refused") {
+  Attitude filter{AttitudeConfig{}};
+  CHECK(filter.set_track_speed(std::nan(""), 0) == Status::not_finite);
+  CHECK(filter.set_track_speed(1e30, 0) == Status::out_of_range);
+  CHECK(filter.set_track_speed(1, std::numeric_limits<rt::Nanoseconds>::min()) == Status::out_of_range);
+  for (int i = 0; i < 800; ++i) {
+    if (i < 600) REQUIRE(filter.set_track_speed(1.0, i * 5 * kMs) == Status::ok);
+    REQUIRE(filter.update(sample_of(i * 5 * kMs, {0.01, 0, 0}, kGravity, kBoth)) == Status::ok);
+    if (i == 599) CHECK((filter.estimate().flags & estimators::kAttitudeAided) != 0);
+  }
+  CHECK((filter.estimate().flags & estimators::kAttitudeAided) == 0);
+}
