@@ -130,6 +130,36 @@ inline std::vector<std::size_t> naive_on_the_model(const planner::RayScheduler& 
   }
 }
 
+/// What a plan is worth in double, with rays cut where the scheduler cuts them: each share is the sum of what
+/// ends behind a cell. `left` is scratch, an entry a cell of the map.
+inline double cut_worth(const planner::RayScheduler& scheduler, const mapping::OccupancyView& map,
+                        std::vector<double>& left) {
+  const planner::RayModel& model = scheduler.model();
+  std::fill(left.begin(), left.end(), 1.0);
+  std::vector<std::pair<std::uint32_t, double>> passed;
+  double worth = 0;
+  for (const std::size_t row : chosen_rows(scheduler)) {
+    const std::uint32_t rays = scheduler.config().sensor.rays();
+    mapping::VoxelWalk walk =
+        scheduler.walk(static_cast<std::uint32_t>(row / rays), static_cast<std::uint32_t>(row % rays));
+    passed.clear();
+    double visible = 1;
+    do {
+      const std::uint32_t code = mapping::cell_code(map.cells[walk.index]);
+      passed.push_back({walk.index, model.probability(code) * visible});
+      visible *= model.passes(code);
+    } while (visible >= model.config().least_visible && walk.step());
+    double shown = 0;
+    for (std::size_t i = passed.size(); i-- > 0;) {
+      shown += passed[i].second;
+      double& cell = left[passed[i].first];
+      worth += model.entropy(mapping::cell_code(map.cells[passed[i].first])) * cell * shown;
+      cell *= 1 - shown;
+    }
+  }
+  return worth;
+}
+
 /// True when a plan's first choices at each position are those of a sequence.
 inline bool begins_with(const planner::RayScheduler& scheduler, const std::vector<std::size_t>& sequence) {
   const std::uint32_t rays = scheduler.config().sensor.rays();
