@@ -38,8 +38,10 @@ struct OccupancyOutput {
   std::uint64_t hits{};    ///< cells with a return
   std::uint64_t known{};   ///< cells of the window with a measurement
   std::uint64_t rolls{};
-  std::int32_t low[3]{};  ///< world number of the window's first cell
-  SORTIE_FIELDS(rays, used, outside, not_finite, too_near, misses, hits, known, rolls, low)
+  std::int32_t low_x{};  ///< world number of the window's first cell
+  std::int32_t low_y{};
+  std::int32_t low_z{};
+  SORTIE_FIELDS(rays, used, outside, not_finite, too_near, misses, hits, known, rolls, low_x, low_y, low_z)
 };
 
 /// Saturating log-odds in int8, in steps of kLogOddsStep. One byte a cell (3.1 MiB at the usual size), no
@@ -83,10 +85,12 @@ class OccupancyMap {
  private:
   void add(std::uint32_t index, int steps);
   void roll(const std::int32_t (&by)[3]);
+  void show_low();
 
   OccupancyConfig config_;
   std::span<std::int8_t> cells_;
   OccupancyOutput output_;
+  std::int32_t low_[3]{};
   std::int32_t prior_code_{};
   std::int32_t hit_steps_{};
   std::int32_t miss_steps_{};

@@ -1,83 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is proved about plans, beside the best of all plans.
 #include <catch2/catch.hpp>
-#include <cmath>
 
-#include "tests/planner/ray_small.hpp"
+#include "tests/planner/ray_proofs.hpp"
 
 namespace {
 
 using namespace sortie;
 using namespace sortie::tests;
-
-// The worth of the best plan: every choice of K rays at every position.
-double best_of_all(const RayMatrix& matrix, std::uint32_t k) {
-  std::vector<std::vector<std::size_t>> subsets;
-  for (std::uint32_t mask = 0; mask < (1u << matrix.rays); ++mask) {
-    if (static_cast<std::uint32_t>(__builtin_popcount(mask)) != k) continue;
-    std::vector<std::size_t>& subset = subsets.emplace_back();
-    for (std::uint32_t j = 0; j < matrix.rays; ++j) {
-      if ((mask >> j & 1u) != 0) subset.push_back(j);
-    }
-  }
-  std::size_t plans = 1;
-  for (std::uint32_t p = 0; p < matrix.positions; ++p) plans *= subsets.size();
-  double best = 0;
-  for (std::size_t plan = 0; plan < plans; ++plan) {
-    std::vector<std::size_t> rows;
-    std::size_t rest = plan;
-    for (std::uint32_t p = 0; p < matrix.positions; ++p) {
-      for (const std::size_t j : subsets[rest % subsets.size()]) rows.push_back(p * matrix.rays + j);
-      rest /= subsets.size();
-    }
-    best = std::max(best, matrix.worth(rows));
-  }
-  return best;
-}
-
-struct BoundResult {
-  int broken{};
-  double worst_single{1};
-  double worst_joint{1};
-  double worst_certificate{1};
-};
-
-BoundResult check_bounds(std::uint64_t first, std::uint64_t last) {
-  BoundResult result;
-  for (std::uint64_t seed = first; seed < last; ++seed) {
-    const std::uint32_t positions = 1 + static_cast<std::uint32_t>(seed % 2);
-    const std::uint32_t columns = positions == 1 ? 5 : 3;
-    const SmallSize size{columns, 2, 10, 1 + static_cast<std::uint32_t>(seed / 2 % 3), positions};
-    planner::RaySchedulerConfig config = SmallTask::scheduler_config(size, seed);
-    config.model.least_visible = 0;
-    SmallTask task(size, seed, config);
-    const planner::RayScheduler& scheduler = task.finish();
-    const RayMatrix matrix = build_ray_matrix(scheduler, task.map.map.view());
-    const double best = best_of_all(matrix, size.rays);
-    const double own = matrix.worth(chosen_rows(scheduler));
-    if (!(best > 1e-9)) continue;
-    const planner::RayPlan& plan = scheduler.plan();
-    const double k = size.rays;
-    const double promised = positions == 1 ? 1 - std::pow(1 - 1 / k, k) : 0.5;
-    (positions == 1 ? result.worst_single : result.worst_joint) =
-        std::min(positions == 1 ? result.worst_single : result.worst_joint, own / best);
-    result.worst_certificate = std::min(result.worst_certificate, plan.certificate);
-    const bool good = own >= promised * best * (1 - 1e-5) && plan.best_bound >= best * (1 - 1e-6) &&
-                      plan.certificate <= own / best * (1 + 1e-5) && plan.certificate > 0 &&
-                      plan.worth == Approx(own).epsilon(1e-5);
-    result.broken += good ? 0 : 1;
-  }
-  return result;
-}
-
-void report_bounds(const BoundResult& result) {
-  INFO("worst share of the best plan: one position " << result.worst_single << ", two " << result.worst_joint
-                                                     << "; least certificate " << result.worst_certificate);
-  CHECK(result.broken == 0);
-  CHECK(result.worst_single < 1);  // or greedy was never put to the test
-  CHECK(result.worst_joint < 1);
-  CHECK(result.worst_certificate > 0.3);
-}
 
 }  // namespace
 

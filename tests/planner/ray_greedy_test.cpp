@@ -2,44 +2,12 @@
 // Lazy greedy chooses what plain greedy chooses; the paper's Algorithm 4 does so only when it is corrected.
 #include <catch2/catch.hpp>
 
-#include "tests/planner/ray_small.hpp"
+#include "tests/planner/ray_proofs.hpp"
 
 namespace {
 
 using namespace sortie;
 using namespace sortie::tests;
-
-planner::RaySchedulerConfig exact_only(const SmallSize& size, std::uint64_t seed) {
-  planner::RaySchedulerConfig config = SmallTask::scheduler_config(size, seed);
-  config.position_first = false;
-  config.joint = false;
-  return config;
-}
-
-// Seeds of tasks whose exact stage differs from plain greedy.
-std::vector<std::uint64_t> lazy_unlike_naive(std::uint64_t first, std::uint64_t last) {
-  std::vector<std::uint64_t> unlike;
-  std::uint64_t kept = 0;
-  for (std::uint64_t seed = first; seed < last; ++seed) {
-    const SmallSize size{12, 8, 20, 1 + static_cast<std::uint32_t>(seed % 7),
-                         1 + static_cast<std::uint32_t>(seed % 3)};
-    SmallTask task(size, seed, exact_only(size, seed));
-    const planner::RayScheduler& scheduler = task.finish();
-    const auto naive = naive_on_the_model(scheduler, task.map.map.view());
-    bool good = is_valid_plan(scheduler);
-    if (scheduler.plan().stage == planner::RayStage::exact) {
-      good = good && begins_with(scheduler, naive);
-    } else {
-      // The seed was worth as much: then it stays.
-      const RayMatrix matrix = build_ray_matrix(scheduler, task.map.map.view());
-      good = good && matrix.worth(chosen_rows(scheduler)) > 0.99 * matrix.worth(naive) - 1e-12;
-      ++kept;
-    }
-    if (!good) unlike.push_back(seed);
-  }
-  CHECK(kept < (last - first) / 4);
-  return unlike;
-}
 
 }  // namespace
 

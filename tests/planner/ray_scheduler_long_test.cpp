@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/planner/ray_hard.hpp"
+#include "tests/planner/ray_proofs.hpp"
 
 namespace {
 using namespace sortie;
@@ -47,4 +48,12 @@ TEST_CASE("Full rays: rising budgets on nine hard maps", "[long]") {
   CHECK(small.invalid == 0);
   CHECK(small.beyond == 0);
   CHECK(small.falls == 0);
+}
+
+TEST_CASE("The exact stage chooses what plain greedy chooses on ten thousand tasks", "[long]") {
+  CHECK(lazy_unlike_naive(1, 10001) == std::vector<std::uint64_t>{});
+}
+
+TEST_CASE("Ray plans keep their bounds on three thousand tasks", "[long]") {
+  report_bounds(check_bounds(1, 3001));
 }
