@@ -80,6 +80,16 @@ TEST_CASE("Rays: the plan before is moved on, and is where the next one starts f
   const std::vector<std::uint16_t> first(owned.scheduler.rays(0).begin(), owned.scheduler.rays(0).end());
   CHECK(first == second);
   CHECK(is_valid_plan(owned.scheduler));
+  // From a plan that was thought through, first stages would lead to worse ones: they are not taken.
+  REQUIRE(owned.scheduler.begin(map.map.view(), poses) == Status::ok);
+  (void)owned.scheduler.step(100'000'000);
+  REQUIRE(owned.scheduler.begin(map.map.view(), poses, 0) == Status::ok);
+  std::vector<double> left(static_cast<std::size_t>(map.map.view().cell_count()));
+  const double before = cut_worth(owned.scheduler, map.map.view(), left);
+  while (!owned.scheduler.done()) {
+    (void)owned.scheduler.step(2000);
+    REQUIRE(cut_worth(owned.scheduler, map.map.view(), left) >= before * (1 - 1e-9));
+  }
   // A plan that was moved on by more than its length is the pattern.
   REQUIRE(owned.scheduler.begin(map.map.view(), poses, 99) == Status::ok);
   OwnedScheduler fresh(task.config);
