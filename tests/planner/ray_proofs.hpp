@@ -31,9 +31,10 @@ inline std::vector<std::uint64_t> lazy_unlike_naive(std::uint64_t first, std::ui
     if (scheduler.plan().stage == planner::RayStage::exact) {
       good = good && begins_with(scheduler, naive);
     } else {
-      // The seed was worth as much: then it stays.
-      const RayMatrix matrix = build_ray_matrix(scheduler, task.map.map.view());
-      good = good && matrix.worth(chosen_rows(scheduler)) > 0.99 * matrix.worth(naive) - 1e-12;
+      // The seed was worth as much in the scheduler's model, which cuts rays: then it stays.
+      const mapping::OccupancyView view = task.map.map.view();
+      std::vector<double> left(static_cast<std::size_t>(view.cell_count()));
+      good = good && cut_worth(scheduler, view, left) >= (1 - 1e-5) * cut_worth(scheduler, view, left, naive);
       ++kept;
     }
     if (!good) unlike.push_back(seed);

@@ -130,15 +130,15 @@ inline std::vector<std::size_t> naive_on_the_model(const planner::RayScheduler& 
   }
 }
 
-/// What a plan is worth in double, with rays cut where the scheduler cuts them: each share is the sum of what
+/// What rays are worth in double, with rays cut where the scheduler cuts them: each share is the sum of what
 /// ends behind a cell. `left` is scratch, an entry a cell of the map.
 inline double cut_worth(const planner::RayScheduler& scheduler, const mapping::OccupancyView& map,
-                        std::vector<double>& left) {
+                        std::vector<double>& left, const std::vector<std::size_t>& rows) {
   const planner::RayModel& model = scheduler.model();
   std::fill(left.begin(), left.end(), 1.0);
   std::vector<std::pair<std::uint32_t, double>> passed;
   double worth = 0;
-  for (const std::size_t row : chosen_rows(scheduler)) {
+  for (const std::size_t row : rows) {
     const std::uint32_t rays = scheduler.config().sensor.rays();
     mapping::VoxelWalk walk =
         scheduler.walk(static_cast<std::uint32_t>(row / rays), static_cast<std::uint32_t>(row % rays));
@@ -158,6 +158,11 @@ inline double cut_worth(const planner::RayScheduler& scheduler, const mapping::O
     }
   }
   return worth;
+}
+
+inline double cut_worth(const planner::RayScheduler& scheduler, const mapping::OccupancyView& map,
+                        std::vector<double>& left) {
+  return cut_worth(scheduler, map, left, chosen_rows(scheduler));
 }
 
 /// True when a plan's first choices at each position are those of a sequence.
