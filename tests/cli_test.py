@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench rays"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
@@ -341,6 +341,8 @@ else:
     check(result.returncode == 4 and "is not built" in result.stderr, "bench rt says what is missing", result)
     print("left out: the real-time benchmark is not built")
 
+expect(4, "bench", "rays", "--program", "absent/sortie-bench-rays", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "rays", "--only", "nothing")
 # So is the plant's. Its drives are the same at each run, their times are not: nothing here looks at those.
 expect(4, "bench", "plant", "--program", "absent/sortie-bench-plant", says=["is not built", "cmake --build"], only_line=True)
 expect(2, "bench", "plant", "--only", "nothing")

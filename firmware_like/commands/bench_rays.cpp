@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `sortie bench rays`: the ray scheduler beside the published planners.
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "firmware_like/bench/ray_bench.hpp"
+#include "firmware_like/commands/bench_commands.hpp"
+#include "firmware_like/exporters/output_file.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+struct RayCommandLine {
+  RayBenchOptions bench;
+  OutputOptions output;
+};
+
+int run(const CommandContext& context, const RayCommandLine& options) {
+  const nlohmann::ordered_json result = run_ray_bench(options.bench);
+  if (options.output.json) {
+    std::cout << result.dump(2) << "\n";
+  } else {
+    print_ray_bench(std::cout, result, wants_colour(STDOUT_FILENO));
+  }
+  if (const std::string& folder = options.output.out; !folder.empty()) {
+    std::filesystem::create_directories(folder);
+    write_file(folder + "/bench-rays.json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });
+    write_file(folder + "/bench-rays.md",
+               [&](std::ostream& out) { out << ray_bench_page(result, context.command_line); });
+    for (const RayPicture& picture : ray_pictures(result)) {
+      write_file(folder + "/" + picture.file,
+                 [&](std::ostream& out) { out << render(picture.plot) << "\n"; });
+    }
+    std::cerr << "report: " << folder << "/bench-rays.{md,json} and pictures\n";
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_bench_rays(CLI::App& bench, CommandContext& context) {
+  auto options = std::make_shared<RayCommandLine>();
+  CLI::App* command = bench.add_subcommand(
+      "rays", "The ray scheduler beside the published planners: worth over run time, budgets, hard maps");
+  command->footer(
+      "All planners run in one process on the same tasks, so ratios hold on a busy machine, too. "
+      "docs/rays.md "
+      "tells what is planned and how.\n"
+      "Examples:\n"
+      "  sortie bench rays --out out/rays\n"
+      "  sortie bench rays --only units\n"
+      "  sortie bench rays --only curves --seeds 1 --json");
+  command->add_option("--rounds", options->bench.rounds, "Rounds of what is timed")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--seeds", options->bench.seeds, "Streets of each kind")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--only", options->bench.only, "One part alone")
+      ->check(CLI::IsMember({"curves", "units", "picture"}));
+  command
+      ->add_option("--program", options->bench.program, "sortie-bench-rays, where it is not found by itself")
+      ->type_name("FILE");
+  command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
+  command->add_option("--out", options->output.out, "Folder for bench-rays.md, bench-rays.json and pictures")
+      ->type_name("DIR");
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace sortie::firmware

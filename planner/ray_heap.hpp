@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The most promising first: a binary heap of keys in memory that is given.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+
+namespace sortie::planner {
+
+/// A worth above and a number below: greater worth first, then the smaller number. No two are equal, so the
+/// order in which a heap gives them back does not depend on how they were put in.
+struct RayKey {
+  /// Worths are positive floats: their bits order as they do.
+  static std::uint64_t make(float worth, std::uint32_t node) {
+    return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(worth)) << 32 | (0xffffffffu - node);
+  }
+  static float worth(std::uint64_t key) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
+  }
+  static std::uint32_t node(std::uint64_t key) { return 0xffffffffu - static_cast<std::uint32_t>(key); }
+};
+
+/// Max-heap. A push to a full heap is refused.
+class RayHeap {
+ public:
+  RayHeap() = default;
+  explicit RayHeap(std::span<std::uint64_t> keys) : keys_(keys) {}
+
+  void clear() { size_ = 0; }
+  std::uint32_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  bool has_room(std::uint32_t keys) const { return size_ + keys <= keys_.size(); }
+  std::uint64_t top() const { return keys_[0]; }
+  /// The greatest but the top; 0 without one.
+  std::uint64_t second() const {
+    if (size_ < 2) return 0;
+    return size_ > 2 && keys_[2] > keys_[1] ? keys_[2] : keys_[1];
+  }
+  bool push(std::uint64_t key) {
+    if (size_ >= keys_.size()) return false;
+    std::uint32_t at = size_++;
+    while (at > 0 && keys_[(at - 1) / 2] < key) {
+      keys_[at] = keys_[(at - 1) / 2];
+      at = (at - 1) / 2;
+    }
+    keys_[at] = key;
+    return true;
+  }
+  void pop() {
+    --size_;
+    if (size_ > 0) sink(keys_[size_]);
+  }
+  void replace_top(std::uint64_t key) { sink(key); }
+
+ private:
+  // Puts `key` where the top was.
+  void sink(std::uint64_t key) {
+    std::uint32_t at = 0;
+    for (std::uint32_t child = 1; child < size_; child = 2 * at + 1) {
+      if (child + 1 < size_ && keys_[child + 1] > keys_[child]) ++child;
+      if (keys_[child] <= key) break;
+      keys_[at] = keys_[child];
+      at = child;
+    }
+    keys_[at] = key;
+  }
+
+  std::span<std::uint64_t> keys_;
+  std::uint32_t size_{};
+};
+
+}  // namespace sortie::planner

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Memory, tasks and slices of the ray scheduler.
+#include "planner/ray_scheduler.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "planner/ray_units.hpp"
+#include "rt/arena.hpp"
+#include "rt/digest.hpp"
+
+namespace sortie::planner {
+
+namespace {
+
+constexpr double kUnknownBound = std::numeric_limits<double>::infinity();
+
+bool is_share(double value) { return value >= 0.0 && value < 1.0; }
+
+bool is_good(const RaySchedulerConfig& config) {
+  const RaySensor& s = config.sensor;
+  const RayModelConfig& m = config.model;
+  const bool numbers = s.columns >= 1 && s.rows >= 1 && s.columns <= 65536 && s.rows <= 65536 &&
+                       static_cast<std::uint64_t>(s.columns) * s.rows <= 65536 && config.positions >= 1 &&
+                       config.positions <= RayScheduler::kMostPositions && config.map_cells >= 1 &&
+                       config.map_cells <= (1u << 24) && config.coarse_log2 <= 6 && config.tries >= 1 &&
+                       config.table_lines <= 65535;
+  const bool sizes = config.voxel_size_m > 0.0 && s.range_m > 0.0 &&
+                     s.range_m / config.voxel_size_m <= mapping::VoxelWalk::kMostVoxels &&
+                     std::isfinite(s.width_rad) && std::isfinite(s.height_rad);
+  const bool shares = m.prior > 0.0 && m.prior < 1.0 && m.solid > 0.5 && m.solid <= 1.0 &&
+                      is_share(m.least_visible) && is_share(config.slack) && config.optimism >= 1.0 &&
+                      std::isfinite(config.optimism);
+  return numbers && sizes && shares;
+}
+
+// Cells that a ray passes at most: its length along the three axes, and one more for each start.
+std::uint32_t cells_of_a_ray(const RaySchedulerConfig& config) {
+  const double length = config.sensor.range_m / config.voxel_size_m * 1.7320508075688774;
+  return static_cast<std::uint32_t>(length) + 5;
+}
+
+std::uint32_t per_position(const RaySchedulerConfig& config) {
+  return std::min(config.rays, config.sensor.rays());
+}
+
+// Lines of the table, the one for all other cells included.
+std::uint32_t table_lines(const RaySchedulerConfig& config) {
+  if (config.table_lines > 0) return config.table_lines + 1;
+  const std::uint64_t rays = std::uint64_t{per_position(config)} * config.positions;
+  const std::uint64_t most = CoverageTable::directory_size(config.map_cells);
+  return static_cast<std::uint32_t>(std::min({rays * 60, most, std::uint64_t{65535}})) + 1;
+}
+
+std::uint32_t bit_words(std::uint64_t bits) { return static_cast<std::uint32_t>((bits + 31) / 32); }
+
+}  // namespace
+
+std::uint64_t RayScheduler::memory_bytes(const RaySchedulerConfig& config) {
+  if (!is_good(config)) return 0;
+  const std::uint64_t all = std::uint64_t{config.positions} * config.sensor.rays();
+  const std::uint64_t plans =
+      2 * std::uint64_t{config.positions} * per_position(config) * sizeof(std::uint16_t);
+  return sizeof(RayAngle) * (config.sensor.columns + config.sensor.rows) +
+         sizeof(rt::Vector3) * config.positions * config.sensor.columns +
+         all * (sizeof(float) + sizeof(std::uint64_t)) + 2 * sizeof(std::uint32_t) * bit_words(all) + plans +
+         sizeof(RayModel::Passed) * cells_of_a_ray(config) +
+         (sizeof(CoverageLine) + sizeof(std::uint32_t)) * table_lines(config) +
+         sizeof(std::uint16_t) * CoverageTable::directory_size(config.map_cells) + sizeof(CoverageLine) +
+         13 * alignof(std::max_align_t);
+}
+
+RayScheduler::RayScheduler(const RaySchedulerConfig& config, std::span<std::byte> memory)
+    : config_(config), model_(config.model) {
+  const std::uint64_t needed = memory_bytes(config);
+  if (needed == 0 || memory.size() < needed) return;
+  all_rays_ = config.sensor.rays();
+  per_position_ = per_position(config);
+  most_cells_ = cells_of_a_ray(config);
+  const std::uint32_t side = 1u << config.coarse_log2;
+  coarse_columns_ = (config.sensor.columns + side - 1) / side;
+  coarse_rows_ = (config.sensor.rows + side - 1) / side;
+  const std::uint64_t all = std::uint64_t{config.positions} * all_rays_;
+  largest_step_ = std::max({ray_units::most(most_cells_, per_position_, config.coarse_log2),
+                            ray_units::decided(std::uint64_t{config.positions} * per_position_),
+                            ray_units::started(all)});
+  lay_out(memory);
+  for (std::uint32_t i = 0; i < config.sensor.columns; ++i)
+    columns_[i] = ray_angle(i, config.sensor.columns, config.sensor.width_rad);
+  for (std::uint32_t i = 0; i < config.sensor.rows; ++i)
+    rows_[i] = ray_angle(i, config.sensor.rows, config.sensor.height_rad);
+  usable_ = true;
+}
+
+void RayScheduler::lay_out(std::span<std::byte> memory) {
+  rt::Arena arena(memory);
+  const std::size_t all = std::size_t{config_.positions} * all_rays_;
+  const std::size_t plan = std::size_t{config_.positions} * per_position_;
+  CoverageMemory table;
+  table.lines = arena.make_array<CoverageLine>("coverage", table_lines(config_), sizeof(CoverageLine));
+  table.owners = arena.make_array<std::uint32_t>("owners", table_lines(config_));
+  table.directory = arena.make_array<std::uint16_t>(
+      "directory", static_cast<std::size_t>(CoverageTable::directory_size(config_.map_cells)));
+  table_ = CoverageTable(table);
+  columns_ = arena.make_array<RayAngle>("columns", config_.sensor.columns);
+  rows_ = arena.make_array<RayAngle>("rows", config_.sensor.rows);
+  across_ = arena.make_array<rt::Vector3>("across", std::size_t{config_.positions} * config_.sensor.columns);
+  heap_ = RayHeap(arena.make_array<std::uint64_t>("heap", all));
+  fresh_ = arena.make_array<float>("fresh worths", all);
+  traced_ = arena.make_array<std::uint32_t>("traced", bit_words(all));
+  chosen_ = arena.make_array<std::uint32_t>("chosen", bit_words(all));
+  best_rays_ = arena.make_array<std::uint16_t>("best plan", plan);
+  work_rays_ = arena.make_array<std::uint16_t>("candidate plan", plan);
+  scratch_ = arena.make_array<RayModel::Passed>("one ray", most_cells_);
+}
+
+Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const mapping::SensorPose> poses,
+                           std::uint32_t passed) {
+  if (!usable_ || map.cells == nullptr || map.cell_count() > config_.map_cells || map.cell_count() == 0 ||
+      !(map.voxel_size_m >= config_.voxel_size_m) || poses.empty() || poses.size() > config_.positions)
+    return Status::out_of_range;
+  for (const mapping::SensorPose& pose : poses) {
+    if (!rt::is_finite(pose.p_world_sensor_m) || !rt::is_finite(pose.q_world_sensor))
+      return Status::not_finite;
+  }
+  const std::uint32_t previous = plan_.positions;
+  map_ = map;
+  plan_ = {};
+  plan_.positions = static_cast<std::uint32_t>(poses.size());
+  plan_.rays = per_position_;
+  plan_.best_bound = kUnknownBound;
+  make_views(poses);
+  make_seed(passed, previous);
+  std::fill(traced_.begin(), traced_.end(), 0u);
+  (void)table_.clear_some(UINT32_MAX);
+  credit_ = 0;
+  best_ = {0.0, kUnknownBound, false};
+  work_ = {};
+  all_traced_ = false;
+  cursor_ = 0;
+  for (double& bound : seed_bound_) bound = 0.0;
+  phase_ = Phase::coarse;
+  stage_ = RayStage::seed;
+  if (per_position_ == 0) {
+    phase_ = Phase::done;
+    plan_.exact_worth = true;
+    plan_.best_bound = 0.0;
+    plan_.certificate = 1.0;
+    plan_.done = true;
+  }
+  return Status::ok;
+}
+
+void RayScheduler::make_views(std::span<const mapping::SensorPose> poses) {
+  for (std::uint32_t p = 0; p < poses.size(); ++p) {
+    const rt::Quaternion q = normalised(poses[p].q_world_sensor);
+    View& view = views_[p];
+    view.u = map_.to_window(poses[p].p_world_sensor_m);
+    view.inside = map_.contains(view.u);
+    view.up = rotate(q, {0, 0, 1});
+    const rt::Vector3 forward = rotate(q, {1, 0, 0});
+    const rt::Vector3 left = rotate(q, {0, 1, 0});
+    for (std::uint32_t i = 0; i < config_.sensor.columns; ++i)
+      across_[p * config_.sensor.columns + i] = columns_[i].cos * forward + columns_[i].sin * left;
+  }
+}
+
+// What the previous task planned for a place is the seed for that place; beyond its end, the pattern.
+void RayScheduler::make_seed(std::uint32_t passed, std::uint32_t previous_positions) {
+  for (std::uint32_t p = 0; p < plan_.positions; ++p) {
+    const std::span<std::uint16_t> to = best_rays_.subspan(std::size_t{p} * per_position_, per_position_);
+    if (passed < previous_positions && p < previous_positions - passed) {
+      const auto from = best_rays_.subspan(std::size_t{p + passed} * per_position_, per_position_);
+      std::copy(from.begin(), from.end(), to.begin());
+      continue;
+    }
+    for (std::uint32_t i = 0; i < per_position_; ++i) to[i] = static_cast<std::uint16_t>(pattern(i));
+  }
+  std::copy(best_rays_.begin(), best_rays_.end(), work_rays_.begin());
+  plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * per_position_ * 2);
+}
+
+// A permutation of the directions whose beginnings are spread over the field of view: steps of the golden
+// section. The step has no factor in common with the number of directions.
+std::uint32_t RayScheduler::pattern(std::uint32_t i) const {
+  auto step = static_cast<std::uint32_t>(0.6180339887498949 * all_rays_);
+  const auto common = [](std::uint32_t a, std::uint32_t b) {
+    while (b != 0) a = std::exchange(b, a % b);
+    return a;
+  };
+  while (step > 1 && common(step, all_rays_) != 1) --step;
+  return static_cast<std::uint32_t>(std::uint64_t{i} * (step > 0 ? step : 1u) % all_rays_);
+}
+
+std::uint64_t RayScheduler::step(std::uint64_t units) {
+  credit_ += units;
+  std::uint64_t spent = 0;
+  while (phase_ != Phase::done && credit_ - spent >= largest_step_) {
+    spent += advance();
+  }
+  credit_ = phase_ == Phase::done ? 0 : credit_ - spent;
+  plan_.units += spent;
+  plan_.done = phase_ == Phase::done;
+  return spent;
+}
+
+std::span<const std::uint16_t> RayScheduler::rays(std::uint32_t position) const {
+  if (position >= plan_.positions) return {};
+  return best_rays_.subspan(std::size_t{position} * per_position_, per_position_);
+}
+
+mapping::VoxelWalk RayScheduler::walk(std::uint32_t position, std::uint32_t ray) const {
+  const View& view = views_[position];
+  const std::uint32_t row = ray / config_.sensor.columns;
+  const std::uint32_t column = ray - row * config_.sensor.columns;
+  const rt::Vector3 direction =
+      rows_[row].cos * across_[position * config_.sensor.columns + column] + rows_[row].sin * view.up;
+  return make_walk(map_, view.u, direction, config_.sensor.range_m / map_.voxel_size_m);
+}
+
+// The candidate becomes the plan.
+void RayScheduler::adopt() {
+  std::copy(work_rays_.begin(), work_rays_.end(), best_rays_.begin());
+  best_ = work_;
+  plan_.stage = stage_;
+  plan_.planned = std::max(plan_.planned, last_);
+  plan_.worth = best_.lower;
+  plan_.exact_worth = !(best_.lower < best_.upper);
+  plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * per_position_ * 2);
+  if (std::isfinite(plan_.best_bound)) finish_certificate();
+}
+
+}  // namespace sortie::planner
