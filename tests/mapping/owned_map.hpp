@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A rolling grid and a segmenter with memory of their own, for tests and benchmarks.
+#pragma once
+
+#include <vector>
+
+#include "mapping/rolling_grid.hpp"
+#include "mapping/segmenter.hpp"
+
+namespace sortie::tests {
+
+/// Sizes of the pools.
+struct MapSizes {
+  std::uint32_t blocks{512};
+  std::uint32_t voxels{8192};
+  std::uint32_t nodes{2048};
+  std::uint32_t points{4096};
+  std::uint32_t slots{2048};
+  std::uint32_t events{4096};
+};
+
+/// A grid with memory of its own.
+struct OwnedRollingGrid {
+  std::vector<mapping::Block> blocks;
+  std::vector<mapping::BlockIndex> window;
+  std::vector<mapping::Centroid> voxels;
+  std::vector<mapping::NormalRecord> normals;
+  std::vector<mapping::ScanEntry> scan;
+  std::vector<mapping::BlockChange> changes;
+  mapping::RollingGrid grid;
+
+  OwnedRollingGrid(const mapping::RollingGridConfig& config, const MapSizes& sizes, bool with_normals = false)
+      : blocks(sizes.blocks),
+        window(mapping::RollingGrid::window_entries(config)),
+        voxels(sizes.voxels),
+        normals(with_normals ? sizes.voxels : 0),
+        scan(sizes.points),
+        changes(sizes.blocks),
+        grid(config, {blocks, window, voxels, normals, scan, changes}) {}
+  OwnedRollingGrid(const OwnedRollingGrid&) = delete;
+  OwnedRollingGrid& operator=(const OwnedRollingGrid&) = delete;
+};
+
+/// A segmenter with memory of its own.
+template <class Policy>
+struct OwnedSegmenter {
+  std::vector<mapping::FragmentNode> nodes;
+  std::vector<mapping::NodeIndex> first;
+  std::vector<mapping::BlockIndex> queue;
+  std::vector<std::uint8_t> queued;
+  std::vector<mapping::NodeWork> work;
+  std::vector<mapping::SegmentComponent> components;
+  std::vector<std::uint16_t> fresh;
+  std::vector<mapping::SegmentSlot> slots;
+  std::vector<mapping::SegmentEvent> events;
+  mapping::Segmenter<Policy> segmenter;
+
+  OwnedSegmenter(const mapping::SegmenterConfig& config, double voxel_size_m, const MapSizes& sizes,
+                 const Policy& policy = {})
+      : nodes(sizes.nodes),
+        first(sizes.blocks),
+        queue(sizes.blocks),
+        queued(sizes.blocks),
+        work(sizes.nodes),
+        components(sizes.nodes),
+        fresh(sizes.nodes),
+        slots(sizes.slots),
+        events(sizes.events),
+        segmenter(config, voxel_size_m, policy,
+                  {nodes, first, queue, queued, {work, components, fresh, slots, events}}) {}
+  OwnedSegmenter(const OwnedSegmenter&) = delete;
+  OwnedSegmenter& operator=(const OwnedSegmenter&) = delete;
+};
+
+/// Grid and Euclidean segmenter, wired.
+struct EuclideanMap {
+  OwnedRollingGrid owned;
+  OwnedSegmenter<mapping::EuclideanPolicy> segments;
+
+  EuclideanMap(const mapping::RollingGridConfig& grid_config, const mapping::SegmenterConfig& config,
+               const MapSizes& sizes)
+      : owned(grid_config, sizes), segments(config, grid_config.voxel_size_m, sizes) {}
+
+  mapping::RollingInsert insert(const rt::PointScan& scan, const mapping::RigidPose& pose, rt::Tick tick) {
+    const mapping::EvictionHook hook{[](void* self, mapping::BlockIndex block) {
+                                       auto* map = static_cast<EuclideanMap*>(self);
+                                       map->segments.segmenter.forget(map->owned.grid, block);
+                                     },
+                                     this};
+    const mapping::RollingInsert result = owned.grid.insert(scan, pose, tick, hook);
+    for (const mapping::BlockChange& change : owned.grid.changes()) {
+      if (change.moved != 0) segments.segmenter.mark(change.block);
+    }
+    return result;
+  }
+  mapping::SegmenterStep segment(rt::Tick tick) {
+    return segments.segmenter.update(owned.grid, static_cast<std::uint32_t>(tick));
+  }
+};
+
+}  // namespace sortie::tests
