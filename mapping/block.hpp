@@ -40,6 +40,15 @@ struct BlockAt {
 inline constexpr int kDirections = 27;
 inline constexpr int kHere = 13;
 
+/// What a block's key differs by from that of the block in each direction.
+struct KeySteps {
+  std::uint64_t step[kDirections]{};
+  constexpr KeySteps() {
+    for (int d = 0; d < kDirections; ++d) step[d] = BlockAt{}.next(d).key() - BlockAt{}.key();
+  }
+};
+inline constexpr KeySteps kKeySteps{};
+
 /// Mean of a voxel's points: offsets within the cell in whole 1/65536 of its edge (1.5 um for 0.1 m), and how
 /// many points it had, up to 65,535. 8 bytes.
 struct Centroid {

@@ -36,6 +36,19 @@ class BlockWindow {
            (static_cast<std::uint32_t>(at.y) & mask_xy_) << bits_z_ |
            (static_cast<std::uint32_t>(at.z) & mask_z_);
   }
+  /// Entries of the 27 blocks around a place, in the order of directions.
+  void around(const BlockAt& at, std::uint32_t (&entries)[kDirections]) const {
+    const auto wrap = [](std::int32_t v, std::uint32_t mask) { return static_cast<std::uint32_t>(v) & mask; };
+    int direction = 0;
+    for (std::int32_t dz = -1; dz <= 1; ++dz) {
+      const std::uint32_t z = wrap(at.z + dz, mask_z_);
+      for (std::int32_t dy = -1; dy <= 1; ++dy) {
+        const std::uint32_t yz = wrap(at.y + dy, mask_xy_) << bits_z_ | z;
+        for (std::int32_t dx = -1; dx <= 1; ++dx)
+          entries[direction++] = wrap(at.x + dx, mask_xy_) << bits_y_ | yz;
+      }
+    }
+  }
   BlockIndex& operator[](std::uint32_t entry) { return table_[entry]; }
   BlockIndex operator[](std::uint32_t entry) const { return table_[entry]; }
   void prefetch(std::uint32_t entry) const { __builtin_prefetch(&table_[entry]); }

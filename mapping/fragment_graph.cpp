@@ -72,7 +72,7 @@ void FragmentGraph::disconnect(BlockIndex from, int direction) {
   }
 }
 
-void FragmentGraph::connect(NodeIndex from, int direction, NodeIndex to) {
+void FragmentGraph::connect(NodeIndex from, int direction, NodeIndex to, std::uint16_t witness) {
   const unsigned at = static_cast<unsigned>(direction - 14);
   NodeIndex part = from;
   while ((nodes_[part].forward_set >> at & 1) != 0) {
@@ -85,6 +85,7 @@ void FragmentGraph::connect(NodeIndex from, int direction, NodeIndex to) {
   }
   nodes_[part].forward_set = static_cast<std::uint16_t>(nodes_[part].forward_set | 1u << at);
   nodes_[part].forward[at] = to;
+  nodes_[part].witness[at] = witness;
 }
 
 NodeIndex FragmentGraph::holder(BlockIndex block, unsigned cell) const {

@@ -26,10 +26,11 @@ struct FragmentNode {
   std::uint16_t forward_set{};                 ///< bit n: forward[n] holds the neighbour in direction 14 + n
   NodeIndex extension{kNoNode};
   NodeIndex forward[kForward]{};
+  std::uint16_t witness[kForward]{};  ///< the two voxels that make the edge: own cell, its cell << 6
   std::uint8_t voxels{};
   std::uint8_t reserved{};
 };
-static_assert(sizeof(FragmentNode) == 48);
+static_assert(sizeof(FragmentNode) == 80 || sizeof(FragmentNode) == 76);
 
 /// The pool of fragments and the lists of them, one a block.
 class FragmentGraph {
@@ -46,7 +47,7 @@ class FragmentGraph {
   /// Drops the edges that the nodes of `from` keep in a forward direction.
   void disconnect(BlockIndex from, int direction);
   /// Joins node `from` with a node in a forward direction. When no room is left the edge is lost and counted.
-  void connect(NodeIndex from, int direction, NodeIndex to);
+  void connect(NodeIndex from, int direction, NodeIndex to, std::uint16_t witness);
   /// Node of a block that holds a cell, or kNoNode.
   NodeIndex holder(BlockIndex block, unsigned cell) const;
 

@@ -47,73 +47,90 @@ void Labelling::unite(NodeIndex a, NodeIndex b) {
 
 std::uint32_t Labelling::run(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t units) {
   std::uint32_t used = 0;
-  for (; used < units && stage_ != Stage::idle; ++used) step(graph, blocks);
+  while (used < units && stage_ != Stage::idle) {
+    const std::uint32_t before = at_;
+    const std::uint32_t room = units - used;
+    const Stage stage = stage_;
+    const std::uint32_t end = run_stage(graph, blocks, room);
+    used += stage == Stage::reset ? (end - before) / kResetAtOnce + 1 : end - before + 1;
+  }
   return used;
 }
 
-void Labelling::step(FragmentGraph& graph, std::span<const Block> blocks) {
-  const std::uint32_t nodes = std::min(nodes_, graph.numbers());
+/// At most `room` steps of the present stage, and on to the next one when it is done; gives where it came to.
+std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t room) {
+  if (stage_ == Stage::reset) nodes_ = graph.numbers();
+  const auto upto = [this, room](std::uint32_t size) { return room < size - at_ ? at_ + room : size; };
+  const std::uint32_t nodes = upto(nodes_);
   switch (stage_) {
     case Stage::idle:
-      return;
+      return at_;
     case Stage::reset: {
-      nodes_ = nodes;
-      const std::uint32_t end = std::min(at_ + kResetAtOnce, nodes);
+      const std::uint32_t end = room < (nodes_ - at_) / kResetAtOnce ? at_ + room * kResetAtOnce : nodes_;
       for (; at_ < end; ++at_) memory_.work[at_] = {static_cast<NodeIndex>(at_), kNoComponent, kNoNode};
-      if (at_ == nodes) next(Stage::unite);
-      return;
+      return end == nodes_ ? next(Stage::unite) : end;
     }
-    case Stage::unite: {
-      if (at_ == nodes) return next(Stage::reset_slots);
-      const auto node = static_cast<NodeIndex>(at_++);
-      if (graph[node].cells == 0) return;
-      for (NodeIndex part = node; part != kNoNode; part = graph[part].extension) {
-        for (unsigned set = graph[part].forward_set; set != 0; set &= set - 1)
-          unite(node, graph[part].forward[std::countr_zero(set)]);
+    case Stage::unite:
+      for (; at_ < nodes; ++at_) {
+        if (graph[static_cast<NodeIndex>(at_)].cells != 0) unite_around(graph, static_cast<NodeIndex>(at_));
       }
-      return;
-    }
-    case Stage::group: {
-      if (at_ == nodes) {
-        vote_node_ = components_ > 0 ? memory_.components[0].first : kNoNode;
-        return next(Stage::vote);
+      return nodes == nodes_ ? next(Stage::reset_slots) : nodes;
+    case Stage::group:
+      for (; at_ < nodes; ++at_) {
+        const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
+        // Roots have smaller numbers and come first, so that a parent's parent is the root by now.
+        memory_.work[at_].parent = memory_.work[memory_.work[at_].parent].parent;
+        if (node.cells != 0) group(node, blocks[node.block].key << 6 | lowest(node.cells));
       }
-      const auto node = static_cast<NodeIndex>(at_++);
-      if (graph[node].cells != 0) group(graph, blocks[graph[node].block].key, node);
-      return;
+      if (nodes != nodes_) return nodes;
+      vote_node_ = components_ > 0 ? memory_.components[0].first : kNoNode;
+      return next(Stage::vote);
+    case Stage::vote: {
+      const std::uint32_t begin = at_;
+      std::uint32_t steps = 0;
+      for (; at_ < components_ && steps < room; ++steps) vote(graph);
+      if (at_ == components_) next(Stage::close);
+      return begin + steps;
     }
-    case Stage::vote:
-      if (at_ == components_) return next(Stage::close);
-      vote(graph, static_cast<std::uint16_t>(at_));
-      return;
     case Stage::reset_slots:
     case Stage::close:
     case Stage::decide:
-    case Stage::rename:
-      if (at_ < slot_numbers_) return step_slot();
+    case Stage::rename: {
+      const std::uint32_t slots = upto(slot_numbers_);
+      for (; at_ < slots; ++at_) visit_slot(static_cast<std::uint16_t>(at_));
+      if (slots != slot_numbers_) return slots;
       return next(stage_ == Stage::reset_slots ? Stage::group
                   : stage_ == Stage::close     ? Stage::decide
                   : stage_ == Stage::decide    ? Stage::rename
                                                : Stage::queue);
-    case Stage::queue:
-      if (at_ == components_) return next(Stage::name);
-      queue(static_cast<std::uint16_t>(at_++));
-      return;
+    }
+    case Stage::queue: {
+      const std::uint32_t components = upto(components_);
+      for (; at_ < components; ++at_) queue(static_cast<std::uint16_t>(at_));
+      return components == components_ ? next(Stage::name) : components;
+    }
     case Stage::name:
       if (fresh_ == 0) return next(Stage::write);
       std::pop_heap(memory_.fresh.begin(), memory_.fresh.begin() + fresh_, later());
       name(memory_.fresh[--fresh_]);
-      return;
+      return at_;
     case Stage::write:
-      if (at_ == nodes) return publish();
-      write(graph, static_cast<NodeIndex>(at_++));
-      return;
+      for (; at_ < nodes; ++at_) write(graph[static_cast<NodeIndex>(at_)], static_cast<NodeIndex>(at_));
+      if (nodes == nodes_) publish();
+      return nodes;
+  }
+  return at_;
+}
+
+void Labelling::unite_around(const FragmentGraph& graph, NodeIndex node) {
+  for (NodeIndex part = node; part != kNoNode; part = graph[part].extension) {
+    for (unsigned set = graph[part].forward_set; set != 0; set &= set - 1)
+      unite(node, graph[part].forward[std::countr_zero(set)]);
   }
 }
 
 /// One slot in a stage that goes over all of them.
-void Labelling::step_slot() {
-  const auto index = static_cast<std::uint16_t>(at_++);
+void Labelling::visit_slot(std::uint16_t index) {
   SegmentSlot& slot = memory_.slots[index];
   if (stage_ == Stage::reset_slots) {
     if (slot.voxels[shown_] == 0) slot.id = kNoSegment;
@@ -133,23 +150,23 @@ void Labelling::step_slot() {
   }
 }
 
-void Labelling::group(FragmentGraph& graph, std::uint64_t block_key, NodeIndex node) {
-  const NodeIndex top = root(node);
-  std::uint16_t& component = memory_.work[top].component;
-  const std::uint64_t key = block_key << 6 | lowest(graph[node].cells);
+void Labelling::group(const FragmentNode& node, std::uint64_t key) {
+  NodeWork& own = memory_.work[at_];
+  std::uint16_t& component = memory_.work[own.parent].component;
   if (component == kNoComponent) {
     component = static_cast<std::uint16_t>(components_++);
     memory_.components[component] = {key, 0, kNoNode, kNoLabel, kNoLabel};
   }
   SegmentComponent& c = memory_.components[component];
   c.key = std::min(c.key, key);
-  c.voxels += graph[node].voxels;
-  memory_.work[node].next = c.first;
-  c.first = node;
+  c.voxels += node.voxels;
+  own.next = c.first;
+  c.first = static_cast<NodeIndex>(at_);
 }
 
 /// The next node of a component gives its voxels to the segment that it was of.
-void Labelling::vote(FragmentGraph& graph, std::uint16_t component) {
+void Labelling::vote(const FragmentGraph& graph) {
+  const auto component = static_cast<std::uint16_t>(at_);
   const NodeIndex node = vote_node_;
   vote_node_ = memory_.work[node].next;
   if (vote_node_ == kNoNode && ++at_ < components_) vote_node_ = memory_.components[at_].first;
@@ -218,12 +235,11 @@ void Labelling::name(std::uint16_t component) {
   event(SegmentChange::born, memory_.slots[slot_hand_].id, cut ? memory_.slots[c.cut_from].id : kNoSegment);
 }
 
-void Labelling::write(FragmentGraph& graph, NodeIndex node) {
-  FragmentNode& n = graph[node];
-  if (n.cells == 0) return;
-  const std::uint16_t slot = memory_.components[memory_.work[root(node)].component].slot;
-  n.label[1 - shown_] = slot;
-  if (slot != kNoLabel) memory_.slots[slot].voxels[1 - shown_] += n.voxels;
+void Labelling::write(FragmentNode& node, NodeIndex index) {
+  if (node.cells == 0) return;
+  const std::uint16_t slot = memory_.components[memory_.work[memory_.work[index].parent].component].slot;
+  node.label[1 - shown_] = slot;
+  if (slot != kNoLabel) memory_.slots[slot].voxels[1 - shown_] += node.voxels;
 }
 
 void Labelling::publish() {

@@ -79,15 +79,16 @@ class Labelling {
   std::size_t half() const { return memory_.events.size() / 2; }
   NodeIndex root(NodeIndex node);
   void unite(NodeIndex a, NodeIndex b);
-  void step(FragmentGraph& graph, std::span<const Block> blocks);
-  void step_slot();
-  void group(FragmentGraph& graph, std::uint64_t block_key, NodeIndex node);
-  void vote(FragmentGraph& graph, std::uint16_t component);
+  std::uint32_t run_stage(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t room);
+  void unite_around(const FragmentGraph& graph, NodeIndex node);
+  void visit_slot(std::uint16_t slot);
+  void group(const FragmentNode& node, std::uint64_t key);
+  void vote(const FragmentGraph& graph);
   void close_vote(SegmentSlot& slot);
   void decide(std::uint16_t slot);
   void name(std::uint16_t component);
   void queue(std::uint16_t component);
-  void write(FragmentGraph& graph, NodeIndex node);
+  void write(FragmentNode& node, NodeIndex index);
   void publish();
   void event(SegmentChange change, SegmentId id, SegmentId other);
   /// Order of the heap: the component with the smallest key comes out first.
@@ -96,9 +97,12 @@ class Labelling {
       return memory_.components[a].key > memory_.components[b].key;
     };
   }
-  void next(Stage stage) {
+  /// Goes on to a stage; gives where the last one came to.
+  std::uint32_t next(Stage stage) {
+    const std::uint32_t at = at_;
     stage_ = stage;
     at_ = 0;
+    return at;
   }
 
   std::uint32_t min_voxels_;

@@ -62,6 +62,16 @@ class RollingGrid {
     const BlockIndex index = window_[window_.entry(at)];
     return index != kNoBlock && memory_.blocks[index].key == at.key() ? index : kNoBlock;
   }
+  /// The 27 blocks around one, in the order of directions, kNoBlock where there is none.
+  void around(const Block& block, BlockIndex (&found)[kDirections]) const {
+    std::uint32_t entries[kDirections];
+    window_.around(BlockAt::from_key(block.key), entries);
+    for (int d = 0; d < kDirections; ++d) {
+      const BlockIndex index = window_[entries[d]];
+      found[d] =
+          index != kNoBlock && memory_.blocks[index].key == block.key + kKeySteps.step[d] ? index : kNoBlock;
+    }
+  }
   const Centroid& voxel(const Block& block, unsigned cell) const {
     return memory_.voxels[block.slot(block.rank(cell))];
   }

@@ -24,12 +24,21 @@ struct SegmenterConfig {
   std::uint32_t units{0};         ///< most work a tick; 0: all there is. See Segmenter::kBlockUnits
 };
 
+/// What the segmenter knows of a block besides its fragments.
+struct BlockWork {
+  std::uint64_t moved{};   ///< voxels that changed since it was looked at
+  std::uint64_t looked{};  ///< voxels that had changed when it was looked at
+  std::uint8_t queued{};   ///< 0: not; else a tag of the cycle that will look at it
+  std::uint8_t cycle{};    ///< low bits of the cycle that looked at it
+  bool renewed{};          ///< then its fragments were not those of before
+};
+
 /// Memory of a segmenter: value-initialised arrays.
 struct SegmenterMemory {
   std::span<FragmentNode> nodes;   ///< about 1.5 a block; at most 65,534
   std::span<NodeIndex> first;      ///< one a block of the grid
   std::span<BlockIndex> queue;     ///< one a block
-  std::span<std::uint8_t> queued;  ///< one a block
+  std::span<BlockWork> work;       ///< one a block
   LabellingMemory labelling;
 };
 
@@ -62,16 +71,18 @@ class Segmenter {
         graph_(memory.nodes, memory.first),
         labelling_(config.min_voxels, memory.labelling),
         queue_(memory.queue),
-        queued_(memory.queued),
+        work_(memory.work),
         status_(check(config, voxel_size_m, memory)) {}
 
   /// ok, or out_of_range: the radius, or arrays too short for one another.
   Status status() const { return status_; }
 
-  /// A block that must be looked at again: a voxel of it is new, moved or otherwise changed.
-  void mark(BlockIndex block) {
-    if (status_ != Status::ok || queued_[block] != 0) return;
-    queued_[block] = tag(cycle_ + 1);
+  /// Active voxels of a block that are new, moved or otherwise changed: it must be looked at again.
+  void mark(BlockIndex block, std::uint64_t moved) {
+    if (status_ != Status::ok || moved == 0) return;
+    work_[block].moved |= moved;
+    if (work_[block].queued != 0) return;
+    work_[block].queued = tag(cycle_ + 1);
     queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
   }
   /// A block that is about to be given back; its voxels and its place can still be read.
@@ -90,21 +101,27 @@ class Segmenter {
 
  private:
   struct Here;
+  struct Beside;
   static Status check(const SegmenterConfig& config, double voxel_size_m, const SegmenterMemory& memory) {
     const double cells = config.radius_m / voxel_size_m;
     const bool radius = cells > 0 && cells <= Reach::kMostCells;
     const std::size_t nodes = memory.nodes.size();
     const LabellingMemory& l = memory.labelling;
     const bool room = nodes > 0 && !memory.first.empty() && memory.queue.size() >= memory.first.size() &&
-                      memory.queued.size() >= memory.first.size() && l.work.size() >= nodes &&
+                      memory.work.size() >= memory.first.size() && l.work.size() >= nodes &&
                       l.components.size() >= nodes && l.fresh.size() >= nodes && !l.slots.empty();
     return radius && room ? Status::ok : Status::out_of_range;
   }
   static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
   void look_at(const RollingGrid& grid, BlockIndex block);
   void fragment(const RollingGrid& grid, BlockIndex block, Here& here);
+  bool keep_nodes(BlockIndex block, const Here& here);
   void renew_nodes(BlockIndex block, const Here& here);
-  void connect(const RollingGrid& grid, BlockIndex block, const Here& here, BlockIndex other, int direction);
+  bool test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a, unsigned b) const;
+  void verify(const RollingGrid& grid, BlockIndex block, const Here& here, const Beside& beside);
+  void search(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
+              std::uint64_t open, bool all);
+  std::uint64_t joined(const Beside& beside, NodeIndex node) const;
 
   SegmenterConfig config_;
   Policy policy_;
@@ -112,7 +129,7 @@ class Segmenter {
   FragmentGraph graph_;
   Labelling labelling_;
   std::span<BlockIndex> queue_;
-  std::span<std::uint8_t> queued_;
+  std::span<BlockWork> work_;
   Status status_;
   std::uint32_t queue_first_{};
   std::uint32_t queue_size_{};

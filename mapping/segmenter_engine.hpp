@@ -11,6 +11,7 @@ namespace sortie::mapping {
 template <SegmentationPolicy Policy>
 struct Segmenter<Policy>::Here {
   std::uint64_t cores{};
+  std::uint64_t moved{};
   unsigned parts{};
   std::array<UnitPoint, Block::kCells> at;
   std::array<typename Policy::Voxel, Block::kCells> voxel;
@@ -30,7 +31,7 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       --queue_size_;
       const BlockIndex block = queue_[queue_first_];
       queue_first_ = queue_first_ + 1 < queue_.size() ? queue_first_ + 1 : 0;
-      queued_[block] = 0;
+      work_[block].queued = 0;
       if (!grid.block(block).in_use()) continue;
       look_at(grid, block);
       ++step.blocks;
@@ -54,33 +55,68 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
 
 template <SegmentationPolicy Policy>
 void Segmenter<Policy>::forget(const RollingGrid& grid, BlockIndex block) {
-  if (status_ != Status::ok || graph_.first(block) == kNoNode) return;
-  const BlockAt at = BlockAt::from_key(grid.block(block).key);
+  if (status_ != Status::ok) return;
+  work_[block].moved = 0;
+  if (graph_.first(block) == kNoNode) return;
+  BlockIndex around[kDirections];
+  grid.around(grid.block(block), around);
   for (int direction = 0; direction < kHere; ++direction) {
-    const BlockIndex other = grid.find(at.next(direction));
-    if (other != kNoBlock) graph_.disconnect(other, 26 - direction);
+    if (around[direction] != kNoBlock) graph_.disconnect(around[direction], 26 - direction);
   }
   graph_.give(block);
   changed_ = true;
 }
 
+/// A block beside the one that is looked at.
+template <SegmentationPolicy Policy>
+struct Segmenter<Policy>::Beside {
+  BlockIndex index{};
+  int direction{};
+  std::uint64_t there{};  ///< cells of its fragments that can be reached
+  std::uint64_t moved{};  ///< of its voxels, since the pair was tested
+  UnitPoint shift;
+
+  bool forward() const { return direction > kHere; }
+  /// Direction in which the block that keeps the edges sees the other one.
+  int kept() const { return forward() ? direction : 26 - direction; }
+};
+
 template <SegmentationPolicy Policy>
 void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   Here here;
+  BlockWork& own = work_[block];
+  here.moved = own.looked = own.moved;
+  own.moved = 0;
+  own.cycle = static_cast<std::uint8_t>(cycle_);
   fragment(grid, block, here);
-  std::uint64_t before = 0;
-  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next)
-    before |= graph_[node].cells;
-  graph_.drop_forward(block);
-  renew_nodes(block, here);
-  const BlockAt at = BlockAt::from_key(grid.block(block).key);
+  std::uint64_t cells = here.cores;
+  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) cells |= graph_[node].cells;
+  own.renewed = !keep_nodes(block, here);
+  if (own.renewed) renew_nodes(block, here);
+  BlockIndex around[kDirections];
+  grid.around(grid.block(block), around);
   for (int direction = 0; direction < kDirections; ++direction) {
-    if (direction == kHere || ((before | here.cores) & reach_.rim(direction)) == 0) continue;
-    const BlockIndex other = grid.find(at.next(direction));
-    if (other == kNoBlock || graph_.first(other) == kNoNode) continue;
-    if (direction < kHere) graph_.disconnect(other, 26 - direction);
+    const BlockIndex index = around[direction];
+    if (direction == kHere || index == kNoBlock || (cells & reach_.rim(direction)) == 0) continue;
+    if (graph_.first(index) == kNoNode) continue;
+    const BlockWork& other = work_[index];
+    const bool looked = other.cycle == own.cycle;
+    const bool all = own.renewed || (looked && other.renewed);
+    // Where nothing within reach of the border moved, nothing changes.
+    const std::uint64_t its = looked ? other.looked & reach_.rim(26 - direction) : 0;
+    if (!all && its == 0 && (here.moved & reach_.rim(direction)) == 0) continue;
+    Beside beside{index, direction, 0, its, from_next({}, direction)};
+    if (own.renewed && !beside.forward()) graph_.disconnect(index, beside.kept());
     // One that is still to be looked at before the labelling tests the pair itself.
-    if (queued_[other] != tag(cycle_)) connect(grid, block, here, other, direction);
+    if (other.queued == tag(cycle_)) continue;
+    for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next)
+      beside.there |= graph_[node].cells;
+    beside.there &= reach_.rim(26 - direction);
+    if (!all) verify(grid, block, here, beside);
+    for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
+      const std::uint64_t open = all ? beside.there : beside.there & ~joined(beside, node);
+      if (open != 0) search(grid, here, beside, node, open, all);
+    }
   }
 }
 
@@ -117,32 +153,49 @@ void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here
   }
 }
 
-/// Nodes for the parts. Each takes the label of the old node that it shares most cells with, the first one of
-/// equals.
+/// True when every part is one of the fragments of before, with or without more cells: they stay, then, and so
+/// do the edges to them.
+template <SegmentationPolicy Policy>
+bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
+  std::array<unsigned, Block::kCells> part_of;
+  unsigned nodes = 0;
+  std::uint64_t taken = 0;
+  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
+    if (nodes == here.parts) return false;
+    unsigned part = 0;
+    const std::uint64_t cells = graph_[node].cells;
+    while (part < here.parts && (here.part[part] & cells) != cells) ++part;
+    if (part == here.parts || (taken & cell_bit(part)) != 0) return false;
+    taken |= cell_bit(part);
+    part_of[nodes++] = part;
+  }
+  if (nodes != here.parts) return false;
+  unsigned i = 0;
+  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next, ++i) {
+    graph_[node].cells = here.part[part_of[i]];
+    graph_[node].voxels = static_cast<std::uint8_t>(bits_in(graph_[node].cells));
+  }
+  return true;
+}
+
+/// Nodes for the parts. Each takes the label of the old node that it shares most cells with; of equals, of the
+/// one with the first cell.
 template <SegmentationPolicy Policy>
 void Segmenter<Policy>::renew_nodes(BlockIndex block, const Here& here) {
   const unsigned shown = labelling_.shown();
   std::array<std::uint16_t, Block::kCells> label;
-  unsigned same = 0;
   for (unsigned i = 0; i < here.parts; ++i) {
     unsigned most = 0;
+    unsigned first = Block::kCells;
     label[i] = kNoLabel;
     for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
       const unsigned shared = bits_in(graph_[node].cells & here.part[i]);
-      if (shared <= most) continue;
+      const unsigned begin = lowest(graph_[node].cells);
+      if (shared < most || shared == 0 || (shared == most && begin > first)) continue;
       most = shared;
+      first = begin;
       label[i] = graph_[node].label[shown];
     }
-  }
-  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) ++same;
-  if (same == here.parts) {
-    unsigned i = 0;
-    for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next, ++i) {
-      graph_[node].cells = here.part[i];
-      graph_[node].voxels = static_cast<std::uint8_t>(bits_in(here.part[i]));
-      graph_[node].label[shown] = label[i];
-    }
-    return;
   }
   graph_.give(block);
   NodeIndex last = kNoNode;
@@ -159,35 +212,82 @@ void Segmenter<Policy>::renew_nodes(BlockIndex block, const Here& here) {
   }
 }
 
-/// Tests the fragments of the block that is looked at against those of one beside it, until all that can
-/// touch do.
+/// Whether voxel `a` of the block that is looked at and voxel `b` of the one beside it make an edge.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::connect(const RollingGrid& grid, BlockIndex index, const Here& here, BlockIndex other,
-                                int direction) {
-  const Block& block = grid.block(other);
-  std::uint64_t there = 0;
-  for (NodeIndex node = graph_.first(other); node != kNoNode; node = graph_[node].next)
-    there |= graph_[node].cells;
-  there &= reach_.rim(26 - direction);
-  for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next) {
-    std::uint64_t open = there;
-    for (std::uint64_t mine = graph_[node].cells & reach_.rim(direction); mine != 0 && open != 0;
-         mine = without_lowest(mine)) {
-      const unsigned a = lowest(mine);
-      for (std::uint64_t near = open & reach_.from(a, direction); near != 0; near = without_lowest(near)) {
-        const unsigned b = lowest(near);
-        const std::uint32_t slot = block.slot(block.rank(b));
-        if (!reach_.near(here.at[a], from_next(unit_point(grid.voxels()[slot], b), direction)) ||
-            !policy_.join(here.voxel[a], policy_.load(grid, slot)))
-          continue;
-        const NodeIndex found = graph_.holder(other, b);
-        open &= ~graph_[found].cells;
-        near &= open | cell_bit(b);
-        if (direction > kHere) {
-          graph_.connect(node, direction, found);
-        } else {
-          graph_.connect(found, 26 - direction, node);
-        }
+bool Segmenter<Policy>::test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a,
+                             unsigned b) const {
+  const Block& block = grid.block(beside.index);
+  const std::uint32_t slot = block.slot(block.rank(b));
+  const UnitPoint p = unit_point(grid.voxels()[slot], b);
+  return reach_.near(here.at[a], {p.x + beside.shift.x, p.y + beside.shift.y, p.z + beside.shift.z}) &&
+         policy_.join(here.voxel[a], policy_.load(grid, slot));
+}
+
+/// Edges that a moved voxel made: they hold, or others are looked for, or they go.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::verify(const RollingGrid& grid, BlockIndex block, const Here& here, const Beside& beside) {
+  const unsigned at = static_cast<unsigned>(beside.kept() - 14);
+  for (NodeIndex keeper = graph_.first(beside.forward() ? block : beside.index); keeper != kNoNode;
+       keeper = graph_[keeper].next) {
+    for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
+      FragmentNode& edges = graph_[part];
+      if ((edges.forward_set >> at & 1) == 0) continue;
+      const unsigned own = edges.witness[at] & 63;
+      const unsigned its = edges.witness[at] >> 6;
+      const unsigned a = beside.forward() ? own : its;
+      const unsigned b = beside.forward() ? its : own;
+      if (((here.moved >> a | beside.moved >> b) & 1) == 0 ||
+          ((here.cores >> a & 1) != 0 && test(grid, here, beside, a, b)))
+        continue;
+      edges.forward_set = static_cast<std::uint16_t>(edges.forward_set & ~(1u << at));
+      const NodeIndex other = edges.forward[at];
+      const NodeIndex node = beside.forward() ? keeper : other;
+      search(grid, here, beside, node, graph_[beside.forward() ? other : keeper].cells & beside.there, true);
+    }
+  }
+}
+
+/// Cells beside whose fragments a node of this block touches.
+template <SegmentationPolicy Policy>
+std::uint64_t Segmenter<Policy>::joined(const Beside& beside, NodeIndex node) const {
+  const unsigned at = static_cast<unsigned>(beside.kept() - 14);
+  std::uint64_t cells = 0;
+  if (beside.forward()) {
+    for (NodeIndex part = node; part != kNoNode; part = graph_[part].extension) {
+      if ((graph_[part].forward_set >> at & 1) != 0) cells |= graph_[graph_[part].forward[at]].cells;
+    }
+    return cells;
+  }
+  for (NodeIndex keeper = graph_.first(beside.index); keeper != kNoNode; keeper = graph_[keeper].next) {
+    for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
+      if ((graph_[part].forward_set >> at & 1) != 0 && graph_[part].forward[at] == node)
+        cells |= graph_[keeper].cells;
+    }
+  }
+  return cells;
+}
+
+/// Looks for edges between a node of this block and the fragments beside it with cells in `open`, until each
+/// has one; of pairs that did not move only when `all` are asked for.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
+                               std::uint64_t open, bool all) {
+  std::uint64_t mine = graph_[node].cells & reach_.rim(beside.direction);
+  if (!all && beside.moved == 0) mine &= here.moved;
+  for (; mine != 0 && open != 0; mine = without_lowest(mine)) {
+    const unsigned a = lowest(mine);
+    std::uint64_t near = open & reach_.from(a, beside.direction);
+    if (!all && (here.moved >> a & 1) == 0) near &= beside.moved;
+    for (; near != 0; near = without_lowest(near)) {
+      const unsigned b = lowest(near);
+      if (!test(grid, here, beside, a, b)) continue;
+      const NodeIndex found = graph_.holder(beside.index, b);
+      open &= ~graph_[found].cells;
+      near &= open | cell_bit(b);
+      if (beside.forward()) {
+        graph_.connect(node, beside.direction, found, static_cast<std::uint16_t>(a | b << 6));
+      } else {
+        graph_.connect(found, 26 - beside.direction, node, static_cast<std::uint16_t>(b | a << 6));
       }
     }
   }

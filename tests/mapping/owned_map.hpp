@@ -47,7 +47,7 @@ struct OwnedSegmenter {
   std::vector<mapping::FragmentNode> nodes;
   std::vector<mapping::NodeIndex> first;
   std::vector<mapping::BlockIndex> queue;
-  std::vector<std::uint8_t> queued;
+  std::vector<mapping::BlockWork> block_work;
   std::vector<mapping::NodeWork> work;
   std::vector<mapping::SegmentComponent> components;
   std::vector<std::uint16_t> fresh;
@@ -60,14 +60,14 @@ struct OwnedSegmenter {
       : nodes(sizes.nodes),
         first(sizes.blocks),
         queue(sizes.blocks),
-        queued(sizes.blocks),
+        block_work(sizes.blocks),
         work(sizes.nodes),
         components(sizes.nodes),
         fresh(sizes.nodes),
         slots(sizes.slots),
         events(sizes.events),
         segmenter(config, voxel_size_m, policy,
-                  {nodes, first, queue, queued, {work, components, fresh, slots, events}}) {}
+                  {nodes, first, queue, block_work, {work, components, fresh, slots, events}}) {}
   OwnedSegmenter(const OwnedSegmenter&) = delete;
   OwnedSegmenter& operator=(const OwnedSegmenter&) = delete;
 };
@@ -89,7 +89,7 @@ struct EuclideanMap {
                                      this};
     const mapping::RollingInsert result = owned.grid.insert(scan, pose, tick, hook);
     for (const mapping::BlockChange& change : owned.grid.changes()) {
-      if (change.moved != 0) segments.segmenter.mark(change.block);
+      segments.segmenter.mark(change.block, change.moved);
     }
     return result;
   }
