@@ -53,6 +53,11 @@ class FragmentGraph {
 
   NodeIndex first(BlockIndex block) const { return first_[block]; }
   void set_first(BlockIndex block, NodeIndex node) { first_[block] = node; }
+  /// Fetches the list of a block; the first node of it, once the list is there.
+  void prefetch(BlockIndex block) const { __builtin_prefetch(&first_[block]); }
+  void prefetch_nodes(BlockIndex block) const {
+    if (first_[block] != kNoNode) __builtin_prefetch(&nodes_[first_[block]]);
+  }
   FragmentNode& operator[](NodeIndex node) { return nodes_[node]; }
   const FragmentNode& operator[](NodeIndex node) const { return nodes_[node]; }
   /// Nodes are numbered 0 .. numbers() - 1, free ones and extensions among them.

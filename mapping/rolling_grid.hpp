@@ -72,6 +72,28 @@ class RollingGrid {
           index != kNoBlock && memory_.blocks[index].key == block.key + kKeySteps.step[d] ? index : kNoBlock;
     }
   }
+  /// The same in two steps, with something else to do while memory answers: first what may be there, then
+  /// what is.
+  void ask_around(const Block& block, BlockIndex (&found)[kDirections]) const {
+    std::uint32_t entries[kDirections];
+    window_.around(BlockAt::from_key(block.key), entries);
+    for (int d = 0; d < kDirections; ++d) {
+      found[d] = window_[entries[d]];
+      if (found[d] != kNoBlock) __builtin_prefetch(&memory_.blocks[found[d]]);
+    }
+  }
+  bool is_next(const Block& block, int direction, BlockIndex other) const {
+    return memory_.blocks[other].key == block.key + kKeySteps.step[direction];
+  }
+  /// Fetches what ask_around() and a look at the voxels of a block will read.
+  void prefetch_around(const Block& block) const {
+    std::uint32_t entries[kDirections];
+    window_.around(BlockAt::from_key(block.key), entries);
+    for (int d = 9; d < 18; ++d) window_.prefetch(entries[d]);  // a column along z lies together
+    const unsigned chunks = (bits_in(block.occupied) + Block::kChunk - 1) / Block::kChunk;
+    for (unsigned i = 0; i < chunks; ++i)
+      __builtin_prefetch(&memory_.voxels[std::size_t{block.chunks[i]} * Block::kChunk]);
+  }
   const Centroid& voxel(const Block& block, unsigned cell) const {
     return memory_.voxels[block.slot(block.rank(cell))];
   }

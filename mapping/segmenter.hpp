@@ -35,10 +35,10 @@ struct BlockWork {
 
 /// Memory of a segmenter: value-initialised arrays.
 struct SegmenterMemory {
-  std::span<FragmentNode> nodes;   ///< about 1.5 a block; at most 65,534
-  std::span<NodeIndex> first;      ///< one a block of the grid
-  std::span<BlockIndex> queue;     ///< one a block
-  std::span<BlockWork> work;       ///< one a block
+  std::span<FragmentNode> nodes;  ///< about 1.5 a block; at most 65,534
+  std::span<NodeIndex> first;     ///< one a block of the grid
+  std::span<BlockIndex> queue;    ///< one a block
+  std::span<BlockWork> work;      ///< one a block
   LabellingMemory labelling;
 };
 

@@ -32,6 +32,13 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       const BlockIndex block = queue_[queue_first_];
       queue_first_ = queue_first_ + 1 < queue_.size() ? queue_first_ + 1 : 0;
       work_[block].queued = 0;
+      // What the next two need is fetched meanwhile.
+      if (left_of_cycle_ > 1) {
+        const BlockIndex next = queue_[queue_first_];
+        grid.prefetch_around(grid.block(next));
+        graph_.prefetch_nodes(next);
+        __builtin_prefetch(&grid.block(queue_[(queue_first_ + 1) % queue_.size()]));
+      }
       if (!grid.block(block).in_use()) continue;
       look_at(grid, block);
       ++step.blocks;
@@ -88,16 +95,24 @@ void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   here.moved = own.looked = own.moved;
   own.moved = 0;
   own.cycle = static_cast<std::uint8_t>(cycle_);
+  BlockIndex around[kDirections];
+  grid.ask_around(grid.block(block), around);
+  for (const BlockIndex index : around) {
+    if (index == kNoBlock) continue;
+    __builtin_prefetch(&work_[index]);
+    graph_.prefetch(index);
+  }
   fragment(grid, block, here);
   std::uint64_t cells = here.cores;
-  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) cells |= graph_[node].cells;
+  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next)
+    cells |= graph_[node].cells;
   own.renewed = !keep_nodes(block, here);
   if (own.renewed) renew_nodes(block, here);
-  BlockIndex around[kDirections];
-  grid.around(grid.block(block), around);
   for (int direction = 0; direction < kDirections; ++direction) {
     const BlockIndex index = around[direction];
-    if (direction == kHere || index == kNoBlock || (cells & reach_.rim(direction)) == 0) continue;
+    if (index == kNoBlock || direction == kHere || !grid.is_next(grid.block(block), direction, index) ||
+        (cells & reach_.rim(direction)) == 0)
+      continue;
     if (graph_.first(index) == kNoNode) continue;
     const BlockWork& other = work_[index];
     const bool looked = other.cycle == own.cycle;
@@ -153,8 +168,8 @@ void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here
   }
 }
 
-/// True when every part is one of the fragments of before, with or without more cells: they stay, then, and so
-/// do the edges to them.
+/// True when every part is one of the fragments of before, with or without more cells: they stay, then, and
+/// so do the edges to them.
 template <SegmentationPolicy Policy>
 bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
   std::array<unsigned, Block::kCells> part_of;
@@ -178,8 +193,8 @@ bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
   return true;
 }
 
-/// Nodes for the parts. Each takes the label of the old node that it shares most cells with; of equals, of the
-/// one with the first cell.
+/// Nodes for the parts. Each takes the label of the old node that it shares most cells with; of equals, of
+/// the one with the first cell.
 template <SegmentationPolicy Policy>
 void Segmenter<Policy>::renew_nodes(BlockIndex block, const Here& here) {
   const unsigned shown = labelling_.shown();
@@ -225,7 +240,8 @@ bool Segmenter<Policy>::test(const RollingGrid& grid, const Here& here, const Be
 
 /// Edges that a moved voxel made: they hold, or others are looked for, or they go.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::verify(const RollingGrid& grid, BlockIndex block, const Here& here, const Beside& beside) {
+void Segmenter<Policy>::verify(const RollingGrid& grid, BlockIndex block, const Here& here,
+                               const Beside& beside) {
   const unsigned at = static_cast<unsigned>(beside.kept() - 14);
   for (NodeIndex keeper = graph_.first(beside.forward() ? block : beside.index); keeper != kNoNode;
        keeper = graph_[keeper].next) {
@@ -270,8 +286,8 @@ std::uint64_t Segmenter<Policy>::joined(const Beside& beside, NodeIndex node) co
 /// Looks for edges between a node of this block and the fragments beside it with cells in `open`, until each
 /// has one; of pairs that did not move only when `all` are asked for.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
-                               std::uint64_t open, bool all) {
+void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const Beside& beside,
+                               NodeIndex node, std::uint64_t open, bool all) {
   std::uint64_t mine = graph_[node].cells & reach_.rim(beside.direction);
   if (!all && beside.moved == 0) mine &= here.moved;
   for (; mine != 0 && open != 0; mine = without_lowest(mine)) {
