@@ -309,4 +309,35 @@ void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const 
   }
 }
 
+/// Segment of the core near a voxel that suits it best; of equals, the oldest one.
+template <SegmentationPolicy Policy>
+SegmentId Segmenter<Policy>::taken_in(const RollingGrid& grid, BlockIndex index, unsigned cell) const {
+  const Block& block = grid.block(index);
+  const std::uint32_t slot = block.slot(block.rank(cell));
+  const UnitPoint own = unit_point(grid.voxels()[slot], cell);
+  const auto voxel = policy_.load(grid, slot);
+  BlockIndex around[kDirections];
+  grid.around(block, around);
+  std::int64_t most = -1;
+  SegmentId segment = kNoSegment;
+  for (int direction = 0; direction < kDirections; ++direction) {
+    const BlockIndex there = around[direction];
+    if (there == kNoBlock) continue;
+    for (NodeIndex node = graph_.first(there); node != kNoNode; node = graph_[node].next) {
+      for (std::uint64_t near = graph_[node].cells & reach_.from(cell, direction); near != 0;
+           near = without_lowest(near)) {
+        const unsigned b = lowest(near);
+        const std::uint32_t its = grid.block(there).slot(grid.block(there).rank(b));
+        if (!reach_.near(own, from_next(unit_point(grid.voxels()[its], b), direction))) continue;
+        const std::int64_t affinity = policy_.affinity(voxel, policy_.load(grid, its));
+        const SegmentId id = labelling_.id(graph_[node].label[labelling_.shown()]);
+        if (affinity < 0 || affinity < most || (affinity == most && id >= segment)) continue;
+        most = affinity;
+        segment = id;
+      }
+    }
+  }
+  return segment;
+}
+
 }  // namespace sortie::mapping

@@ -2,8 +2,10 @@
 // A rolling grid and a segmenter with memory of their own, for tests and benchmarks.
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
+#include "mapping/local_map.hpp"
 #include "mapping/rolling_grid.hpp"
 #include "mapping/segmenter.hpp"
 
@@ -72,30 +74,30 @@ struct OwnedSegmenter {
   OwnedSegmenter& operator=(const OwnedSegmenter&) = delete;
 };
 
-/// Grid and Euclidean segmenter, wired.
-struct EuclideanMap {
+/// Grid, segmenter and, where the policy needs them, normals, wired.
+template <class Policy>
+struct OwnedMap {
+  static constexpr bool kNormals = !std::is_same_v<Policy, mapping::EuclideanPolicy>;
   OwnedRollingGrid owned;
-  OwnedSegmenter<mapping::EuclideanPolicy> segments;
+  std::vector<mapping::NormalWork> normal_work;
+  std::vector<mapping::BlockIndex> normal_queue;
+  mapping::Normals normals;
+  OwnedSegmenter<Policy> segments;
+  mapping::LocalMap<Policy> map;
 
-  EuclideanMap(const mapping::RollingGridConfig& grid_config, const mapping::SegmenterConfig& config,
-               const MapSizes& sizes)
-      : owned(grid_config, sizes), segments(config, grid_config.voxel_size_m, sizes) {}
+  OwnedMap(const mapping::RollingGridConfig& grid_config, const mapping::SegmenterConfig& config,
+           const MapSizes& sizes, const Policy& policy = Policy{}, const mapping::NormalsConfig& normal = {})
+      : owned(grid_config, sizes, kNormals),
+        normal_work(kNormals ? sizes.blocks : 0),
+        normal_queue(kNormals ? 2 * sizes.blocks : 0),
+        normals(normal, owned.grid, {normal_work, normal_queue}),
+        segments(config, grid_config.voxel_size_m, sizes, policy),
+        map(owned.grid, kNormals ? &normals : nullptr, segments.segmenter) {}
 
-  mapping::RollingInsert insert(const rt::PointScan& scan, const mapping::RigidPose& pose, rt::Tick tick) {
-    const mapping::EvictionHook hook{[](void* self, mapping::BlockIndex block) {
-                                       auto* map = static_cast<EuclideanMap*>(self);
-                                       map->segments.segmenter.forget(map->owned.grid, block);
-                                     },
-                                     this};
-    const mapping::RollingInsert result = owned.grid.insert(scan, pose, tick, hook);
-    for (const mapping::BlockChange& change : owned.grid.changes()) {
-      segments.segmenter.mark(change.block, change.moved);
-    }
-    return result;
-  }
-  mapping::SegmenterStep segment(rt::Tick tick) {
-    return segments.segmenter.update(owned.grid, static_cast<std::uint32_t>(tick));
-  }
+  const mapping::RollingGrid& grid() const { return owned.grid; }
+  const mapping::Segmenter<Policy>& segmenter() const { return segments.segmenter; }
 };
+using EuclideanMap = OwnedMap<mapping::EuclideanPolicy>;
+using SmoothMap = OwnedMap<mapping::SmoothnessPolicy>;
 
 }  // namespace sortie::tests
