@@ -15,8 +15,8 @@ struct LocalMapStep {
   SegmenterStep segments;
 };
 
-/// Wires the parts of a local map, which somebody else owns. `normals` may be null: then nothing is computed for
-/// them, and their memory need not exist.
+/// Wires the parts of a local map, which somebody else owns. `normals` may be null: then nothing is computed
+/// for them, and their memory need not exist.
 template <SegmentationPolicy Policy>
 class LocalMap {
  public:
@@ -46,7 +46,9 @@ class LocalMap {
     for (const BlockIndex block : normals_->turned_blocks()) segmenter_->mark(block, normals_->turned(block));
     return step;
   }
-  SegmenterStep segment(rt::Tick tick) { return segmenter_->update(*grid_, static_cast<std::uint32_t>(tick)); }
+  SegmenterStep segment(rt::Tick tick) {
+    return segmenter_->update(*grid_, static_cast<std::uint32_t>(tick));
+  }
 
  private:
   void forget(BlockIndex block) {

@@ -64,7 +64,8 @@ Normals::Normals(const NormalsConfig& config, const RollingGrid& grid, const Nor
   const double restate = config.restate_m / grid.config().voxel_size_m * kCell;
   const bool good = cells > 0 && cells <= Reach::kMostCells && restate >= 0 && restate < 1e6 &&
                     config.min_neighbours >= 3 && grid.holds_normals() &&
-                    memory.work.size() >= grid.blocks().size() && memory.queue.size() / 2 >= grid.blocks().size();
+                    memory.work.size() >= grid.blocks().size() &&
+                    memory.queue.size() / 2 >= grid.blocks().size();
   status_ = good ? Status::ok : Status::out_of_range;
   if (!good) return;
   squared_radius_ = static_cast<std::int32_t>(cells * kCell * (cells * kCell));
@@ -79,8 +80,8 @@ void Normals::mark(BlockIndex block, std::uint64_t cells) {
   memory_.queue[queued_++] = block;
 }
 
-/// Goes over the voxels within the radius of one: its position into their sums or out of them, and theirs into
-/// its own. `all`: those of its own block and of blocks that are leaving, too.
+/// Goes over the voxels within the radius of one: its position into their sums or out of them, and theirs
+/// into its own. `all`: those of its own block and of blocks that are leaving, too.
 template <bool kAdd>
 void Normals::visit(RollingGrid& grid, const Around& around, unsigned cell, bool all) {
   const Block& here = grid.block(around.index);

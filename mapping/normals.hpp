@@ -14,10 +14,10 @@ namespace sortie::mapping {
 
 /// Settings of the normals.
 struct NormalsConfig {
-  double radius_m{0.3};              ///< of the neighbourhood: more than 0, at most 4 voxels
-  double restate_m{0.01};            ///< a voxel that moved farther than this along an axis is added anew
-  std::uint32_t min_neighbours{3};   ///< a voxel with fewer, itself among them, has no normal: at least 3
-  std::uint32_t solves{0};           ///< most normals computed a tick; 0: all there are
+  double radius_m{0.3};             ///< of the neighbourhood: more than 0, at most 4 voxels
+  double restate_m{0.01};           ///< a voxel that moved farther than this along an axis is added anew
+  std::uint32_t min_neighbours{3};  ///< a voxel with fewer, itself among them, has no normal: at least 3
+  std::uint32_t solves{0};          ///< most normals computed a tick; 0: all there are
 };
 
 /// What the normals know of a block: voxels whose sums changed since their normal was computed.
@@ -35,16 +35,16 @@ struct NormalsMemory {
 
 /// What one tick did, and what is left to do.
 struct NormalsStep {
-  std::uint32_t added{};    ///< voxels whose position went into the sums of their neighbours
-  std::uint32_t restated{}; ///< those among them that had been there before
-  std::uint32_t solved{};   ///< normals computed
-  std::uint32_t backlog{};  ///< blocks with voxels whose sums changed and whose normals wait
+  std::uint32_t added{};     ///< voxels whose position went into the sums of their neighbours
+  std::uint32_t restated{};  ///< those among them that had been there before
+  std::uint32_t solved{};    ///< normals computed
+  std::uint32_t backlog{};   ///< blocks with voxels whose sums changed and whose normals wait
   SORTIE_FIELDS(added, restated, solved, backlog)
 };
 
-/// Every active voxel adds its position to the sums of the voxels within the radius, takes theirs, and takes its
-/// own away again when it goes or is added anew. Sums are whole numbers relative to cells: whatever the history,
-/// they are those of a batch over the positions held. No heap.
+/// Every active voxel adds its position to the sums of the voxels within the radius, takes theirs, and takes
+/// its own away again when it goes or is added anew. Sums are whole numbers relative to cells: whatever the
+/// history, they are those of a batch over the positions held. No heap.
 class Normals {
  public:
   /// A grid without normal records, a radius beyond 4 voxels or a lack of memory: see status().

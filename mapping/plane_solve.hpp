@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Normal and curvature of a set of points from the sums over it: the smallest eigenvalue of a 3x3 matrix without
-// trigonometry, heap or a loop without end.
+// Normal and curvature of a set of points from the sums over it: the smallest eigenvalue of a 3x3 matrix
+// without trigonometry, heap or a loop without end.
 #pragma once
 
 #include <algorithm>
@@ -58,9 +58,9 @@ inline double smallest_eigenvalue(const Symmetric3& m) {
   return std::clamp(l, 0.0, 1.0 / 3.0);
 }
 
-/// Fits a plane. False when the matrix is empty (all points in one place): nothing is said then. Of all points on
-/// a line some normal square to it comes out. The sign is such that the first of z, y, x that is not 0 is
-/// positive.
+/// Fits a plane. False when the matrix is empty (all points in one place): nothing is said then. Of all
+/// points on a line some normal square to it comes out. The sign is such that the first of z, y, x that is
+/// not 0 is positive.
 inline bool fit_plane(const Symmetric3& covariance, PlaneFit& fit) {
   const double trace = covariance.xx + covariance.yy + covariance.zz;
   if (!(trace > 0.0)) return false;

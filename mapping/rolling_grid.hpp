@@ -50,6 +50,8 @@ class RollingGrid {
   Status move_grid(const RigidPose& correction);
   const RigidPose& world_from_grid() const { return world_grid_; }
 
+  /// Block of the newest scan's sensor: the middle of the local map.
+  const BlockAt& centre() const { return centre_; }
   const RollingGridOutput& output() const { return output_; }
   const RollingGridConfig& config() const { return config_; }
 

@@ -25,6 +25,12 @@ concept SegmentationPolicy = requires(const P& policy, const RollingGrid& grid,
   { policy.join(voxel, voxel) } -> std::same_as<bool>;
 };
 
+/// One that also says which core takes in a voxel that is none.
+template <class P>
+concept TakingPolicy = SegmentationPolicy<P> && requires(const P& policy, const typename P::Voxel& voxel) {
+  { policy.affinity(voxel, voxel) } -> std::same_as<std::int64_t>;
+};
+
 /// Whoever is near enough belongs together. Holds and reads nothing.
 struct EuclideanPolicy {
   struct Voxel {};
@@ -35,8 +41,8 @@ struct EuclideanPolicy {
 static_assert(SegmentationPolicy<EuclideanPolicy>);
 
 /// Voxels of smooth surfaces belong together: cores are flat enough, and two of them join when their normals
-/// differ by little. A voxel that is not flat is taken in by the core whose normal is nearest to its own, if that
-/// is near enough. Needs a grid that holds normals.
+/// differ by little. A voxel that is not flat is taken in by the core whose normal is nearest to its own, if
+/// that is near enough. Needs a grid that holds normals.
 class SmoothnessPolicy {
  public:
   struct Voxel {

@@ -90,14 +90,12 @@ class Segmenter {
   /// Works off what was marked, within the budget.
   SegmenterStep update(const RollingGrid& grid, std::uint32_t tick);
 
-  /// Segment of an active voxel; kNoSegment where it is too small, or new since the labelling that is shown. A
-  /// voxel that is no core costs a search around it.
+  /// Segment of an active voxel; kNoSegment where it is too small, or new since the labelling that is shown.
+  /// A voxel that is no core costs a search around it.
   SegmentId segment_of(const RollingGrid& grid, BlockIndex block, unsigned cell) const {
     const NodeIndex node = graph_.holder(block, cell);
     if (node != kNoNode) return labelling_.id(graph_[node].label[labelling_.shown()]);
-    if constexpr (requires(const typename Policy::Voxel& v) { policy_.affinity(v, v); }) {
-      return taken_in(grid, block, cell);
-    }
+    if constexpr (TakingPolicy<Policy>) return taken_in(grid, block, cell);
     return kNoSegment;
   }
   const Labelling& labelling() const { return labelling_; }
@@ -117,7 +115,8 @@ class Segmenter {
                       l.components.size() >= nodes && l.fresh.size() >= nodes && !l.slots.empty();
     return radius && room ? Status::ok : Status::out_of_range;
   }
-  SegmentId taken_in(const RollingGrid& grid, BlockIndex block, unsigned cell) const;
+  SegmentId taken_in(const RollingGrid& grid, BlockIndex block,
+                     unsigned cell) const requires TakingPolicy<Policy>;
   static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
   void look_at(const RollingGrid& grid, BlockIndex block);
   void fragment(const RollingGrid& grid, BlockIndex block, Here& here);
@@ -146,4 +145,5 @@ class Segmenter {
 
 }  // namespace sortie::mapping
 
+#include "mapping/segmenter_edges.hpp"   // IWYU pragma: export
 #include "mapping/segmenter_engine.hpp"  // IWYU pragma: export
