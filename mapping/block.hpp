@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "rt/describe.hpp"
+
 namespace sortie::mapping {
 
 using BlockIndex = std::uint16_t;
@@ -19,6 +21,7 @@ struct BlockAt {
   std::int32_t x{};
   std::int32_t y{};
   std::int32_t z{};
+  SORTIE_FIELDS(x, y, z)
 
   /// 57-bit key: sorts by z, then y, then x. Shifted left by 6, it leaves room for a cell.
   constexpr std::uint64_t key() const {
@@ -56,6 +59,7 @@ struct Centroid {
   std::uint16_t y{};
   std::uint16_t z{};
   std::uint16_t count{};
+  SORTIE_FIELDS(x, y, z, count)
 };
 
 /// Number of bits set, without the instruction that not every processor has.

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "mapping/block.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::mapping {
 
@@ -50,6 +51,10 @@ class FragmentGraph {
   void connect(NodeIndex from, int direction, NodeIndex to, std::uint16_t witness);
   /// Node of a block that holds a cell, or kNoNode.
   NodeIndex holder(BlockIndex block, unsigned cell) const;
+
+  /// Fragments and their labels to bytes and back, without their edges. What does not fit the
+  /// blocks is malformed.
+  void archive(rt::Archive& archive, std::span<const Block> blocks, unsigned shown, std::uint32_t slots);
 
   NodeIndex first(BlockIndex block) const { return first_[block]; }
   void set_first(BlockIndex block, NodeIndex node) { first_[block] = node; }

@@ -8,6 +8,7 @@
 
 #include "mapping/fragment_graph.hpp"
 #include "mapping/segment_table.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::mapping {
 
@@ -59,6 +60,8 @@ class Labelling {
     return memory_.events.subspan(shown_ * half(), shown_events_);
   }
   const LabellingCounts& counts() const { return counts_; }
+  /// Ids and segments to bytes and back. A labelling that is under way is not kept: it begins anew.
+  void archive(rt::Archive& archive);
   std::uint32_t components() const { return shown_components_; }
 
  private:

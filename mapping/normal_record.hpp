@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "rt/describe.hpp"
+
 namespace sortie::mapping {
 
 /// Positions that go into the sums are whole 1/512 of a cell (0.2 mm for 0.1 m).
@@ -21,7 +23,8 @@ struct NormalRecord {
   std::uint16_t count{};      ///< neighbours in the sums, itself among them
   std::uint16_t curvature{};  ///< smallest eigenvalue over their sum, in 1/65535 of its largest value 1/3
   std::int16_t normal[3]{};   ///< unit vector in 1/32767; all 0: none
-  std::uint16_t reserved{};
+
+  SORTIE_FIELDS(square, product, sum, contributed, count, curvature, normal)
 
   static constexpr std::uint32_t kAdded = 0x80000000u;
   bool added() const { return (contributed & kAdded) != 0; }

@@ -15,7 +15,7 @@ namespace sortie::mapping {
 /// Settings of the normals.
 struct NormalsConfig {
   double radius_m{0.3};             ///< of the neighbourhood: more than 0, at most 4 voxels
-  double restate_m{0.01};           ///< a voxel that moved farther than this along an axis is added anew
+  double restate_m{0.03};           ///< a voxel that moved farther than this along an axis is added anew
   std::uint32_t min_neighbours{3};  ///< a voxel with fewer, itself among them, has no normal: at least 3
   std::uint32_t solves{0};          ///< most normals computed a tick; 0: all there are
 };

@@ -134,10 +134,7 @@ BlockIndex RollingGrid::take_block(const BlockAt& at, const EvictionHook& hook, 
     evict(entry, hook, counts);
   }
   if (first_free_ == kNoBlock && block_numbers_ == memory_.blocks.size()) {
-    const BlockIndex victim = config_.evict_farthest ? farthest(at) : kNoBlock;
-    if (victim == kNoBlock) return kNoBlock;
-    ++counts.forced;
-    evict(victim, hook, counts);
+    if (!force_out(at, hook, counts)) return kNoBlock;
   }
   BlockIndex index = first_free_;
   if (index != kNoBlock) {
@@ -150,6 +147,15 @@ BlockIndex RollingGrid::take_block(const BlockAt& at, const EvictionHook& hook, 
   entry = index;
   output_.most_blocks = std::max(output_.most_blocks, ++output_.blocks);
   return index;
+}
+
+/// Lets a far block give way to one that is nearer. False when none does.
+bool RollingGrid::force_out(const BlockAt& at, const EvictionHook& hook, RollingGridCounts& counts) {
+  const BlockIndex victim = config_.evict_farthest ? farthest(at) : kNoBlock;
+  if (victim == kNoBlock) return false;
+  ++counts.forced;
+  evict(victim, hook, counts);
+  return true;
 }
 
 /// Of the next blocks in the pool the one farthest from the sensor, if it is farther than a new one and not

@@ -131,12 +131,17 @@ class RollingGrid {
   void evict_beyond(std::uint32_t tick, const EvictionHook& hook, RollingGridCounts& counts);
   void evict(BlockIndex index, const EvictionHook& hook, RollingGridCounts& counts);
   BlockIndex take_block(const BlockAt& at, const EvictionHook& hook, RollingGridCounts& counts);
+  bool force_out(const BlockAt& at, const EvictionHook& hook, RollingGridCounts& counts);
   BlockIndex farthest(const BlockAt& at);
   bool take_chunks(Block& block, unsigned voxels);
   void give_chunks(Block& block, unsigned voxels);
-  void merge(BlockChange& change, Seen& seen, std::uint32_t tick, RollingGridCounts& counts);
+  void merge(BlockChange& change, Seen& seen, std::uint32_t tick, const EvictionHook& hook,
+             RollingGridCounts& counts);
   void make_room(Block& block, std::uint64_t fresh);
   std::int64_t squared_distance(const BlockAt& at) const;
+  void restore(rt::Archive& archive);
+  bool claim(std::uint16_t chunk);
+  bool claimed(std::uint16_t chunk) const;
 
   RollingGridConfig config_;
   RollingGridMemory memory_;

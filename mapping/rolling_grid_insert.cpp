@@ -64,9 +64,12 @@ RollingInsert RollingGrid::insert(const rt::PointScan& scan, const RigidPose& po
   for (Seen::Sum& sum : seen.cells) sum = {};
   for (std::uint32_t i = 0; i < changed_; ++i) {
     if (i + 2 < changed_) __builtin_prefetch(&memory_.blocks[memory_.changes[i + 2].block]);
-    merge(memory_.changes[i], seen, tick32, counts);
-    const BlockIndex index = memory_.changes[i].block;  // Nothing found room in it: it goes again.
-    if (memory_.blocks[index].occupied == 0) evict(index, {}, counts);
+    merge(memory_.changes[i], seen, tick32, hook, counts);
+  }
+  for (std::uint32_t i = 0; i < changed_; ++i) {
+    const BlockIndex index = memory_.changes[i].block;
+    memory_.blocks[index].touch = Block::kUntouched;
+    if (memory_.blocks[index].occupied == 0) evict(index, {}, counts);  // nothing found room in it
   }
   RollingGridCounts& all = output_.points;
   const std::uint64_t* const from[] = {&counts.in,        &counts.used,      &counts.not_finite,
@@ -193,9 +196,9 @@ void RollingGrid::make_room(Block& block, std::uint64_t fresh) {
   block.occupied = all;
 }
 
-void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, RollingGridCounts& counts) {
+void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, const EvictionHook& hook,
+                        RollingGridCounts& counts) {
   Block& block = memory_.blocks[change.block];
-  block.touch = Block::kUntouched;
   block.last_tick = tick;
   std::uint64_t hit = 0;
   for (std::uint32_t i = change.first; i != kNoEntry; i = memory_.scan[i].next) {
@@ -209,6 +212,7 @@ void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, Rol
   }
   std::uint64_t fresh = hit & ~block.occupied;
   while (fresh != 0 && !take_chunks(block, bits_in(block.occupied | fresh))) {
+    if (force_out(BlockAt::from_key(block.key), hook, counts)) continue;
     const unsigned last = 63u - static_cast<unsigned>(std::countl_zero(fresh));
     counts.pool_full += seen.cells[last].count;
     seen.cells[last] = {};

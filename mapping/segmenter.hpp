@@ -98,6 +98,10 @@ class Segmenter {
     if constexpr (TakingPolicy<Policy>) return taken_in(grid, block, cell);
     return kNoSegment;
   }
+  /// Segments, ids and fragments to bytes and back, after the grid. What was known of edges is found again by
+  /// the next update, which looks at all blocks.
+  void archive(rt::Archive& archive, const RollingGrid& grid);
+
   const Labelling& labelling() const { return labelling_; }
   const FragmentGraph& graph() const { return graph_; }
   const Policy& policy() const { return policy_; }
@@ -141,6 +145,7 @@ class Segmenter {
   std::uint32_t cycle_{};
   std::uint32_t left_of_cycle_{};  ///< blocks that are looked at before the next labelling
   bool changed_{};                 ///< the graph, since the newest labelling began
+  bool drained_{};                 ///< a cycle is done, its labelling comes next
 };
 
 }  // namespace sortie::mapping

@@ -27,7 +27,7 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       step.units += labelling_.run(graph_, grid.blocks(), most - step.units);
       if (!labelling_.running()) graph_.hold(false);
     } else if (left_of_cycle_ > 0) {
-      --left_of_cycle_;
+      drained_ = --left_of_cycle_ == 0;
       --queue_size_;
       const BlockIndex block = queue_[queue_first_];
       queue_first_ = queue_first_ + 1 < queue_.size() ? queue_first_ + 1 : 0;
@@ -43,8 +43,8 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       look_at(grid, block);
       ++step.blocks;
       step.units += kBlockUnits;
-    } else if (changed_) {
-      changed_ = false;
+    } else if (changed_ && (drained_ || queue_size_ == 0)) {
+      changed_ = drained_ = false;
       labelling_.start(tick);
       graph_.hold(true);
     } else if (queue_size_ > 0) {
@@ -224,6 +224,24 @@ void Segmenter<Policy>::renew_nodes(BlockIndex block, const Here& here) {
       graph_[last].next = node;
     }
     last = node;
+  }
+}
+
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
+  if (status_ != Status::ok) return;
+  if (archive.is_reading()) graph_.hold(false);
+  labelling_.archive(archive);
+  graph_.archive(archive, grid.blocks().first(grid.block_numbers()), labelling_.shown(),
+                 static_cast<std::uint32_t>(labelling_.slots().size()));
+  if (!archive.is_reading()) return;
+  for (BlockWork& work : work_) work = {};
+  queue_first_ = queue_size_ = cycle_ = left_of_cycle_ = 0;
+  drained_ = false;
+  changed_ = true;
+  for (std::uint32_t i = 0; i < grid.block_numbers(); ++i) {
+    const Block& block = grid.block(static_cast<BlockIndex>(i));
+    if (block.in_use()) mark(static_cast<BlockIndex>(i), block.active);
   }
 }
 
