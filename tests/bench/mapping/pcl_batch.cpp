@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PCL's libraries were built with Eigen's vectors: whoever shares clouds with them must use the same alignment.
+// PCL's libraries were built with Eigen's vectors: whoever shares clouds with them must use the same
+// alignment.
 #undef EIGEN_DONT_VECTORIZE
 #include "tests/bench/mapping/pcl_batch.hpp"
 
