@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stages of a labelling, one after the other, each in small steps: forget the last one, unite what touches,
+// put nodes of a component together, count for every segment which component holds most of it, decide on ids,
+// write.
+#include "mapping/labelling.hpp"
+
+#include <algorithm>
+
+namespace sortie::mapping {
+namespace {
+constexpr std::uint16_t kNoComponent = 0xffff;
+constexpr std::uint32_t kResetAtOnce = 16;  ///< nodes that a step forgets
+}  // namespace
+
+Labelling::Labelling(std::uint32_t min_voxels, const LabellingMemory& memory)
+    : min_voxels_(min_voxels), memory_(memory) {
+  memory_.slots = memory_.slots.first(std::min<std::size_t>(memory_.slots.size(), kNoLabel - 1));
+}
+
+void Labelling::start(std::uint32_t tick) {
+  tick_ = tick;
+  components_ = 0;
+  fresh_ = 0;
+  events_ = 0;
+  slot_hand_ = 0;
+  nodes_ = 0xffffffffu;
+  next(Stage::reset);
+}
+
+/// The representative of a node's component so far; halves the way there.
+NodeIndex Labelling::root(NodeIndex node) {
+  NodeWork* const work = memory_.work.data();
+  while (work[node].parent != node) {
+    work[node].parent = work[work[node].parent].parent;
+    node = work[node].parent;
+  }
+  return node;
+}
+
+void Labelling::unite(NodeIndex a, NodeIndex b) {
+  a = root(a);
+  b = root(b);
+  if (a == b) return;
+  // The smaller number is the root: no ranks to keep, and neighbours in space are neighbours in the pool.
+  (a < b ? memory_.work[b].parent : memory_.work[a].parent) = std::min(a, b);
+}
+
+std::uint32_t Labelling::run(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t units) {
+  std::uint32_t used = 0;
+  while (used < units && stage_ != Stage::idle) {
+    const std::uint32_t before = at_;
+    const std::uint32_t room = units - used;
+    const Stage stage = stage_;
+    const std::uint32_t end = run_stage(graph, blocks, room);
+    used += stage == Stage::reset ? (end - before) / kResetAtOnce + 1 : end - before + 1;
+  }
+  return used;
+}
+
+/// At most `room` steps of the present stage, and on to the next one when it is done; gives where it came to.
+std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t room) {
+  if (stage_ == Stage::reset) nodes_ = graph.numbers();
+  const auto upto = [this, room](std::uint32_t size) { return room < size - at_ ? at_ + room : size; };
+  const std::uint32_t nodes = upto(nodes_);
+  switch (stage_) {
+    case Stage::idle:
+      return at_;
+    case Stage::reset: {
+      const std::uint32_t end = room < (nodes_ - at_) / kResetAtOnce ? at_ + room * kResetAtOnce : nodes_;
+      for (; at_ < end; ++at_) memory_.work[at_] = {static_cast<NodeIndex>(at_), kNoComponent, kNoNode};
+      return end == nodes_ ? next(Stage::unite) : end;
+    }
+    case Stage::unite:
+      for (; at_ < nodes; ++at_) {
+        if (graph[static_cast<NodeIndex>(at_)].cells != 0) unite_around(graph, static_cast<NodeIndex>(at_));
+      }
+      return nodes == nodes_ ? next(Stage::reset_slots) : nodes;
+    case Stage::group:
+      for (; at_ < nodes; ++at_) {
+        const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
+        // Roots have smaller numbers and come first, so that a parent's parent is the root by now.
+        memory_.work[at_].parent = memory_.work[memory_.work[at_].parent].parent;
+        if (node.cells != 0) group(node, blocks[node.block].key << 6 | lowest(node.cells));
+      }
+      if (nodes != nodes_) return nodes;
+      vote_node_ = components_ > 0 ? memory_.components[0].first : kNoNode;
+      return next(Stage::vote);
+    case Stage::vote: {
+      const std::uint32_t begin = at_;
+      std::uint32_t steps = 0;
+      for (; at_ < components_ && steps < room; ++steps) vote(graph);
+      if (at_ == components_) next(Stage::close);
+      return begin + steps;
+    }
+    case Stage::reset_slots:
+    case Stage::close:
+    case Stage::decide:
+    case Stage::rename: {
+      const std::uint32_t slots = upto(slot_numbers_);
+      for (; at_ < slots; ++at_) visit_slot(static_cast<std::uint16_t>(at_));
+      if (slots != slot_numbers_) return slots;
+      return next(stage_ == Stage::reset_slots ? Stage::group
+                  : stage_ == Stage::close     ? Stage::decide
+                  : stage_ == Stage::decide    ? Stage::rename
+                                               : Stage::queue);
+    }
+    case Stage::queue: {
+      const std::uint32_t components = upto(components_);
+      for (; at_ < components; ++at_) queue(static_cast<std::uint16_t>(at_));
+      return components == components_ ? next(Stage::name) : components;
+    }
+    case Stage::name:
+      if (fresh_ == 0) return next(Stage::write);
+      std::pop_heap(memory_.fresh.begin(), memory_.fresh.begin() + fresh_, later());
+      name(memory_.fresh[--fresh_]);
+      return at_;
+    case Stage::write:
+      for (; at_ < nodes; ++at_) write(graph[static_cast<NodeIndex>(at_)], static_cast<NodeIndex>(at_));
+      if (nodes == nodes_) publish();
+      return nodes;
+  }
+  return at_;
+}
+
+void Labelling::unite_around(const FragmentGraph& graph, NodeIndex node) {
+  for (NodeIndex part = node; part != kNoNode; part = graph[part].extension) {
+    for (unsigned set = graph[part].forward_set; set != 0; set &= set - 1)
+      unite(node, graph[part].forward[std::countr_zero(set)]);
+  }
+}
+
+/// One slot in a stage that goes over all of them.
+void Labelling::visit_slot(std::uint16_t index) {
+  SegmentSlot& slot = memory_.slots[index];
+  if (stage_ == Stage::reset_slots) {
+    if (slot.voxels[shown_] == 0) slot.id = kNoSegment;
+    slot.voxels[1 - shown_] = 0;
+    slot.most = slot.here = 0;
+    slot.owner = slot.looked = kNoComponent;
+    return;
+  }
+  if (slot.id == kNoSegment) return;
+  if (stage_ == Stage::close) {
+    close_vote(slot);
+  } else if (stage_ == Stage::decide) {
+    decide(index);
+  } else if (slot.most > 0 && memory_.components[slot.owner].slot != index) {
+    event(SegmentChange::renamed, slot.id, memory_.slots[memory_.components[slot.owner].slot].id);
+    ++counts_.renamed;
+  }
+}
+
+void Labelling::group(const FragmentNode& node, std::uint64_t key) {
+  NodeWork& own = memory_.work[at_];
+  std::uint16_t& component = memory_.work[own.parent].component;
+  if (component == kNoComponent) {
+    component = static_cast<std::uint16_t>(components_++);
+    memory_.components[component] = {key, 0, kNoNode, kNoLabel, kNoLabel};
+  }
+  SegmentComponent& c = memory_.components[component];
+  c.key = std::min(c.key, key);
+  c.voxels += node.voxels;
+  own.next = c.first;
+  c.first = static_cast<NodeIndex>(at_);
+}
+
+/// The next node of a component gives its voxels to the segment that it was of.
+void Labelling::vote(const FragmentGraph& graph) {
+  const auto component = static_cast<std::uint16_t>(at_);
+  const NodeIndex node = vote_node_;
+  vote_node_ = memory_.work[node].next;
+  if (vote_node_ == kNoNode && ++at_ < components_) vote_node_ = memory_.components[at_].first;
+  const std::uint16_t label = graph[node].label[shown_];
+  if (graph[node].cells == 0 || label == kNoLabel) return;
+  SegmentComponent& c = memory_.components[component];
+  SegmentSlot& slot = memory_.slots[label];
+  if (c.cut_from == kNoLabel || slot.id < memory_.slots[c.cut_from].id) c.cut_from = label;
+  if (slot.looked != component) {
+    close_vote(slot);
+    slot.looked = component;
+    slot.here = 0;
+  }
+  slot.here += graph[node].voxels;
+}
+
+void Labelling::close_vote(SegmentSlot& slot) {
+  if (slot.here == 0) return;
+  const bool more = slot.here > slot.most;
+  const bool tie =
+      slot.here == slot.most && memory_.components[slot.looked].key < memory_.components[slot.owner].key;
+  if (more || tie) {
+    slot.most = slot.here;
+    slot.owner = slot.looked;
+  }
+  slot.here = 0;
+}
+
+/// Of the segments that stay with a component the oldest one names it.
+void Labelling::decide(std::uint16_t index) {
+  const SegmentSlot& slot = memory_.slots[index];
+  if (slot.most == 0) {
+    ++counts_.gone;
+    return event(SegmentChange::gone, slot.id, kNoSegment);
+  }
+  std::uint16_t& named = memory_.components[slot.owner].slot;
+  if (named == kNoLabel || slot.id < memory_.slots[named].id) named = index;
+}
+
+/// Components that need a new id line up by key.
+void Labelling::queue(std::uint16_t component) {
+  const SegmentComponent& c = memory_.components[component];
+  if (c.slot != kNoLabel || c.voxels < min_voxels_) return;
+  memory_.fresh[fresh_++] = component;
+  std::push_heap(memory_.fresh.begin(), memory_.fresh.begin() + fresh_, later());
+}
+
+void Labelling::name(std::uint16_t component) {
+  const auto size = static_cast<std::uint32_t>(memory_.slots.size());
+  while (slot_hand_ < slot_numbers_ && memory_.slots[slot_hand_].id != kNoSegment) ++slot_hand_;
+  if (slot_hand_ == slot_numbers_) {
+    if (slot_numbers_ == size) {
+      ++counts_.slots_full;
+      return;
+    }
+    ++slot_numbers_;
+  }
+  SegmentComponent& c = memory_.components[component];
+  c.slot = static_cast<std::uint16_t>(slot_hand_);
+  memory_.slots[slot_hand_] = SegmentSlot{};
+  memory_.slots[slot_hand_].id = next_id_++;
+  memory_.slots[slot_hand_].first_tick = tick_;
+  const bool cut = c.cut_from != kNoLabel;
+  ++counts_.born;
+  if (cut) ++counts_.cut;
+  event(SegmentChange::born, memory_.slots[slot_hand_].id, cut ? memory_.slots[c.cut_from].id : kNoSegment);
+}
+
+void Labelling::write(FragmentNode& node, NodeIndex index) {
+  if (node.cells == 0) return;
+  const std::uint16_t slot = memory_.components[memory_.work[memory_.work[index].parent].component].slot;
+  node.label[1 - shown_] = slot;
+  if (slot != kNoLabel) memory_.slots[slot].voxels[1 - shown_] += node.voxels;
+}
+
+void Labelling::publish() {
+  shown_ = 1 - shown_;
+  shown_events_ = events_;
+  shown_components_ = components_;
+  ++counts_.labellings;
+  next(Stage::idle);
+}
+
+void Labelling::event(SegmentChange change, SegmentId id, SegmentId other) {
+  if (events_ == half()) {
+    ++counts_.events_lost;
+    return;
+  }
+  memory_.events[(1 - shown_) * half() + events_++] = {change, id, other};
+}
+
+}  // namespace sortie::mapping

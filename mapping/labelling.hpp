@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From the graph of fragments to segments with ids: connected components, exactly, in steps that can stop
+// after any of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "mapping/fragment_graph.hpp"
+#include "mapping/segment_table.hpp"
+#include "rt/archive.hpp"
+
+namespace sortie::mapping {
+
+/// Memory of a labelling: value-initialised arrays.
+struct LabellingMemory {
+  std::span<NodeWork> work;                ///< one a node
+  std::span<SegmentComponent> components;  ///< one a node
+  std::span<std::uint16_t> fresh;          ///< one a node
+  std::span<SegmentSlot> slots;            ///< most segments at a time, at most 65,534
+  std::span<SegmentEvent> events;          ///< twice the most events of a labelling
+};
+
+/// Counters of all labellings.
+struct LabellingCounts {
+  std::uint64_t labellings{};  ///< finished ones
+  std::uint64_t born{};
+  std::uint64_t renamed{};
+  std::uint64_t gone{};
+  std::uint64_t cut{};         ///< born by a split
+  std::uint64_t slots_full{};  ///< components that got no id for want of a slot
+  std::uint64_t events_lost{};
+  SORTIE_FIELDS(labellings, born, renamed, gone, cut, slots_full, events_lost)
+};
+
+/// One labelling after the other over a graph. Rules: a segment stays with the component that holds most of
+/// its voxels (a tie: the one with the smallest key); a component takes the oldest of the ids that stay with
+/// it, the others are renamed to it; a component without an id gets a new one when it has `min_voxels`, in
+/// the order of keys. So ids do not depend on the order in which voxels came. What readers see changes only
+/// when a labelling is finished. Cost: about 10 visits a node, each of constant cost but for the union-find
+/// (nearly so) and a heap of the components that get new ids.
+class Labelling {
+ public:
+  Labelling(std::uint32_t min_voxels, const LabellingMemory& memory);
+
+  /// True while a labelling is under way: the graph must hold its nodes.
+  bool running() const { return stage_ != Stage::idle; }
+  void start(std::uint32_t tick);
+  /// Does at most `units` steps of the labelling; gives the steps that were used.
+  std::uint32_t run(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t units);
+
+  /// Which of a node's two labels is shown.
+  unsigned shown() const { return shown_; }
+  /// Segment of a shown label.
+  SegmentId id(std::uint16_t label) const { return label == kNoLabel ? kNoSegment : memory_.slots[label].id; }
+  /// Slots 0 .. slots().size() - 1; one is a segment when voxels[shown()] > 0.
+  std::span<const SegmentSlot> slots() const { return memory_.slots.first(slot_numbers_); }
+  /// Events of the newest labelling, once it is finished; until then those of the one before.
+  std::span<const SegmentEvent> events() const {
+    return memory_.events.subspan(shown_ * half(), shown_events_);
+  }
+  const LabellingCounts& counts() const { return counts_; }
+  /// Ids and segments to bytes and back. A labelling that is under way is not kept: it begins anew.
+  void archive(rt::Archive& archive);
+  std::uint32_t components() const { return shown_components_; }
+
+ private:
+  enum class Stage : std::uint8_t {
+    idle,
+    reset,
+    unite,
+    reset_slots,
+    group,
+    vote,
+    close,
+    decide,
+    rename,
+    queue,
+    name,
+    write
+  };
+  std::size_t half() const { return memory_.events.size() / 2; }
+  NodeIndex root(NodeIndex node);
+  void unite(NodeIndex a, NodeIndex b);
+  std::uint32_t run_stage(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t room);
+  void unite_around(const FragmentGraph& graph, NodeIndex node);
+  void visit_slot(std::uint16_t slot);
+  void group(const FragmentNode& node, std::uint64_t key);
+  void vote(const FragmentGraph& graph);
+  void close_vote(SegmentSlot& slot);
+  void decide(std::uint16_t slot);
+  void name(std::uint16_t component);
+  void queue(std::uint16_t component);
+  void write(FragmentNode& node, NodeIndex index);
+  void publish();
+  void event(SegmentChange change, SegmentId id, SegmentId other);
+  /// Order of the heap: the component with the smallest key comes out first.
+  auto later() const {
+    return [this](std::uint16_t a, std::uint16_t b) {
+      return memory_.components[a].key > memory_.components[b].key;
+    };
+  }
+  /// Goes on to a stage; gives where the last one came to.
+  std::uint32_t next(Stage stage) {
+    const std::uint32_t at = at_;
+    stage_ = stage;
+    at_ = 0;
+    return at;
+  }
+
+  std::uint32_t min_voxels_;
+  LabellingMemory memory_;
+  Stage stage_{Stage::idle};
+  unsigned shown_{};
+  std::uint32_t at_{};
+  std::uint32_t tick_{};
+  std::uint32_t nodes_{};  ///< as many as there were when the labelling began
+  NodeIndex vote_node_{kNoNode};
+  std::uint32_t components_{};
+  std::uint32_t shown_components_{};
+  std::uint32_t fresh_{};
+  std::uint32_t slot_numbers_{};
+  std::uint32_t slot_hand_{};
+  std::uint32_t events_{};
+  std::uint32_t shown_events_{};
+  SegmentId next_id_{1};
+  LabellingCounts counts_;
+};
+
+}  // namespace sortie::mapping

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The incremental segmenter: keeps the connected components of a rolling grid's voxels exact while voxels
+// come, move and go.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "mapping/fragment_graph.hpp"
+#include "mapping/labelling.hpp"
+#include "mapping/reach.hpp"
+#include "mapping/rolling_grid.hpp"
+#include "mapping/segmentation_policy.hpp"
+#include "rt/describe.hpp"
+#include "rt/status.hpp"
+
+namespace sortie::mapping {
+
+/// Settings of a segmenter.
+struct SegmenterConfig {
+  double radius_m{0.2};           ///< growing radius: more than 0, at most 4 voxels
+  std::uint32_t min_voxels{100};  ///< from which a component gets an id; it keeps it when it shrinks
+  std::uint32_t units{0};         ///< most work a tick; 0: all there is. See Segmenter::kBlockUnits
+};
+
+/// What the segmenter knows of a block besides its fragments.
+struct BlockWork {
+  std::uint64_t moved{};   ///< voxels that changed since it was looked at
+  std::uint64_t looked{};  ///< voxels that had changed when it was looked at
+  std::uint8_t queued{};   ///< 0: not; else a tag of the cycle that will look at it
+  std::uint8_t cycle{};    ///< low bits of the cycle that looked at it
+  bool renewed{};          ///< then its fragments were not those of before
+};
+
+/// Memory of a segmenter: value-initialised arrays.
+struct SegmenterMemory {
+  std::span<FragmentNode> nodes;  ///< about 1.5 a block; at most 65,534
+  std::span<NodeIndex> first;     ///< one a block of the grid
+  std::span<BlockIndex> queue;    ///< one a block
+  std::span<BlockWork> work;      ///< one a block
+  LabellingMemory labelling;
+};
+
+/// What one tick did and what it left to do.
+struct SegmenterStep {
+  std::uint32_t units{};    ///< of work done
+  std::uint32_t blocks{};   ///< looked at again
+  std::uint32_t backlog{};  ///< blocks that wait to be looked at
+  bool current{};           ///< what is shown is the exact partition of the grid as it is now
+  SORTIE_FIELDS(units, blocks, backlog, current)
+};
+
+/// Incremental segmentation. Every voxel whose mean moved, and every block that went, leads to exact tests of
+/// the voxels around it; what touches is kept as a graph of fragments (FragmentGraph), and labelled anew as a
+/// whole (Labelling), so merges and splits are exact alike. With a budget the rest waits: blocks in a queue,
+/// the labelling where it stopped; no tick does more than one block beyond it; what is shown meanwhile is the
+/// last finished labelling. Without input it converges to the partition of the whole. No heap.
+template <SegmentationPolicy Policy>
+class Segmenter {
+ public:
+  static constexpr std::uint32_t kBlockUnits = 32;  ///< of work that looking at a block counts as
+
+  /// `voxel_size_m` of the grid. A radius beyond 4 voxels or a lack of memory makes a segmenter that does
+  /// nothing: see status().
+  Segmenter(const SegmenterConfig& config, double voxel_size_m, const Policy& policy,
+            const SegmenterMemory& memory)
+      : config_(config),
+        policy_(policy),
+        reach_(config.radius_m / voxel_size_m),
+        graph_(memory.nodes, memory.first),
+        labelling_(config.min_voxels, memory.labelling),
+        queue_(memory.queue),
+        work_(memory.work),
+        status_(check(config, voxel_size_m, memory)) {}
+
+  /// ok, or out_of_range: the radius, or arrays too short for one another.
+  Status status() const { return status_; }
+
+  /// Active voxels of a block that are new, moved or otherwise changed: it must be looked at again.
+  void mark(BlockIndex block, std::uint64_t moved) {
+    if (status_ != Status::ok || moved == 0) return;
+    work_[block].moved |= moved;
+    if (work_[block].queued != 0) return;
+    work_[block].queued = tag(cycle_ + 1);
+    queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
+  }
+  /// A block that is about to be given back; its voxels and its place can still be read.
+  void forget(const RollingGrid& grid, BlockIndex block);
+  /// Works off what was marked, within the budget.
+  SegmenterStep update(const RollingGrid& grid, std::uint32_t tick);
+
+  /// Segment of an active voxel; kNoSegment where it is too small, or new since the labelling that is shown.
+  /// A voxel that is no core costs a search around it.
+  SegmentId segment_of(const RollingGrid& grid, BlockIndex block, unsigned cell) const {
+    const NodeIndex node = graph_.holder(block, cell);
+    if (node != kNoNode) return labelling_.id(graph_[node].label[labelling_.shown()]);
+    if constexpr (TakingPolicy<Policy>) return taken_in(grid, block, cell);
+    return kNoSegment;
+  }
+  /// Segments, ids and fragments to bytes and back, after the grid. What was known of edges is found again by
+  /// the next update, which looks at all blocks.
+  void archive(rt::Archive& archive, const RollingGrid& grid);
+
+  const Labelling& labelling() const { return labelling_; }
+  const FragmentGraph& graph() const { return graph_; }
+  const Policy& policy() const { return policy_; }
+
+ private:
+  struct Here;
+  struct Beside;
+  static Status check(const SegmenterConfig& config, double voxel_size_m, const SegmenterMemory& memory) {
+    const double cells = config.radius_m / voxel_size_m;
+    const bool radius = cells > 0 && cells <= Reach::kMostCells;
+    const std::size_t nodes = memory.nodes.size();
+    const LabellingMemory& l = memory.labelling;
+    const bool room = nodes > 0 && !memory.first.empty() && memory.queue.size() >= memory.first.size() &&
+                      memory.work.size() >= memory.first.size() && l.work.size() >= nodes &&
+                      l.components.size() >= nodes && l.fresh.size() >= nodes && !l.slots.empty();
+    return radius && room ? Status::ok : Status::out_of_range;
+  }
+  SegmentId taken_in(const RollingGrid& grid, BlockIndex block,
+                     unsigned cell) const requires TakingPolicy<Policy>;
+  static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
+  void look_at(const RollingGrid& grid, BlockIndex block);
+  void fragment(const RollingGrid& grid, BlockIndex block, Here& here);
+  bool keep_nodes(BlockIndex block, const Here& here);
+  void renew_nodes(BlockIndex block, const Here& here);
+  bool test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a, unsigned b) const;
+  void verify(const RollingGrid& grid, BlockIndex block, const Here& here, const Beside& beside);
+  void search(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
+              std::uint64_t open, bool all);
+  std::uint64_t joined(const Beside& beside, NodeIndex node) const;
+
+  SegmenterConfig config_;
+  Policy policy_;
+  Reach reach_;
+  FragmentGraph graph_;
+  Labelling labelling_;
+  std::span<BlockIndex> queue_;
+  std::span<BlockWork> work_;
+  Status status_;
+  std::uint32_t queue_first_{};
+  std::uint32_t queue_size_{};
+  std::uint32_t cycle_{};
+  std::uint32_t left_of_cycle_{};  ///< blocks that are looked at before the next labelling
+  bool changed_{};                 ///< the graph, since the newest labelling began
+  bool drained_{};                 ///< a cycle is done, its labelling comes next
+};
+
+}  // namespace sortie::mapping
+
+#include "mapping/segmenter_edges.hpp"   // IWYU pragma: export
+#include "mapping/segmenter_engine.hpp"  // IWYU pragma: export

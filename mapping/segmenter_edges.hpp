@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The segmenter's work between two blocks: which of their fragments touch. Included by mapping/segmenter.hpp
+// only.
+#pragma once
+
+#include "mapping/segmenter_engine.hpp"
+
+namespace sortie::mapping {
+
+/// Whether voxel `a` of the block that is looked at and voxel `b` of the one beside it make an edge.
+template <SegmentationPolicy Policy>
+bool Segmenter<Policy>::test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a,
+                             unsigned b) const {
+  const Block& block = grid.block(beside.index);
+  const std::uint32_t slot = block.slot(block.rank(b));
+  const UnitPoint p = unit_point(grid.voxels()[slot], b);
+  if (!reach_.near(here.at[a], {p.x + beside.shift.x, p.y + beside.shift.y, p.z + beside.shift.z}))
+    return false;
+  const typename Policy::Voxel its = policy_.load(grid, slot);
+  return policy_.core(its) && policy_.join(here.voxel[a], its);
+}
+
+/// Edges that a moved voxel made: they hold, or others are looked for, or they go.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::verify(const RollingGrid& grid, BlockIndex block, const Here& here,
+                               const Beside& beside) {
+  const unsigned at = static_cast<unsigned>(beside.kept() - 14);
+  for (NodeIndex keeper = graph_.first(beside.forward() ? block : beside.index); keeper != kNoNode;
+       keeper = graph_[keeper].next) {
+    for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
+      FragmentNode& edges = graph_[part];
+      if ((edges.forward_set >> at & 1) == 0) continue;
+      const unsigned own = edges.witness[at] & 63;
+      const unsigned its = edges.witness[at] >> 6;
+      const unsigned a = beside.forward() ? own : its;
+      const unsigned b = beside.forward() ? its : own;
+      if (((here.moved >> a | beside.moved >> b) & 1) == 0 ||
+          ((here.cores >> a & 1) != 0 && test(grid, here, beside, a, b)))
+        continue;
+      edges.forward_set = static_cast<std::uint16_t>(edges.forward_set & ~(1u << at));
+      const NodeIndex other = edges.forward[at];
+      const NodeIndex node = beside.forward() ? keeper : other;
+      search(grid, here, beside, node, graph_[beside.forward() ? other : keeper].cells & beside.there, true);
+    }
+  }
+}
+
+/// Cells beside whose fragments a node of this block touches.
+template <SegmentationPolicy Policy>
+std::uint64_t Segmenter<Policy>::joined(const Beside& beside, NodeIndex node) const {
+  const unsigned at = static_cast<unsigned>(beside.kept() - 14);
+  std::uint64_t cells = 0;
+  if (beside.forward()) {
+    for (NodeIndex part = node; part != kNoNode; part = graph_[part].extension) {
+      if ((graph_[part].forward_set >> at & 1) != 0) cells |= graph_[graph_[part].forward[at]].cells;
+    }
+    return cells;
+  }
+  for (NodeIndex keeper = graph_.first(beside.index); keeper != kNoNode; keeper = graph_[keeper].next) {
+    for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
+      if ((graph_[part].forward_set >> at & 1) != 0 && graph_[part].forward[at] == node)
+        cells |= graph_[keeper].cells;
+    }
+  }
+  return cells;
+}
+
+/// Looks for edges between a node of this block and the fragments beside it with cells in `open`, until each
+/// has one; of pairs that did not move only when `all` are asked for.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const Beside& beside,
+                               NodeIndex node, std::uint64_t open, bool all) {
+  std::uint64_t mine = graph_[node].cells & reach_.rim(beside.direction);
+  if (!all && beside.moved == 0) mine &= here.moved;
+  for (; mine != 0 && open != 0; mine = without_lowest(mine)) {
+    const unsigned a = lowest(mine);
+    std::uint64_t near = open & reach_.from(a, beside.direction);
+    if (!all && (here.moved >> a & 1) == 0) near &= beside.moved;
+    for (; near != 0; near = without_lowest(near)) {
+      const unsigned b = lowest(near);
+      if (!test(grid, here, beside, a, b)) continue;
+      const NodeIndex found = graph_.holder(beside.index, b);
+      open &= ~graph_[found].cells;
+      near &= open | cell_bit(b);
+      if (beside.forward()) {
+        graph_.connect(node, beside.direction, found, static_cast<std::uint16_t>(a | b << 6));
+      } else {
+        graph_.connect(found, 26 - beside.direction, node, static_cast<std::uint16_t>(b | a << 6));
+      }
+    }
+  }
+}
+
+/// Segment of the core near a voxel that suits it best; of equals, the oldest one.
+template <SegmentationPolicy Policy>
+SegmentId Segmenter<Policy>::taken_in(const RollingGrid& grid, BlockIndex index,
+                                      unsigned cell) const requires TakingPolicy<Policy> {
+  const Block& block = grid.block(index);
+  const std::uint32_t slot = block.slot(block.rank(cell));
+  const UnitPoint own = unit_point(grid.voxels()[slot], cell);
+  const auto voxel = policy_.load(grid, slot);
+  BlockIndex around[kDirections];
+  grid.around(block, around);
+  std::int64_t most = -1;
+  SegmentId segment = kNoSegment;
+  for (int direction = 0; direction < kDirections; ++direction) {
+    const BlockIndex there = around[direction];
+    if (there == kNoBlock) continue;
+    for (NodeIndex node = graph_.first(there); node != kNoNode; node = graph_[node].next) {
+      for (std::uint64_t near = graph_[node].cells & reach_.from(cell, direction); near != 0;
+           near = without_lowest(near)) {
+        const unsigned b = lowest(near);
+        const std::uint32_t its = grid.block(there).slot(grid.block(there).rank(b));
+        if (!reach_.near(own, from_next(unit_point(grid.voxels()[its], b), direction))) continue;
+        const std::int64_t affinity = policy_.affinity(voxel, policy_.load(grid, its));
+        const SegmentId id = labelling_.id(graph_[node].label[labelling_.shown()]);
+        if (affinity < 0 || affinity < most || (affinity == most && id >= segment)) continue;
+        most = affinity;
+        segment = id;
+      }
+    }
+  }
+  return segment;
+}
+
+}  // namespace sortie::mapping

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// sortie-bench-mapping: the local map beside PCL's batch functions on a recorded drive, thread CPU time, one
+// JSON object. The map takes scan after scan; PCL starts anew from the map's voxels each time that it is
+// asked.
+#include <time.h>
+
+#include <iostream>
+#include <stdexcept>
+
+#include "tests/bench/mapping/pcl_batch.hpp"
+#include "tests/bench/report/arguments.hpp"
+#include "tests/bench/report/figures.hpp"
+#include "tests/mapping/owned_map.hpp"
+#include "tests/mapping/recorded_scans.hpp"
+
+namespace sortie::bench {
+namespace {
+
+struct MappingArguments {
+  std::string file{std::string(SORTIE_DATA_DIR) + "/lidar_os64/os64_thin4_000_109.rls"};
+  std::uint32_t stride{2};  ///< every n-th point
+  std::size_t warm_up{40};  ///< scans before the first figure
+  std::size_t every{10};    ///< scans between two looks at PCL
+};
+
+struct StageTimes {
+  Rounds insert_ms;
+  Rounds normals_ms;
+  Rounds segment_ms;
+  Rounds whole_ms;
+};
+
+double cpu_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+void add_figure(Report& report, const std::string& group, const std::string& what, const Rounds& ours,
+                const Rounds& theirs, double goal) {
+  Figure figure;
+  figure.group = group;
+  figure.what = what;
+  figure.unit = "ms";
+  figure.n = ours.size();
+  figure.ours = spread(ours);
+  if (!theirs.empty()) {
+    figure.peer = "PCL, batch";
+    figure.theirs = spread(theirs);
+    const double times = theirs.median() / ours.median();
+    figure.ratio = spread(times);
+    if (goal > 0)
+      set_goal(figure, "at least " + std::to_string(static_cast<int>(goal)) + " times faster", times >= goal);
+  }
+  report.add(figure);
+}
+
+/// One drive with one policy: times of the stages, PCL's on the same voxels, and whether partitions agree.
+template <class Policy>
+void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments& arguments,
+           const char* group, double goal, Report& report) {
+  using Map = tests::OwnedMap<Policy>;
+  mapping::RollingGridConfig grid;
+  grid.radius_m = 15;
+  mapping::SegmenterConfig segmenter;
+  segmenter.min_voxels = 1;
+  const tests::MapSizes sizes{16384, 262136, 32768, 100000, 8192, 16384};
+  Map map(grid, segmenter, sizes);
+  StageTimes ours;
+  PclTimes theirs;
+  std::uint64_t differing = 0;
+  std::uint64_t compared = 0;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    std::vector<rt::ScanPoint> points;
+    for (std::size_t i = 0; i < scans[s].points.size(); i += arguments.stride)
+      points.push_back(scans[s].points[i]);
+    rt::PointScan scan = scans[s].view();
+    scan.points = points.data();
+    scan.header.points = static_cast<std::uint32_t>(points.size());
+    const mapping::SensorPose pose = scans[s].pose();
+    const double begin = cpu_ms();
+    (void)map.map.insert(scan, {pose.p_world_sensor_m, pose.q_world_sensor}, s);
+    const double inserted = cpu_ms();
+    (void)map.map.update_normals();
+    const double solved = cpu_ms();
+    (void)map.map.segment(s);
+    const double end = cpu_ms();
+    if (s < arguments.warm_up) continue;
+    ours.insert_ms.add(inserted - begin);
+    ours.normals_ms.add(solved - inserted);
+    ours.segment_ms.add(end - solved);
+    ours.whole_ms.add(end - begin);
+    if (s % arguments.every != 0 || !has_pcl()) continue;
+    PclInput input;
+    for (std::uint32_t i = 0; i < map.grid().block_numbers(); ++i) {
+      const auto index = static_cast<mapping::BlockIndex>(i);
+      const mapping::Block& block = map.grid().block(index);
+      if (!block.in_use()) continue;
+      for (std::uint64_t rest = block.active; rest != 0; rest = mapping::without_lowest(rest)) {
+        const unsigned cell = mapping::lowest(rest);
+        const rt::Vector3 p = map.grid().centroid_m(block, cell) - pose.p_world_sensor_m;
+        input.voxels.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+        input.segments.push_back(map.segmenter().segment_of(map.grid(), index, cell));
+      }
+    }
+    for (const rt::ScanPoint& p : points) input.scan.push_back({p.x_m, p.y_m, p.z_m});
+    const std::uint64_t wrong = run_pcl(input, Map::kNormals, theirs);
+    if (!Map::kNormals) differing += wrong;
+    compared += input.voxels.size();
+  }
+  Rounds segmentation;
+  for (std::size_t i = 0; i < theirs.tree_ms.size(); ++i)
+    segmentation.add(theirs.tree_ms.values()[i] + theirs.segments_ms.values()[i]);
+  add_figure(report, group, "insertion and eviction a step", ours.insert_ms, theirs.filter_ms, 0);
+  if (Map::kNormals) add_figure(report, group, "normals a step", ours.normals_ms, theirs.normals_ms, 100);
+  add_figure(report, group, "segmentation a step", ours.segment_ms, segmentation, Map::kNormals ? 0 : 150);
+  add_figure(report, group, "whole step", ours.whole_ms, theirs.whole_ms, goal);
+  const auto& output = map.grid().output();
+  const auto& graph = map.segmenter().graph();
+  const double nodes =
+      graph.most_in_use() * static_cast<double>(sizeof(mapping::FragmentNode) + sizeof(mapping::NodeWork) +
+                                                sizeof(mapping::SegmentComponent) + 2);
+  double blocks = output.most_blocks * static_cast<double>(sizeof(mapping::BlockWork) + 4);
+  if (Map::kNormals) blocks += output.most_blocks * static_cast<double>(sizeof(mapping::NormalWork) + 4);
+  Figure memory;
+  memory.group = group;
+  memory.what = "memory a voxel held";
+  memory.unit = "B";
+  memory.n = output.most_voxels;
+  const double bytes = (static_cast<double>(map.grid().most_bytes()) + nodes + blocks) / output.most_voxels;
+  memory.ours = spread(bytes);
+  set_goal(memory, Map::kNormals ? "at most 80" : "at most 32", bytes <= (Map::kNormals ? 80 : 32));
+  report.add(memory);
+  if (!Map::kNormals && has_pcl())
+    report.note(group,
+                std::to_string(differing) + " of " + std::to_string(compared) +
+                    " voxels lie in another cluster than PCL's EuclideanClusterExtraction puts them in");
+  report.note(group, "the window's table takes " + std::to_string(map.owned.window.size() * 2 / 1024) +
+                         " kB besides");
+}
+
+int run(const MappingArguments& arguments) {
+  const std::vector<tests::RecordedScan> scans = tests::read_rls(arguments.file);
+  Report report;
+  Json& root = report.root();
+  root["load_before"] = load_average();
+  for (const char* list : {"figures", "tables", "skipped", "notes"}) root[list] = Json::array();
+  if (scans.empty()) report.skip("recorded drive", "no scans in " + arguments.file);
+  if (!has_pcl()) report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
+  if (!scans.empty()) {
+    drive<mapping::EuclideanPolicy>(scans, arguments, "Euclidean", 100, report);
+    drive<mapping::SmoothnessPolicy>(scans, arguments, "smoothness", 120, report);
+  }
+  root["load_after"] = load_average();
+  std::cout << root.dump() << std::endl;
+  return 0;
+}
+
+MappingArguments parse(int argc, char** argv) {
+  MappingArguments all;
+  for (int i = 1; i < argc; i += 2) {
+    const std::string option = argv[i];
+    const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
+    if (option == "--file" && value != nullptr)
+      all.file = value;
+    else if (option == "--stride")
+      all.stride = static_cast<std::uint32_t>(number("--stride", value, 1, 1e6));
+    else if (option == "--every")
+      all.every = static_cast<std::size_t>(number("--every", value, 1, 1e6));
+    else
+      throw std::invalid_argument("unknown option " + option);
+  }
+  return all;
+}
+
+}  // namespace
+}  // namespace sortie::bench
+
+int main(int argc, char** argv) {
+  return sortie::bench::guarded_main(
+      "sortie-bench-mapping", [argc, argv] { return sortie::bench::run(sortie::bench::parse(argc, argv)); });
+}

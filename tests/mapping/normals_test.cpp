@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Normals and the smoothness policy against batch twins, after every tick of random worlds; normals far out
+// and after many moves of the grid.
+#include "mapping/normals.hpp"
+
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+
+#include "mapping/plane_solve.hpp"
+#include "tests/mapping/random_worlds.hpp"
+
+namespace {
+using namespace sortie;
+
+constexpr double kDegrees = 57.29577951308232;
+
+struct NormalVerdict {
+  std::uint32_t voxels{};
+  std::uint32_t wrong_sums{};
+  std::uint32_t judged{};
+  double worst_deg{};
+};
+
+/// Every record against a batch over the positions that are held, in whole numbers and in double.
+void judge_normals(const tests::SmoothMap& map, const std::vector<tests::TwinVoxel>& voxels,
+                   double radius_cells, NormalVerdict& verdict) {
+  struct Held {
+    std::int64_t at[3];
+  };
+  std::vector<Held> held;
+  for (const tests::TwinVoxel& v : voxels) {
+    const mapping::NormalRecord& r = map.grid().normal(map.grid().block(v.block), v.cell);
+    held.push_back(
+        {{v.cell_at[0] * 512 + r.at(0), v.cell_at[1] * 512 + r.at(1), v.cell_at[2] * 512 + r.at(2)}});
+  }
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const mapping::NormalRecord& r = map.grid().normal(map.grid().block(voxels[i].block), voxels[i].cell);
+    std::int64_t sums[9] = {};
+    std::vector<Eigen::Vector3d> positions;
+    for (const Held& other : held) {
+      std::int64_t d[3];
+      std::int64_t distance2 = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        distance2 += (other.at[axis] - held[i].at[axis]) * (other.at[axis] - held[i].at[axis]);
+        d[axis] = other.at[axis] - (voxels[i].cell_at[axis] * 512 + 256);
+      }
+      if (static_cast<double>(distance2) > radius_cells * 512 * (radius_cells * 512)) continue;
+      positions.emplace_back(static_cast<double>(d[0]), static_cast<double>(d[1]), static_cast<double>(d[2]));
+      const std::int64_t terms[9] = {d[0] * d[0], d[1] * d[1], d[2] * d[2], d[0] * d[1], d[0] * d[2],
+                                     d[1] * d[2], d[0],        d[1],        d[2]};
+      for (int k = 0; k < 9; ++k) sums[k] += terms[k];
+    }
+    ++verdict.voxels;
+    bool good = r.count == positions.size();
+    for (int k = 0; k < 3; ++k)
+      good = good && r.square[k] == sums[k] && r.product[k] == sums[3 + k] && r.sum[k] == sums[6 + k];
+    if (!good) ++verdict.wrong_sums;
+    if (positions.size() < 3) {
+      CHECK_FALSE(r.has_normal());
+      continue;
+    }
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : positions) mean += p / static_cast<double>(positions.size());
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const Eigen::Vector3d& p : positions) covariance += (p - mean) * (p - mean).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+    const Eigen::Vector3d l = solver.eigenvalues();
+    if (!((l[1] - l[0]) / l[2] > 0.05)) continue;
+    const Eigen::Vector3d normal = Eigen::Vector3d(r.normal[0], r.normal[1], r.normal[2]).normalized();
+    const double sine = normal.cross(solver.eigenvectors().col(0)).norm();
+    verdict.worst_deg = std::max(verdict.worst_deg, std::asin(std::min(1.0, sine)) * kDegrees);
+    ++verdict.judged;
+  }
+}
+
+/// A voxel's segment by the rules alone: components of cores, then the most similar core nearby.
+std::vector<std::size_t> smooth_cores(const tests::SmoothMap& map,
+                                      const std::vector<tests::TwinVoxel>& voxels, double radius_cells,
+                                      std::vector<std::uint32_t>& ids) {
+  std::vector<std::size_t> cores;
+  const auto load = [&](const tests::TwinVoxel& v) {
+    return map.grid().normal(map.grid().block(v.block), v.cell);
+  };
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const mapping::NormalRecord r = load(voxels[i]);
+    if (r.has_normal() && r.curvature <= static_cast<std::uint16_t>(0.1 * 3 * 65535.0)) cores.push_back(i);
+  }
+  const double least = std::cos(0.3) * 32767.0 * 32767.0;
+  const auto twin = tests::twin_components(cores.size(), [&](std::size_t a, std::size_t b) {
+    const mapping::NormalRecord m = load(voxels[cores[a]]);
+    const mapping::NormalRecord n = load(voxels[cores[b]]);
+    const double dot =
+        1.0 * m.normal[0] * n.normal[0] + 1.0 * m.normal[1] * n.normal[1] + 1.0 * m.normal[2] * n.normal[2];
+    return tests::twin_near(voxels[cores[a]], voxels[cores[b]], radius_cells) &&
+           std::fabs(dot) >= std::floor(least);
+  });
+  for (const std::size_t i : cores)
+    ids.push_back(map.segmenter().segment_of(map.grid(), voxels[i].block, voxels[i].cell));
+  return twin;
+}
+}  // namespace
+
+TEST_CASE("Sums for normals are those of a batch, and smooth segments those of brute force, at every tick") {
+  NormalVerdict verdict;
+  std::uint32_t wrong = 0;
+  std::uint32_t most = 0;
+  std::uint64_t restated = 0;
+  for (std::uint32_t seed = 0; seed < 30; ++seed) {
+    tests::WorldRandom random(seed);
+    tests::RandomWorld world(random);
+    tests::SmoothMap map(world.grid, world.segmenter, tests::MapSizes{}, mapping::SmoothnessPolicy(0.3, 0.1),
+                         world.normals);
+    for (std::uint32_t tick = 0; tick < 10; ++tick) {
+      const std::vector<rt::ScanPoint> points = world.next_scan(random);
+      restated += map.map.update(tests::scan_over(points), {world.sensor, {}}, tick).normals.restated;
+      const std::vector<tests::TwinVoxel> voxels = tests::twin_voxels(map.grid());
+      judge_normals(map, voxels, world.normals.radius_m / 0.1, verdict);
+      std::vector<std::uint32_t> ids;
+      const auto twin = smooth_cores(map, voxels, world.segmenter.radius_m / 0.1, ids);
+      if (!tests::same_partition(twin, ids)) ++wrong;
+      most = std::max(most, map.segmenter().labelling().components());
+    }
+  }
+  CHECK(verdict.wrong_sums == 0);
+  CHECK(verdict.judged > 10000);
+  CHECK(verdict.worst_deg <= 0.1);
+  CHECK(wrong == 0);
+  CHECK(most > 20);
+  CHECK(restated > 20);
+}
+
+TEST_CASE("Normals are as good 10 km out as at the origin, and the grid moves without a trace") {
+  mapping::RollingGridConfig config;
+  config.radius_m = 4;
+  config.half_height_m = 2;
+  mapping::SegmenterConfig segments;
+  std::vector<rt::ScanPoint> points;
+  tests::WorldRandom random(7);
+  for (int i = 0; i < 4000; ++i) {
+    const float x = random.coordinate(-2, 2);
+    const float y = random.coordinate(-2, 2);
+    points.push_back({x, y, 0.3f * x - 0.2f * y + random.coordinate(-0.01, 0.01) - 1.0f, 0, 0});
+  }
+  for (const double out : {0.0, 100.0, 10000.0}) {
+    tests::SmoothMap map(config, segments, {2048, 16384, 4096, 8192, 512, 1024});
+    // Far out the sensor stands at a place that binary fractions hit exactly, so that the points are the
+    // same.
+    const mapping::RigidPose pose{{out, -out, 0}, {}};
+    (void)map.map.update(tests::scan_over(points), pose, 1);
+    NormalVerdict verdict;
+    const std::vector<tests::TwinVoxel> voxels = tests::twin_voxels(map.grid());
+    judge_normals(map, voxels, 3.0, verdict);
+    CHECK(verdict.wrong_sums == 0);
+    CHECK(verdict.judged > 500);
+    CHECK(verdict.worst_deg <= 0.1);
+    // A thousand moves: the records do not change, and the grid's pose stays a rotation.
+    const std::vector<mapping::NormalRecord> before = map.owned.normals;
+    rt::Quaternion q;
+    for (int i = 0; i < 1000; ++i) {
+      const mapping::RigidPose move{{random.between(-1, 1), 0.1, 0},
+                                    rt::exp_rotation({random.between(-1, 1), 0.2, random.between(-1, 1)})};
+      q = rt::normalised(move.q * q);
+      REQUIRE(map.owned.grid.move_grid(move) == Status::ok);
+    }
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (before[i].normal[0] != map.owned.normals[i].normal[0]) FAIL("a record changed");
+    }
+    const rt::Vector3 normal = rt::rotate(map.grid().world_from_grid().q, {0.6, 0, 0.8});
+    CHECK(norm(normal - rt::rotate(q, {0.6, 0, 0.8})) < 1e-12);
+  }
+}
+
+TEST_CASE("A plane fit is finite for points in one place, on a line and on a plane") {
+  mapping::PlaneFit fit;
+  CHECK_FALSE(mapping::fit_plane({}, fit));
+  REQUIRE(mapping::fit_plane({4, 0, 0, 0, 0, 0}, fit));  // along x
+  CHECK(fit.normal[0] == Approx(0).margin(1e-12));
+  CHECK(fit.curvature == Approx(0).margin(1e-6));
+  REQUIRE(mapping::fit_plane({1, 1, 1, 1, 1, 1}, fit));  // along the diagonal
+  CHECK(fit.normal[0] + fit.normal[1] + fit.normal[2] == Approx(0).margin(1e-6));
+  REQUIRE(mapping::fit_plane({2, 1, 0, 0, 0, 0}, fit));
+  CHECK(fit.normal[2] == Approx(1));
+  REQUIRE(mapping::fit_plane({1, 1, 1, 0, 0, 0}, fit));    // the same in all directions
+  CHECK(fit.curvature == Approx(1.0 / 3.0).margin(1e-4));  // a triple root is reached slowly
+  CHECK(std::isfinite(fit.normal[0] + fit.normal[1] + fit.normal[2]));
+}
