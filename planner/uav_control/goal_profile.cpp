@@ -27,7 +27,7 @@ GoalProfile::GoalProfile(const ProfileLimits& limits, double period_s) : limits_
   rest({}, 0.0);
 }
 
-void GoalProfile::rest(const Vector3& p_m, double yaw_rad) {
+void GoalProfile::rest(Vector3 p_m, double yaw_rad) {
   run_.fill({});
   first_.fill({});
   second_.fill({});

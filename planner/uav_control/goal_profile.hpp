@@ -33,7 +33,7 @@ class GoalProfile {
   GoalProfile(const ProfileLimits& limits, double period_s);
 
   /// At rest in `p_m` with `yaw_rad`.
-  void rest(const rt::Vector3& p_m, double yaw_rad);
+  void rest(rt::Vector3 p_m, double yaw_rad);
   /// Moving as `from` says (snap is not used); comes to rest within the limits as far as they allow.
   void brake(const FlatReference& from);
   /// Where to go from the next step on. not_finite or out_of_range (beyond 10 km): the goal before stays.

@@ -2,6 +2,9 @@
 // Gains of the state controller.
 #include "planner/uav_control/state_gains.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "planner/uav_control/discretise.hpp"
 
 namespace sortie::planner {
@@ -33,13 +36,29 @@ Status design_chain(const double (&couple)[N - 1], double tau_s, double period_s
 
 }  // namespace
 
+double authority_rad_s2(const UavModel& model) {
+  double roll_m = 0.0;
+  double pitch_m = 0.0;
+  for (std::uint32_t i = 0; i < model.rotors; ++i) {
+    roll_m += std::fabs(model.rotor[i].place_m.y);
+    pitch_m += std::fabs(model.rotor[i].place_m.x);
+  }
+  const double half_n = 0.5 * model.mass_kg * model.gravity_m_s2 / static_cast<double>(model.rotors);
+  return half_n * std::min(roll_m / model.inertia_kg_m2.x, pitch_m / model.inertia_kg_m2.y);
+}
+
 Status design_gains(const UavModel& model, double period_s, const StateWeights& weights, StateGains& gains) {
   const Status good = check(model);
   if (good != Status::ok) return good;
   if (!(period_s >= 1e-4 && period_s <= 0.1)) return Status::out_of_range;
   const double tau_s = 0.5 * (model.tau_up_s + model.tau_down_s);
 
-  const AxisDeviations& t = weights.tilt;
+  const double share = std::clamp(authority_rad_s2(model) / weights.full_authority_rad_s2, 0.1, 1.0);
+  AxisDeviations t = weights.tilt;
+  t.integral_m_s /= share;
+  t.position_m /= share;
+  t.velocity_m_s /= share;
+  t.input *= share;
   double tilt[6]{};
   Status status = design_chain<6>({1.0, 1.0, model.gravity_m_s2, 1.0, 1.0}, tau_s, period_s,
                                   {t.integral_m_s, t.position_m, t.velocity_m_s, t.angle_rad, t.rate_rad_s, 0.0},

@@ -44,10 +44,18 @@ struct StateGains {
 /// Weights of the three chains. The defaults were found with late positions, lags and thrust that are off, raw
 /// steps and gusts together, not for one flight.
 struct StateWeights {
-  AxisDeviations tilt{0.20, 0.10, 0.40, 0.35, 2.5, 60.0};
-  AxisDeviations lift{0.10, 0.05, 0.20, 0.0, 0.0, 8.0};
+  AxisDeviations tilt{0.20, 0.10, 0.40, 0.35, 2.0, 20.0};
+  AxisDeviations lift{0.20, 0.10, 0.30, 0.0, 0.0, 6.0};
   AxisDeviations turn{0.0, 0.0, 0.0, 0.10, 0.8, 12.0};
+  /// Angular acceleration about roll and pitch that hovering rotors can make (half of them at rest) for which
+  /// the tilt weights are meant. A vehicle that has less gets weights softer by as much: demands beyond what
+  /// rotors can do make the chain of integrators ring.
+  double full_authority_rad_s2{40.0};
 };
+
+/// Angular acceleration about the weaker of roll and pitch while the rotors carry the weight and those of one side
+/// stand.
+double authority_rad_s2(const UavModel& model);
 
 /// Designs all gains for steps of `period_s`: exact steps of the chains x' = v, v' = g theta, theta' = q,
 /// q' = alpha, alpha' = (u - alpha) / tau (and their shorter sisters), then the Riccati equation, all in twice

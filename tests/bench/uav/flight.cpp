@@ -7,7 +7,6 @@
 #include <deque>
 #include <memory>
 
-#include "estimators/uav_state/disturbance_observer.hpp"
 #include "tests/bench/uav/flight_senses.hpp"
 #include "tests/bench/uav/lee.hpp"
 
@@ -138,6 +137,7 @@ FlightResult fly(const FlightSetup& setup) {
     } else {
       lee.update(state, wanted, command);
     }
+    senses->expect(ours ? control->mean_thrust_m_s2() : setup.control.model.gravity_m_s2);
     for (std::uint32_t i = 0; i < command.rotors; ++i) {
       const double speed = command.speed_rad_s[i];
       if (!(speed >= 0.0 && speed <= setup.plant.max_speed_rad_s * (ours ? 1.0 : 1e9))) result.finite = false;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "estimators/uav_state/uav_estimator.hpp"
 #include "hil/uav/multirotor_plant.hpp"
 #include "hil/uav/pose_source.hpp"
 #include "planner/uav_control/uav_control.hpp"
@@ -46,7 +47,7 @@ struct FlightSetup {
   hil::PoseSourceConfig fixes;
   double dark_from_s{-1.0};    ///< no fixes from here
   double dark_to_s{-1.0};      ///< to here
-  double observer_hz{10.0};
+  estimators::UavEstimatorConfig estimator;  ///< its observer serves the true state, too
   bool observer{true};
   std::uint64_t seed{1};
   bool raw_goals{};            ///< Lee gets raw goals, ours gets them through its profile

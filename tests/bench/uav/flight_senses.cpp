@@ -4,17 +4,81 @@
 
 #include <cmath>
 
+#include "hil/imu_model.hpp"
+
 namespace sortie::bench {
 
-struct FlightSenses::Estimated {};
+namespace {
+
+constexpr double kStand_s = 3.0;  // at rest before the flight, for the estimator to level
+constexpr rt::Nanoseconds kImuPeriod = 5 * rt::kNanosecondsPerMillisecond;
+
+hil::ImuConfig flight_imu() { return {}; }  // an ADIS16448 at 200 Hz
+
+rt::Nanoseconds to_ns(double time_s) { return static_cast<rt::Nanoseconds>(std::llround(time_s * 1e9)); }
+
+}  // namespace
+
+struct FlightSenses::Estimated {
+  explicit Estimated(const FlightSetup& setup)
+      : imu(flight_imu(), setup.seed), fixes(setup.fixes, setup.seed), estimator(setup.estimator) {
+    if (setup.dark_from_s >= 0.0) fixes.black_out(to_ns(kStand_s + setup.dark_from_s), to_ns(kStand_s + setup.dark_to_s));
+  }
+  void read(const hil::InertialTruth& truth, rt::Nanoseconds now_ns, double expected_m_s2) {
+    rt::ImuSample sample;
+    if (imu.read(truth, now_ns, sample)) (void)estimator.imu(sample, expected_m_s2);
+  }
+  void fix(rt::Nanoseconds now_ns, const hil::MultirotorState& truth) {
+    fixes.observe(now_ns, truth);
+    rt::UavFix found;
+    while (fixes.take(now_ns, found)) (void)estimator.fix(found);
+  }
+
+  hil::ImuModel imu;
+  hil::PoseSource fixes;
+  estimators::UavEstimator estimator;
+  double square{};
+  long count{};
+};
 
 FlightSenses::FlightSenses(const FlightSetup& setup)
-    : setup_(setup), random_(setup.seed, 0x73656e73), observer_({setup.observer_hz, 8.0}) {}
-FlightSenses::~FlightSenses() { delete estimated_; }
-void FlightSenses::observe(hil::MultirotorPlant&) {}
-double FlightSenses::estimate_rms_m() const { return 0.0; }
+    : setup_(setup), random_(setup.seed, 0x73656e73), observer_(setup.estimator.disturbance) {
+  if (setup.estimated) estimated_ = std::make_unique<Estimated>(setup);
+}
+FlightSenses::~FlightSenses() = default;
+
+void FlightSenses::stand(const hil::MultirotorPlant& plant) {
+  const hil::InertialTruth rest{{}, {0, 0, plant.dynamics().config().gravity_m_s2}};
+  for (rt::Nanoseconds now = 0; now <= to_ns(kStand_s); now += kImuPeriod) {
+    estimated_->read(rest, now, expected_m_s2_);
+    estimated_->fix(now, plant.state());
+  }
+}
+
+void FlightSenses::observe(hil::MultirotorPlant& plant) {
+  if (estimated_ == nullptr) return;
+  const rt::Nanoseconds now = to_ns(kStand_s + plant.time_s());
+  if ((now + 500'000) % kImuPeriod >= 1'000'000) return;
+  estimated_->read(plant.take_inertial(), now, expected_m_s2_);
+  estimated_->fix(now, plant.state());
+}
+
+double FlightSenses::estimate_rms_m() const {
+  return estimated_ != nullptr && estimated_->count > 0
+             ? std::sqrt(estimated_->square / static_cast<double>(estimated_->count))
+             : 0.0;
+}
+
 rt::UavState FlightSenses::state(hil::MultirotorPlant& plant, double now_s, double expected_m_s2) {
-  return true_state(plant, now_s, expected_m_s2);
+  if (estimated_ == nullptr) return true_state(plant, now_s, expected_m_s2);
+  if (!started_) stand(plant);
+  started_ = true;
+  const rt::UavState& state = estimated_->estimator.state();
+  const hil::Vec3& p = plant.state().p_world_m;
+  const rt::Vector3 off = rt::to_vector(state.p_world_m) - rt::Vector3{p.x, p.y, p.z};
+  estimated_->square += rt::dot(off, off);
+  ++estimated_->count;
+  return state;
 }
 
 rt::UavState FlightSenses::true_state(hil::MultirotorPlant& plant, double now_s, double expected_m_s2) {

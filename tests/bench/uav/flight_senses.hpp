@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 
 #include "estimators/uav_state/disturbance_observer.hpp"
 #include "hil/random.hpp"
@@ -14,7 +15,11 @@ class FlightSenses {
  public:
   explicit FlightSenses(const FlightSetup& setup);
   ~FlightSenses();
+  FlightSenses(const FlightSenses&) = delete;
+  FlightSenses& operator=(const FlightSenses&) = delete;
 
+  /// What the rotors are expected to make from now on, as a collective acceleration.
+  void expect(double thrust_m_s2) { expected_m_s2_ = thrust_m_s2; }
   /// After each plant step.
   void observe(hil::MultirotorPlant& plant);
   /// At the start of a period; `expected_m_s2` is the mean collective acceleration over the last one.
@@ -24,6 +29,7 @@ class FlightSenses {
  private:
   rt::UavState true_state(hil::MultirotorPlant& plant, double now_s, double expected_m_s2);
   struct Estimated;
+  void stand(const hil::MultirotorPlant& plant);
 
   const FlightSetup& setup_;
   hil::Random random_;
@@ -31,7 +37,8 @@ class FlightSenses {
   std::deque<hil::Vec3> late_;
   rt::Quaternion last_q_;
   bool started_{};
-  Estimated* estimated_{};
+  double expected_m_s2_{9.81};
+  std::unique_ptr<Estimated> estimated_;
 };
 
 }  // namespace sortie::bench
