@@ -29,10 +29,10 @@ struct UavFix {
 
 /// Values of UavState::verdict, from good to bad.
 enum class UavVerdict : std::uint32_t {
-  starting,   ///< not levelled, or no position yet
-  good,       ///< fixes come in and fit
-  dead,       ///< dead reckoning: no fix for a while, the covariance grows
-  lost,       ///< the position is not to be used any more; attitude and rate still are
+  starting,  ///< not levelled, or no position yet
+  good,      ///< fixes come in and fit
+  dead,      ///< dead reckoning: no fix for a while, the covariance grows
+  lost,      ///< the position is not to be used any more; attitude and rate still are
 };
 
 /// Where a UAV is and how it moves.
@@ -41,9 +41,9 @@ struct UavState {
   double p_world_m[3]{};
   double v_world_m_s[3]{};
   double q_world_body[4]{1, 0, 0, 0};
-  double w_body_rad_s[3]{};         ///< bias removed
-  double d_world_m_s2[3]{};         ///< acceleration that gravity and the expected thrust do not explain
-  double position_sigma_m[3]{};     ///< standard deviations of the position
+  double w_body_rad_s[3]{};      ///< bias removed
+  double d_world_m_s2[3]{};      ///< acceleration that gravity and the expected thrust do not explain
+  double position_sigma_m[3]{};  ///< standard deviations of the position
   UavVerdict verdict{};
   SORTIE_FIELDS(stamp_ns, p_world_m, v_world_m_s, q_world_body, w_body_rad_s, d_world_m_s2, position_sigma_m,
                 verdict)

@@ -11,15 +11,15 @@ namespace sortie::estimators {
 
 /// Settings of the observer.
 struct DisturbanceConfig {
-  double across_hz{10.0};      ///< bandwidth square to the rotors' axis, where only air acts
-  double along_hz{3.0};        ///< and along it, where the thrust answers: a late or wrong thrust feeds back
-  double limit_m_s2{8.0};      ///< size of the result
+  double across_hz{10.0};  ///< bandwidth square to the rotors' axis, where only air acts
+  double along_hz{3.0};    ///< and along it, where the thrust answers: a late or wrong thrust feeds back
+  double limit_m_s2{8.0};  ///< size of the result
 };
 
-/// d = LP2(R f - c b3): measured specific force in the world less the expected collective acceleration along the
-/// body's z, through critically damped low-passes of second order, stepped by exact decay. Both bandwidths are
-/// held within a tenth of the rate of updates: above it the loop through the controller rings. 200 bytes, no
-/// heap.
+/// d = LP2(R f - c b3): measured specific force in the world less the expected collective acceleration along
+/// the body's z, through critically damped low-passes of second order, stepped by exact decay. Both
+/// bandwidths are held within a tenth of the rate of updates: above it the loop through the controller rings.
+/// 200 bytes, no heap.
 class DisturbanceObserver {
  public:
   explicit DisturbanceObserver(const DisturbanceConfig& config) : config_(config) {}
@@ -47,7 +47,9 @@ class DisturbanceObserver {
 
   /// State to bytes and back.
   void archive(rt::Archive& archive) {
-    rt::Members(archive, *this, "disturbance observer").fixed(config_).state(across_, along_, value_, keep_dt_s_);
+    rt::Members(archive, *this, "disturbance observer")
+        .fixed(config_)
+        .state(across_, along_, value_, keep_dt_s_);
   }
 
  private:

@@ -23,14 +23,14 @@ void apply(const Blocks& b, double dt_s, double* x, std::size_t stride) {
                       bias[1] * old[13] + bias[2] * old[14];
     x[i * stride] = old[i] + dt_s * (old[3 + i] + 0.5 * dv);
     x[(3 + i) * stride] = old[3 + i] + dv;
-    x[(6 + i) * stride] =
-        turn[0] * old[6] + turn[1] * old[7] + turn[2] * old[8] - dt_s * old[9 + i];
+    x[(6 + i) * stride] = turn[0] * old[6] + turn[1] * old[7] + turn[2] * old[8] - dt_s * old[9 + i];
   }
 }
 
 }  // namespace
 
-void propagate(ErrorCovariance& p, const InertialState& s, const InertialReading& r, const InertialNoise& noise) {
+void propagate(ErrorCovariance& p, const InertialState& s, const InertialReading& r,
+               const InertialNoise& noise) {
   const rt::Vector3 f = r.acc_m_s2 - s.acc_bias_m_s2;
   const rt::Vector3 w = r.dt_s * (r.gyr_rad_s - s.gyr_bias_rad_s);
   const double* m = nullptr;

@@ -53,8 +53,8 @@ struct ErrorCovariance {
   }
 };
 
-/// Moves the state over the reading; gravity points down the world's z. The attitude that the force is turned by
-/// is that of the middle of the interval. Gives that attitude.
+/// Moves the state over the reading; gravity points down the world's z. The attitude that the force is turned
+/// by is that of the middle of the interval. Gives that attitude.
 inline rt::Quaternion predict(InertialState& s, const InertialReading& r, double gravity_m_s2) {
   const rt::Vector3 w = r.gyr_rad_s - s.gyr_bias_rad_s;
   const rt::Vector3 f = r.acc_m_s2 - s.acc_bias_m_s2;
@@ -69,6 +69,7 @@ inline rt::Quaternion predict(InertialState& s, const InertialReading& r, double
 
 /// Moves the covariance over the reading that begins in `s`: P = F P F' + Q with F as blocks of three, 700
 /// products instead of 6750.
-void propagate(ErrorCovariance& p, const InertialState& s, const InertialReading& r, const InertialNoise& noise);
+void propagate(ErrorCovariance& p, const InertialState& s, const InertialReading& r,
+               const InertialNoise& noise);
 
 }  // namespace sortie::estimators

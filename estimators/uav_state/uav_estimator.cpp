@@ -9,7 +9,8 @@ namespace sortie::estimators {
 
 using rt::Vector3;
 
-UavEstimator::UavEstimator(const UavEstimatorConfig& config) : config_(config), observer_(config.disturbance) {}
+UavEstimator::UavEstimator(const UavEstimatorConfig& config)
+    : config_(config), observer_(config.disturbance) {}
 
 Status UavEstimator::check(const rt::ImuSample& sample) const {
   const Vector3 w = rt::to_vector(sample.gyr_rad_s);
@@ -170,9 +171,9 @@ void UavEstimator::publish(const Vector3& w) {
 void UavEstimator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav estimator")
       .fixed(config_)
-      .state(observer_, base_, now_, base_p_, now_p_, readings_, stamps_, base_ns_, now_ns_, last_fix_ns_, have_imu_,
-             levelled_, located_, level_time_s_, level_acc_, level_gyr_, refused_in_row_, refused_at_m_, counters_,
-             state_)
+      .state(observer_, base_, now_, base_p_, now_p_, readings_, stamps_, base_ns_, now_ns_, last_fix_ns_,
+             have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_, refused_in_row_,
+             refused_at_m_, counters_, state_)
       .by_hand(first_, count_);
   archive.bounded(first_, kHistory - 1);
   archive.bounded(count_, kHistory);

@@ -37,8 +37,7 @@ void UavEstimator::begin(const rt::UavFix& fix) {
   constexpr std::uint32_t kBoth = rt::kFixPosition | rt::kFixYaw;
   if ((fix.flags & kBoth) != kBoth) return;
   const double yaw = fix.yaw_rad - rt::yaw_of(base_.q_world_body);
-  base_.q_world_body =
-      rt::normalised(rt::from_yaw_pitch_roll(yaw, 0.0, 0.0) * base_.q_world_body);
+  base_.q_world_body = rt::normalised(rt::from_yaw_pitch_roll(yaw, 0.0, 0.0) * base_.q_world_body);
   base_.p_world_m = rt::to_vector(fix.p_world_m);
   base_.v_world_m_s = {};
   const double position = config_.fix_sigma_m * config_.fix_sigma_m;

@@ -59,8 +59,9 @@ MultirotorConfig neo11_plant() {
   config.thrust_n_s2 = 1.269e-5;
   // Its xacro file puts the rotors off the regular hexagon that the controllers assume.
   constexpr double kHeight = 0.028;
-  const Vec3 places[6] = {{0.247, 0.1506, kHeight},   {-0.00067, 0.28929, kHeight}, {-0.2501, 0.1454, kHeight},
-                          {-0.2501, -0.1454, kHeight}, {-0.00067, -0.28929, kHeight}, {0.247, -0.1506, kHeight}};
+  const Vec3 places[6] = {{0.247, 0.1506, kHeight},      {-0.00067, 0.28929, kHeight},
+                          {-0.2501, 0.1454, kHeight},    {-0.2501, -0.1454, kHeight},
+                          {-0.00067, -0.28929, kHeight}, {0.247, -0.1506, kHeight}};
   for (std::uint32_t i = 0; i < 6; ++i) config.rotor[i].place_m = places[i];
   return config;
 }

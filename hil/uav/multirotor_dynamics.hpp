@@ -28,9 +28,10 @@ struct MultirotorWrench {
   Vec3 torque_body_n_m;
 };
 
-/// The rotor model of RotorS (gazebo_motor_model) on a rigid body. Rotor i at r_i with speed w_i and direction
-/// s_i: thrust k_f w_i^2 along the body's z, drag -|w_i| c_d v_perp at r_i with v_perp the velocity of r_i
-/// relative to the air across the axis, yaw torque -s_i k_m thrust, rolling moment -|w_i| c_r v_perp. No heap.
+/// The rotor model of RotorS (gazebo_motor_model) on a rigid body. Rotor i at r_i with speed w_i and
+/// direction s_i: thrust k_f w_i^2 along the body's z, drag -|w_i| c_d v_perp at r_i with v_perp the velocity
+/// of r_i relative to the air across the axis, yaw torque -s_i k_m thrust, rolling moment -|w_i| c_r v_perp.
+/// No heap.
 class MultirotorDynamics {
  public:
   /// Throws std::runtime_error naming the setting if the config is not usable.
@@ -50,8 +51,8 @@ class MultirotorDynamics {
   void step_exact(MultirotorState& state, double* speeds, const double* references,
                   const MultirotorWeather& weather, double dt_s) const;
 
-  /// One step as RotorS makes it: forces from the speeds of the step before, velocities first, places with the
-  /// new velocities (semi-implicit Euler, as ODE), then the exact first-order filter of each rotor.
+  /// One step as RotorS makes it: forces from the speeds of the step before, velocities first, places with
+  /// the new velocities (semi-implicit Euler, as ODE), then the exact first-order filter of each rotor.
   void step_parity(MultirotorState& state, double* speeds, const double* references,
                    const MultirotorWeather& weather, double dt_s) const;
 

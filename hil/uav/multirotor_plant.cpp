@@ -48,7 +48,8 @@ MultirotorWeather MultirotorPlant::weather() const {
   for (std::uint32_t i = 0; i < gust_count_; ++i) {
     const double since = time_s_ - gusts_[i].start_s;
     // Half a microsecond of slack: the sum of many steps may miss the edge by rounding.
-    if (since >= -5e-7 && since < gusts_[i].length_s - 5e-7) weather.force_n = weather.force_n + gusts_[i].force_n;
+    if (since >= -5e-7 && since < gusts_[i].length_s - 5e-7)
+      weather.force_n = weather.force_n + gusts_[i].force_n;
   }
   return weather;
 }
@@ -75,7 +76,8 @@ void MultirotorPlant::meet_ground() {
     return;
   }
   if (!on_ground_ && !touch_down_.happened) {
-    touch_down_ = {true, time_s_, state_.p_world_m, norm(state_.v_world_m_s), -state_.v_world_m_s.z, tilt_rad()};
+    touch_down_ = {true,      time_s_, state_.p_world_m, norm(state_.v_world_m_s), -state_.v_world_m_s.z,
+                   tilt_rad()};
   }
   on_ground_ = true;
   // Legs that neither slide nor bounce; the body stands level until thrust lifts it.

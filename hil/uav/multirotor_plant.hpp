@@ -40,8 +40,8 @@ class MultirotorPlant {
  public:
   static constexpr std::uint32_t kMaxGusts = 8;
 
-  /// Starts at rest at `p_world_m` with `yaw_rad`, rotors at hover speed (standing when on the ground). Throws
-  /// std::runtime_error naming the setting if the config is not usable.
+  /// Starts at rest at `p_world_m` with `yaw_rad`, rotors at hover speed (standing when on the ground).
+  /// Throws std::runtime_error naming the setting if the config is not usable.
   MultirotorPlant(const MultirotorConfig& config, const Vec3& p_world_m, double yaw_rad);
 
   /// Steady wind from now on.

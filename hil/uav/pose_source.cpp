@@ -24,9 +24,8 @@ void PoseSource::observe(rt::Nanoseconds now_ns, const MultirotorState& truth) {
   const Quat& q = truth.q_world_body;
   const double yaw = rt::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
   Late late;
-  late.arrival_ns =
-      now_ns + config_.delay_ns +
-      static_cast<rt::Nanoseconds>(lateness * static_cast<double>(config_.delay_spread_ns));
+  late.arrival_ns = now_ns + config_.delay_ns +
+                    static_cast<rt::Nanoseconds>(lateness * static_cast<double>(config_.delay_spread_ns));
   late.fix.stamp_ns = now_ns;
   const double sigma = config_.position_sigma_m;
   late.fix.p_world_m[0] = truth.p_world_m.x + sigma * noise_x + off * rt::cos(bearing);

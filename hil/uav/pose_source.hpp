@@ -29,7 +29,8 @@ class PoseSource {
  public:
   static constexpr std::uint32_t kInFlight = 32;
 
-  PoseSource(const PoseSourceConfig& config, std::uint64_t seed) : config_(config), random_(seed, 0x706f7365) {}
+  PoseSource(const PoseSourceConfig& config, std::uint64_t seed)
+      : config_(config), random_(seed, 0x706f7365) {}
 
   /// Nothing is measured from `from_ns` up to `to_ns`.
   void black_out(rt::Nanoseconds from_ns, rt::Nanoseconds to_ns) {

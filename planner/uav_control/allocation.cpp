@@ -160,9 +160,9 @@ RotorThrusts Allocation::bounded(const double (&wanted)[4]) const {
   RotorThrusts out;
   for (std::uint32_t i = 0; i < n; ++i) out.force_n[i] = at[i];
   const RotorWrench made = wrench(out.force_n);
-  out.limited = std::fabs(made.thrust_n - wanted[0]) > 1e-3 * most_n_ ||
-                std::fabs(made.torque_n_m.x - wanted[1]) + std::fabs(made.torque_n_m.y - wanted[2]) >
-                    1e-3 * most_n_;
+  out.limited =
+      std::fabs(made.thrust_n - wanted[0]) > 1e-3 * most_n_ ||
+      std::fabs(made.torque_n_m.x - wanted[1]) + std::fabs(made.torque_n_m.y - wanted[2]) > 1e-3 * most_n_;
   return out;
 }
 

@@ -20,11 +20,11 @@ struct RotorThrusts {
   bool limited{};  ///< the wrench could not be met
 };
 
-/// Shares a wrench out to the rotors. While it fits, the smallest sum of squares (the pseudo-inverse). Where it
-/// does not, or a rotor is lost, the nearest wrench that fits, with errors of roll and pitch torque weighing
-/// far more than those of thrust, and these far more than yaw: a bounded least-squares problem, solved by an
-/// active set of at most 3 changes a rotor. No heap; 4 products a rotor as a rule, at most 24 eliminations of
-/// 8 unknowns.
+/// Shares a wrench out to the rotors. While it fits, the smallest sum of squares (the pseudo-inverse). Where
+/// it does not, or a rotor is lost, the nearest wrench that fits, with errors of roll and pitch torque
+/// weighing far more than those of thrust, and these far more than yaw: a bounded least-squares problem,
+/// solved by an active set of at most 3 changes a rotor. No heap; 4 products a rotor as a rule, at most 24
+/// eliminations of 8 unknowns.
 class Allocation {
  public:
   explicit Allocation(const UavModel& model);
@@ -46,7 +46,7 @@ class Allocation {
   void build();
 
   UavModel model_;
-  double effect_[4][rt::kMaxRotors]{};   ///< thrust, roll, pitch, yaw of one newton
+  double effect_[4][rt::kMaxRotors]{};  ///< thrust, roll, pitch, yaw of one newton
   double inverse_[rt::kMaxRotors][4]{};
   double weighted_[4][rt::kMaxRotors]{};  ///< effects times the weights of the bounded problem
   double weight_[4]{};

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers of twice the precision of a double, for what is computed once at set-up: gains come out the same and
-// right to the last bit of a double even where the problem is stiff.
+// Numbers of twice the precision of a double, for what is computed once at set-up: gains come out the same
+// and right to the last bit of a double even where the problem is stiff.
 #pragma once
 
 #include <cmath>
 
 namespace sortie::planner {
 
-/// The unevaluated sum of two doubles, |low| <= half an ulp of high: about 31 decimal digits. Sums and products
-/// without error (Knuth 1969, Dekker 1971), no fused operations, so every processor has the same bits. Values
-/// above 1e290 overflow. 20 to 40 operations each.
+/// The unevaluated sum of two doubles, |low| <= half an ulp of high: about 31 decimal digits. Sums and
+/// products without error (Knuth 1969, Dekker 1971), no fused operations, so every processor has the same
+/// bits. Values above 1e290 overflow. 20 to 40 operations each.
 struct DoubleDouble {
   double high{};
   double low{};
 
   constexpr DoubleDouble() = default;
-  constexpr DoubleDouble(double value) : high(value) {}  // NOLINT(google-explicit-constructor): a number is one
+  constexpr DoubleDouble(double value)
+      : high(value) {}  // NOLINT(google-explicit-constructor): a number is one
   constexpr DoubleDouble(double h, double l) : high(h), low(l) {}
   explicit constexpr operator double() const { return high + low; }
 

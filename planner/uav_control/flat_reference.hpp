@@ -22,23 +22,23 @@ struct FlatReference {
 
 /// True when every number is finite.
 inline bool is_finite(const FlatReference& r) {
-  return rt::is_finite(r.p_m) && rt::is_finite(r.v_m_s) && rt::is_finite(r.a_m_s2) && rt::is_finite(r.j_m_s3) &&
-         rt::is_finite(r.s_m_s4) && std::isfinite(r.yaw_rad) && std::isfinite(r.yaw_rate_rad_s) &&
-         std::isfinite(r.yaw_acceleration_rad_s2);
+  return rt::is_finite(r.p_m) && rt::is_finite(r.v_m_s) && rt::is_finite(r.a_m_s2) &&
+         rt::is_finite(r.j_m_s3) && rt::is_finite(r.s_m_s4) && std::isfinite(r.yaw_rad) &&
+         std::isfinite(r.yaw_rate_rad_s) && std::isfinite(r.yaw_acceleration_rad_s2);
 }
 
 /// The body that follows: axes in the world, rates and accelerations in those axes.
 struct FlatBody {
-  rt::Vector3 x, y, z;     ///< axes of the body
-  double thrust_m_s2{};    ///< collective acceleration along z
+  rt::Vector3 x, y, z;   ///< axes of the body
+  double thrust_m_s2{};  ///< collective acceleration along z
   double thrust_rate_m_s3{};
   rt::Vector3 w_rad_s;
   rt::Vector3 alpha_rad_s2;
 };
 
 /// Differential flatness (Mellinger and Kumar 2011). `force_m_s2` is the specific force to be made: wanted
-/// acceleration plus gravity minus what the air does. Longer than 0 and not along `heading` (cosine and sine of
-/// the yaw).
+/// acceleration plus gravity minus what the air does. Longer than 0 and not along `heading` (cosine and sine
+/// of the yaw).
 inline FlatBody flat_body(const rt::Vector3& force_m_s2, const FlatReference& r, const rt::SinCos& heading) {
   using rt::cross;
   using rt::dot;

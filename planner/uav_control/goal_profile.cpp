@@ -13,8 +13,8 @@ using rt::Vector3;
 constexpr double kFarthest_m = 1e4;
 
 std::uint32_t whole_periods(double time_s, double period_s) {
-  const double count = std::clamp(std::ceil(time_s / period_s - 1e-9), 1.0,
-                                  static_cast<double>(GoalProfile::kWindow - 1));
+  const double count =
+      std::clamp(std::ceil(time_s / period_s - 1e-9), 1.0, static_cast<double>(GoalProfile::kWindow - 1));
   return static_cast<std::uint32_t>(count);
 }
 
@@ -60,7 +60,8 @@ void GoalProfile::brake(const FlatReference& from) {
 
 Status GoalProfile::set_goal(const Vector3& p_m, double yaw_rad) {
   if (!rt::is_finite(p_m) || !std::isfinite(yaw_rad)) return Status::not_finite;
-  if (std::max({std::fabs(p_m.x), std::fabs(p_m.y), std::fabs(p_m.z)}) > kFarthest_m || std::fabs(yaw_rad) > 1e6)
+  if (std::max({std::fabs(p_m.x), std::fabs(p_m.y), std::fabs(p_m.z)}) > kFarthest_m ||
+      std::fabs(yaw_rad) > 1e6)
     return Status::out_of_range;
   goal_m_ = p_m;
   goal_yaw_rad_ = yaw_rad;
@@ -85,8 +86,8 @@ Vector3 GoalProfile::run_velocity() const {
 
 void GoalProfile::step_run() {
   const auto back = [this](std::uint32_t n) { return (head_ + kWindow - n) % kWindow; };
-  // The chain as it stands now, then its exact course over one period: each average's rate is the difference of
-  // its input over its window.
+  // The chain as it stands now, then its exact course over one period: each average's rate is the difference
+  // of its input over its window.
   const double per[3] = {1.0 / (dt_ * window_[0]), 1.0 / (dt_ * window_[1]), 1.0 / (dt_ * window_[2])};
   const Vector3 run = brake_left_ > 0 ? Vector3{} : run_velocity();
   still_ = rt::dot(run, run) > 0.0 ? 0 : std::min(still_ + 1, 3 * kWindow);
@@ -134,8 +135,8 @@ void GoalProfile::step_brake() {
   const double s3 = s2 * s;
   const Vector3& v0 = brake_from_.v_m_s;
   const Vector3 a0 = length * brake_from_.a_m_s2;
-  now_.p_m = brake_from_.p_m + length * ((s - s3 + 0.5 * s3 * s) * v0 +
-                                         (0.5 * s2 - (2.0 / 3.0) * s3 + 0.25 * s3 * s) * a0);
+  now_.p_m = brake_from_.p_m +
+             length * ((s - s3 + 0.5 * s3 * s) * v0 + (0.5 * s2 - (2.0 / 3.0) * s3 + 0.25 * s3 * s) * a0);
   now_.v_m_s = (1.0 - 3.0 * s2 + 2.0 * s3) * v0 + (s - 2.0 * s2 + s3) * a0;
   now_.a_m_s2 = (1.0 / length) * ((6.0 * s2 - 6.0 * s) * v0 + (1.0 - 4.0 * s + 3.0 * s2) * a0);
   now_.j_m_s3 = (1.0 / (length * length)) * ((12.0 * s - 6.0) * v0 + (6.0 * s - 4.0) * a0);
@@ -157,7 +158,8 @@ void GoalProfile::step_yaw() {
   const double left = rt::wrap_angle(goal_yaw_rad_ - now_.yaw_rad);
   const double most = limits_.turn_acceleration_rad_s2;
   const double brakes = std::sqrt(1.6 * most * std::fabs(left));
-  const double wish = std::copysign(std::min({limits_.turn_rad_s, brakes, std::fabs(left) / (4.0 * dt_)}), left);
+  const double wish =
+      std::copysign(std::min({limits_.turn_rad_s, brakes, std::fabs(left) / (4.0 * dt_)}), left);
   const double rate = std::clamp(wish, now_.yaw_rate_rad_s - most * dt_, now_.yaw_rate_rad_s + most * dt_);
   now_.yaw_acceleration_rad_s2 = (rate - now_.yaw_rate_rad_s) / dt_;
   now_.yaw_rad = rt::wrap_angle(now_.yaw_rad + 0.5 * dt_ * (rate + now_.yaw_rate_rad_s));

@@ -10,8 +10,8 @@
 
 namespace sortie::planner {
 
-/// Limits of the motion. Acceleration is speed over the first smoothing time, jerk acceleration over the second
-/// (twice that while an acceleration turns round), snap jerk over the third (up to four times).
+/// Limits of the motion. Acceleration is speed over the first smoothing time, jerk acceleration over the
+/// second (twice that while an acceleration turns round), snap jerk over the third (up to four times).
 struct ProfileLimits {
   double speed_m_s{2.0};
   double climb_m_s{1.5};
@@ -21,10 +21,10 @@ struct ProfileLimits {
   double turn_acceleration_rad_s2{4.0};
 };
 
-/// A straight run at the greatest allowed speed, smoothed by three moving averages in a row, in exact steps: the
-/// velocity is piecewise cubic and position, velocity, acceleration, jerk and snap belong together to rounding.
-/// A chain of averages neither overshoots nor can be upset by goals that jump about. A vehicle that is moving
-/// when it starts is first led to rest on a polynomial. 13 kB, no heap, fixed cost.
+/// A straight run at the greatest allowed speed, smoothed by three moving averages in a row, in exact steps:
+/// the velocity is piecewise cubic and position, velocity, acceleration, jerk and snap belong together to
+/// rounding. A chain of averages neither overshoots nor can be upset by goals that jump about. A vehicle that
+/// is moving when it starts is first led to rest on a polynomial. 13 kB, no heap, fixed cost.
 class GoalProfile {
  public:
   static constexpr std::uint32_t kWindow = 128;
@@ -63,13 +63,13 @@ class GoalProfile {
   ProfileLimits limits_;
   double dt_;
   std::uint32_t window_[3]{};
-  std::array<rt::Vector3, kWindow> run_{};     ///< speeds of the straight run, newest at head_
+  std::array<rt::Vector3, kWindow> run_{};  ///< speeds of the straight run, newest at head_
   std::array<Stage, kWindow> first_{};
   std::array<Stage, kWindow> second_{};
   Stage stage_[3]{};
   std::uint32_t head_{};
-  std::uint32_t still_{};   ///< steps without a run
-  rt::Vector3 run_m_;       ///< place of the straight run
+  std::uint32_t still_{};  ///< steps without a run
+  rt::Vector3 run_m_;      ///< place of the straight run
   rt::Vector3 goal_m_;
   double goal_yaw_rad_{};
   double speed_share_{1.0};

@@ -41,7 +41,8 @@ class RotorModel {
 
  private:
   void update_thrust() {
-    for (std::uint32_t i = 0; i < model_.rotors; ++i) thrust_n_[i] = model_.thrust_n_s2 * speed_[i] * speed_[i];
+    for (std::uint32_t i = 0; i < model_.rotors; ++i)
+      thrust_n_[i] = model_.thrust_n_s2 * speed_[i] * speed_[i];
   }
 
   UavModel model_;

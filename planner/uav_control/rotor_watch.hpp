@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compares how the vehicle turns with how its rotors should turn it: steady loads are told to the controller, a
-// lost rotor by its number.
+// Compares how the vehicle turns with how its rotors should turn it: steady loads are told to the controller,
+// a lost rotor by its number.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ namespace sortie::planner {
 
 /// When a rotor counts as lost.
 struct RotorWatchConfig {
-  double fast_s{0.025};        ///< low-pass of the difference
-  double slow_s{0.25};         ///< and of what the controller is told to make up for
-  double base_s{1.0};          ///< and of what was there before
-  double confirm_s{0.04};      ///< so long the difference must look like one lost rotor
-  double least_share{0.6};     ///< of the rotor's torque that is missing
-  double most_rest{0.5};       ///< of that torque, in any other direction
+  double fast_s{0.025};     ///< low-pass of the difference
+  double slow_s{0.25};      ///< and of what the controller is told to make up for
+  double base_s{1.0};       ///< and of what was there before
+  double confirm_s{0.08};   ///< so long the difference must look like one lost rotor
+  double least_share{0.6};  ///< of the rotor's torque that is missing
+  double most_rest{0.5};    ///< of that torque, in any other direction
 };
 
 /// Differences of angular acceleration, filtered. A lost rotor leaves its own torque about roll and pitch

@@ -3,6 +3,7 @@
 // designed with.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "planner/uav_control/double_double.hpp"
@@ -73,14 +74,15 @@ SmallMatrix<T, N, N> symmetrised(const SmallMatrix<T, N, N>& a) {
   return out;
 }
 
-/// Largest row sum of sizes.
+/// Largest row sum of sizes; NaN when any number is.
 template <class T, std::size_t R, std::size_t C>
 double row_norm(const SmallMatrix<T, R, C>& a) {
   double most = 0.0;
   for (std::size_t r = 0; r < R; ++r) {
     double sum = 0.0;
     for (std::size_t c = 0; c < C; ++c) sum += size_of(a(r, c));
-    if (!(sum <= most)) most = sum;  // also a NaN
+    if (std::isnan(sum)) return sum;
+    if (sum > most) most = sum;
   }
   return most;
 }

@@ -15,8 +15,8 @@ using Wide = DoubleDouble;
 // A chain of integrators whose last state follows the input with a lag: x_i' = couple_i x_{i+1}, and
 // x_last' = (u - x_last) / tau.
 template <std::size_t N>
-Status design_chain(const double (&couple)[N - 1], double tau_s, double period_s, const double (&deviation)[N],
-                    double input, double (&gain)[N], DareReport& report) {
+Status design_chain(const double (&couple)[N - 1], double tau_s, double period_s,
+                    const double (&deviation)[N], double input, double (&gain)[N], DareReport& report) {
   SmallMatrix<Wide, N, N> a;
   SmallMatrix<Wide, N, 1> b;
   for (std::size_t i = 0; i + 1 < N; ++i) a(i, i + 1) = Wide(couple[i]);
@@ -60,17 +60,18 @@ Status design_gains(const UavModel& model, double period_s, const StateWeights& 
   t.velocity_m_s /= share;
   t.input *= share;
   double tilt[6]{};
-  Status status = design_chain<6>({1.0, 1.0, model.gravity_m_s2, 1.0, 1.0}, tau_s, period_s,
-                                  {t.integral_m_s, t.position_m, t.velocity_m_s, t.angle_rad, t.rate_rad_s, 0.0},
-                                  t.input, tilt, gains.tilt_report);
+  Status status =
+      design_chain<6>({1.0, 1.0, model.gravity_m_s2, 1.0, 1.0}, tau_s, period_s,
+                      {t.integral_m_s, t.position_m, t.velocity_m_s, t.angle_rad, t.rate_rad_s, 0.0}, t.input,
+                      tilt, gains.tilt_report);
   if (status != Status::ok) return status;
   gains.tilt = {tilt[0], tilt[1], tilt[2], tilt[3], tilt[4], tilt[5]};
 
   const AxisDeviations& l = weights.lift;
   double lift[4]{};
-  status = design_chain<4>({1.0, 1.0, 1.0}, tau_s, period_s,
-                           {l.integral_m_s, l.position_m, l.velocity_m_s, 0.0}, l.input, lift,
-                           gains.lift_report);
+  status =
+      design_chain<4>({1.0, 1.0, 1.0}, tau_s, period_s, {l.integral_m_s, l.position_m, l.velocity_m_s, 0.0},
+                      l.input, lift, gains.lift_report);
   if (status != Status::ok) return status;
   gains.lift = {lift[0], lift[1], lift[2], lift[3]};
 

@@ -41,8 +41,8 @@ struct StateGains {
   DareReport turn_report;
 };
 
-/// Weights of the three chains. The defaults were found with late positions, lags and thrust that are off, raw
-/// steps and gusts together, not for one flight.
+/// Weights of the three chains. The defaults were found with late positions, lags and thrust that are off,
+/// raw steps and gusts together, not for one flight.
 struct StateWeights {
   AxisDeviations tilt{0.20, 0.10, 0.40, 0.35, 2.0, 20.0};
   AxisDeviations lift{0.20, 0.10, 0.30, 0.0, 0.0, 6.0};
@@ -53,13 +53,13 @@ struct StateWeights {
   double full_authority_rad_s2{40.0};
 };
 
-/// Angular acceleration about the weaker of roll and pitch while the rotors carry the weight and those of one side
-/// stand.
+/// Angular acceleration about the weaker of roll and pitch while the rotors carry the weight and those of one
+/// side stand.
 double authority_rad_s2(const UavModel& model);
 
 /// Designs all gains for steps of `period_s`: exact steps of the chains x' = v, v' = g theta, theta' = q,
-/// q' = alpha, alpha' = (u - alpha) / tau (and their shorter sisters), then the Riccati equation, all in twice
-/// the precision of a double. out_of_range when the settings cannot be met. Some ms; no heap.
+/// q' = alpha, alpha' = (u - alpha) / tau (and their shorter sisters), then the Riccati equation, all in
+/// twice the precision of a double. out_of_range when the settings cannot be met. Some ms; no heap.
 [[nodiscard]] Status design_gains(const UavModel& model, double period_s, const StateWeights& weights,
                                   StateGains& gains);
 

@@ -129,7 +129,8 @@ Status UavControl::admit(const rt::UavState& state) {
 void UavControl::watch_rotors(const Vector3& w) {
   const RotorWrench made = allocation_.wrench(rotors_.mean_n());
   const std::uint32_t lost = watch_.update(w, rotors_.mean_n(), made.torque_n_m);
-  if (lost == RotorWatch::kNone || !allocation_.lose(lost)) return;
+  // One rotor: what a vehicle without two does is too far from the model to tell them apart.
+  if (lost == RotorWatch::kNone || allocation_.lost_count() > 0 || !allocation_.lose(lost)) return;
   ++counters_.rotors_lost;
   watch_.forget();
   land();

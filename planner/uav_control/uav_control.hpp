@@ -20,46 +20,46 @@ struct UavControlConfig {
   StateWeights weights;
   ProfileLimits profile;
   RotorWatchConfig watch;
-  double max_tilt_rad{0.61};            ///< of the attitude that is asked for
-  double max_position_error_m{0.5};     ///< errors count no more; beyond, a goal's profile starts anew
+  double max_tilt_rad{0.61};         ///< of the attitude that is asked for
+  double max_position_error_m{0.5};  ///< errors count no more; beyond, a goal's profile starts anew
   double max_velocity_error_m_s{2.5};
-  double max_integral_m_s2{2.0};        ///< acceleration that the integral part may ask for, each axis
-  double max_reference_m_s{15.0};       ///< of a tracked reference
+  double max_integral_m_s2{2.0};   ///< acceleration that the integral part may ask for, each axis
+  double max_reference_m_s{15.0};  ///< of a tracked reference
   double max_reference_m_s2{12.0};
-  double sink_m_s{0.5};                 ///< of a landing
-  double track_timeout_s{0.1};          ///< a tracked reference that falls silent becomes a hover
-  double state_timeout_s{0.1};          ///< without a new state the rotors turn evenly
+  double sink_m_s{0.5};         ///< of a landing
+  double track_timeout_s{0.1};  ///< a tracked reference that falls silent becomes a hover
+  double state_timeout_s{0.1};  ///< without a new state the rotors turn evenly
 };
 
 /// What it is doing.
 enum class UavPhase : std::uint32_t {
-  idle,     ///< rotors stand
-  hold,     ///< flies to the goal and stays
-  track,    ///< follows a reference that comes in every period
-  land,     ///< sinks where it is
-  blind,    ///< sinks level: the position is lost
-  landed,   ///< rotors stand
+  idle,    ///< rotors stand
+  hold,    ///< flies to the goal and stays
+  track,   ///< follows a reference that comes in every period
+  land,    ///< sinks where it is
+  blind,   ///< sinks level: the position is lost
+  landed,  ///< rotors stand
 };
 
 /// What happened, since start.
 struct UavControlCounters {
   std::uint64_t steps{};
-  std::uint64_t states_refused{};      ///< not finite, or of an old stamp
+  std::uint64_t states_refused{};  ///< not finite, or of an old stamp
   std::uint64_t goals_refused{};
   std::uint64_t references_refused{};  ///< not finite, beyond the limits, or a jump
   std::uint64_t tilt_limited{};
   std::uint64_t thrust_limited{};
-  std::uint64_t replanned{};           ///< profiles that started anew far from their reference
+  std::uint64_t replanned{};  ///< profiles that started anew far from their reference
   std::uint64_t rotors_lost{};
-  SORTIE_FIELDS(steps, states_refused, goals_refused, references_refused, tilt_limited, thrust_limited, replanned,
-                rotors_lost)
+  SORTIE_FIELDS(steps, states_refused, goals_refused, references_refused, tilt_limited, thrust_limited,
+                replanned, rotors_lost)
 };
 
 /// Three decoupled optimal chains around the flat reference (horizontal: integral, position, velocity, tilt,
-/// rate, angular acceleration; vertical; heading), with the rotors' lag as a state that an own model predicts,
-/// and the state's disturbance fed into the reference. Goals are never seen raw: a profile leads to them. The
-/// horizontal chain is written as a tilt to be asked for, so that tilt can be limited and large errors stay
-/// geometric. 20 kB, no heap, fixed cost.
+/// rate, angular acceleration; vertical; heading), with the rotors' lag as a state that an own model
+/// predicts, and the state's disturbance fed into the reference. Goals are never seen raw: a profile leads to
+/// them. The horizontal chain is written as a tilt to be asked for, so that tilt can be limited and large
+/// errors stay geometric. 20 kB, no heap, fixed cost.
 class UavControl {
  public:
   /// Designs the gains: some ms. `status()` tells whether they could be; without them nothing flies.
@@ -77,8 +77,9 @@ class UavControl {
   /// Sinks where it is until it stands.
   void land();
 
-  /// One period. ok; not_finite, time_repeated or time_backwards: the state was refused and the command goes on
-  /// from the last one; out_of_range: not designed. The command is finite and within the rotors' range always.
+  /// One period. ok; not_finite, time_repeated or time_backwards: the state was refused and the command goes
+  /// on from the last one; out_of_range: not designed. The command is finite and within the rotors' range
+  /// always.
   Status update(const rt::UavState& state, rt::RotorCommand& command);
 
   /// Expected collective acceleration along the body's z over the period that the last command began, at its

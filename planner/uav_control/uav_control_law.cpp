@@ -30,7 +30,8 @@ UavControl::Wish UavControl::wish(const rt::UavState& state) {
   const UavModel& model = config_.model;
   const TiltGains& tilt = gains_.tilt;
   const LiftGains& lift = gains_.lift;
-  const Vector3 e_p = no_longer_than(rt::to_vector(state.p_world_m) - reference_.p_m, config_.max_position_error_m);
+  const Vector3 e_p =
+      no_longer_than(rt::to_vector(state.p_world_m) - reference_.p_m, config_.max_position_error_m);
   const Vector3 e_v =
       no_longer_than(rt::to_vector(state.v_world_m_s) - reference_.v_m_s, config_.max_velocity_error_m_s);
   const Vector3 d = no_longer_than(rt::to_vector(state.d_world_m_s2), 0.8 * model.gravity_m_s2);
@@ -117,14 +118,17 @@ RotorWrench UavControl::control(const rt::UavState& state) {
   const TiltGains& tilt = gains_.tilt;
   const TurnGains& turn = gains_.turn;
   const Vector3& alpha_ref = body.alpha_rad_s2;
-  const Vector3 command{
-      alpha_ref.x - tilt.angle * e_r.x - tilt.rate * e_w.x - tilt.acceleration * (alpha.x - alpha_ref.x) - load.x,
-      alpha_ref.y - tilt.angle * e_r.y - tilt.rate * e_w.y - tilt.acceleration * (alpha.y - alpha_ref.y) - load.y,
-      alpha_ref.z - turn.angle * e_r.z - turn.rate * e_w.z - turn.acceleration * (alpha.z - alpha_ref.z) - load.z};
+  const Vector3 command{alpha_ref.x - tilt.angle * e_r.x - tilt.rate * e_w.x -
+                            tilt.acceleration * (alpha.x - alpha_ref.x) - load.x,
+                        alpha_ref.y - tilt.angle * e_r.y - tilt.rate * e_w.y -
+                            tilt.acceleration * (alpha.y - alpha_ref.y) - load.y,
+                        alpha_ref.z - turn.angle * e_r.z - turn.rate * e_w.z -
+                            turn.acceleration * (alpha.z - alpha_ref.z) - load.z};
 
   const double feedforward = wanted.feedforward;
   const double lag = now.thrust_n / model.mass_kg - feedforward;
-  const double thrust = rt::dot(wanted.force, up) + tau_s_ * body.thrust_rate_m_s3 - gains_.lift.acceleration * lag;
+  const double thrust =
+      rt::dot(wanted.force, up) + tau_s_ * body.thrust_rate_m_s3 - gains_.lift.acceleration * lag;
   RotorWrench wrench;
   wrench.thrust_n = model.mass_kg * std::max(thrust, kLeastThrustShare * model.gravity_m_s2);
   wrench.torque_n_m = {inertia.x * command.x + gyro.x, inertia.y * command.y + gyro.y,

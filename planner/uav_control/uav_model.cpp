@@ -8,9 +8,10 @@
 namespace sortie::planner {
 
 Status check(const UavModel& model) {
-  const double values[] = {model.mass_kg,      model.inertia_kg_m2.x, model.inertia_kg_m2.y, model.inertia_kg_m2.z,
-                           model.thrust_n_s2,  model.moment_m,        model.tau_up_s,        model.tau_down_s,
-                           model.max_speed_rad_s, model.gravity_m_s2};
+  const double values[] = {model.mass_kg,         model.inertia_kg_m2.x, model.inertia_kg_m2.y,
+                           model.inertia_kg_m2.z, model.thrust_n_s2,     model.moment_m,
+                           model.tau_up_s,        model.tau_down_s,      model.max_speed_rad_s,
+                           model.gravity_m_s2};
   for (const double value : values) {
     if (!std::isfinite(value)) return Status::not_finite;
     if (!(value > 0.0)) return Status::out_of_range;

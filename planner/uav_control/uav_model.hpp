@@ -23,10 +23,10 @@ struct UavModel {
   rt::Vector3 inertia_kg_m2;
   std::uint32_t rotors{};
   UavRotor rotor[rt::kMaxRotors]{};
-  double thrust_n_s2{};      ///< k_f
-  double moment_m{};         ///< k_m
-  double tau_up_s{};         ///< lag of a rotor that speeds up
-  double tau_down_s{};       ///< and of one that slows down
+  double thrust_n_s2{};  ///< k_f
+  double moment_m{};     ///< k_m
+  double tau_up_s{};     ///< lag of a rotor that speeds up
+  double tau_down_s{};   ///< and of one that slows down
   double max_speed_rad_s{};
   double gravity_m_s2{9.81};
 

@@ -41,8 +41,8 @@ planner::UavModel believed_model(const std::string& vehicle) {
   }
   planner::UavModel model = model_of(vehicle == "neo9" ? hil::neo9_plant() : hil::neo11_plant());
   model.mass_kg = vehicle == "neo9" ? 2.70703 : 3.42;
-  model.inertia_kg_m2 = vehicle == "neo9" ? rt::Vector3{0.0341171, 0.0363089, 0.0627386}
-                                          : rt::Vector3{0.0608, 0.0688, 0.1489};
+  model.inertia_kg_m2 =
+      vehicle == "neo9" ? rt::Vector3{0.0341171, 0.0363089, 0.0627386} : rt::Vector3{0.0608, 0.0688, 0.1489};
   planner::place_rotors(model, 6, vehicle == "neo9" ? 0.2495 : 0.2895, kThirtyDegrees);
   return model;
 }
@@ -85,7 +85,8 @@ class CommandLine {
   std::deque<Late> late_;
 };
 
-void judge(const FlightSetup& setup, const FlightSample& sample, double& square, long& count, FlightResult& result) {
+void judge(const FlightSetup& setup, const FlightSample& sample, double& square, long& count,
+           FlightResult& result) {
   result.max_tilt_rad = std::max(result.max_tilt_rad, sample.tilt_rad);
   result.last_error_m = sample.error_m;
   if (!std::isfinite(sample.error_m)) result.finite = false;
@@ -119,7 +120,8 @@ FlightResult fly(const FlightSetup& setup) {
   bool started = false;
   for (long k = 0; k < periods; ++k) {
     const double now_s = static_cast<double>(k) * period_s;
-    if (setup.lose_rotor_at_s >= 0.0 && now_s >= setup.lose_rotor_at_s - 1e-9) plant.fail_rotor(setup.lose_rotor);
+    if (setup.lose_rotor_at_s >= 0.0 && now_s >= setup.lose_rotor_at_s - 1e-9)
+      plant.fail_rotor(setup.lose_rotor);
     if (setup.thrust_share != 1.0 && k == 1) plant.set_thrust_share(setup.thrust_share);
     const double expected = started && ours ? control->mean_thrust_m_s2() : setup.control.model.gravity_m_s2;
     const rt::UavState state = senses->state(plant, now_s, expected);

@@ -39,21 +39,22 @@ struct FlightSetup {
   hil::Vec3 wind_m_s;
   double thrust_share{1.0};
   StateNoise noise;
-  double position_delay_s{};   ///< of the true state's position alone
+  double position_delay_s{};  ///< of the true state's position alone
   double command_delay_s{};
   double lose_rotor_at_s{-1.0};
   std::uint32_t lose_rotor{};
-  bool estimated{};            ///< by estimators/uav_state from IMU and late fixes
+  bool estimated{};  ///< by estimators/uav_state from IMU and late fixes
   hil::PoseSourceConfig fixes;
-  double dark_from_s{-1.0};    ///< no fixes from here
-  double dark_to_s{-1.0};      ///< to here
+  double dark_from_s{-1.0};                  ///< no fixes from here
+  double dark_to_s{-1.0};                    ///< to here
   estimators::UavEstimatorConfig estimator;  ///< its observer serves the true state, too
   bool observer{true};
   std::uint64_t seed{1};
-  bool raw_goals{};            ///< Lee gets raw goals, ours gets them through its profile
-  std::function<planner::FlatReference(double)> path;  ///< tracked
+  bool raw_goals{};  ///< Lee gets raw goals, ours gets them through its profile
+  std::function<planner::FlatReference(double)> path;         ///< tracked
   std::function<void(double, planner::UavControl&)> command;  ///< or told to ours each period
-  std::function<planner::FlatReference(double)> judged;  ///< errors are against this; empty: against what was flown
+  std::function<planner::FlatReference(double)>
+      judged;  ///< errors are against this; empty: against what was flown
   double judge_from_s{};
 };
 

@@ -22,7 +22,8 @@ rt::Nanoseconds to_ns(double time_s) { return static_cast<rt::Nanoseconds>(std::
 struct FlightSenses::Estimated {
   explicit Estimated(const FlightSetup& setup)
       : imu(flight_imu(), setup.seed), fixes(setup.fixes, setup.seed), estimator(setup.estimator) {
-    if (setup.dark_from_s >= 0.0) fixes.black_out(to_ns(kStand_s + setup.dark_from_s), to_ns(kStand_s + setup.dark_to_s));
+    if (setup.dark_from_s >= 0.0)
+      fixes.black_out(to_ns(kStand_s + setup.dark_from_s), to_ns(kStand_s + setup.dark_to_s));
   }
   void read(const hil::InertialTruth& truth, rt::Nanoseconds now_ns, double expected_m_s2) {
     rt::ImuSample sample;

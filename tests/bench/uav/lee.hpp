@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The peer: the geometric controller of Lee, Leok and McClamroch (2010) as RotorS flies its hexacopters, written
-// anew from its description, and the same with an integrator.
+// The peer: the geometric controller of Lee, Leok and McClamroch (2010) as RotorS flies its hexacopters,
+// written anew from its description, and the same with an integrator.
 #pragma once
 
 #include <Eigen/Core>

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTurn_rad_s = 1.64;  // greatest rate of the heading: 1.5 rad take two seconds
 
-constexpr double kReserve = 1.1;      // legs take longer than they would at the very limits
+constexpr double kReserve = 1.1;  // legs take longer than they would at the very limits
 
 }  // namespace
 
@@ -19,9 +19,10 @@ LegPath::LegPath(std::vector<Corner> corners, double speed_m_s, double accelerat
   for (std::size_t i = 0; i + 1 < corners_.size(); ++i) {
     const double way_m = rt::norm(corners_[i + 1].p_m - corners_[i].p_m);
     // Of s(x) = 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7 the greatest slope is 35/16, the greatest curvature 7.5132.
-    const double turn_s = 35.0 / 16.0 * std::fabs(corners_[i + 1].yaw_rad - corners_[i].yaw_rad) / kTurn_rad_s;
-    const double leg_s =
-        kReserve * std::max({35.0 / 16.0 * way_m / speed_m_s, std::sqrt(7.5132 * way_m / acceleration_m_s2), turn_s, 1e-3});
+    const double turn_s =
+        35.0 / 16.0 * std::fabs(corners_[i + 1].yaw_rad - corners_[i].yaw_rad) / kTurn_rad_s;
+    const double leg_s = kReserve * std::max({35.0 / 16.0 * way_m / speed_m_s,
+                                              std::sqrt(7.5132 * way_m / acceleration_m_s2), turn_s, 1e-3});
     start_s_.push_back(time_s);
     leg_s_.push_back(leg_s);
     time_s += leg_s + wait_s;

@@ -30,8 +30,8 @@ class LegPath {
   double end_s_{};
 };
 
-/// A turn by 1.5 rad in place, then a rectangle of 3 x 2 m, flown round once with that heading; ten seconds of it
-/// are spent in place.
+/// A turn by 1.5 rad in place, then a rectangle of 3 x 2 m, flown round once with that heading; ten seconds
+/// of it are spent in place.
 LegPath rectangle(double speed_m_s, double acceleration_m_s2);
 
 }  // namespace sortie::bench
