@@ -18,6 +18,13 @@ std::uint32_t whole_periods(double time_s, double period_s) {
   return static_cast<std::uint32_t>(count);
 }
 
+// The greatest s in 0..1 with |s w - o| <= most, from the squares of w and o and their product; |o| <= most.
+double most_share(double ww, double wo, double oo, double most) {
+  if (!(ww > 1e-18)) return 1.0;
+  const double square = std::max(0.0, wo * wo - ww * (oo - most * most));
+  return std::clamp((wo + std::sqrt(square)) / ww, 0.0, 1.0);
+}
+
 }  // namespace
 
 GoalProfile::GoalProfile(const ProfileLimits& limits, double period_s) : limits_(limits), dt_(period_s) {
@@ -81,7 +88,15 @@ Vector3 GoalProfile::run_velocity() const {
   const double speed = std::max(1e-3, speed_share_ * limits_.speed_m_s);
   const double climb = std::max(1e-3, speed_share_ * limits_.climb_m_s);
   const double time_s = std::max({across / speed, std::fabs(way.z) / climb, dt_});
-  return (1.0 / time_s) * way;
+  const Vector3 wish = (1.0 / time_s) * way;
+  // The first average makes an acceleration of what changes over its window: a run that turns round waits
+  // until the old one is out of it. Along the wish, so that the goal is never passed.
+  const Vector3& old = run_[(head_ + kWindow + 1 - window_[0]) % kWindow];
+  const double share =
+      std::min(most_share(wish.x * wish.x + wish.y * wish.y, wish.x * old.x + wish.y * old.y,
+                          old.x * old.x + old.y * old.y, limits_.speed_m_s),
+               most_share(wish.z * wish.z, wish.z * old.z, old.z * old.z, limits_.climb_m_s));
+  return share * wish;
 }
 
 void GoalProfile::step_run() {

@@ -40,7 +40,8 @@ UavControl::UavControl(const UavControlConfig& config)
       rotors_(usable(config.model), usable_period(config.period_s)),
       watch_(usable(config.model), config.watch, usable_period(config.period_s)),
       profile_(config.profile, usable_period(config.period_s)),
-      tau_s_(0.5 * (config.model.tau_up_s + config.model.tau_down_s)) {
+      tau_s_(0.5 * (config.model.tau_up_s + config.model.tau_down_s)),
+      tilt_slope_(rt::tan(std::min(config.max_tilt_rad, 1.2))) {
   status_ = design_gains(config.model, config.period_s, config.weights, gains_);
   last_.rotors = std::min(config.model.rotors, rt::kMaxRotors);
 }
@@ -85,6 +86,19 @@ Status UavControl::set_goal(const Vector3& p_m, double yaw_rad) {
   return Status::ok;
 }
 
+bool UavControl::continues(const FlatReference& next) const {
+  // A reference goes on from the one before; what jumps is a goal, not a path. Twice what the limits allow in
+  // a period, and a little for one that begins.
+  const double h = 2.0 * config_.period_s;
+  const auto within = [](const Vector3& v, double most) { return rt::dot(v, v) <= most * most; };
+  return within(next.v_m_s, config_.max_reference_m_s) && within(next.a_m_s2, config_.max_reference_m_s2) &&
+         within(next.j_m_s3, config_.max_reference_m_s3) &&
+         within(next.s_m_s4, 20.0 * config_.max_reference_m_s3) &&
+         within(next.p_m - reference_.p_m, 0.1 + h * config_.max_reference_m_s) &&
+         within(next.v_m_s - reference_.v_m_s, 0.1 + h * config_.max_reference_m_s2) &&
+         within(next.a_m_s2 - reference_.a_m_s2, 0.1 + h * config_.max_reference_m_s3);
+}
+
 Status UavControl::track(const FlatReference& next) {
   const auto refused = [this](Status why) {
     ++counters_.references_refused;
@@ -92,11 +106,7 @@ Status UavControl::track(const FlatReference& next) {
   };
   if (phase_ == UavPhase::idle || allocation_.lost_count() > 0) return Status::not_supported;
   if (!is_finite(next)) return refused(Status::not_finite);
-  if (rt::norm(next.v_m_s) > config_.max_reference_m_s || rt::norm(next.a_m_s2) > config_.max_reference_m_s2)
-    return refused(Status::out_of_range);
-  // A reference begins near the one before and goes on from it; what jumps is a goal, not a path.
-  const double most = 0.1 + 2.0 * config_.period_s * config_.max_reference_m_s;
-  if (rt::norm(next.p_m - reference_.p_m) > most) return refused(Status::out_of_range);
+  if (!continues(next)) return refused(Status::out_of_range);
   phase_ = UavPhase::track;
   reference_ = next;
   fresh_track_ = true;
@@ -136,7 +146,8 @@ void UavControl::watch_rotors(const Vector3& w) {
   land();
 }
 
-void UavControl::step_reference(const Vector3& p, const Vector3& v, double yaw) {
+void UavControl::step_reference(const rt::UavState& state) {
+  const Vector3 p = rt::to_vector(state.p_world_m);
   if (phase_ == UavPhase::track) {
     if (fresh_track_) {
       fresh_track_ = false;
@@ -151,18 +162,18 @@ void UavControl::step_reference(const Vector3& p, const Vector3& v, double yaw) 
     }
     hover();
   }
-  FlatReference here = profile_.now();
-  here.p_m = p;
-  here.v_m_s = v;
-  here.a_m_s2 = here.j_m_s3 = {};
   if (phase_ == UavPhase::blind) {
-    profile_.rest(p, yaw);
+    profile_.rest(p, rt::yaw_of(rt::to_quaternion(state.q_world_body)));
     reference_ = profile_.now();
     reference_.v_m_s.z = -config_.sink_m_s;
     return;
   }
   if (phase_ == UavPhase::hold && rt::norm(p - profile_.now().p_m) > config_.max_position_error_m) {
     ++counters_.replanned;
+    FlatReference here = profile_.now();
+    here.p_m = p;
+    here.v_m_s = rt::to_vector(state.v_world_m_s);
+    here.a_m_s2 = here.j_m_s3 = {};
     profile_.brake(here);
   }
   if (phase_ == UavPhase::land) {
@@ -209,7 +220,7 @@ Status UavControl::update(const rt::UavState& state, rt::RotorCommand& command) 
     phase_ = UavPhase::land;
   }
   watch_rotors(rt::to_vector(state.w_body_rad_s));
-  step_reference(p, v, rt::yaw_of(rt::to_quaternion(state.q_world_body)));
+  step_reference(state);
   if (stands(p, v)) {
     phase_ = UavPhase::landed;
     return Status::ok;

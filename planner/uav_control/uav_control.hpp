@@ -26,9 +26,10 @@ struct UavControlConfig {
   double max_integral_m_s2{2.0};   ///< acceleration that the integral part may ask for, each axis
   double max_reference_m_s{15.0};  ///< of a tracked reference
   double max_reference_m_s2{12.0};
-  double sink_m_s{0.5};         ///< of a landing
-  double track_timeout_s{0.1};  ///< a tracked reference that falls silent becomes a hover
-  double state_timeout_s{0.1};  ///< without a new state the rotors turn evenly
+  double max_reference_m_s3{150.0};  ///< also what tells a jump of its acceleration from a path
+  double sink_m_s{0.5};              ///< of a landing
+  double track_timeout_s{0.1};       ///< a tracked reference that falls silent becomes a hover
+  double state_timeout_s{0.1};       ///< without a new state the rotors turn evenly
 };
 
 /// What it is doing.
@@ -96,7 +97,8 @@ class UavControl {
   struct Wish;
   Status admit(const rt::UavState& state);
   void watch_rotors(const rt::Vector3& w);
-  void step_reference(const rt::Vector3& p, const rt::Vector3& v, double yaw);
+  void step_reference(const rt::UavState& state);
+  bool continues(const FlatReference& next) const;
   bool stands(const rt::Vector3& p, const rt::Vector3& v);
   void begin_hold();
   RotorWrench control(const rt::UavState& state);
@@ -116,6 +118,7 @@ class UavControl {
   FlatReference reference_;
   rt::Vector3 integral_;
   double tau_s_;
+  double tilt_slope_;
   double mean_thrust_m_s2_{};
   bool thrust_limited_{};
   bool fresh_track_{};

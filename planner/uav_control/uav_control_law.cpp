@@ -49,10 +49,9 @@ UavControl::Wish UavControl::wish(const rt::UavState& state) {
   const double upright = std::clamp(wish.force.z, kLeastThrustShare * model.gravity_m_s2, most);
   wish.limited = upright != wish.force.z;
   wish.force.z = upright;
-  const rt::SinCos edge = rt::sincos(config_.max_tilt_rad);
   const double across = std::sqrt(wish.force.x * wish.force.x + wish.force.y * wish.force.y);
   const double allowed =
-      std::min(upright * edge.sin / edge.cos, std::sqrt(std::max(0.0, most * most - upright * upright)));
+      std::min(upright * tilt_slope_, std::sqrt(std::max(0.0, most * most - upright * upright)));
   if (across > allowed) {
     wish.force.x *= allowed / across;
     wish.force.y *= allowed / across;

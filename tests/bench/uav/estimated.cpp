@@ -11,19 +11,7 @@
 namespace sortie::bench {
 namespace {
 
-constexpr int kCountedSteps = 2000;
-
-// States along a flight, for both pilots.
-rt::UavState counted_state(int k, const planner::FlatReference& at) {
-  rt::UavState state;
-  state.stamp_ns = 1 + k * rt::Nanoseconds{10'000'000};
-  rt::store(at.p_m + rt::Vector3{0.01, -0.02, 0.01}, state.p_world_m);
-  rt::store(at.v_m_s, state.v_world_m_s);
-  rt::store(rt::exp_rotation({0.02 * rt::sin(0.1 * k), 0.03, 0.01}), state.q_world_body);
-  state.w_body_rad_s[0] = 0.02 * rt::cos(0.1 * k);
-  state.verdict = rt::UavVerdict::good;
-  return state;
-}
+constexpr int kCountedSteps = 3000;
 
 }  // namespace
 
@@ -109,44 +97,43 @@ void measure_uav_sweep(const UavSettings& settings, Report& report) {
 }
 
 int run_counted_pilots() {
-  const FlightSetup setup = usual_flight("neo11", Pilot::ours, 1.0, 0.0, false, 1);
+  // Both get the states of one flight of ours, with noise and the gust.
+  const FlightSetup setup = usual_flight("neo11", Pilot::ours, 1.1, 5.0, true, 1);
+  const FlightResult flown = fly(setup);
+  if (flown.record.size() < kCountedSteps) return 1;
   planner::UavControl ours(setup.control);
   LeeController lee(setup.control.model, lee_gains("neo11"), 0.01);
-  if (ours.start(counted_state(0, setup.path(0.0))) != Status::ok) return 1;
+  if (ours.start(flown.record[0].state) != Status::ok) return 1;
+  std::vector<planner::FlatReference> wanted;
+  for (const FlightSample& sample : flown.record) wanted.push_back(setup.path(sample.time_s));
   firmware::start_counting();
   for (int pilot = 0; pilot < 2; ++pilot) {
     firmware::mark_count();
-    for (int k = 1; k <= kCountedSteps; ++k) {
-      const planner::FlatReference at = setup.path(0.01 * k);
-      const rt::UavState state = counted_state(k, at);
+    for (std::size_t k = 0; k < kCountedSteps; ++k) {
       rt::RotorCommand command;
       if (pilot == 0) {
-        (void)ours.track(at);
-        (void)ours.update(state, command);
+        (void)ours.track(wanted[k]);
+        (void)ours.update(flown.record[k].state, command);
       } else {
-        lee.update(state, at, command);
+        lee.update(flown.record[k].state, wanted[k], command);
       }
     }
     firmware::mark_count();
   }
-  firmware::mark_count();
-  for (int k = 1; k <= kCountedSteps; ++k) (void)counted_state(k, setup.path(0.01 * k));
-  firmware::mark_count();
   return 0;
 }
 
 void measure_uav_count(const UavSettings& settings, Report& report) {
   const Marks counted = count_instructions({settings.program, "--counted-pilots"});
-  if (!counted.why_none.empty() || counted.instructions.size() != 6) {
+  if (!counted.why_none.empty() || counted.instructions.size() != 4) {
     report.skip("instructions of a step", counted.why_none.empty() ? "marks are missing" : counted.why_none);
     return;
   }
   const auto per_step = [&](std::size_t at) {
     return static_cast<double>(counted.instructions[at + 1] - counted.instructions[at]) / kCountedSteps;
   };
-  const double rest = per_step(4);
-  const double ours = per_step(0) - rest;
-  const double theirs = per_step(2) - rest;
+  const double ours = per_step(0);
+  const double theirs = per_step(2);
   Figure figure{"instructions",
                 "of a control step",
                 "",
