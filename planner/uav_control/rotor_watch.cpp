@@ -2,6 +2,7 @@
 // Compares how the vehicle turns with how its rotors should turn it.
 #include "planner/uav_control/rotor_watch.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sortie::planner {
@@ -19,7 +20,16 @@ RotorWatch::RotorWatch(const UavModel& model, const RotorWatchConfig& config, do
       dt_(period_s),
       keep_fast_(rt::exp(-period_s / config.fast_s)),
       keep_slow_(rt::exp(-period_s / config.slow_s)),
-      keep_base_(rt::exp(-period_s / config.base_s)) {}
+      keep_base_(rt::exp(-period_s / config.base_s)),
+      least_n_(0.25 * model.mass_kg * model.gravity_m_s2 / static_cast<double>(model.rotors)) {
+  double arm2 = 1e300;
+  for (std::uint32_t i = 0; i < model.rotors; ++i) {
+    const Vector3& at = model.rotor[i].place_m;
+    arm2 = std::min(arm2, at.x * at.x + at.y * at.y);
+  }
+  const double least = config.least_share * least_n_;
+  least_torque2_ = 0.999 * least * least * arm2;
+}
 
 void RotorWatch::reset() {
   started_ = false;
@@ -49,16 +59,21 @@ std::uint32_t RotorWatch::update(const Vector3& w, const double* mean_n, const V
   const double pitch = inertia.y * (fast_.y - base_.y);
   const double size2 = roll * roll + pitch * pitch;
 
+  for (std::uint32_t i = 0; i < model_.rotors; ++i)
+    fast_n_[i] = mean_n[i] + keep_fast_ * (fast_n_[i] - mean_n[i]);
+  if (size2 < least_torque2_) {  // as a rule: no rotor is missing
+    held_s_ = 0.0;
+    suspect_ = kNone;
+    return kNone;
+  }
   std::uint32_t best = kNone;
   double best_rest = config_.most_rest * config_.most_rest;
-  const double least_n = 0.25 * model_.mass_kg * model_.gravity_m_s2 / static_cast<double>(model_.rotors);
   for (std::uint32_t i = 0; i < model_.rotors; ++i) {
-    fast_n_[i] = mean_n[i] + keep_fast_ * (fast_n_[i] - mean_n[i]);
     const double gone_roll = -model_.rotor[i].place_m.y * fast_n_[i];
     const double gone_pitch = model_.rotor[i].place_m.x * fast_n_[i];
     const double gone2 = gone_roll * gone_roll + gone_pitch * gone_pitch;
     const double share = roll * gone_roll + pitch * gone_pitch;
-    if (fast_n_[i] < least_n || share < config_.least_share * gone2) continue;
+    if (fast_n_[i] < least_n_ || share < config_.least_share * gone2) continue;
     const double rest = (size2 - 2.0 * share + gone2) / gone2;
     if (rest < best_rest) {
       best_rest = rest;

@@ -44,6 +44,8 @@ class RotorWatch {
   double keep_fast_;
   double keep_slow_;
   double keep_base_;
+  double least_n_;        ///< thrust below which a rotor's loss cannot be told
+  double least_torque2_;  ///< square of the least torque that any loss can leave
   bool started_{};
   rt::Vector3 last_w_;
   rt::Vector3 fast_;

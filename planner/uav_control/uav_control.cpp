@@ -59,6 +59,7 @@ Status UavControl::start(const rt::UavState& state) {
     profile_.stop();
   }
   rotors_.reset(1.0);
+  made_ = made_last_ = allocation_.wrench(rotors_.thrust_n());
   watch_.reset();
   integral_ = {};
   mean_thrust_m_s2_ = config_.model.gravity_m_s2;
@@ -137,11 +138,12 @@ Status UavControl::admit(const rt::UavState& state) {
 }
 
 void UavControl::watch_rotors(const Vector3& w) {
-  const RotorWrench made = allocation_.wrench(rotors_.mean_n());
-  const std::uint32_t lost = watch_.update(w, rotors_.mean_n(), made.torque_n_m);
+  const Vector3 mean = 0.5 * (made_.torque_n_m + made_last_.torque_n_m);
+  const std::uint32_t lost = watch_.update(w, rotors_.mean_n(), mean);
   // One rotor: what a vehicle without two does is too far from the model to tell them apart.
   if (lost == RotorWatch::kNone || allocation_.lost_count() > 0 || !allocation_.lose(lost)) return;
   ++counters_.rotors_lost;
+  made_ = made_last_ = allocation_.wrench(rotors_.thrust_n());
   watch_.forget();
   land();
 }
@@ -234,14 +236,14 @@ Status UavControl::update(const rt::UavState& state, rt::RotorCommand& command) 
 
 void UavControl::emit(const RotorThrusts& thrusts, rt::RotorCommand& command) {
   const UavModel& model = config_.model;
-  double sum = 0.0;
   for (std::uint32_t i = 0; i < model.rotors; ++i) {
     const double force = std::clamp(thrusts.force_n[i], 0.0, model.max_thrust_n());
     command.speed_rad_s[i] = std::min(std::sqrt(force / model.thrust_n_s2), model.max_speed_rad_s);
   }
   rotors_.step(command.speed_rad_s);
-  for (std::uint32_t i = 0; i < model.rotors; ++i) sum += allocation_.lost(i) ? 0.0 : rotors_.mean_n()[i];
-  mean_thrust_m_s2_ = sum / model.mass_kg;
+  made_last_ = made_;
+  made_ = allocation_.wrench(rotors_.thrust_n());
+  mean_thrust_m_s2_ = 0.5 * (made_.thrust_n + made_last_.thrust_n) / model.mass_kg;
   last_ = command;
 }
 

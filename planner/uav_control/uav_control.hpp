@@ -128,6 +128,8 @@ class UavControl {
   rt::Nanoseconds stamp_ns_{};
   bool have_stamp_{};
   rt::RotorCommand last_;
+  RotorWrench made_;       ///< by the rotors as they turn now
+  RotorWrench made_last_;  ///< a period ago
   UavControlCounters counters_;
 };
 

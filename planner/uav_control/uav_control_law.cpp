@@ -107,7 +107,7 @@ RotorWrench UavControl::control(const rt::UavState& state) {
   const Vector3 e_w = w - rt::rotate_back(error, body.w_rad_s);
 
   // What the rotors make now.
-  const RotorWrench now = allocation_.wrench(rotors_.thrust_n());
+  const RotorWrench& now = made_;
   const Vector3 spin{inertia.x * w.x, inertia.y * w.y, inertia.z * w.z};
   const Vector3 gyro = rt::cross(w, spin);
   const Vector3& load = watch_.load_rad_s2();
