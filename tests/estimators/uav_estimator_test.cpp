@@ -197,7 +197,7 @@ TEST_CASE("Without fixes it reckons on: the covariance grows, the verdict falls,
   CHECK(position_error(estimator) < 0.06);
 }
 
-TEST_CASE("A fix far off is gated; fixes that agree for long enough are given in to") {
+TEST_CASE("A fix far off is gated, and fixes that agree for long enough are given in to") {
   UavEstimator estimator(matched_config());
   SimulatedFlight flight(4);
   fly_estimator(estimator, flight, 6.0, 0);

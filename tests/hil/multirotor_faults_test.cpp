@@ -52,7 +52,7 @@ TEST_CASE("Commands that are no speeds are held within the rotor's range and cou
   CHECK(plant.step(0.2) == Status::out_of_range);
 }
 
-TEST_CASE("A battery sags under load and lets rotors turn slower; a gust acts as long as it should") {
+TEST_CASE("A battery sags under load and lets rotors turn slower, and a gust acts as long as it should") {
   MultirotorConfig config = hil::neo11_plant();
   config.battery.capacity_as = 200;
   MultirotorPlant plant(config, {0, 0, 100}, 0.0);
