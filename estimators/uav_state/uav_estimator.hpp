@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a UAV is and how it moves, from an inertial sensor and late fixes of position and heading.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "estimators/uav_state/disturbance_observer.hpp"
+#include "estimators/uav_state/inertial_step.hpp"
+#include "rt/archive.hpp"
+#include "rt/samples.hpp"
+#include "rt/status.hpp"
+#include "rt/uav_samples.hpp"
+
+namespace sortie::estimators {
+
+/// Settings of the estimator.
+struct UavEstimatorConfig {
+  InertialNoise noise;
+  double gravity_m_s2{9.81};
+  double fix_sigma_m{0.012};  ///< of a fix, each axis
+  double fix_yaw_sigma_rad{0.012};
+  double start_velocity_sigma_m_s{0.05};
+  double start_tilt_sigma_rad{0.008};
+  double start_gyr_bias_sigma_rad_s{0.004};
+  double start_acc_bias_sigma_m_s2{0.04};
+  double level_s{0.25};  ///< at rest at the start, for levelling and the gyro's bias
+  double gate{25.0};     ///< squared Mahalanobis distance of a fix that is still believed
+  double yaw_gate{16.0};
+  double dead_after_s{0.3};         ///< without a fix: dead reckoning
+  double lost_after_s{3.0};         ///< and lost
+  double lost_sigma_m{0.5};         ///< also lost: standard deviation of the position, worst axis
+  std::uint32_t relocate_after{8};  ///< refused fixes in a row that agree with each other
+  double relocate_spread_m{0.3};    ///< so near are they, from one to the next
+  double max_gap_s{0.05};           ///< longest interval of the inertial sensor that is integrated as it is
+  double max_rate_rad_s{40.0};      ///< a larger reading is no reading
+  double max_acc_m_s2{400.0};
+  DisturbanceConfig disturbance;
+};
+
+/// What happened to the samples, since start.
+struct UavEstimatorCounters {
+  std::uint64_t imu_used{};
+  std::uint64_t imu_refused{};
+  std::uint64_t imu_gaps{};
+  std::uint64_t fixes_used{};
+  std::uint64_t fixes_refused{};  ///< not finite, or of a time that is gone or not yet there
+  std::uint64_t fixes_gated{};    ///< too far from what is believed
+  std::uint64_t yaws_gated{};
+  std::uint64_t relocated{};  ///< gave in to fixes that agreed
+  SORTIE_FIELDS(imu_used, imu_refused, imu_gaps, fixes_used, fixes_refused, fixes_gated, yaws_gated,
+                relocated)
+};
+
+/// Error-state Kalman filter of 15 states. Two copies of it run: one stands at the stamp of the newest fix,
+/// the other goes ahead with each reading. A late fix moves the first on to its stamp over the readings kept
+/// since, corrects it there, and the second starts from it anew: what comes out is exactly what a filter
+/// would say that had had the fix in time. Readings are kept for kHistory intervals; older fixes are refused,
+/// so is one that is older than another that was used. 15 kB, no heap. A reading costs about 1.5 us, a fix at
+/// most 2 kHistory readings.
+class UavEstimator {
+ public:
+  static constexpr std::uint32_t kHistory = 128;
+
+  explicit UavEstimator(const UavEstimatorConfig& config);
+
+  /// One reading (body frame), with the collective acceleration along the body's z that the rotors are
+  /// expected to make in its interval. ok; not_finite, out_of_range, time_repeated or time_backwards: nothing
+  /// changes but a counter.
+  Status imu(const rt::ImuSample& sample, double thrust_m_s2);
+  /// One fix, whenever it arrives. ok; not_finite; stale (older than what is kept or used); out_of_range
+  /// (ahead of the readings, or gated); empty (not levelled yet).
+  Status fix(const rt::UavFix& fix);
+
+  /// After the newest reading.
+  const rt::UavState& state() const { return state_; }
+  const InertialState& now() const { return now_; }
+  const ErrorCovariance& covariance() const { return now_p_; }
+  const UavEstimatorCounters& counters() const { return counters_; }
+
+  /// State to bytes and back, into an estimator of the same configuration.
+  void archive(rt::Archive& archive);
+
+ private:
+  Status check(const rt::ImuSample& sample) const;
+  void level(const InertialReading& reading);
+  void advance_base();
+  void restart_now();
+  void begin(const rt::UavFix& fix);
+  Status correct(const rt::UavFix& fix, double ahead_s);
+  void scalar(const double (&h)[kErrorStates], double innovation, double variance,
+              double (&dx)[kErrorStates]);
+  void inject(const double (&dx)[kErrorStates]);
+  bool relocates(const rt::UavFix& fix);
+  void judge();
+  void publish(const rt::Vector3& w);
+
+  UavEstimatorConfig config_;
+  DisturbanceObserver observer_;
+  InertialState base_;
+  InertialState now_;
+  ErrorCovariance base_p_;
+  ErrorCovariance now_p_;
+  std::array<InertialReading, kHistory> readings_{};  ///< from base to now
+  std::array<rt::Nanoseconds, kHistory> stamps_{};    ///< of their ends
+  std::uint32_t first_{};
+  std::uint32_t count_{};
+  rt::Nanoseconds base_ns_{};
+  rt::Nanoseconds now_ns_{};
+  rt::Nanoseconds last_fix_ns_{};
+  bool have_imu_{};
+  bool levelled_{};
+  bool located_{};
+  double level_time_s_{};
+  rt::Vector3 level_acc_;
+  rt::Vector3 level_gyr_;
+  std::uint32_t refused_in_row_{};
+  rt::Vector3 refused_at_m_;
+  UavEstimatorCounters counters_;
+  rt::UavState state_;
+};
+
+}  // namespace sortie::estimators

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The plain values that cross rooms in flight. Frames and units as in rt/samples.hpp: world z up, body x
+// forward, y left, z up.
+#pragma once
+
+#include <cstdint>
+
+#include "rt/describe.hpp"
+#include "rt/time.hpp"
+
+namespace sortie::rt {
+
+inline constexpr std::uint32_t kMaxRotors = 8;
+
+/// Bits of UavFix::flags.
+enum UavFixFlags : std::uint32_t {
+  kFixPosition = 1u,  ///< p_world_m is valid
+  kFixYaw = 2u,       ///< yaw_rad is valid
+};
+
+/// Position and heading from a map matcher or the like. It may arrive long after its stamp.
+struct UavFix {
+  Nanoseconds stamp_ns{};  ///< moment that it is true of
+  double p_world_m[3]{};
+  double yaw_rad{};
+  std::uint32_t flags{};
+  SORTIE_FIELDS(stamp_ns, p_world_m, yaw_rad, flags)
+};
+
+/// Values of UavState::verdict, from good to bad.
+enum class UavVerdict : std::uint32_t {
+  starting,  ///< not levelled, or no position yet
+  good,      ///< fixes come in and fit
+  dead,      ///< dead reckoning: no fix for a while, the covariance grows
+  lost,      ///< the position is not to be used any more; attitude and rate still are
+};
+
+/// Where a UAV is and how it moves.
+struct UavState {
+  Nanoseconds stamp_ns{};
+  double p_world_m[3]{};
+  double v_world_m_s[3]{};
+  double q_world_body[4]{1, 0, 0, 0};
+  double w_body_rad_s[3]{};      ///< bias removed
+  double d_world_m_s2[3]{};      ///< acceleration that gravity and the expected thrust do not explain
+  double position_sigma_m[3]{};  ///< standard deviations of the position
+  UavVerdict verdict{};
+  SORTIE_FIELDS(stamp_ns, p_world_m, v_world_m_s, q_world_body, w_body_rad_s, d_world_m_s2, position_sigma_m,
+                verdict)
+};
+
+/// Speeds that the rotors are asked for.
+struct RotorCommand {
+  Nanoseconds stamp_ns{};
+  double speed_rad_s[kMaxRotors]{};
+  std::uint32_t rotors{};
+  std::uint32_t flags{};
+  SORTIE_FIELDS(stamp_ns, speed_rad_s, rotors, flags)
+};
+
+}  // namespace sortie::rt

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// sortie-bench-uav: flies simulated multirotors with the state controller and its peers and prints one JSON
+// object.
+#include <iostream>
+#include <stdexcept>
+
+#include "firmware_like/bench/child_process.hpp"
+#include "tests/bench/report/arguments.hpp"
+#include "tests/bench/uav/uav_parts.hpp"
+
+namespace sortie::bench {
+namespace {
+
+struct UavPart {
+  const char* name;
+  void (*measure)(const UavSettings&, Report&);
+};
+constexpr UavPart kUavParts[] = {{"peers", measure_uav_peers},         {"stress", measure_uav_stress},
+                                 {"estimated", measure_uav_estimated}, {"plant", measure_uav_steps},
+                                 {"rates", measure_uav_sweep},         {"count", measure_uav_count}};
+
+int run_uav(int argc, char** argv) {
+  UavSettings settings;
+  std::string only;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option == "--counted-pilots") return run_counted_pilots();
+    const char* value = ++i < argc ? argv[i] : nullptr;
+    if (option == "--seeds")
+      settings.seeds = static_cast<std::uint64_t>(number("--seeds", value, 1, 1000));
+    else if (option == "--fleet")
+      settings.fleet = static_cast<std::uint64_t>(number("--fleet", value, 1, 1e5));
+    else if (option == "--only" && value != nullptr)
+      only = value;
+    else
+      throw std::invalid_argument("unknown option " + option);
+  }
+  settings.program = firmware::own_program_path();
+  Report report;
+  Json& root = report.root();
+  root["load_before"] = load_average();
+  for (const char* list : {"figures", "tables", "skipped", "notes"}) root[list] = Json::array();
+  root["settings"] = {{"seeds", settings.seeds}, {"fleet", settings.fleet}, {"only", only}};
+  bool found = false;
+  for (const UavPart& part : kUavParts) {
+    if (!only.empty() && only != part.name) continue;
+    found = true;
+    std::cerr << "flying: " << part.name << std::endl;
+    part.measure(settings, report);
+  }
+  if (!found) throw std::invalid_argument("--only takes peers, stress, estimated, plant, rates or count");
+  root["load_after"] = load_average();
+  std::cout << root.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace
+}  // namespace sortie::bench
+
+int main(int argc, char** argv) {
+  return sortie::bench::guarded_main("sortie-bench-uav",
+                                     [argc, argv] { return sortie::bench::run_uav(argc, argv); });
+}

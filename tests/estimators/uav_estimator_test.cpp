@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The flight estimator: late fixes, consistency, dead reckoning, gating and broken samples.
+#include "estimators/uav_state/uav_estimator.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "tests/estimators/units.hpp"
+
+namespace {
+using namespace sortie;
+using estimators::UavEstimator;
+using estimators::UavEstimatorConfig;
+using rt::Quaternion;
+using rt::Vector3;
+
+constexpr rt::Nanoseconds kStepNs = 5'000'000;
+
+// A body that hovers about, written down in closed form; its sensors with errors of known size.
+class SimulatedFlight {
+ public:
+  explicit SimulatedFlight(std::uint64_t seed, double noise = 1.0) : random_(seed), noise_(noise) {
+    gyr_bias_ = {0.002 * noise * normal(), 0.002 * noise * normal(), 0.002 * noise * normal()};
+    acc_bias_ = {0.03 * noise * normal(), 0.03 * noise * normal(), 0.03 * noise * normal()};
+  }
+  // 0 before 0, 1 after 2, twice differentiable.
+  static double softly(double s) {
+    const double x = s < 0.0 ? 0.0 : (s > 2.0 ? 1.0 : 0.5 * s);
+    return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
+  }
+  static Vector3 position(double t) {
+    const double s = t - 1.0;
+    const double soft = softly(s);
+    return {soft * rt::sin(0.9 * s), soft * rt::sin(0.7 * s), soft * 0.5 * rt::sin(1.1 * s)};
+  }
+  static Quaternion attitude(double t) {
+    const double s = t - 1.0;
+    const double soft = softly(s);
+    return rt::from_yaw_pitch_roll(0.4 + soft * 0.5 * rt::sin(0.5 * s), soft * 0.2 * rt::sin(1.3 * s),
+                                   soft * 0.2 * rt::sin(1.7 * s));
+  }
+  static Vector3 velocity(double t) {
+    constexpr double h = 1e-4;
+    return (0.5 / h) * (position(t + h) - position(t - h));
+  }
+  rt::ImuSample imu(rt::Nanoseconds now_ns) {
+    const double t = rt::to_seconds(now_ns);
+    const double h = rt::to_seconds(kStepNs);
+    const Vector3 turn = (1.0 / h) * rt::log_rotation(rt::conjugate(attitude(t - h)) * attitude(t));
+    Vector3 dv = velocity(t) - velocity(t - h);
+    dv.z += 9.81 * h;
+    const Vector3 force = rt::rotate_back(attitude(t - 0.5 * h), (1.0 / h) * dv);
+    const double gyr = 4e-4 * noise_ / std::sqrt(h);
+    const double acc = 8e-3 * noise_ / std::sqrt(h);
+    rt::ImuSample sample;
+    sample.stamp_ns = now_ns;
+    sample.flags = rt::kImuGyr | rt::kImuAcc;
+    store_noisy(turn + gyr_bias_, gyr, sample.gyr_rad_s);
+    store_noisy(force + acc_bias_, acc, sample.acc_m_s2);
+    return sample;
+  }
+  rt::UavFix fix(rt::Nanoseconds stamp_ns) {
+    const double t = rt::to_seconds(stamp_ns);
+    rt::UavFix fix;
+    fix.stamp_ns = stamp_ns;
+    store_noisy(position(t), 0.012 * noise_, fix.p_world_m);
+    fix.yaw_rad = rt::yaw_of(attitude(t)) + 0.012 * noise_ * normal();
+    fix.flags = rt::kFixPosition | rt::kFixYaw;
+    return fix;
+  }
+  const Vector3& gyr_bias() const { return gyr_bias_; }
+  const Vector3& acc_bias() const { return acc_bias_; }
+
+ private:
+  double uniform() { return (static_cast<double>(random_() >> 11) + 0.5) * 0x1p-53; }
+  double normal() {
+    const double radius = std::sqrt(-2.0 * rt::log(uniform()));
+    return radius * rt::cos(6.283185307179586 * uniform());
+  }
+  void store_noisy(const Vector3& v, double sigma, double (&out)[3]) {
+    out[0] = v.x + sigma * normal();
+    out[1] = v.y + sigma * normal();
+    out[2] = v.z + sigma * normal();
+  }
+  std::mt19937_64 random_;
+  double noise_;
+  Vector3 gyr_bias_;
+  Vector3 acc_bias_;
+};
+
+UavEstimatorConfig matched_config() {
+  UavEstimatorConfig config;
+  config.noise.gyr_walk_rad_s_rt_s = 1e-6;
+  config.noise.acc_walk_m_s2_rt_s = 1e-5;
+  config.start_acc_bias_sigma_m_s2 = 0.03;
+  config.start_tilt_sigma_rad = 0.001;
+  return config;
+}
+
+// Flies `seconds`, a fix every 50 ms that comes `late` steps later, none between the two dark times.
+void fly_estimator(UavEstimator& estimator, SimulatedFlight& flight, double seconds, int late,
+                   double dark_from_s = 1e9, double dark_to_s = 1e9) {
+  std::vector<std::pair<rt::Nanoseconds, rt::UavFix>> waiting;
+  const auto steps = static_cast<std::int64_t>(std::llround(seconds / 0.005));
+  for (std::int64_t i = 1; i <= steps; ++i) {
+    const rt::Nanoseconds now = i * kStepNs;
+    REQUIRE(estimator.imu(flight.imu(now), 9.81) == Status::ok);
+    const double t = rt::to_seconds(now);
+    if (i % 10 == 0) {
+      const rt::UavFix fix = flight.fix(now);
+      if (t < dark_from_s || t >= dark_to_s) waiting.push_back({now + late * kStepNs, fix});
+    }
+    while (!waiting.empty() && waiting.front().first <= now) {
+      (void)estimator.fix(waiting.front().second);
+      waiting.erase(waiting.begin());
+    }
+  }
+}
+
+double position_error(const UavEstimator& estimator) {
+  const double t = rt::to_seconds(estimator.state().stamp_ns);
+  return rt::norm(estimator.now().p_world_m - SimulatedFlight::position(t));
+}
+}  // namespace
+
+TEST_CASE("A fix that comes late gives exactly what it would have given in time") {
+  for (const int late : {1, 7, 12, 40}) {
+    UavEstimator in_time(matched_config());
+    UavEstimator waiting(matched_config());
+    SimulatedFlight one(11);
+    SimulatedFlight two(11);
+    fly_estimator(in_time, one, 6.0, 0);
+    fly_estimator(waiting, two, 6.0, late);
+    // Both have the same readings; the late one has not yet seen the newest fixes. Let it catch up on a copy.
+    SimulatedFlight three(11);
+    UavEstimator early(matched_config());
+    fly_estimator(early, three, 6.0, 0, 6.0 - 0.005 * late + 0.0001, 1e9);
+    INFO("late by " << late << " readings");
+    CHECK(rt::norm(early.now().p_world_m - waiting.now().p_world_m) < 1e-12);
+    CHECK(rt::norm(early.now().v_world_m_s - waiting.now().v_world_m_s) < 1e-12);
+    for (std::size_t i = 0; i < estimators::kErrorStates; ++i)
+      CHECK(waiting.covariance()(i, i) == Approx(early.covariance()(i, i)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("The covariance tells the truth about the errors of position, velocity and biases") {
+  // Mean squared error over variance, 40 flights: 12 degrees of freedom each, so 5 sigma of the mean are
+  // 0.32.
+  double sum = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    UavEstimator estimator(matched_config());
+    SimulatedFlight flight(seed);
+    fly_estimator(estimator, flight, 12.0, 10);
+    const double t = rt::to_seconds(estimator.state().stamp_ns);
+    const estimators::InertialState& now = estimator.now();
+    const Vector3 offs[5] = {now.p_world_m - SimulatedFlight::position(t),
+                             now.v_world_m_s - SimulatedFlight::velocity(t),
+                             rt::log_rotation(rt::conjugate(now.q_world_body) * SimulatedFlight::attitude(t)),
+                             now.gyr_bias_rad_s - flight.gyr_bias(), now.acc_bias_m_s2 - flight.acc_bias()};
+    for (std::size_t g = 0; g < 5; ++g) {
+      const double parts[3] = {offs[g].x, offs[g].y, offs[g].z};
+      for (std::size_t i = 0; i < 3; ++i) {
+        sum += parts[i] * parts[i] / estimator.covariance()(3 * g + i, 3 * g + i);
+        ++count;
+      }
+    }
+  }
+  CAPTURE(sum / count);
+  CHECK(sum / count > 0.75);
+  CHECK(sum / count < 1.3);
+}
+
+TEST_CASE("Without fixes it reckons on: the covariance grows, the verdict falls, and a fix mends both") {
+  UavEstimator estimator(matched_config());
+  SimulatedFlight flight(3);
+  fly_estimator(estimator, flight, 8.5, 10, 8.0, 1e9);
+  CHECK(estimator.state().verdict == rt::UavVerdict::dead);
+  CHECK(position_error(estimator) < 0.1);
+  const double sigma = estimator.state().position_sigma_m[0];
+  const auto go_on = [&](double from_s, double to_s) {
+    for (auto i = static_cast<std::int64_t>(std::llround(from_s / 0.005)) + 1;
+         i <= std::llround(to_s / 0.005); ++i)
+      REQUIRE(estimator.imu(flight.imu(i * kStepNs), 9.81) == Status::ok);
+  };
+  go_on(8.5, 11.5);
+  CHECK(estimator.state().verdict == rt::UavVerdict::lost);
+  CHECK(estimator.state().position_sigma_m[0] > 2 * sigma);
+  const double t = rt::to_seconds(estimator.state().stamp_ns);
+  CHECK(std::fabs(estimator.now().p_world_m.x - SimulatedFlight::position(t).x) <
+        5 * estimator.state().position_sigma_m[0]);
+  REQUIRE(estimator.fix(flight.fix(11'480'000'000)) == Status::ok);
+  CHECK(estimator.state().verdict == rt::UavVerdict::good);
+  CHECK(position_error(estimator) < 0.06);
+}
+
+TEST_CASE("A fix far off is gated, and fixes that agree for long enough are given in to") {
+  UavEstimator estimator(matched_config());
+  SimulatedFlight flight(4);
+  fly_estimator(estimator, flight, 6.0, 0);
+  const Vector3 before = estimator.now().p_world_m;
+  rt::UavFix wrong = flight.fix(6'000'000'000);
+  wrong.p_world_m[0] += 1.0;
+  CHECK(estimator.fix(wrong) == Status::out_of_range);
+  CHECK(estimator.counters().fixes_gated == 1);
+  CHECK(rt::norm(estimator.now().p_world_m - before) == 0);
+  for (std::int64_t i = 1201; i <= 1400; ++i) {
+    REQUIRE(estimator.imu(flight.imu(i * kStepNs), 9.81) == Status::ok);
+    if (i % 10 != 0) continue;
+    rt::UavFix moved = flight.fix(i * kStepNs);
+    moved.p_world_m[1] += 2.0;
+    (void)estimator.fix(moved);
+  }
+  CHECK(estimator.counters().relocated == 1);
+  const double t = rt::to_seconds(estimator.state().stamp_ns);
+  CHECK(estimator.now().p_world_m.y == Approx(SimulatedFlight::position(t).y + 2.0).margin(0.1));
+  CHECK(estimator.state().verdict == rt::UavVerdict::good);
+}
+
+TEST_CASE("Broken samples change nothing but a counter") {
+  UavEstimator estimator(matched_config());
+  SimulatedFlight flight(5);
+  fly_estimator(estimator, flight, 4.0, 4);
+  const Vector3 before = estimator.now().p_world_m;
+  const double infinity = std::numeric_limits<double>::infinity();
+  rt::ImuSample sample = flight.imu(4'005'000'000);
+  for (const double bad : {std::nan(""), infinity, 1e30}) {
+    rt::ImuSample broken = sample;
+    broken.acc_m_s2[1] = bad;
+    CHECK(estimator.imu(broken, 9.81) != Status::ok);
+    broken = sample;
+    broken.gyr_rad_s[2] = -bad;
+    CHECK(estimator.imu(broken, 9.81) != Status::ok);
+    rt::UavFix fix = flight.fix(4'000'000'000);
+    fix.p_world_m[2] = bad;
+    CHECK(estimator.fix(fix) != Status::ok);
+  }
+  CHECK(estimator.imu(sample, std::nan("")) == Status::not_finite);
+  sample.stamp_ns = 4'000'000'000;
+  CHECK(estimator.imu(sample, 9.81) == Status::time_repeated);
+  sample.stamp_ns = 3'000'000'000;
+  CHECK(estimator.imu(sample, 9.81) == Status::time_backwards);
+  CHECK(estimator.fix(flight.fix(1'000'000'000)) == Status::stale);
+  CHECK(estimator.fix(flight.fix(9'000'000'000)) == Status::out_of_range);
+  CHECK(rt::norm(estimator.now().p_world_m - before) == 0);
+  CHECK(estimator.counters().imu_refused == 9);
+}
+
+TEST_CASE("An estimator restored from bytes goes on as the one that was saved") {
+  UavEstimator estimator(matched_config());
+  SimulatedFlight flight(6);
+  fly_estimator(estimator, flight, 3.0, 4);
+  rt::Archive measure = rt::Archive::measuring();
+  estimator.archive(measure);
+  INFO(measure.where() << ": " << measure.why());
+  REQUIRE(measure.status() == Status::ok);
+  std::vector<std::uint8_t> bytes(measure.bytes());
+  rt::Archive out = rt::Archive::writing(bytes);
+  estimator.archive(out);
+  REQUIRE(out.status() == Status::ok);
+  UavEstimator copy(matched_config());
+  rt::Archive in = rt::Archive::reading(bytes);
+  copy.archive(in);
+  REQUIRE(in.status() == Status::ok);
+  for (std::int64_t i = 601; i < 700; ++i) {
+    const rt::ImuSample sample = flight.imu(i * kStepNs);
+    REQUIRE(estimator.imu(sample, 9.81) == Status::ok);
+    REQUIRE(copy.imu(sample, 9.81) == Status::ok);
+  }
+  CHECK(rt::norm(copy.now().p_world_m - estimator.now().p_world_m) == 0);
+}
