@@ -16,6 +16,7 @@ constexpr double kFastest_rad_m = 20.0;  // of curvatures as features
 constexpr double kEdgeApart_m = 0.05;    // nearer ones are one
 constexpr double kEdgeBehind_m = 0.02;   // beyond a wheel's axle an edge is gone
 constexpr double kClimbing_rad = 0.05;   // tilt from which a step is measured
+constexpr double kChange = 0.2;          // of curvature, beyond which nothing is measured
 constexpr double kWellUnder = 0.9;       // share of the run in which an edge is surely under it
 constexpr double kUnderCom_m = 0.1;      // an edge so near the balance point is the one to tip about
 
@@ -143,6 +144,7 @@ void ObstacleModes::change_phase(double travel_m) {
 
 void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
   const TrackProfile& p = config_.profile;
+  const double nose_up = -step.turn_rad.y;
   const bool ahead = direction_ > 0.0;
   const double lead = direction_ * curvature_;
   const double tilt = pitch_ - reference_;
@@ -158,7 +160,6 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
   const double rolls = pivot_on_run(rear, tilt, curvature_);
   const double front_rolls = pivot_on_run(front, tilt, curvature_);
   const double end = p.half_length_m;
-  const double nose_up = -step.turn_rad.y;
   const double base_tilt = pitch_ - base_;
   const double slide = step.travel_m * rt::sincos(tilt).sin;
   const double base_slide = step.travel_m * rt::sincos(base_tilt).sin;
@@ -180,8 +181,16 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
   sides_[0] = 0.0;
   sides_[1] = -away * p.half_width_m;  // the side that goes down stays: the other one climbs
   sides_[2] = away * p.half_width_m;
-  if (phase_ == Phase::rise && direction_ * tilt > kClimbing_rad && std::fabs(rolls) < kWellUnder * end)
-    state_.step_height_m = edge_height_m(p, rear, rolls, tilt);
+  if (phase_ == Phase::rise && direction_ * tilt > kClimbing_rad && std::fabs(step.travel_m) > 0.0) {
+    // Per metre of belt alone: the height is not to shrink with the creep in the smoothed curvature. Where
+    // the curvature changes, its smoothed value is none of the present.
+    const double creep = 1.0 + config_.creep_m_s * step.dt_s / std::fabs(step.travel_m);
+    const double steady = creep * curvature_;
+    const bool changes = std::fabs(nose_up / std::fabs(step.travel_m) - steady) > kChange * std::fabs(steady);
+    const double under = pivot_on_run(rear, tilt, steady);
+    if (!changes && std::fabs(under) < kWellUnder * end)
+      state_.step_height_m = edge_height_m(p, rear, under, tilt);
+  }
   const auto limited = [](double x, double most) { return std::clamp(x, -most, most); };
   const double turned = direction_ * (pitch_ - phase_pitch_);
   const double list[kModeFeatures] = {

@@ -14,6 +14,7 @@ namespace sortie::estimators::test {
 struct ClimbStep {
   ObstacleStep step;
   double height_m;
+  bool leans;  ///< rear wheel on the floor, run on the edge
 };
 
 inline ObstacleStep level_step(double dt_s, double travel_m, double from_rad, double to_rad) {
@@ -32,8 +33,9 @@ inline std::vector<ClimbStep> climb_step(const TrackProfile& p, double height_m,
   std::vector<ClimbStep> steps;
   const double each = speed_m_s * dt_s;
   const double r = p.radius_m, a = p.half_length_m;
+  bool leans = false;
   const auto put = [&](double travel, double from, double to, double height) {
-    steps.push_back({level_step(dt_s, travel, from, to), height});
+    steps.push_back({level_step(dt_s, travel, from, to), height, leans});
   };
   for (double x = 0; x < 0.4; x += each) put(each, 0, 0, -p.run_m());
   // The front wheel climbs the edge: its centre turns about it, the rear wheel stays on the floor. The pitch
@@ -51,6 +53,7 @@ inline std::vector<ClimbStep> climb_step(const TrackProfile& p, double height_m,
   }
   const auto belt = [&](double x) { return -way(x) * std::cos(x) - r * std::sin(x) + r * x; };
   // Rear wheel on the floor, edge under the run, until the edge is below the centre of mass.
+  leans = true;
   while (way(t) - a > balance_on_run_m(p, t)) {
     double low = t, high = t + 0.2;
     for (int i = 0; i < 50; ++i)
@@ -59,6 +62,7 @@ inline std::vector<ClimbStep> climb_step(const TrackProfile& p, double height_m,
     t = low;
   }
   // Tips: about the edge, which moves back with the belt.
+  leans = false;
   double s = way(t) - a;
   double z = rear_height(t);
   double fall = 0;
