@@ -152,7 +152,8 @@ int run(int argc, char** argv) {
     }
   }
   if (seeds.empty())
-    seeds = training ? std::vector<std::uint64_t>{1, 2, 3, 5, 6} : std::vector<std::uint64_t>{2001, 2002};
+    seeds = training ? std::vector<std::uint64_t>{1, 2, 3, 5, 6, 7, 8, 9, 10}
+                     : std::vector<std::uint64_t>{2001, 2002};
   std::fprintf(stderr, "seeds");
   for (const std::uint64_t seed : seeds) std::fprintf(stderr, " %llu", static_cast<unsigned long long>(seed));
   std::fprintf(stderr, "\n");
