@@ -49,7 +49,7 @@ void PoseCovariance::advance(const PoseStep& step) {
   const Matrix3d mixed = mixed_ * forget.transpose();
   const Matrix3d cross = arm * mixed.transpose();
   const Vector3d growth{config_.along_m2_per_m * way + step.extra_along_m2, config_.lateral_m2_per_m * way,
-                        config_.vertical_m2_per_m * way};
+                        config_.vertical_m2_per_m * way + step.extra_vertical_m2};
   position_ = symmetric(position_ + cross + cross.transpose() + arm * rotation_ * arm.transpose() +
                         r * growth.asDiagonal() * r.transpose());
   mixed_ = mixed + arm * rotation_;

@@ -27,6 +27,7 @@ struct PoseStep {
   Eigen::Matrix3d r_world_body_to;    ///< attitude at its end
   double dt_s{};                      ///< duration
   double extra_along_m2{};            ///< variance along the track beyond the model: slip, lost travel
+  double extra_vertical_m2{};         ///< and along the body's normal: a mode's own
   bool attitude_known{true};          ///< false: no fresh attitude, the heading may have turned unseen
 };
 

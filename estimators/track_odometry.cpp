@@ -36,6 +36,10 @@ Vector3 mean_forward(const AttitudeHistory& history, rt::Nanoseconds from_ns, rt
   }
   return (1.0 / (6.0 * static_cast<double>(pieces))) * sum;
 }
+SteeringConfig with_width(SteeringConfig config, double track_width_m) {
+  config.track_width_m = track_width_m;
+  return config;
+}
 }  // namespace
 
 TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
@@ -43,11 +47,23 @@ TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
       gate_(config.max_step_ns),
       history_(config.attitude_spacing_ns, config.max_extrapolation_ns),
       covariance_(config.covariance),
+      steering_(with_width(config.steering, config.track_width_m)),
       q_world_attitude_(rt::from_yaw_pitch_roll(config.heading_offset_rad, 0, 0)),
       p_world_body_(rt::to_vector(config.p_world_body_m)) {
+  if (config.obstacles) obstacle_.emplace(config.obstacle);
   store(p_world_body_, estimate_.p_world_body_m);
   store(q_world_attitude_, estimate_.q_world_body);
   covariance_.write(estimate_.covariance);
+}
+
+void TrackOdometry::feel(const rt::ImuSample& sample) {
+  if (!obstacle_ || history_.size() == 0) return;
+  obstacle_->feel(sample, history_.at(sample.stamp_ns).q_world_body);
+}
+
+void TrackOdometry::set_flippers(const FlipperAngles& flippers) {
+  if (obstacle_ && std::isfinite(flippers.front_rad) && std::isfinite(flippers.rear_rad))
+    obstacle_->set_flippers(flippers);
 }
 
 Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
@@ -122,8 +138,13 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   const double travel_m = 0.5 * (left_m + right_m);
   const AttitudeHistory::Answer begin = history_.at(from.stamp_ns);
   const AttitudeHistory::Answer end = history_.at(to.stamp_ns);
-  const Vector3 step =
-      rotate(q_world_attitude_, travel_m * mean_forward(history_, from.stamp_ns, to.stamp_ns));
+  TrackMotion motion;
+  if (obstacle_) {
+    motion = obstacle_->advance({dt_s, travel_m, begin.q_world_body, end.q_world_body});
+  } else {
+    motion.travel_world_m = travel_m * mean_forward(history_, from.stamp_ns, to.stamp_ns);
+  }
+  const Vector3 step = rotate(q_world_attitude_, motion.travel_world_m);
 
   std::uint32_t flags = 0;
   double slip_m = 0.0;
@@ -132,7 +153,11 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
     ++counters_.attitude_stale;
   } else if (config_.track_width_m > 0.0) {
     const double turn_gyro = log_rotation(conjugate(begin.q_world_body) * end.q_world_body).z;
-    const double turn_gap = std::fabs((right_m - left_m) / config_.track_width_m - turn_gyro);
+    double turn_gap = std::fabs((right_m - left_m) / config_.track_width_m - turn_gyro);
+    if (config_.learn_steering) {
+      turn_gap = steering_.trusted() ? std::fabs(steering_.expected_rad(left_m, right_m) - turn_gyro) : 0.0;
+      steering_.update(dt_s, left_m, right_m, turn_gyro);
+    }
     if (turn_gap > config_.slip_rate_rad_s * dt_s) {
       flags |= kPoseSlip;
       ++counters_.slips;
@@ -152,6 +177,7 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
                        to_eigen(q_to),
                        dt_s,
                        slip_m * slip_m + lost_m2,
+                       motion.vertical_variance_m2,
                        (flags & kPoseAttitudeStale) == 0});
   p_world_body_ = p_world_body_ + step;
   distance_m_ += std::fabs(travel_m);
@@ -159,7 +185,8 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   base_ = to;
   has_suspect_ = false;
   ++counters_.used;
-  publish(to.stamp_ns, q_to, last_speed_m_s_, flags);
+  const Vector3 v_body = obstacle_ ? (1.0 / dt_s) * rotate_back(q_to, step) : Vector3{last_speed_m_s_, 0, 0};
+  publish(to.stamp_ns, q_to, v_body, flags);
   return Status::ok;
 }
 
@@ -170,15 +197,15 @@ void TrackOdometry::rebase(const rt::TrackSample& sample) {
   ++counters_.used;
   const Quaternion q = history_.size() > 0 ? q_world_attitude_ * history_.at(sample.stamp_ns).q_world_body
                                            : rt::to_quaternion(estimate_.q_world_body);
-  publish(sample.stamp_ns, q, 0.0, 0);
+  publish(sample.stamp_ns, q, {}, 0);
 }
 
-void TrackOdometry::publish(rt::Nanoseconds stamp_ns, const Quaternion& q, double speed_m_s,
+void TrackOdometry::publish(rt::Nanoseconds stamp_ns, const Quaternion& q, const Vector3& v_body_m_s,
                             std::uint32_t flags) {
   estimate_.stamp_ns = stamp_ns;
   store(p_world_body_, estimate_.p_world_body_m);
   store(normalised(q), estimate_.q_world_body);
-  store(Vector3{speed_m_s, 0, 0}, estimate_.v_body_m_s);
+  store(v_body_m_s, estimate_.v_body_m_s);
   store(history_.size() > 0 ? history_.back(0).w_body_rad_s : Vector3{}, estimate_.w_body_rad_s);
   covariance_.write(estimate_.covariance);
   estimate_.distance_m = distance_m_;
@@ -189,7 +216,10 @@ void TrackOdometry::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "track odometry")
       .fixed(config_, q_world_attitude_)
       .state(gate_, history_, covariance_, p_world_body_, base_, suspect_, has_suspect_, travel_lost_)
-      .state(distance_m_, last_speed_m_s_, counters_, estimate_);
+      .state(distance_m_, last_speed_m_s_, counters_, estimate_)
+      .by_hand(obstacle_, steering_);
+  if (config_.learn_steering) steering_.archive(archive);
+  if (obstacle_) obstacle_->archive(archive);
 }
 
 }  // namespace sortie::estimators

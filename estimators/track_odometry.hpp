@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "estimators/attitude_history.hpp"
+#include "estimators/obstacle_odometry.hpp"
 #include "estimators/pose_covariance.hpp"
+#include "estimators/steering_efficiency.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"
 #include "rt/stamp_gate.hpp"
@@ -37,6 +40,11 @@ struct TrackOdometryConfig {
   rt::Nanoseconds max_extrapolation_ns{150 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_step_ns{10 * rt::kNanosecondsPerSecond};  ///< a longer step of time is doubted
   PoseCovarianceConfig covariance;
+  bool obstacles{};  ///< false: every ground is a plane; flippers and forces are not looked at, no mode is
+                     ///< made
+  ObstacleOdometryConfig obstacle;
+  bool learn_steering{};    ///< slip is judged by the steering efficiency that the gyro shows, not by 1
+  SteeringConfig steering;  ///< its track width is the one above
 };
 
 /// What happened to the samples, since start. used + the refusals = all track samples given.
@@ -85,6 +93,12 @@ class TrackOdometry {
   /// that need it. `ok`, not_finite or out_of_range (not a unit quaternion).
   Status observe(const rt::AttitudeEstimate& attitude);
 
+  /// Takes note of an IMU sample, behind the attitude that it led to: falls and slides are felt. Nothing
+  /// happens without config.obstacles.
+  void feel(const rt::ImuSample& sample);
+  /// Takes note of the flippers' angles. Nothing happens without config.obstacles.
+  void set_flippers(const FlipperAngles& flippers);
+
   /// Takes one sample of the tracks. `ok`, or the reason of the refusal.
   Status update(const rt::TrackSample& sample);
 
@@ -95,6 +109,10 @@ class TrackOdometry {
   /// Pose, twist and covariance at the stamp of the newest used sample.
   const rt::PoseEstimate& estimate() const { return estimate_; }
   const TrackOdometryCounters& counters() const { return counters_; }
+  /// Mode, confidence and step height; planar without config.obstacles.
+  ObstacleState obstacle() const { return obstacle_ ? obstacle_->state() : ObstacleState{}; }
+  /// What is known about the tracks' turning.
+  const SteeringEfficiency& steering() const { return steering_; }
 
   /// State to bytes and back, into an odometry of the same configuration.
   void archive(rt::Archive& archive);
@@ -104,12 +122,15 @@ class TrackOdometry {
   bool plausible(const rt::TrackSample& from, const rt::TrackSample& to) const;
   Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);
   void rebase(const rt::TrackSample& sample);
-  void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, double speed_m_s, std::uint32_t flags);
+  void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, const rt::Vector3& v_body_m_s,
+               std::uint32_t flags);
 
   TrackOdometryConfig config_;
   rt::StampGate gate_;
   AttitudeHistory history_;
   PoseCovariance covariance_;
+  SteeringEfficiency steering_;
+  std::optional<ObstacleOdometry> obstacle_;
   rt::Quaternion q_world_attitude_;
   rt::Vector3 p_world_body_;
   rt::TrackSample base_{};     ///< last sample whose travel is in the pose

@@ -15,6 +15,8 @@ TEST_CASE("Attitude and odometry make no heap call after construction") {
   estimators::Attitude attitude{estimators::AttitudeConfig{}};
   estimators::TrackOdometryConfig config;
   config.track_width_m = 0.4;
+  config.obstacles = true;
+  config.learn_steering = true;
   estimators::TrackOdometry odometry{config};
   std::uint64_t calls = 0;
   std::uint32_t refused = 0;
@@ -26,6 +28,8 @@ TEST_CASE("Attitude and odometry make no heap call after construction") {
       if (i % 100 == 50) imu.gyr_rad_s[0] = 1e30;
       refused += attitude.update(imu) == Status::ok ? 0 : 1;
       refused += odometry.observe(attitude.estimate()) == Status::ok ? 0 : 1;
+      odometry.feel(imu);
+      odometry.set_flippers({0.5, 0.1 * (i % 5)});
       refused += odometry.update({now, 0.001 * i, 0.002 * i, 0}) == Status::ok ? 0 : 1;
     }
     calls = scope.calls();

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Curvature, phases and edges, the ideas that follow from them, and the tree that chooses.
+#include "estimators/obstacle_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimators/obstacle_tree_table.hpp"
+
+namespace sortie::estimators {
+namespace {
+
+constexpr double kNoEdge = 1.0;
+constexpr double kSlowWindows = 5.0;
+constexpr double kFastest_rad_m = 20.0;  // of curvatures as features
+constexpr double kEdgeApart_m = 0.05;    // nearer ones are one
+constexpr double kEdgeBehind_m = 0.02;   // beyond a wheel's axle an edge is gone
+constexpr double kClimbing_rad = 0.05;   // tilt from which a step is measured
+constexpr double kChange = 0.2;          // of curvature, beyond which nothing is measured
+constexpr double kWellUnder = 0.9;       // share of the run in which an edge is surely under it
+constexpr double kUnderCom_m = 0.1;      // an edge so near the balance point is the one to tip about
+
+double tilt_of(double along, double a, double b) { return rt::atan2(along, std::sqrt(a * a + b * b)); }
+
+double smooth(double old, double now, double way, double window) {
+  return old + way / (way + window) * (now - old);
+}
+
+}  // namespace
+
+ObstacleModes::ObstacleModes(const ObstacleModesConfig& config) : config_(config) {}
+
+ObstacleMotion ObstacleModes::update(const ObstacleStep& step) {
+  const double nose_up = -step.turn_rad.y;
+  const double speed = step.travel_m / step.dt_s;
+  if (std::fabs(speed) > config_.still_speed_m_s) direction_ = speed > 0.0 ? 1.0 : -1.0;
+  const double way = std::fabs(step.travel_m) + config_.creep_m_s * step.dt_s;
+  pitch_ = tilt_of(step.up_end.x, step.up_end.y, step.up_end.z);
+  const double roll = tilt_of(step.up_end.y, step.up_end.z, 0.0);
+  if (!started_) {
+    started_ = true;
+    reference_ = base_ = phase_pitch_ = pitch_;
+    steady_ = 2.0 * config_.settled_m;  // it begins on a plane
+  }
+  curvature_ = smooth(curvature_, nose_up / way, way, config_.window_m);
+  slow_curvature_ = smooth(slow_curvature_, nose_up / way, way, kSlowWindows * config_.window_m);
+  roll_curvature_ = smooth(roll_curvature_, step.turn_rad.x / way, way, config_.window_m);
+  rate_ = nose_up / step.dt_s;
+  const double level_rate = std::sqrt(step.turn_rad.x * step.turn_rad.x + nose_up * nose_up) / step.dt_s;
+  still_ = std::fabs(speed) <= config_.still_speed_m_s && level_rate <= config_.still_rate_rad_s;
+  follow_edges(step.travel_m);
+  change_phase(std::fabs(step.travel_m));
+  look(step, roll);
+
+  ObstacleMotion motion;
+  if (still_) {
+    state_.mode = static_cast<std::uint32_t>(ObstacleMode::stationary);
+    state_.confidence = 1.0;
+    motion.step_body_m.x = step.travel_m;
+    return motion;
+  }
+  const double way_now = std::fabs(step.travel_m) + config_.creep_m_s * step.dt_s;
+  const TreeNode& side = decide(kSideTree, features_);
+  motion.step_body_m = {step.travel_m, 0.0, -step.turn_rad.x * side_of(static_cast<SideIdea>(side.idea))};
+  const double of_roll = static_cast<double>(side.sigma_m) * step.turn_rad.x;
+  double of_pitch = kCalmSigma_m * nose_up;
+  double of_way = 0.0;
+  if (!settled()) {
+    const TreeNode& leaf = decide(kPivotTree, features_);
+    const auto idea = static_cast<PivotIdea>(leaf.idea);
+    motion.step_body_m.z += idea == PivotIdea::fixed
+                                ? -nose_up * direction_ * static_cast<double>(leaf.place_m)
+                                : normal_of(idea);
+    if (phase_ != Phase::calm && idea != PivotIdea::middle)
+      motion.step_body_m.x += nose_up * config_.profile.run_m();
+    of_pitch = static_cast<double>(leaf.sigma_m) * nose_up;
+    of_way = static_cast<double>(leaf.sigma) * way_now;
+    name_mode(leaf);
+  }
+  if (phase_ == Phase::calm) {
+    state_.mode = static_cast<std::uint32_t>(ObstacleMode::planar);
+    state_.confidence = 1.0;
+  }
+  motion.sigma_m = std::sqrt(0.5 * (of_pitch * of_pitch + of_way * of_way) + of_roll * of_roll);
+  return motion;
+}
+
+void ObstacleModes::follow_edges(double travel_m) {
+  const double end = config_.profile.half_length_m + kEdgeBehind_m;
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < edge_count_; ++i) {
+    const double x = edges_[i] - travel_m;
+    if (std::fabs(x) <= end) edges_[kept++] = x;
+  }
+  edge_count_ = kept;
+  balance_ -= travel_m;
+}
+
+void ObstacleModes::add_edge(double x_m) {
+  for (std::uint32_t i = 0; i < edge_count_; ++i)
+    if (std::fabs(edges_[i] - x_m) < kEdgeApart_m) return;
+  if (edge_count_ == kEdges) {
+    for (std::uint32_t i = 1; i < kEdges; ++i) edges_[i - 1] = edges_[i];
+    --edge_count_;
+  }
+  edges_[edge_count_++] = x_m;
+}
+
+void ObstacleModes::enter(Phase phase) {
+  if (phase_ == Phase::calm) steady_before_ = steady_;
+  phase_ = phase;
+  phase_pitch_ = pitch_;
+  phase_travel_ = 0.0;
+  peak_ = 0.0;
+  steady_ = 0.0;
+  if (phase != Phase::fall) return;
+  const double under = balance_on_run_m(config_.profile, pitch_);
+  balance_ = under;
+  for (std::uint32_t i = 0; i < edge_count_; ++i)
+    if (std::fabs(edges_[i] - under) < kUnderCom_m) balance_ = edges_[i];
+  add_edge(balance_);
+}
+
+/// Rises and falls of the leading end, by curvature: a threshold on the turn rate would depend on speed.
+void ObstacleModes::change_phase(double travel_m) {
+  const double lead = direction_ * curvature_;
+  phase_travel_ += travel_m;
+  if (std::fabs(lead) < config_.leave_rad_m) {
+    if (phase_ != Phase::calm) enter(Phase::calm);
+    steady_ += travel_m;
+    if (steady_ > config_.steady_m) reference_ = pitch_;
+    if (steady_ > config_.settled_m) base_ = pitch_;
+    return;
+  }
+  if (lead > config_.enter_rad_m && phase_ != Phase::rise) enter(Phase::rise);
+  if (lead < -config_.enter_rad_m && phase_ != Phase::fall) enter(Phase::fall);
+  if (phase_ != Phase::rise) return;
+  peak_ = std::max(peak_, lead);
+  if (lead < config_.edge_share * peak_) {  // the leading wheel has come over the edge
+    add_edge(direction_ * config_.profile.half_length_m);
+    peak_ = 0.0;
+  }
+}
+
+void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
+  const TrackProfile& p = config_.profile;
+  const double nose_up = -step.turn_rad.y;
+  const bool ahead = direction_ > 0.0;
+  const double lead = direction_ * curvature_;
+  const double tilt = pitch_ - reference_;
+  double first = kNoEdge;
+  double last = kNoEdge;
+  for (std::uint32_t i = 0; i < edge_count_; ++i) {
+    const double x = direction_ * edges_[i];
+    if (i == 0 || x > first) first = x;
+    if (i == 0 || x < last) last = x;
+  }
+  const Support rear = support_of(p, ahead ? OutlineEnd::rear : OutlineEnd::front, tilt, step.flippers);
+  const Support front = support_of(p, ahead ? OutlineEnd::front : OutlineEnd::rear, tilt, step.flippers);
+  const double rolls = pivot_on_run(rear, tilt, curvature_);
+  const double front_rolls = pivot_on_run(front, tilt, curvature_);
+  const double end = p.half_length_m;
+  const double base_tilt = pitch_ - base_;
+  const double slide = step.travel_m * rt::sincos(tilt).sin;
+  const double base_slide = step.travel_m * rt::sincos(base_tilt).sin;
+  const double values[kPivotIdeas] = {0.0,
+                                      -nose_up * rear.x_m,
+                                      -nose_up * std::clamp(rolls, -end, end),
+                                      edge_count_ > 0 ? -nose_up * direction_ * first : 0.0,
+                                      -nose_up * std::clamp(balance_, -end, end),
+                                      -nose_up * front.x_m,
+                                      -nose_up * std::clamp(front_rolls, -end, end),
+                                      -nose_up * rear.x_m - slide,
+                                      -nose_up * rear.x_m - base_slide,
+                                      -nose_up * front.x_m - base_slide,
+                                      0.0};
+  std::copy(values, values + kPivotIdeas, normals_);
+  // By the smoothed rate: the sign of a single step would rectify its noise.
+  const bool rolls_over = std::fabs(roll_curvature_) > config_.enter_rad_m;
+  const double away = !rolls_over ? 0.0 : roll_curvature_ > 0.0 ? 1.0 : -1.0;
+  sides_[0] = 0.0;
+  sides_[1] = -away * p.half_width_m;  // the side that goes down stays: the other one climbs
+  sides_[2] = away * p.half_width_m;
+  if (phase_ == Phase::rise && direction_ * tilt > kClimbing_rad && std::fabs(step.travel_m) > 0.0) {
+    // Per metre of belt alone: the height is not to shrink with the creep in the smoothed curvature. Where
+    // the curvature changes, its smoothed value is none of the present.
+    const double creep = 1.0 + config_.creep_m_s * step.dt_s / std::fabs(step.travel_m);
+    const double steady = creep * curvature_;
+    const bool changes = std::fabs(nose_up / std::fabs(step.travel_m) - steady) > kChange * std::fabs(steady);
+    const double under = pivot_on_run(rear, tilt, steady);
+    if (!changes && std::fabs(under) < kWellUnder * end)
+      state_.step_height_m = edge_height_m(p, rear, under, tilt);
+  }
+  const auto limited = [](double x, double most) { return std::clamp(x, -most, most); };
+  const double turned = direction_ * (pitch_ - phase_pitch_);
+  const double list[kModeFeatures] = {
+      limited(lead, kFastest_rad_m),
+      limited(direction_ * slow_curvature_, kFastest_rad_m),
+      direction_ * tilt,
+      direction_ * pitch_,
+      turned,
+      limited(phase_travel_, 1.0),
+      peak_ > 0.0 ? lead / peak_ : 1.0,
+      limited(steady_before_, 1.0),
+      first,
+      last,
+      limited(direction_ * rolls, 1.0),
+      direction_ * rate_,
+      limited(roll_rad > 0.0 ? roll_curvature_ : -roll_curvature_, kFastest_rad_m),
+      std::fabs(roll_rad),
+      ahead ? step.flippers.front_rad : step.flippers.rear_rad,
+      ahead ? step.flippers.rear_rad : step.flippers.front_rad,
+      direction_ * base_tilt,
+      limited(steady_, 1.0)};
+  std::copy(list, list + kModeFeatures, features_);
+}
+
+void ObstacleModes::name_mode(const TreeNode& leaf) {
+  const bool rises = phase_ == Phase::rise;
+  const bool ahead = direction_ > 0.0;
+  ObstacleMode mode = ObstacleMode::edge_pivot;
+  if (rises)
+    mode = (features_[static_cast<std::uint32_t>(ModeFeature::tilt)] > -0.05) == ahead
+               ? ObstacleMode::low_rear
+               : ObstacleMode::low_front;
+  state_.mode = static_cast<std::uint32_t>(mode);
+  state_.confidence = 1.0 - std::min(1.0, static_cast<double>(leaf.sigma_m) / config_.profile.half_length_m);
+}
+
+void ObstacleModes::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "obstacle modes")
+      .fixed(config_)
+      .state(curvature_, slow_curvature_, roll_curvature_, rate_, pitch_, reference_, base_, phase_pitch_)
+      .state(phase_travel_, steady_before_, steady_, peak_, balance_, edges_, direction_, phase_)
+      .state(started_, still_, features_, normals_, sides_, state_)
+      .by_hand(edge_count_);
+  archive.bounded(edge_count_, kEdges);
+}
+
+}  // namespace sortie::estimators

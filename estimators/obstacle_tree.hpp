@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A small decision tree over what was felt lately: which idea of the contact fits, and how well it did.
+#pragma once
+
+#include <cstdint>
+
+namespace sortie::estimators {
+
+/// Ideas of how the body moves along its normal while it turns by w. Most name the place on the lower run
+/// that does not move along the normal; the direction of travel is forward (a robot that backs up looks
+/// backwards). Values of TreeNode::idea.
+enum class PivotIdea : std::uint8_t {
+  middle,         ///< the body follows its own axis, as on a plane
+  rear,           ///< the end of the run behind stays where it touches the plane that was left
+  rear_carries,   ///< the rear end rolls on that plane, an edge under the run carries, too: pivot_on_run
+  edge,           ///< about the foremost edge that came under the run
+  balance,        ///< about the edge under the centre of mass, followed since
+  front,          ///< as rear, in front
+  front_carries,  ///< as rear_carries, in front
+  rear_rolls,     ///< the rear end rolls on the plane that was left, whatever the front does
+  rear_base,      ///< the same for the last plane that was driven on for long
+  front_base,     ///< the front end rolls on a plane parallel to that
+  fixed,          ///< about a place that training found
+};
+inline constexpr std::uint32_t kPivotIdeas = 11;
+
+/// Ideas of the same across the body, for roll.
+enum class SideIdea : std::uint8_t { middle, lower, higher };
+
+/// What the tree may ask. Lengths in m, angles in rad, the direction of travel is forward.
+enum class ModeFeature : std::uint8_t {
+  curvature,       ///< nose up per metre of belt, over the last centimetre
+  slow_curvature,  ///< over the last five
+  tilt,            ///< to the plane that was left
+  pitch,           ///< to the horizontal
+  turned,          ///< since this rise or fall began
+  travelled,       ///< since then
+  share,           ///< curvature to its largest of this rise
+  steady,          ///< travel without turning before it
+  edge,            ///< foremost edge under the run; 1 if none
+  last_edge,       ///< rearmost; 1 if none
+  rolls,           ///< pivot of rear_carries before it is limited to the run
+  rate,            ///< nose up per second
+  roll_curvature,  ///< away from level per metre
+  roll,            ///< to the horizontal
+  front_flipper,   ///< angle of the leading flippers
+  rear_flipper,    ///< of the trailing ones
+  base_tilt,       ///< to the last plane that was driven on for long
+  steady_now,      ///< travel without turning until now
+};
+inline constexpr std::uint32_t kModeFeatures = 18;
+
+/// A node: asks feature < bound, goes on at `yes` or `no`; a leaf has yes = 0.
+struct TreeNode {
+  std::uint8_t feature;
+  float bound;
+  std::uint16_t yes;
+  std::uint16_t no;
+  std::uint8_t idea;  ///< of a leaf
+  float place_m;      ///< of the idea `fixed`
+  float sigma_m;      ///< rms of what the idea missed in training, per rad of turn
+  float sigma;        ///< the same per metre of travel
+};
+
+/// Longest way down: bounds the time of a decision.
+inline constexpr std::uint32_t kTreeDepth = 7;
+
+/// Walks down. Cost: at most kTreeDepth comparisons.
+inline const TreeNode& decide(const TreeNode* tree, const double (&features)[kModeFeatures]) {
+  const TreeNode* node = tree;
+  for (std::uint32_t i = 0; i < kTreeDepth && node->yes != 0; ++i)
+    node = tree + (features[node->feature] < static_cast<double>(node->bound) ? node->yes : node->no);
+  return *node;
+}
+
+}  // namespace sortie::estimators

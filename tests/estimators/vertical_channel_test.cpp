@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The vertical channel against a textbook filter, and over a fall that the kinematics do not see.
+#include "estimators/vertical_channel.hpp"
+
+#include <Eigen/Core>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+namespace {
+
+using sortie::estimators::VerticalChannel;
+using sortie::estimators::VerticalChannelConfig;
+using sortie::estimators::VerticalStep;
+
+/// The same filter in matrices of long double, Joseph's form.
+class ChannelTwin {
+ public:
+  using Matrix = Eigen::Matrix<long double, 3, 3>;
+  using Vector = Eigen::Matrix<long double, 3, 1>;
+  explicit ChannelTwin(const VerticalChannelConfig& c) : c_(c), x_(Vector::Zero()), p_(Matrix::Zero()) {
+    p_(1, 1) = 1e-4L;
+    p_(2, 2) = static_cast<long double>(c.acc_bias_m_s2) * c.acc_bias_m_s2;
+  }
+  double update(const VerticalStep& s) {
+    const long double dt = s.dt_s, old = x_(0);
+    Matrix f = Matrix::Identity();
+    f(0, 1) = dt;
+    f(0, 2) = -dt * dt / 2;
+    f(1, 2) = -dt;
+    const long double a = static_cast<long double>(s.force_m_s2) - c_.gravity_m_s2;
+    x_ = f * x_ + Vector(a * dt * dt / 2, a * dt, 0);
+    const long double q = static_cast<long double>(c_.acc_m_s2_rt_hz) * c_.acc_m_s2_rt_hz;
+    Matrix noise = Matrix::Zero();
+    noise(0, 0) = q * dt * dt * dt / 3;
+    noise(0, 1) = noise(1, 0) = q * dt * dt / 2;
+    noise(1, 1) = q * dt;
+    noise(2, 2) = static_cast<long double>(c_.acc_walk_m_s2_rt_s) * c_.acc_walk_m_s2_rt_s * dt;
+    if (began_) {
+      const sortie::rt::Vector3 turned = s.up_body - up_;
+      noise(2, 2) +=
+          static_cast<long double>(c_.acc_tilt_m_s2_rad) * c_.acc_tilt_m_s2_rad * dot(turned, turned);
+    }
+    up_ = s.up_body;
+    began_ = true;
+    p_ = f * p_ * f.transpose() + noise;
+    const long double speed = std::fabs(s.travel_m) / s.dt_s;
+    const long double plane = c_.speed_m_s + c_.speed_share * speed;
+    const long double mode = s.sigma_m / s.dt_s;
+    const long double own =
+        (plane * plane * c_.speed_keeps_s + mode * mode * c_.mode_keeps_m / (speed + 0.02L)) / dt;
+    Vector h(0, 1, 0);
+    const long double missed = s.rise_m / dt + (a - x_(2)) * dt / 2 - x_(1);
+    const long double r = std::max(own, missed * missed / (c_.outlier * c_.outlier) - p_(1, 1));
+    const Vector k = p_ * h / (p_(1, 1) + r);
+    x_ += k * missed;
+    const Matrix keep = Matrix::Identity() - k * h.transpose();
+    p_ = keep * p_ * keep.transpose() + k * r * k.transpose();
+    return static_cast<double>(x_(0) - old);
+  }
+
+ private:
+  VerticalChannelConfig c_;
+  Vector x_;
+  Matrix p_;
+  sortie::rt::Vector3 up_;
+  bool began_{};
+};
+
+}  // namespace
+
+TEST_CASE("The vertical channel agrees with a textbook filter in long double") {
+  const unsigned seed = 31;
+  INFO("seed " << seed);
+  std::mt19937 random(seed);
+  const auto uniform = [&](double most) { return most * (static_cast<double>(random()) / 2147483648.0 - 1); };
+  VerticalChannel channel{VerticalChannelConfig{}};
+  ChannelTwin twin{VerticalChannelConfig{}};
+  double height = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const double pitch = 0.4 * std::sin(0.01 * i);
+    const VerticalStep s{0.01 + 0.005 * (i % 3), 0.002 * (1 + i % 5),
+                         uniform(0.002),         i % 50 < 20 ? 0.001 : 0.0,
+                         9.81 + uniform(0.5),    {std::sin(pitch), 0, std::cos(pitch)}};
+    const double own = channel.update(s);
+    REQUIRE(own == Approx(twin.update(s)).margin(1e-9));
+    height += own;
+  }
+  CHECK(channel.height_m() == Approx(height).margin(1e-9));
+  CHECK(channel.height_variance_m2() > 0);
+}
+
+TEST_CASE("A fall that kinematics miss is felt, and a biased accelerometer costs little") {
+  for (const double bias : {0.0, 0.02, -0.02}) {
+    VerticalChannel channel{VerticalChannelConfig{}};
+    const double dt = 0.01;
+    double z = 0;
+    double v = 0;
+    for (int i = 0; i < 1500; ++i) {
+      // Level for 10 s, then down by 8 cm in half a second (cosine), then level.
+      const double t = dt * i - 10.0;
+      const double pi = 3.14159265358979323846;
+      const double next =
+          t < 0 || t >= 0.5 ? 0.0 : -0.08 * pi * std::sin(2 * pi * t) * std::sin(2 * pi * t) * 4 / pi;
+      const double acceleration = (next - v) / dt;
+      z += 0.5 * (v + next) * dt;
+      v = next;
+      const bool falls = t >= 0 && t < 0.5;
+      static_cast<void>(
+          channel.update({dt, 0.0015, 0.0, falls ? 0.01 : 0.0, 9.81 + bias + acceleration, {0, 0, 1}}));
+    }
+    INFO("bias " << bias);
+    CHECK(z == Approx(-0.08).margin(1e-3));
+    CHECK(channel.height_m() == Approx(z).margin(0.003));
+    CHECK(channel.bias_m_s2() == Approx(bias).margin(0.004));
+  }
+}
+
+TEST_CASE("Without an accelerometer the height is the kinematics'") {
+  VerticalChannel channel{VerticalChannelConfig{}};
+  double sum = 0;
+  for (int i = 0; i < 100; ++i) sum += channel.skip({0.01, 0.001, 1e-4 * i, 0.0, 0.0, {0, 0, 1}});
+  CHECK(channel.height_m() == Approx(sum).margin(1e-15));
+  CHECK(channel.height_variance_m2() > 0);
+}
