@@ -336,7 +336,7 @@ TEST_CASE("a peer that sends no frames but bytes is counted, and the bus goes on
   std::uint64_t sent = 0;
   std::size_t given = 0;
   for (int round = 0; round < 3000; ++round) {
-    Datagram payload(round % 3 == 0 ? CanDatagram::kPayload : random() % 40);
+    Datagram payload(round % 3 == 0 ? CanDatagram::kPayload : static_cast<std::size_t>(random() % 40));
     for (std::uint8_t& byte : payload) byte = static_cast<std::uint8_t>(random() & 0xffu);
     if (round % 6 == 0) {  // often nearly a frame
       payload[0] = payload[1] = payload[5] = 0;
