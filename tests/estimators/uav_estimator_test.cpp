@@ -257,7 +257,7 @@ TEST_CASE("An estimator restored from bytes goes on as the one that was saved") 
   estimator.archive(measure);
   INFO(measure.where() << ": " << measure.why());
   REQUIRE(measure.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(measure.bytes());
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
   rt::Archive out = rt::Archive::writing(bytes);
   estimator.archive(out);
   REQUIRE(out.status() == Status::ok);

@@ -186,7 +186,7 @@ TEST_CASE("A map that was stored and read back goes on as if nothing had happene
         rt::Archive measure = rt::Archive::measuring();
         pass(measure, one);
         REQUIRE(measure.status() == Status::ok);
-        bytes.resize(measure.bytes());
+        bytes.resize(static_cast<std::size_t>(measure.bytes()));
         rt::Archive write = rt::Archive::writing(bytes);
         pass(write, one);
         REQUIRE(write.status() == Status::ok);

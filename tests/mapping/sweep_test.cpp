@@ -239,7 +239,7 @@ TEST_CASE("sweep: no heap, and a keyframe carries it on to the bit") {
   rt::Archive measure = rt::Archive::measuring();
   sweeps.archive(measure);
   REQUIRE(measure.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(measure.bytes());
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
   rt::Archive write = rt::Archive::writing(bytes);
   sweeps.archive(write);
   Sweeps copy(config, other_memory);
