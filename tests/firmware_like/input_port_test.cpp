@@ -57,7 +57,8 @@ TEST_CASE("a consumer that makes room while a sample is being refused gets none 
     }
   });
   std::uint32_t pushed = 0;
-  for (; gate.port.admitted() < 2'000 && pushed < 4'000'000; ++pushed) {
+  const auto has_enough = [&] { return gate.port.admitted() >= 2'000 && gate.stream.refused() > 100; };
+  for (; !has_enough() && pushed < 4'000'000; ++pushed) {
     static_cast<void>(gate.port.push({pushed, pushed}, pushed));
     if (pushed % 256 == 0) std::this_thread::yield();  // where both share a core
   }
