@@ -65,11 +65,13 @@ TEST_CASE("Entropy of every code is that of its probability") {
   const planner::RayModel model{planner::RayModelConfig{}};
   for (int code = -127; code < 128; ++code) {
     const std::uint32_t at = mapping::cell_code(static_cast<std::int8_t>(code));
-    const long double p = 1 / (1 + std::exp(-static_cast<long double>(code * mapping::kLogOddsStep)));
-    const long double q = 1 / (1 + std::exp(static_cast<long double>(code * mapping::kLogOddsStep)));
+    const long double odds = std::exp(static_cast<long double>(code * mapping::kLogOddsStep));
+    const long double p = 1 / (1 + 1 / odds);
+    const long double q = 1 / (1 + odds);
     CHECK(model.probability(at) == Approx(static_cast<double>(p)).epsilon(1e-13));
-    CHECK(model.entropy(at) ==
-          Approx(static_cast<double>(-p * std::log(p) - q * std::log(q))).epsilon(1e-12));
+    // Without cancellation where a long double is no wider than a double.
+    const long double entropy = p * std::log1p(1 / odds) + q * std::log1p(odds);
+    CHECK(model.entropy(at) == Approx(static_cast<double>(entropy)).epsilon(1e-12));
   }
   CHECK(model.probability(mapping::cell_code(mapping::kUnknownCell)) == Approx(1.0 / 12).epsilon(1e-14));
 }
