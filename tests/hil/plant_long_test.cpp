@@ -24,6 +24,7 @@ TEST_CASE("plant: a million random steps stay finite", "[plant][long]") {
 
 TEST_CASE("plant: every drive that is not marginal agrees with the dense solver, its image and 5 ms",
           "[plant][long]") {
+  int judged = 0;
   for (const ProvingDrive& drive : proving_drives()) {
     for (const ContactMode mode : {ContactMode::csm, ContactMode::belt}) {
       const ProvingWay way{1e-3, mode};
@@ -32,8 +33,11 @@ TEST_CASE("plant: every drive that is not marginal agrees with the dense solver,
         continue;
       }
       prove_mirror_image(drive, way);
-      prove_against_dense(drive, way);
-      prove_step_size(drive, way);
+      CAPTURE(drive.name, static_cast<int>(mode));
+      check(prove_against_dense(drive, way));
+      CHECK(prove_step_size(drive, way) < 0.02);
+      ++judged;
     }
   }
+  CHECK(judged >= 10);  // of twelve: one drive may be marginal in both modes
 }

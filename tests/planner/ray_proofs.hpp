@@ -125,7 +125,7 @@ inline BoundResult check_bounds(std::uint64_t first, std::uint64_t last) {
   return result;
 }
 
-inline void report_bounds(const BoundResult& result) {
+inline void check_bounds_hold(const BoundResult& result) {
   INFO("worst share of the best plan: one position " << result.worst_single << ", two " << result.worst_joint
                                                      << "; least certificate " << result.worst_certificate);
   CHECK(result.broken == 0);

@@ -23,7 +23,8 @@ struct LeeGains {
 
 /// Lee's gains of a vehicle by its name.
 LeeGains lee_gains(const char* vehicle);
-/// With an integrator: as strong as the loop bears with a reserve, a fifth of position gain times bandwidth.
+/// With an integrator of half the position gain a second. Not tuned further: a better peer may be hidden
+/// there.
 LeeGains with_integrator(LeeGains gains);
 
 /// One controller. Allocates a vector a call, as its original.

@@ -17,7 +17,8 @@ struct UavPart {
 };
 constexpr UavPart kUavParts[] = {{"peers", measure_uav_peers},         {"stress", measure_uav_stress},
                                  {"estimated", measure_uav_estimated}, {"plant", measure_uav_steps},
-                                 {"rates", measure_uav_sweep},         {"count", measure_uav_count}};
+                                 {"rates", measure_uav_sweep},         {"paths", measure_uav_paths},
+                                 {"count", measure_uav_count}};
 
 int run_uav(int argc, char** argv) {
   UavSettings settings;
@@ -48,7 +49,8 @@ int run_uav(int argc, char** argv) {
     std::cerr << "flying: " << part.name << std::endl;
     part.measure(settings, report);
   }
-  if (!found) throw std::invalid_argument("--only takes peers, stress, estimated, plant, rates or count");
+  if (!found)
+    throw std::invalid_argument("--only takes peers, stress, estimated, plant, rates, paths or count");
   root["load_after"] = load_average();
   std::cout << root.dump() << std::endl;
   return 0;

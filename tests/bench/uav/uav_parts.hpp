@@ -34,6 +34,8 @@ void measure_uav_stress(const UavSettings& settings, Report& report);
 void measure_uav_estimated(const UavSettings& settings, Report& report);
 void measure_uav_steps(const UavSettings& settings, Report& report);
 void measure_uav_sweep(const UavSettings& settings, Report& report);
+/// Ways through a large map: run time, length, memory.
+void measure_uav_paths(const UavSettings& settings, Report& report);
 void measure_uav_count(const UavSettings& settings, Report& report);
 /// The counted child of measure_uav_count().
 int run_counted_pilots();
