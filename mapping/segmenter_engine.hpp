@@ -151,16 +151,16 @@ void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here
   std::uint64_t left = here.cores;
   while (left != 0) {
     std::uint64_t part = left & (~left + 1);
-    std::uint64_t todo = part;
+    std::uint64_t pending = part;
     left ^= part;
-    while (todo != 0 && left != 0) {
-      const unsigned a = lowest(todo);
-      todo = without_lowest(todo);
+    while (pending != 0 && left != 0) {
+      const unsigned a = lowest(pending);
+      pending = without_lowest(pending);
       for (std::uint64_t near = left & reach_.from(a, kHere); near != 0; near = without_lowest(near)) {
         const unsigned b = lowest(near);
         if (!reach_.near(here.at[a], here.at[b]) || !policy_.join(here.voxel[a], here.voxel[b])) continue;
         part |= cell_bit(b);
-        todo |= cell_bit(b);
+        pending |= cell_bit(b);
         left &= ~cell_bit(b);
       }
     }

@@ -86,7 +86,7 @@ void read_lidar(Profile& profile, hil::UgvConfig& config) {
   laser.noise = lidar.noise;
   config.lidar_faults.drop =
       profile.number("hil.lidar.drop", {0, 0, 1, "", "share of scans that are not delivered"});
-  const MapMount mount = read_lidar_mount(profile);
+  const SensorMount mount = read_lidar_mount(profile);
   for (int i = 0; i < 3; ++i) {
     lidar.mount_m[i] = laser.mount_m[i] = mount.place_m[i];
     lidar.mount_ypr_rad[i] = laser.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];
@@ -105,7 +105,7 @@ void read_ssl(Profile& profile, hil::UgvConfig& config) {
   read_noise(profile, "hil.ssl.", ssl.noise);
   config.ssl_faults.drop =
       profile.number("hil.ssl.drop", {0, 0, 1, "", "share of frames that are not delivered"});
-  const SslMount mount = read_ssl_mount(profile);
+  const SensorMount mount = read_ssl_mount(profile);
   for (int i = 0; i < 3; ++i) {
     ssl.mount_m[i] = mount.place_m[i];
     ssl.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];

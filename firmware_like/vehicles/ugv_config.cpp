@@ -52,17 +52,9 @@ estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder) {
   return config;
 }
 
-MapMount read_lidar_mount(Profile& profile) {
-  MapMount mount;
-  const char* place = "place of the lidar on the body";
-  mount.place_m[0] = profile.number("lidar.x_m", {0.05, -10, 10, "m", place});
-  mount.place_m[1] = profile.number("lidar.y_m", {0, -10, 10, "m", place});
-  mount.place_m[2] = profile.number("lidar.z_m", {0.45, -10, 10, "m", place});
-  const char* turn = "turn of the lidar on the body";
-  mount.yaw_pitch_roll_rad[0] = profile.number("lidar.yaw_deg", {0, -360, 360, "deg", turn}) * kDegree;
-  mount.yaw_pitch_roll_rad[1] = profile.number("lidar.pitch_deg", {0, -90, 90, "deg", turn}) * kDegree;
-  mount.yaw_pitch_roll_rad[2] = profile.number("lidar.roll_deg", {0, -180, 180, "deg", turn}) * kDegree;
-  return mount;
+SensorMount read_lidar_mount(Profile& profile) {
+  return read_mount(profile, "lidar", 0.05, "place of the lidar on the body",
+                    "turn of the lidar on the body");
 }
 
 MapConfig read_map_config(VehicleBuilder& builder) {
@@ -87,7 +79,7 @@ MapConfig read_map_config(VehicleBuilder& builder) {
       profile.integer("limits.scan_buffers", {4, 2, 64, "scans", "pooled buffers; a job takes up to half"}));
   config.scan_points = static_cast<std::uint32_t>(profile.integer(
       "limits.scan_points", {32'768, 1, 1 << 22, "points", "of one scan; a larger one is refused whole"}));
-  const MapMount mount = read_lidar_mount(profile);
+  const SensorMount mount = read_lidar_mount(profile);
   config.p_body_sensor = rt::to_vector(mount.place_m);
   config.q_body_sensor = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
                                                  mount.yaw_pitch_roll_rad[2]);

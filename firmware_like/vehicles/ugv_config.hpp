@@ -5,6 +5,7 @@
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/sensor_mount.hpp"
 #include "mapping/voxel_grid.hpp"
 #include "rt/rotation.hpp"
 
@@ -21,12 +22,8 @@ struct MapConfig {
   rt::Nanoseconds max_pose_age_ns{};
 };
 
-/// Where a lidar sits on the body: [lidar].
-struct MapMount {
-  double place_m[3]{};
-  double yaw_pitch_roll_rad[3]{};
-};
-MapMount read_lidar_mount(Profile& profile);
+/// Where the lidar sits on the body: [lidar].
+SensorMount read_lidar_mount(Profile& profile);
 
 /// Readers of [attitude], [odometry], and [map] with [limits]. Throw ProfileError.
 estimators::AttitudeConfig read_attitude_config(VehicleBuilder& builder);

@@ -9,17 +9,9 @@
 
 namespace sortie::firmware {
 
-SslMount read_ssl_mount(Profile& profile) {
-  SslMount mount;
-  const char* place = "place of the solid-state lidar on the body";
-  mount.place_m[0] = profile.number("ssl.x_m", {0.2, -10, 10, "m", place});
-  mount.place_m[1] = profile.number("ssl.y_m", {0, -10, 10, "m", place});
-  mount.place_m[2] = profile.number("ssl.z_m", {0.45, -10, 10, "m", place});
-  const char* turn = "turn of the solid-state lidar on the body";
-  mount.yaw_pitch_roll_rad[0] = profile.number("ssl.yaw_deg", {0, -360, 360, "deg", turn}) * kDegree;
-  mount.yaw_pitch_roll_rad[1] = profile.number("ssl.pitch_deg", {0, -90, 90, "deg", turn}) * kDegree;
-  mount.yaw_pitch_roll_rad[2] = profile.number("ssl.roll_deg", {0, -180, 180, "deg", turn}) * kDegree;
-  return mount;
+SensorMount read_ssl_mount(Profile& profile) {
+  return read_mount(profile, "ssl", 0.2, "place of the solid-state lidar on the body",
+                    "turn of the solid-state lidar on the body");
 }
 
 UgvSsl::UgvSsl(VehicleBuilder& builder) {

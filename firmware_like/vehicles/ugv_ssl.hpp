@@ -4,16 +4,13 @@
 
 #include "drivers/ssl_port.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/sensor_mount.hpp"
 #include "planner/ray_stride.hpp"
 
 namespace sortie::firmware {
 
-/// Where a solid-state lidar sits on the body: [ssl].
-struct SslMount {
-  double place_m[3]{};
-  double yaw_pitch_roll_rad[3]{};
-};
-SslMount read_ssl_mount(Profile& profile);
+/// Where the solid-state lidar sits on the body: [ssl].
+SensorMount read_ssl_mount(Profile& profile);
 
 /// What the task puts out.
 struct SslOutput {
