@@ -71,8 +71,7 @@ StopReason Master::judge(rt::Nanoseconds now_ns) noexcept {
       if (drive.phase() != DrivePhase::operational) return StopReason::not_ready;
       continue;
     }
-    if (drive.phase() != DrivePhase::operational || drive.counters().set_ups != lives_[i])
-      return StopReason::drive_lost;
+    if (drive.phase() != DrivePhase::operational) return StopReason::drive_lost;
     if (drive.counters().emergencies != emergencies_[i]) return StopReason::drive_emergency;
     ran_[i] = ran_[i] || drive.running();
     const bool must_run = ran_[i] || now_ns - run_ns_ > config_.start_timeout_ns;
@@ -98,7 +97,6 @@ void Master::decide(rt::Nanoseconds now_ns) noexcept {
     reason_ = StopReason::none;
     for (std::size_t i = 0; i < drives_.size(); ++i) {
       ran_[i] = false;
-      lives_[i] = drives_[i].counters().set_ups;
       emergencies_[i] = drives_[i].counters().emergencies;
     }
   } else if (!running_ && asked_) {

@@ -105,7 +105,6 @@ class Master {
   MasterConfig config_;
   std::vector<Drive> drives_;
   std::array<std::int32_t, kMaxDrives> targets_{};
-  std::array<std::uint64_t, kMaxDrives> lives_{};        // set-ups at the start of the run
   std::array<std::uint64_t, kMaxDrives> emergencies_{};  // known at the start of the run
   std::array<bool, kMaxDrives> ran_{};                   // since the start of the run
   bool armed_{};

@@ -76,7 +76,8 @@ void CanopenNode::set_power(bool on) noexcept {
   enter(DriveState::switch_on_disabled);
 }
 
-void CanopenNode::fail(std::uint16_t code) noexcept {
+void CanopenNode::fail(std::uint16_t code, int stubborn) noexcept {
+  stubborn_ = stubborn;
   enter(DriveState::fault);
   emergency(code);
 }
@@ -186,7 +187,7 @@ void CanopenNode::obey(std::uint16_t control) noexcept {
   const bool reset = (control & 0x80u) != 0 && (last_control_ & 0x80u) == 0;
   last_control_ = control;
   if (state_ == DriveState::fault) {
-    if (!reset) return;
+    if (!reset || stubborn_-- > 0) return;
     enter(DriveState::switch_on_disabled);
     emergency(0);
     return;

@@ -57,7 +57,8 @@ class CanopenNode {
   // Faults to inject.
   void set_power(bool on) noexcept;                    ///< off: silent, forgets all; on: boots
   void set_mute(bool mute) noexcept { mute_ = mute; }  ///< hears, but sends nothing
-  void fail(std::uint16_t code) noexcept;              ///< a fault of the drive, with its emergency
+  /// A fault of the drive, with its emergency; the first `stubborn` resets come too early.
+  void fail(std::uint16_t code, int stubborn = 0) noexcept;
 
  private:
   void boot() noexcept;
@@ -82,6 +83,7 @@ class CanopenNode {
   rt::Nanoseconds next_heartbeat_ns_{};
   rt::Nanoseconds master_heard_ns_{};
   bool master_known_{};  // heard since the consumer was set
+  int stubborn_{};
   bool powered_{true};
   bool booted_{};
   bool mute_{};

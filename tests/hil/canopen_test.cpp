@@ -145,6 +145,36 @@ TEST_CASE("canopen: a fault stops the others within a cycle and is reset only wh
   CHECK(rig.master().drive(2).emergency().code == 0);
 }
 
+TEST_CASE("canopen: a reset that comes too early is asked for again, with a new edge") {
+  CanopenRig rig;
+  REQUIRE(rig.bring_up());
+  rig.node(2).fail(0x3210, 3);  // the voltage is still too high for the first three
+  rig.run(300);
+  rig.armed_ = false;
+  rig.run(10);
+  rig.armed_ = true;
+  rig.run(300);
+  CHECK(rig.node(2).state() == DriveState::operation_enabled);
+  CHECK(rig.master().running());
+}
+
+TEST_CASE("canopen: the bus carries no speed while the drives are not to run") {
+  CanopenRig rig;
+  REQUIRE(rig.bring_up());
+  rig.armed_ = false;
+  rig.run(20);
+  const std::size_t from = rig.seen().size();
+  rig.run(500);
+  int commands = 0;
+  for (std::size_t i = from; i < rig.seen().size(); ++i) {
+    const drivers::CanFrame& frame = rig.seen()[i];
+    if (frame.id != 0x201 && frame.id != 0x202) continue;
+    ++commands;
+    CHECK(drivers::canopen::read_le(frame, 2, 4) == 0);
+  }
+  CHECK(commands > 90);
+}
+
 TEST_CASE("canopen: a fault soon after the start stops the others as one later does") {
   CanopenRig rig;
   REQUIRE(rig.bring_up());
