@@ -118,8 +118,10 @@ constexpr std::int64_t read_can_field(const CanFrame& frame, const CanFieldSpec&
   for (unsigned i = 0; i < field.bytes; ++i) {
     raw |= static_cast<std::uint64_t>(frame.data[field.first_byte + i]) << (8u * i);
   }
-  const std::uint64_t sign = std::uint64_t{1} << (8u * field.bytes - 1u);
-  if (field.is_signed && (raw & sign) != 0) raw |= ~(sign * 2u - 1u);
+  if (field.is_signed && field.bytes > 0) {
+    const std::uint64_t sign = std::uint64_t{1} << (8u * field.bytes - 1u);
+    if ((raw & sign) != 0) raw |= ~(sign * 2u - 1u);
+  }
   return static_cast<std::int64_t>(raw);
 }
 

@@ -13,7 +13,6 @@ using canopen::NmtState;
 
 namespace {
 
-constexpr int kMaxFramesPerStep = 64;
 constexpr std::uint16_t kHeartbeatError = 0x8130;  // emergency: life guard or heartbeat
 constexpr std::uint16_t kPdoLength = 0x8210;       // emergency: a PDO was too short
 constexpr std::uint16_t kAbortVoltage = 2;         // of kAbortOption: no torque at once
@@ -33,22 +32,22 @@ CanopenNode::CanopenNode(std::uint8_t node, drivers::CanBus& port)
     throw std::runtime_error("hil canopen: a node's number lies in 1 to 127");
 }
 
-void CanopenNode::step(rt::Nanoseconds now_ns, const MotorState& motor) noexcept {
-  drivers::CanFrame frame;
-  if (!powered_) {
-    for (int i = 0; i < kMaxFramesPerStep && port_->receive(frame) == Status::ok; ++i) {
-    }
-    return;
-  }
-  if (!booted_) boot();
+void CanopenNode::show(const MotorState& motor) noexcept {
   objects_.set(canopen::kPositionActual, 0, static_cast<std::uint32_t>(motor.position));
   objects_.set(canopen::kVelocityActual, 0, static_cast<std::uint32_t>(motor.velocity));
   objects_.set(canopen::kTorqueActual, 0, static_cast<std::uint16_t>(motor.torque));
   if (state_ == DriveState::quick_stop && motor.velocity == 0) enter(DriveState::switch_on_disabled);
-  for (int i = 0; i < kMaxFramesPerStep && port_->receive(frame) == Status::ok; ++i) {
-    ++counters_.received;
-    take(frame, now_ns);
-  }
+}
+
+void CanopenNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
+  if (!powered_ || !booted_) return;
+  ++counters_.received;
+  take(frame, now_ns);
+}
+
+void CanopenNode::step(rt::Nanoseconds now_ns) noexcept {
+  if (!powered_) return;
+  if (!booted_) boot();
   watch_master(now_ns);
   const auto period = static_cast<rt::Nanoseconds>(objects_.value(0x1017)) * rt::kNanosecondsPerMillisecond;
   if (period > 0 && now_ns >= next_heartbeat_ns_) {

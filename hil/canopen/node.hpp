@@ -38,15 +38,19 @@ struct CanopenNodeCounters {
   std::uint64_t boots{};
 };
 
-/// One drive, on a port of its own. No heap, one thread.
+/// One drive. It sends by a port that it may share with others. No heap, one thread.
 class CanopenNode {
  public:
   /// Throws std::runtime_error for a number outside 1 to 127.
   CanopenNode(std::uint8_t node, drivers::CanBus& port);
 
-  /// Takes what has come and sends what is due, as of `now_ns`. At most 64 frames a call. `motor`: what the
-  /// motor shows now; a standing motor ends a quick stop.
-  void step(rt::Nanoseconds now_ns, const MotorState& motor) noexcept;
+  // One moment: show(), hear() every frame that has come, step().
+  /// What the motor shows now; a standing motor ends a quick stop.
+  void show(const MotorState& motor) noexcept;
+  /// Takes a frame of the bus.
+  void hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
+  /// Boots after power-on, watches the master, sends the heartbeat.
+  void step(rt::Nanoseconds now_ns) noexcept;
   const MotorCommand& command() const noexcept { return command_; }
 
   drivers::canopen::NmtState nmt() const noexcept { return nmt_; }

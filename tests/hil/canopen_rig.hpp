@@ -53,7 +53,10 @@ class CanopenRig {
       }
       for (std::size_t k = 0; k < nodes_.size(); ++k) {
         move(motors_[k], nodes_[k]->command());
-        nodes_[k]->step(now_, motors_[k]);
+        nodes_[k]->show(motors_[k]);
+        drivers::CanFrame frame;
+        while (ports_[k]->receive(frame) == Status::ok) nodes_[k]->hear(frame, now_);
+        nodes_[k]->step(now_);
       }
       stub_.advance(now_);
       drivers::CanFrame frame;
