@@ -44,14 +44,16 @@ std::int32_t increments(double value, double per_unit) {
 
 std::int64_t IncrementCount::add(std::int32_t reading) noexcept {
   // The difference of unsigned numbers wraps as the counter does.
-  const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(reading) - static_cast<std::uint32_t>(last_));
+  const auto moved =
+      static_cast<std::int32_t>(static_cast<std::uint32_t>(reading) - static_cast<std::uint32_t>(last_));
   if (begun_) total_ += moved;
   begun_ = true;
   last_ = reading;
   return total_;
 }
 
-UgvDrives::UgvDrives(const UgvDrivesConfig& config) : config_(config), master_(config.master, drives_of(config)) {}
+UgvDrives::UgvDrives(const UgvDrivesConfig& config)
+    : config_(config), master_(config.master, drives_of(config)) {}
 
 Status UgvDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept {
   if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
@@ -84,7 +86,8 @@ void UgvDrives::pass_on(rt::Nanoseconds now_ns) noexcept {
 bool UgvDrives::all_read(std::size_t first, std::size_t count) const noexcept {
   for (std::size_t i = first; i < first + count; ++i) {
     const Drive& drive = master_.drive(i);
-    if (drive.phase() != DrivePhase::operational || drive.reading().stamp_ns < master_.sync_ns()) return false;
+    if (drive.phase() != DrivePhase::operational || drive.reading().stamp_ns < master_.sync_ns())
+      return false;
   }
   return true;
 }
@@ -94,8 +97,10 @@ Status UgvDrives::read(rt::TrackSample& sample) noexcept {
   tracks_ns_ = master_.sync_ns();
   sample = {};
   sample.stamp_ns = tracks_ns_;
-  sample.left_m = static_cast<double>(travel_[0].add(master_.drive(0).reading().position)) / config_.increments_per_m;
-  sample.right_m = static_cast<double>(travel_[1].add(master_.drive(1).reading().position)) / config_.increments_per_m;
+  sample.left_m =
+      static_cast<double>(travel_[0].add(master_.drive(0).reading().position)) / config_.increments_per_m;
+  sample.right_m =
+      static_cast<double>(travel_[1].add(master_.drive(1).reading().position)) / config_.increments_per_m;
   return Status::ok;
 }
 

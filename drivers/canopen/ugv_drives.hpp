@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ground robot's drives on CANopen: two tracks by velocity, four flippers by position. Commands in, samples
-// out, in the units of the rest of the program.
+// The ground robot's drives on CANopen: two tracks by velocity, four flippers by position. Commands in,
+// samples out, in the units of the rest of the program.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace sortie::drivers::canopen {
 
 /// Which nodes these are, and what their increments are worth.
 struct UgvDrivesConfig {
-  std::array<std::uint8_t, 2> track_nodes{1, 2};  ///< left, right
+  std::array<std::uint8_t, 2> track_nodes{1, 2};                          ///< left, right
   std::array<std::uint8_t, rt::kFlippers> flipper_nodes{11, 12, 13, 14};  ///< in the order of rt::Flipper
   bool flippers = true;
   double increments_per_m = 10'000.0;
@@ -51,7 +51,8 @@ class UgvDrives {
   bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept { return master_.take(frame, now_ns); }
   void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept { master_.poll(now_ns, bus); }
 
-  /// What both tracks (all flippers) showed at the same SYNC, stamped with it. Status: ok; empty: nothing new.
+  /// What both tracks (all flippers) showed at the same SYNC, stamped with it. Status: ok; empty: nothing
+  /// new.
   [[nodiscard]] Status read(rt::TrackSample& sample) noexcept;
   [[nodiscard]] Status read(rt::FlipperSample& sample) noexcept;
 

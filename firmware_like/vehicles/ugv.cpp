@@ -185,6 +185,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
       devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
     }
   }
+  if (canopen_ && canopen_->take(frame, now_ns)) return;
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
   // A full stream counts its refusals.

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "drivers/can_codec.hpp"
+#include "drivers/canopen/ugv_drives.hpp"
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
@@ -39,7 +40,10 @@ class Ugv final : public Vehicle {
   void add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency);
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
+  void add_canopen(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
+  void send_canopen(drivers::CanBus& can, const rt::DriveCommand* command, const rt::FlipperCommand* flippers,
+                    rt::Nanoseconds now_ns);
   bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
   void add_map(VehicleBuilder& builder);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
@@ -81,6 +85,7 @@ class Ugv final : public Vehicle {
   std::uint64_t scans_unplaced_{};
   // Devices.
   drivers::CanSampleDecoder decoder_;
+  std::unique_ptr<drivers::canopen::UgvDrives> canopen_;  ///< null: the drives speak the robot's own frames
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};

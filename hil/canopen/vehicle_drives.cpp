@@ -32,7 +32,8 @@ void VehicleDrives::show(const VehicleBody& body) noexcept {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     MotorState motor;
     if (i < kTracks) {
-      motor.position = wrapped((i == 0 ? body.motion().left_m : body.motion().right_m) * config_.increments_per_m);
+      motor.position =
+          wrapped((i == 0 ? body.motion().left_m : body.motion().right_m) * config_.increments_per_m);
     } else {
       motor.position = wrapped(flippers.angle_rad[i - kTracks] * config_.increments_per_rad);
       const double share = 1000.0 * flippers.torque_n_m[i - kTracks] / config_.rated_torque_n_m;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The simulated ground vehicle's drives on CANopen: two for the belts, four for the flippers, on one connector.
+// The simulated ground vehicle's drives on CANopen: two for the belts, four for the flippers, on one
+// connector.
 #pragma once
 
 #include <array>
