@@ -211,7 +211,7 @@ TEST_CASE("canopen: without the bus every drive stops, and all come back with it
   CHECK(rig.motor(0).velocity == 5000);
 }
 
-TEST_CASE("canopen: stale targets stop the drives; the emergency stop does, and holds until released") {
+TEST_CASE("canopen: stale targets stop the drives, and so does the emergency stop until released") {
   CanopenRig rig;
   REQUIRE(rig.bring_up());
   rig.commands_ = false;
@@ -272,7 +272,7 @@ TEST_CASE("canopen: a drive without an object that the safe stop needs is refuse
   CHECK(rig.master().stop_reason() == StopReason::not_ready);
 }
 
-TEST_CASE("canopen: lost and destroyed frames are survived; the drives run on") {
+TEST_CASE("canopen: lost and destroyed frames are survived, and the drives run on") {
   drivers::CanStubConfig bus;
   bus.seed = 77;
   bus.faults.wire_error = 0.02;
