@@ -17,8 +17,8 @@
 
 namespace sortie::firmware {
 
-/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map. Each part is
-/// left out with [tasks.NAME] enabled = false, and then has no memory.
+/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map ->
+/// occupancy -> ssl. Each part is left out with [tasks.NAME] enabled = false, and then has no memory.
 class Ugv final : public Vehicle {
  public:
   explicit Ugv(VehicleBuilder& builder);
@@ -41,7 +41,9 @@ class Ugv final : public Vehicle {
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
   bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
-  void add_map(VehicleBuilder& builder);
+  void add_map(VehicleBuilder& builder, rt::GroupId group);
+  void add_pose_input(VehicleBuilder& builder, rt::GroupId group);
+  void add_ssl(VehicleBuilder& builder, rt::GroupId group);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
   void insert_scan(const rt::PointScan& scan, rt::Tick tick);
 
