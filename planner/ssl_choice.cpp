@@ -42,6 +42,7 @@ Status SslChoice::begin(const mapping::OccupancyView& map, std::span<const mappi
                         std::uint32_t passed) {
   planning_ = false;
   if (config_.policy != SslPolicy::scheduled) return Status::ok;
+  planned_ -= std::min(planned_, passed);
   if (!usable_) return Status::out_of_range;
   const Status status = scheduler_->begin(map, poses, passed);
   planning_ = status == Status::ok;
@@ -55,11 +56,13 @@ void SslChoice::choose(rt::Nanoseconds stamp_ns, rt::SslCommand& command) {
   command.stamp_ns = stamp_ns;
   command.rays = rays_;
   ++number_;
-  if (planning_) {
-    command.number = number_;
+  command.number = number_;
+  if (planning_) planned_ = std::max(planned_, scheduler_->plan().planned);
+  const bool chosen = planning_ && planned_ > 0;
+  planning_ = false;
+  if (chosen) {
     const std::span<const std::uint16_t> rays = scheduler_->rays(0);
     std::copy(rays.begin(), rays.end(), command.direction);
-    planning_ = false;
     return;
   }
   if (config_.policy == SslPolicy::grid) {
@@ -106,7 +109,7 @@ void SslChoice::fill_random(rt::SslCommand& command) const {
 void SslChoice::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ssl choice")
       .fixed(config_, rays_, usable_)
-      .state(stride_, number_, unplanned_)
+      .state(stride_, number_, planned_, unplanned_)
       .by_hand(scheduler_)
       .scratch(planning_);
   archive.expect(scheduler_.has_value() ? 1 : 0, "rays are chosen in another way");

@@ -48,10 +48,12 @@ class SslChoice {
   /// Spends at most `units`; returns what was spent. done(): more units change nothing.
   std::uint64_t step(std::uint64_t units);
   bool done() const { return !planning_ || scheduler_->done(); }
-  /// The plan that choose() takes its rays from; null where none was made for this command.
+  /// The plan for this command; null where none was begun.
   const RayPlan* plan() const { return planning_ ? &scheduler_->plan() : nullptr; }
 
-  /// min(K, kSslMaxRays) different rays, numbered on. The map may change again afterwards.
+  /// min(K, kSslMaxRays) different rays, numbered on. The map may change again afterwards. Where too few
+  /// units were spent for any stage, and no earlier plan reaches here, the scheduler's seed is the same
+  /// pattern each time and would show nothing new: strides are asked for then.
   void choose(rt::Nanoseconds stamp_ns, rt::SslCommand& command);
 
   /// Commands that were to be scheduled, but had no plan.
@@ -67,6 +69,7 @@ class SslChoice {
   RayStride stride_;
   std::uint32_t rays_{};
   std::uint32_t number_{};
+  std::uint32_t planned_{};  // positions from the next one on that a stage has planned
   std::uint64_t unplanned_{};
   bool usable_{};
   bool planning_{};

@@ -39,7 +39,7 @@ void UgvSsl::add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSour
                                                          alignof(std::max_align_t)));
   std::tie(returns_, port_) = builder.stream<rt::SslReturns>(group, std::string(drivers::kChannelSsl), 8, 4);
   outlet_ = builder.outlet<rt::SslCommand>("ssl", 4);
-  const TaskDefaults defaults{schedules() ? 10'000.0 : 100.0, rt::Criticality::b, settings_.units};
+  const TaskDefaults defaults{schedules() ? 30'000.0 : 100.0, rt::Criticality::b, settings_.units};
   const rt::Task<SslOutput>* task =
       builder.task<SslOutput>(group, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
         for (const rt::SslReturns& returns : *returns_) take(returns, output);

@@ -14,7 +14,7 @@ SensorMount read_ssl_mount(Profile& profile) {
 
 SslSettings read_ssl_settings(Profile& profile) {
   SslSettings settings;
-  settings.units = 500'000;
+  settings.units = 2'000'000;
   planner::SslChoiceConfig& choice = settings.choice;
   const std::string policy = profile.text("ssl.policy", "scheduled",
                                           "who says which rays are fired: the scheduler over a map, the same "

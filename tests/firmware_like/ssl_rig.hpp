@@ -130,7 +130,7 @@ inline firmware::VehicleRegistry standing_vehicles() {
 inline std::string standing_scene(const TempFolder& folder) {
   return folder.write("standing.toml",
                       "[scene]\nname = \"standing\"\nvehicle = \"standing\"\n"
-                      "[tasks]\nssl = { units = 60000 }\n"
+                      "[tasks]\nssl = { units = 400000 }\n"
                       "[ssl]\nrays = 50\npositions = 3\nrange_m = 12\n"
                       "[occupancy]\nwindow_x_m = 19.2\nwindow_y_m = 12.8\nwindow_z_m = 3.2\n"
                       "max_range_m = 12\nsilent_free_m = 12\n");

@@ -75,7 +75,7 @@ TEST_CASE("Every policy gives commands that can be fired, numbered on, whatever 
         REQUIRE(command.stamp_ns == 77);
         REQUIRE(fires(command, std::min(rays, 256u)));
       }
-      CHECK(owned.choice.unplanned() == 0);
+      CHECK(owned.choice.unplanned() == (policy == SslPolicy::scheduled ? 3 : 0));
     }
   }
 }
@@ -111,9 +111,10 @@ TEST_CASE("What is asked for is the plan for the next position, also when nothin
   const SslChoiceConfig config = choice_config(SslPolicy::scheduled);
   OwnedChoice owned(config);
   sortie::tests::OwnedScheduler twin(config.scheduler);
-  for (int job = 0; job < 12; ++job) {
-    const std::uint64_t units = job % 4 == 0 ? 0 : 40'000u * static_cast<unsigned>(job);
-    const std::uint32_t passed = job == 5 ? 2 : 1;
+  for (int job = 1; job < 13; ++job) {
+    // The plan before reaches one command further.
+    const std::uint64_t units = job % 4 == 0 ? 0 : 3'000'000u;
+    const std::uint32_t passed = job % 2 == 0 ? 1 : 2;
     REQUIRE(owned.choice.begin(map.map.view(), kChoicePoses, passed) == Status::ok);
     REQUIRE(twin.scheduler.begin(map.map.view(), kChoicePoses, passed) == Status::ok);
     for (std::uint64_t spent = 0; spent < units; spent += 5000) (void)owned.choice.step(5000);
@@ -131,6 +132,7 @@ TEST_CASE("What is asked for is the plan for the next position, also when nothin
       (void)map.map.update_ray(from, from + 3.0 * way, ray % 3 != 0);
     }
   }
+  CHECK(owned.choice.unplanned() == 0);
   // No pose: strides, and the next plan is as good as ever.
   const double nan = std::nan("");
   const mapping::SensorPose nowhere{{nan, 0, 0}, {}};
@@ -140,6 +142,23 @@ TEST_CASE("What is asked for is the plan for the next position, also when nothin
   owned.choice.choose(0, command);
   CHECK(fires(command, 50));
   CHECK(owned.choice.unplanned() == 1);
+}
+
+TEST_CASE("Without units strides are asked for when the last plan is used up, not one pattern for ever") {
+  sortie::tests::RayMap map(choice_map_config());
+  OwnedChoice owned(choice_config(SslPolicy::scheduled));
+  REQUIRE(owned.choice.begin(map.map.view(), kChoicePoses, 1) == Status::ok);
+  (void)owned.choice.step(3'000'000);
+  std::set<std::vector<std::uint16_t>> commands;
+  for (std::uint32_t job = 0; job < 20; ++job) {
+    rt::SslCommand command;
+    owned.choice.choose(0, command);
+    REQUIRE(fires(command, 50));
+    commands.insert({command.direction, command.direction + 50});
+    CHECK(owned.choice.unplanned() == (job < 2 ? 0 : job - 1));
+    REQUIRE(owned.choice.begin(map.map.view(), kChoicePoses, 1) == Status::ok);
+  }
+  CHECK(commands.size() == 20);
 }
 
 TEST_CASE("A grid is even, and chance is fair") {
@@ -203,7 +222,7 @@ TEST_CASE("A choice goes on from its bytes as from where they were taken") {
       for (int i = 0; i < 2; ++i) {
         SslChoice& choice = i == 0 ? owned.choice : restored.choice;
         REQUIRE(choice.begin(map.map.view(), kChoicePoses, 1) == Status::ok);
-        (void)choice.step(job % 2 == 0 ? 3'000 : 90'000);
+        (void)choice.step(job % 2 == 0 ? 3'000 : 3'000'000);
         choice.choose(job, commands[i]);
       }
       CHECK(same_rays(commands[0], commands[1]));
