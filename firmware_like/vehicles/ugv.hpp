@@ -25,6 +25,7 @@ class Ugv final : public Vehicle {
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   drivers::ScanSink* scan_sink() override { return scan_port_; }
+  UnitTrial try_units() const override { return ssl_ ? ssl_->try_units() : UnitTrial{}; }
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }

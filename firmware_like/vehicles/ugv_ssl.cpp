@@ -40,19 +40,18 @@ void UgvSsl::add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSour
   std::tie(returns_, port_) = builder.stream<rt::SslReturns>(group, std::string(drivers::kChannelSsl), 8, 4);
   outlet_ = builder.outlet<rt::SslCommand>("ssl", 4);
   const TaskDefaults defaults{schedules() ? 30'000.0 : 100.0, rt::Criticality::b, settings_.units};
-  const rt::Task<SslOutput>* task =
-      builder.task<SslOutput>(group, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
-        for (const rt::SslReturns& returns : *returns_) take(returns, output);
-        if (schedules()) plan(context, output);
-        rt::SslCommand command;
-        choice_->choose(context.due_ns, command);
-        output.asked = command.number;
-        output.rays_digest = rt::digest_bytes(command.direction, command.rays * sizeof(command.direction[0]));
-        output.unplanned = choice_->unplanned();
-        outlet_->put(command, context.due_ns);
-      });
-  builder.remembers(task, *choice_, planned_job_);
-  add_counters(builder, task);
+  task_ = builder.task<SslOutput>(group, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
+    for (const rt::SslReturns& returns : *returns_) take(returns, output);
+    if (schedules()) plan(context, output);
+    rt::SslCommand command;
+    choice_->choose(context.due_ns, command);
+    output.asked = command.number;
+    output.rays_digest = rt::digest_bytes(command.direction, command.rays * sizeof(command.direction[0]));
+    output.unplanned = choice_->unplanned();
+    outlet_->put(command, context.due_ns);
+  });
+  builder.remembers(task_, *choice_, planned_job_);
+  add_counters(builder, task_);
 }
 
 void UgvSsl::add_occupancy(VehicleBuilder& builder, rt::GroupId group) {
@@ -95,6 +94,15 @@ void UgvSsl::add_counters(VehicleBuilder& builder, const rt::Task<SslOutput>* ta
   if (!schedules()) return;
   builder.counter("ssl_unplaced", [task] { return task->value().unplaced; });
   builder.counter("ssl_unplanned", [task] { return task->value().unplanned; });
+}
+
+UnitTrial UgvSsl::try_units() const {
+  if (!schedules()) return {};
+  UnitTrial trial = try_ray_units(settings_.choice, map_settings_.map);
+  trial.task = "ssl";
+  trial.units = task_->spec().units;
+  trial.budget_us = task_->spec().budget_us;
+  return trial;
 }
 
 void UgvSsl::take_poses() {

@@ -60,6 +60,9 @@ class UgvSsl {
   /// Declares stream, tasks and outlet. Throws ProfileError.
   void add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSources& sources);
 
+  /// Times a unit of the scheduler on this machine; nothing where rays are not scheduled.
+  UnitTrial try_units() const;
+
   /// I/O thread: commands that are due go to the device and into the log, frames come in.
   void poll(const Devices& devices, rt::Nanoseconds now_ns);
 
@@ -77,6 +80,7 @@ class UgvSsl {
   SslSources sources_;
   rt::Vector3 p_body_ssl_;
   rt::Quaternion q_body_ssl_;
+  const rt::Task<SslOutput>* task_{};
   rt::Stream<rt::SslReturns>* returns_{};
   InputPort<rt::SslReturns>* port_{};
   Outlet<rt::SslCommand>* outlet_{};

@@ -190,4 +190,24 @@ TEST_CASE("a scene without a solid-state lidar has no map for it, nor keys") {
   CHECK(mentions(refusal("ugv_ssl", "tasks.odometry.enabled=false"), "needs poses"));
 }
 
+TEST_CASE("units that do not fit into their budget are told with those that would") {
+  firmware::UnitTrial trial{"ssl", 4.0, 1'000'000, 4000.0};
+  CHECK(firmware::unit_warning(trial).empty());
+  trial.ns_per_unit = 8.0;
+  const std::string warning = firmware::unit_warning(trial);
+  CHECK(mentions(warning, "1000000 units of task ssl take about 8000 us"));
+  CHECK(mentions(warning, "--set tasks.ssl.units=500000"));
+  trial.task.clear();
+  CHECK(firmware::unit_warning(trial).empty());
+  // The vehicle tries where it schedules, and nowhere else.
+  const firmware::Runtime with(firmware::load_scene("ugv_ssl", {}), firmware::own_vehicles(), {});
+  const firmware::UnitTrial tried = with.vehicle().try_units();
+  CHECK(tried.task == "ssl");
+  CHECK(tried.units == 2'000'000);
+  CHECK(tried.ns_per_unit > 0.0);
+  const firmware::Runtime without(firmware::load_scene("ugv_ssl", {"ssl.policy=\"grid\""}),
+                                  firmware::own_vehicles(), {});
+  CHECK(without.vehicle().try_units().task.empty());
+}
+
 }  // namespace sortie::testing
