@@ -14,6 +14,7 @@
 #include "firmware_like/log_clock.hpp"
 #include "firmware_like/parameter_desk.hpp"
 #include "firmware_like/telemetry.hpp"
+#include "firmware_like/unit_trial.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
@@ -75,7 +76,8 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   // Locked now, because locking takes long; the workers ask again and tell what was refused.
   const bool locks = !options.virtual_time && options.realtime;
   if (locks) static_cast<void>(rt::posix::lock_memory());
-  const UnitTrial trial = options.virtual_time ? UnitTrial{} : runtime.vehicle().try_units();
+  const auto* const tryer = dynamic_cast<const UnitTryer*>(&runtime.vehicle());
+  const UnitTrial trial = tryer != nullptr && !options.virtual_time ? tryer->try_units() : UnitTrial{};
   RunFlightRing ring(runtime, options.flight_ring, options.virtual_time);
   PoseCollector collector(runtime);
   RecorderOptions recording;

@@ -23,6 +23,14 @@ struct UnitTrial {
   double budget_us{};     ///< what it may take
 };
 
+/// A vehicle that has anytime tasks whose units can be tried.
+class UnitTryer {
+ public:
+  virtual ~UnitTryer() = default;
+  /// At the boot of a live run: what the units take here; no task's name where nothing was tried.
+  virtual UnitTrial try_units() const = 0;
+};
+
 /// Plans over a map that is wholly unknown and over one of scattered walls, and times both. Takes memory of
 /// its own for as long as it runs (as much as the task's), and about 20 ms.
 UnitTrial try_ray_units(const planner::SslChoiceConfig& choice, const mapping::OccupancyConfig& map);

@@ -14,7 +14,6 @@
 #include "firmware_like/outlet.hpp"
 #include "firmware_like/parameters.hpp"
 #include "firmware_like/profile.hpp"
-#include "firmware_like/unit_trial.hpp"
 #include "rt/archive.hpp"
 #include "rt/executive.hpp"
 
@@ -214,8 +213,6 @@ class Vehicle {
   virtual DriveRequests drive_requests() { return {}; }
   /// Where a lidar driver delivers, or null.
   virtual drivers::ScanSink* scan_sink() { return nullptr; }
-  /// At the boot of a live run: what the units of its anytime task take here, or nothing.
-  virtual UnitTrial try_units() const { return {}; }
   /// The task whose output is the robot's pose, or null: errors and trajectories come from it.
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.

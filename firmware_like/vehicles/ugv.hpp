@@ -19,7 +19,7 @@ namespace sortie::firmware {
 
 /// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map ->
 /// occupancy -> ssl. Each part is left out with [tasks.NAME] enabled = false, and then has no memory.
-class Ugv final : public Vehicle {
+class Ugv final : public Vehicle, public UnitTryer {
  public:
   explicit Ugv(VehicleBuilder& builder);
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "drivers/ssl_port.hpp"
+#include "firmware_like/unit_trial.hpp"
 #include "firmware_like/vehicle.hpp"
 #include "firmware_like/vehicles/ugv_ssl_config.hpp"
 #include "mapping/pose_history.hpp"

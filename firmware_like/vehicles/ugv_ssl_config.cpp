@@ -30,7 +30,7 @@ SslSettings read_ssl_settings(Profile& profile) {
       profile.integer("ssl.seed", {1, 0, 4294967295.0, "", "of rays that are chosen by chance"}));
   planner::RaySchedulerConfig& scheduler = choice.scheduler;
   scheduler.positions = static_cast<std::uint32_t>(
-      profile.integer("ssl.positions", {5, 1, planner::RayScheduler::kMostPositions, "",
+      profile.integer("ssl.positions", {1, 1, planner::RayScheduler::kMostPositions, "",
                                         "releases that are planned together, the next one among them"}));
   scheduler.sensor.range_m =
       profile.number("ssl.range_m", {rt::kSslMaxRange_m, 0.5, 65, "m", "rays are planned up to here"});
