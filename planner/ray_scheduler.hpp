@@ -12,6 +12,7 @@
 #include "planner/ray_model.hpp"
 #include "planner/ray_plan.hpp"
 #include "planner/ray_sensor.hpp"
+#include "rt/archive.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
@@ -79,6 +80,9 @@ class RayScheduler {
 
   const RayModel& model() const { return model_; }
   const RaySchedulerConfig& config() const { return config_; }
+  /// Between two tasks: the plan to bytes and back, into a scheduler of the same configuration. A task that
+  /// was under way is over then.
+  void archive(rt::Archive& archive);
   /// The walk of a ray of the present task; for tests and pictures. The pose lies in the window.
   mapping::VoxelWalk walk(std::uint32_t position, std::uint32_t ray) const;
 

@@ -21,8 +21,13 @@ Ugv::Ugv(VehicleBuilder& builder) {
       if (builder.wants("drive", false)) add_drive(builder, control);
     }
   }
-  if (builder.wants("map", false)) add_map(builder);
-  if (builder.wants("ssl", false)) ssl_ = std::make_unique<UgvSsl>(builder);
+  const bool wants_map = builder.wants("map", false);
+  const bool wants_ssl = builder.wants("ssl", false);
+  if (wants_map || wants_ssl) {
+    const rt::GroupId mapping = builder.group("mapping", 10);
+    if (wants_map) add_map(builder, mapping);
+    if (wants_ssl) add_ssl(builder, mapping);
+  }
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (grid_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();
@@ -104,13 +109,11 @@ void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {
   builder.counter("track_slips", [odometry] { return odometry->counters().slips; });
 }
 
-void Ugv::add_map(VehicleBuilder& builder) {
+void Ugv::add_map(VehicleBuilder& builder, rt::GroupId group) {
   const MapConfig config = read_map_config(builder);
-  const rt::GroupId group = builder.group("mapping", 10);
   std::tie(scans_, scan_port_) = builder.scans(group, "SCAN", config.scan_buffers, config.scan_points);
   if (odometry_task_ != nullptr) {
-    // All poses that became visible since the job before; at most a second of them.
-    pose_input_ = builder.input(group, odometry_task_, 1000);
+    add_pose_input(builder, group);
     poses_ = std::make_unique<mapping::PoseHistory>();
   }
   p_body_sensor_ = config.p_body_sensor;
@@ -160,6 +163,18 @@ void Ugv::add_map(VehicleBuilder& builder) {
   builder.counter("points_bad_pose", [grid] { return grid->output().points.bad_pose; });
   builder.counter("scans", [grid] { return grid->output().scans; });
   builder.counter("scans_unplaced", [this] { return scans_unplaced_; });
+}
+
+void Ugv::add_pose_input(VehicleBuilder& builder, rt::GroupId group) {
+  // All poses that became visible since the job before; at most a second of them.
+  if (odometry_task_ != nullptr && pose_input_ == nullptr)
+    pose_input_ = builder.input(group, odometry_task_, 1000);
+}
+
+void Ugv::add_ssl(VehicleBuilder& builder, rt::GroupId group) {
+  ssl_ = std::make_unique<UgvSsl>(builder);
+  if (ssl_->schedules()) add_pose_input(builder, group);
+  ssl_->add_tasks(builder, group, {scans_, pose_input_, p_body_sensor_, q_body_sensor_});
 }
 
 void Ugv::insert_scan(const rt::PointScan& scan, rt::Tick tick) {

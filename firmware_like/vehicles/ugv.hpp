@@ -18,14 +18,15 @@
 
 namespace sortie::firmware {
 
-/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map. Each part is
-/// left out with [tasks.NAME] enabled = false, and then has no memory.
-class Ugv final : public Vehicle {
+/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map ->
+/// occupancy -> ssl. Each part is left out with [tasks.NAME] enabled = false, and then has no memory.
+class Ugv final : public Vehicle, public UnitTryer {
  public:
   explicit Ugv(VehicleBuilder& builder);
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   drivers::ScanSink* scan_sink() override { return scan_port_; }
+  UnitTrial try_units() const override { return ssl_ ? ssl_->try_units() : UnitTrial{}; }
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
@@ -45,7 +46,9 @@ class Ugv final : public Vehicle {
   void send_canopen(drivers::CanBus& can, const rt::DriveCommand* command, const rt::FlipperCommand* flippers,
                     rt::Nanoseconds now_ns);
   bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
-  void add_map(VehicleBuilder& builder);
+  void add_map(VehicleBuilder& builder, rt::GroupId group);
+  void add_pose_input(VehicleBuilder& builder, rt::GroupId group);
+  void add_ssl(VehicleBuilder& builder, rt::GroupId group);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
   void insert_scan(const rt::PointScan& scan, rt::Tick tick);
 
