@@ -3,6 +3,7 @@
 #pragma once
 
 #include "planner/uav_control/flat_reference.hpp"
+#include "rt/archive.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::planner {
@@ -41,6 +42,11 @@ class ReferenceLag {
 
   /// What the snap of the command has more than that of the reference, over the period that step() began.
   const rt::Vector3& lead_m_s4() const { return lead_; }
+
+  /// State to bytes and back.
+  void archive(rt::Archive& archive) {
+    rt::Members(archive, *this, "reference lag").fixed(tau_s_, keep_).state(snap_, lead_);
+  }
 
  private:
   double tau_s_;
