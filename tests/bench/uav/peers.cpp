@@ -162,7 +162,7 @@ void measure_uav_peers(const UavSettings& settings, Report& report) {
   for (const PeerRow& row : kPeerRows) {
     Rounds rms[4];
     Rounds peak[4];
-    const double share_hz = best_integral_share_hz(row);
+    const double share_hz = settings.brief ? 0.25 : best_integral_share_hz(row);
     for (std::uint64_t seed = 1; seed <= (row.noise ? settings.seeds : 1); ++seed) {
       for (std::size_t p = 0; p < 4; ++p) {
         FlightSetup setup = peer_flight(row, kPilots[p], seed);
@@ -187,7 +187,7 @@ void measure_uav_peers(const UavSettings& settings, Report& report) {
                    {"flight", "Lee elsewhere", "Lee RMS", "peak", "Lee+I RMS", "peak", "integral 1/s",
                     "unobserved RMS", "peak", "ours RMS", "peak"},
                    rows);
-  measure_openings(report);
+  if (!settings.brief) measure_openings(report);
   report.note(
       "peers",
       "neo11, 100 Hz, true state, plant at 1 ms; m. The ratio is the peer's error over ours. Lee with "

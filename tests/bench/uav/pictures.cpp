@@ -210,9 +210,11 @@ void draw_way(Report& report) {
 
 }  // namespace
 
-void measure_uav_pictures(const UavSettings&, Report& report) {
-  draw_move(report);
-  draw_gust(report);
+void measure_uav_pictures(const UavSettings& settings, Report& report) {
+  if (!settings.brief) {
+    draw_move(report);
+    draw_gust(report);
+  }
   draw_way(report);
 }
 

@@ -14,6 +14,7 @@ struct UavSettings {
   std::uint64_t seeds{3};   ///< of noise, a figure each
   std::uint64_t fleet{40};  ///< vehicles that are drawn
   std::string program;      ///< own path
+  bool brief{};             ///< only what has goals: for tests
 };
 
 /// The usual flight: the rectangle at 1 m/s with a gust at 20 s, mass as a share of what is believed.
