@@ -2,6 +2,7 @@
 // The plant's error against its run time: integrator and step.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "tests/bench/uav/picture.hpp"
 #include "tests/bench/uav/pilot_cost.hpp"
@@ -101,7 +102,9 @@ void measure_uav_steps(const UavSettings&, Report& report) {
       rows.push_back({curve.name, 1e3 * step_s, got.cost_us_s, 1e3 * worst});
       curve.x.push_back(got.cost_us_s);
       curve.y.push_back(1e3 * worst);
-      curve.labels.push_back(std::to_string(1e3 * step_s).substr(0, 3) + " ms");
+      char label[24];
+      std::snprintf(label, sizeof(label), "%g ms", 1e3 * step_s);
+      curve.labels.push_back(label);
       if (exact && step_s == 1e-2)
         add_limit(report, "plant", "10 ms beside 0.1 ms, 4 s at up to 4 m/s, 8 m/s2", "mm", 1e3 * worst,
                   0.05);
