@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "planner/uav_control/flat_reference.hpp"
+#include "rt/archive.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
@@ -51,9 +52,13 @@ class GoalProfile {
   /// At rest in the goal.
   bool arrived() const;
 
+  /// State to bytes and back, into a profile of the same limits.
+  void archive(rt::Archive& archive);
+
  private:
   struct Stage {
     rt::Vector3 v, a, j;
+    SORTIE_FIELDS(v, a, j)
   };
   rt::Vector3 run_velocity() const;
   void step_run();

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "planner/uav_control/uav_model.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::planner {
 
@@ -36,6 +37,15 @@ class RotorWatch {
   const rt::Vector3& load_rad_s2() const { return slow_; }
   /// After a rotor was dropped: what was learned included its absence.
   void forget() { reset(); }
+
+  /// State to bytes and back, into a watch of the same vehicle.
+  void archive(rt::Archive& archive) {
+    rt::Members(archive, *this, "rotor watch")
+        .fixed(model_, config_, dt_, keep_fast_, keep_slow_, keep_base_, least_n_, least_torque2_)
+        .by_hand(suspect_)
+        .state(started_, last_w_, fast_, slow_, base_, fast_n_, held_s_);
+    archive.bounded(suspect_, kNone);
+  }
 
  private:
   UavModel model_;

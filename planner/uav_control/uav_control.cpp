@@ -221,7 +221,13 @@ Status UavControl::update(const rt::UavState& state, rt::RotorCommand& command) 
     profile_.rest(p, rt::yaw_of(rt::to_quaternion(state.q_world_body)));
     phase_ = UavPhase::land;
   }
-  watch_rotors(rt::to_vector(state.w_body_rad_s));
+  // What does not sink although it should stands on something, which holds it against its rotors.
+  const bool lands = phase_ == UavPhase::land || phase_ == UavPhase::blind;
+  if (lands && reference_.v_m_s.z < -0.5 * config_.sink_m_s && v.z > 0.3 * reference_.v_m_s.z) {
+    watch_.reset();
+  } else {
+    watch_rotors(rt::to_vector(state.w_body_rad_s));
+  }
   step_reference(state);
   if (stands(p, v)) {
     phase_ = UavPhase::landed;
@@ -259,6 +265,16 @@ void UavControl::carry_on(rt::RotorCommand& command) {
   }
   watch_.reset();
   emit(even, command);
+}
+
+void UavControl::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "uav control")
+      .fixed(config_, status_, gains_, tau_s_, tilt_slope_)
+      .state(allocation_, rotors_, watch_, profile_, phase_, reference_, integral_, mean_thrust_m_s2_,
+             thrust_limited_, fresh_track_, silent_s_, stateless_s_, standing_s_, stamp_ns_, have_stamp_,
+             last_, made_, made_last_, counters_);
+  if (archive.is_reading() && last_.rotors != std::min(config_.model.rotors, rt::kMaxRotors))
+    archive.fail(Status::malformed, "another number of rotors");
 }
 
 }  // namespace sortie::planner

@@ -93,6 +93,9 @@ class UavControl {
   const UavControlCounters& counters() const { return counters_; }
   bool rotor_lost(std::uint32_t rotor) const { return allocation_.lost(rotor); }
 
+  /// State to bytes and back, into a controller of the same configuration.
+  void archive(rt::Archive& archive);
+
  private:
   struct Wish;
   Status admit(const rt::UavState& state);

@@ -147,6 +147,17 @@ BrickMask FlightMap::free_voxels(std::int32_t x, std::int32_t y, std::int32_t z)
   return free;
 }
 
+void FlightMap::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "flight map")
+      .fixed(config_, usable_, bx_, by_, bz_, reach_, offset_count_, offsets_)
+      .by_hand(blocked_, free_, dirty_, hand_)
+      .state(version_);
+  for (BrickMask& word : blocked_) archive.value(word);
+  for (BrickMask& word : free_) archive.value(word);
+  for (std::uint64_t& word : dirty_) archive.value(word);
+  archive.bounded(hand_, dirty_.empty() ? 0 : dirty_.size() - 1);
+}
+
 rt::Vector3 FlightMap::middle_m(const Voxel3& v) const {
   const double h = config_.voxel_m;
   return {config_.origin_m.x + h * (v.x + 0.5), config_.origin_m.y + h * (v.y + 0.5),

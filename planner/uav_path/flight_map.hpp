@@ -7,6 +7,7 @@
 #include <span>
 
 #include "planner/uav_path/brick.hpp"
+#include "rt/archive.hpp"
 #include "rt/rotation.hpp"
 #include "rt/status.hpp"
 
@@ -74,6 +75,9 @@ class FlightMap {
   std::int32_t by() const { return by_; }
   std::int32_t bz() const { return bz_; }
   const FlightMapConfig& config() const { return config_; }
+
+  /// State to bytes and back, into a map of the same configuration.
+  void archive(rt::Archive& archive);
 
   /// Middle of a voxel, and the voxel of a point (which may lie outside), world.
   rt::Vector3 middle_m(const Voxel3& v) const;
