@@ -22,7 +22,14 @@ void put(const Vector3& v, double (&out)[3]) {
 
 }  // namespace
 
-UavPilot::UavPilot(const UavPilotConfig& config) : config_(config), control_(config.control) {}
+UavPilot::UavPilot(const UavPilotConfig& config)
+    : config_(config), control_(config.control), reach_m_(config.reach_m) {}
+
+Status UavPilot::set_reach(double m) {
+  if (!(m > 0.0)) return Status::out_of_range;
+  reach_m_ = m;
+  return Status::ok;
+}
 
 Status UavPilot::set_mission(std::span<const UavGoal> goals) {
   if (goals.size() > kMostGoals) return Status::full;
@@ -172,7 +179,7 @@ void UavPilot::follow(const rt::UavState& state, const UavWay* way, rt::Nanoseco
 // At the goal, or where it was told to hover.
 void UavPilot::stay(const rt::UavState& state, rt::Nanoseconds now_ns) {
   if (!has_goal_) return;
-  if (!counted_ && rt::norm(rt::to_vector(state.p_world_m) - goal_.p_m) < config_.reach_m) {
+  if (!counted_ && rt::norm(rt::to_vector(state.p_world_m) - goal_.p_m) < reach_m_) {
     counted_ = true;
     ++output_.reached;
     since_ns_ = now_ns;
@@ -274,8 +281,8 @@ void UavPilot::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav pilot")
       .fixed(config_, mission_, goals_)
       .by_hand(next_goal_, point_count_, leg_)
-      .state(control_, gate_, step_, started_, has_goal_, remote_, held_, goal_, target_m_, points_, whole_,
-             counted_, seen_replanned_, start_ns_, since_ns_, output_);
+      .state(control_, reach_m_, gate_, step_, started_, has_goal_, remote_, held_, goal_, target_m_, points_,
+             whole_, counted_, seen_replanned_, start_ns_, since_ns_, output_);
   archive.bounded(next_goal_, goals_);
   archive.bounded(point_count_, UavWay::kMostPoints);
   archive.bounded(leg_, UavWay::kMostPoints);

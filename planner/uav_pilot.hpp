@@ -114,6 +114,9 @@ class UavPilot {
   /// Set-up. full beyond kMostGoals; not_finite; out_of_range.
   [[nodiscard]] Status set_mission(std::span<const UavGoal> goals);
 
+  /// From the next update on. out_of_range: not above 0.
+  Status set_reach(double m);
+
   /// Takes or refuses what somebody outside asks (FlyGate); refusals are counted in the output.
   Status request(const rt::FlyRequest& request);
 
@@ -144,6 +147,7 @@ class UavPilot {
 
   UavPilotConfig config_;
   UavControl control_;
+  double reach_m_;
   std::array<UavGoal, kMostGoals> mission_{};
   std::uint32_t goals_{};
   FlyGate gate_;

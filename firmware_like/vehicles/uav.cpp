@@ -9,8 +9,10 @@ namespace sortie::firmware {
 
 Uav::Uav(VehicleBuilder& builder) {
   const rt::GroupId control = builder.group("control", 200);
+  const bool flies = builder.wants("pilot");
+  if (flies) make_pilot(builder, control);
   add_state(builder, control);
-  if (builder.wants("pilot")) {
+  if (flies) {
     add_pilot(builder, control);
     if (builder.wants("path", false)) add_path(builder, control);
     builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
@@ -69,7 +71,8 @@ void Uav::put_pose(rt::PoseEstimate& pose) {
   pose.rejected = static_cast<std::uint32_t>(estimator_->counters().imu_refused & 0xFFFFFFFFu);
 }
 
-void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
+// Before the group's first task: it has a run-time parameter.
+void Uav::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
   planner::UavPilotConfig config = read_pilot_config(builder);
   config.plans = builder.wants("path", false);
   pilot_ = std::make_unique<planner::UavPilot>(config);
@@ -77,6 +80,10 @@ void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
     builder.profile().fail("airframe.mass_kg", "no stable controller could be designed for this vehicle");
   if (pilot_->set_mission(read_uav_mission(builder)) != Status::ok)
     builder.profile().fail("mission.goals", "every goal must lie within 8 km of the origin");
+  builder.parameter(group, "flight.reach_m", [this](double value) { return pilot_->set_reach(value); });
+}
+
+void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
   if (builder.profile().flag("flight.remote", false, "requests over LCM may fly the vehicle"))
     std::tie(requests_, request_port_) = builder.stream<rt::FlyRequest>(group, "FLY", 16, 8);
   outlet_ = builder.outlet<rt::RotorCommand>("rotors");

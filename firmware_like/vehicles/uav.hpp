@@ -21,10 +21,12 @@ class Uav final : public Vehicle {
   explicit Uav(VehicleBuilder& builder);
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
+  InputPort<rt::FlyRequest>* fly_requests() override { return request_port_; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return pose_task_; }
 
  private:
   void add_state(VehicleBuilder& builder, rt::GroupId group);
+  void make_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_path(VehicleBuilder& builder, rt::GroupId control);
   void add_pilot_counters(VehicleBuilder& builder);

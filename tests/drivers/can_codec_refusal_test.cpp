@@ -203,7 +203,7 @@ TEST_CASE("random frames never break the decoder, and every one of them is accou
   std::int64_t now = 0;
   std::int64_t last_imu = std::numeric_limits<std::int64_t>::min();
   int burst = 0;  // states of all flippers one after the other, as a device sends them
-  for (int i = 0; i < 500'000; ++i) {
+  for (int i = 0; i < 1'000'000; ++i) {
     CanFrame f;
     if (burst == 0) now += static_cast<std::int64_t>(rng() % 200'000);
     if (burst == 0 && rng() % 64 == 0) burst = 4;
