@@ -54,7 +54,7 @@ TEST_CASE("A hexacopter takes off, hovers and lands softly, for each of the vehi
 }
 
 TEST_CASE(
-    "The corridor is flown to its goal within 5 cm and nothing is touched; the log replays to its digest") {
+    "The corridor is flown to its goal within 5 cm and nothing is touched, and the log replays to its digest") {
   const TempFolder folder;
   const std::string log = folder.file("corridor.lcm");
   const Flown flown("uav_corridor", 22, kOneGoal, log);
