@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "firmware_like/keyframes.hpp"
 #include "planner/uav_pilot.hpp"
+#include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
@@ -54,7 +54,8 @@ TEST_CASE("A hexacopter takes off, hovers and lands softly, for each of the vehi
 }
 
 TEST_CASE(
-    "The corridor is flown to its goal within 5 cm and nothing is touched, and the log replays to its digest") {
+    "The corridor is flown to its goal within 5 cm and nothing is touched, and the log replays to its "
+    "digest") {
   const TempFolder folder;
   const std::string log = folder.file("corridor.lcm");
   const Flown flown("uav_corridor", 22, kOneGoal, log);
@@ -103,6 +104,28 @@ TEST_CASE("Where there is no way it hovers and asks again, and does not fly thro
   CHECK(flown.counter("goals_reached") == 0);
   CHECK(flown.counter("bench_collisions") == 0);
   CHECK(flown.ends_off_m(0, 0) < 0.1);
+}
+
+TEST_CASE("A flight that is replayed from any keyframe, also in the middle of a search, ends in its digest") {
+  const TempFolder folder;
+  const std::string log = folder.file("hall.lcm");
+  // So few units a job that a search takes several of them; the door is shut while it flies.
+  const Flown flown("uav_hall", 9,
+                    {"tasks.path.units=640", "mission.start_s=0.5",
+                     "world.boxes=[{x_m=4.0,y_m=-2.0,length_m=0.2,width_m=6.0},"
+                     "{x_m=4.0,y_m=-4.0,length_m=0.2,width_m=2.0,from_s=4.25}]"},
+                    log);
+  CHECK(flown.counter("ways_given_up") == 1);
+  const Indexed indexed = replay_and_keep(log, own_vehicles(), {}, 250, keyframe_path(log));
+  CHECK(indexed.outcome.results.digest == flown.run.results.digest);
+  for (const char* from : {"1.75", "2.25", "2.5", "4.5", "8.0"}) {
+    INFO(from);
+    ReplayOptions options;
+    options.from = from;
+    const ReplayOutcome part = replay_log(log, options);
+    if (part.divergence) FAIL_CHECK(describe(*part.divergence));
+    CHECK(part.results.digest == flown.run.results.digest);
+  }
 }
 
 TEST_CASE("A vehicle's file that cannot fly is refused with its line") {
