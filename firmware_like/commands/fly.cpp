@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `sortie fly`: asks the pilot of a live run to fly to a place, to hover, land, stop, or go on with its
 // mission.
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -18,10 +19,10 @@ namespace sortie::firmware {
 namespace {
 
 struct FlyOptions {
-  std::string what{"go"};
-  double x_m{};
-  double y_m{};
-  double z_m{1.5};
+  std::string what;
+  double x_m{NAN};
+  double y_m{NAN};
+  double z_m{NAN};
   double yaw_deg{};
   double wait_s{};
   std::string url{drivers::kDefaultLcmUrl};
@@ -85,7 +86,10 @@ void show_pilot(const FlyOptions& options, const FlyClient& client, bool taken, 
               state.setpoint_m[1], state.setpoint_m[2], state.error_m);
 }
 
-int run_fly(const CommandContext& context, const FlyOptions& options) {
+int run_fly(const CommandContext& context, FlyOptions options) {
+  if (options.what != "go") options.x_m = options.y_m = options.z_m = 0.0;
+  if (!std::isfinite(options.x_m + options.y_m + options.z_m))
+    throw ProfileError("go needs a place: --x, --y and --z");
   std::optional<drivers::SipKey> key;
   if (!options.secret.empty()) key = read_secret(options.secret);
   const std::int64_t session = find_pilot(options, key);
@@ -141,10 +145,10 @@ void add_fly(CLI::App& app, CommandContext& context) {
       "  sortie fly land --secret robot.secret");
   command->add_option("what", options->what, "go, hover, land, stop or release")
       ->check(CLI::IsMember({"go", "hover", "land", "stop", "release"}))
-      ->capture_default_str();
-  command->add_option("--x", options->x_m, "m, in the world")->capture_default_str();
-  command->add_option("--y", options->y_m, "m, in the world")->capture_default_str();
-  command->add_option("--z", options->z_m, "m, in the world, upwards")->capture_default_str();
+      ->required();
+  command->add_option("--x", options->x_m, "m, in the world");
+  command->add_option("--y", options->y_m, "m, in the world");
+  command->add_option("--z", options->z_m, "m, in the world, upwards");
   command->add_option("--yaw", options->yaw_deg, "deg, heading there")->capture_default_str();
   command->add_option("--wait", options->wait_s, "go: seconds to wait until it is there; 0: none")
       ->check(CLI::Range(0.0, 3600.0))
