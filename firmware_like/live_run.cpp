@@ -196,6 +196,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   if (!runtime.parts().parameters().all.empty())
     add_counters("parameters_", parameters.counters(), results.counters);
   if (parameters.drive().wanted()) add_counters("requests_", parameters.drive().counters(), results.counters);
+  if (parameters.fly().wanted()) add_counters("requests_", parameters.fly().counters(), results.counters);
   if (bench) bench->add_counters(results.counters);
   if (!outcome.contacts.empty())
     results.counters["bench_truth_contacts_dropped"] = surroundings.truth.contacts_dropped;

@@ -60,13 +60,15 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench rays", "bench uav"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench rays", "bench uav"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
 expect(0, "--version")
 expect(2)
+expect(2, "swim")
 expect(2, "fly")
+expect(2, "fly", "go", "--x", "1", says=["--x, --y and --z"], only_line=True)
 expect(2, "run")
 expect(2, "run", "--scene", "ugv_hall", "--no-such-option")
 expect(2, "replay", "log.lcm", "--align", "sideways")

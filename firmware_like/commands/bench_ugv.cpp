@@ -6,6 +6,7 @@
 #include "firmware_like/commands/bench_course.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
 #include "firmware_like/commands/bench_sensors.hpp"
+#include "firmware_like/commands/bench_uav.hpp"
 #include "firmware_like/vehicles/canopen_config.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
@@ -148,7 +149,9 @@ rt::Nanoseconds read_contacts_period(Profile& profile, const hil::UgvConfig& con
 }  // namespace
 
 std::unique_ptr<BenchRobot> make_own_bench(Profile& profile, drivers::ScanSink* scans) {
-  if (!profile.has("hil") || profile.vehicle() != "ugv") return nullptr;
+  if (!profile.has("hil")) return nullptr;
+  if (profile.vehicle() == "uav") return make_uav_bench(profile);
+  if (profile.vehicle() != "ugv") return nullptr;
   const hil::UgvConfig config = read_config(profile);
   const rt::Nanoseconds contacts_every_ns = read_contacts_period(profile, config);
   try {

@@ -240,7 +240,13 @@ Status UavControl::update(const rt::UavState& state, rt::RotorCommand& command) 
     profile_.rest(p, rt::yaw_of(rt::to_quaternion(state.q_world_body)));
     phase_ = UavPhase::land;
   }
-  watch_rotors(rt::to_vector(state.w_body_rad_s));
+  // What does not sink although it should stands on something, which holds it against its rotors.
+  const bool lands = phase_ == UavPhase::land || phase_ == UavPhase::blind;
+  if (lands && reference_.v_m_s.z < -0.5 * config_.sink_m_s && v.z > 0.3 * reference_.v_m_s.z) {
+    watch_.reset();
+  } else {
+    watch_rotors(rt::to_vector(state.w_body_rad_s));
+  }
   step_reference(state);
   if (stands(p, v)) {
     phase_ = UavPhase::landed;
