@@ -26,20 +26,20 @@ struct VoxelWalk {
   std::uint32_t end;        ///< the walk is over at the first face at or beyond
   std::uint32_t index;      ///< of the cell, in the window
 
-  /// Goes to the next cell; false at the end. Which of x and y is next cannot be predicted where a ray is
-  /// slanted: that choice is a mask, not a branch. Faces of z are few for a sensor that is about upright.
+  /// Goes to the next cell; false at the end. `length` [2^-22 voxels] is where the face was.
   bool step() {
-    const std::uint32_t x_first = next[0] < next[1] ? ~0u : 0u;
-    const std::uint32_t xy = (next[0] & x_first) | (next[1] & ~x_first);
-    if (next[2] < xy) {
-      if (next[2] >= end) return false;
+    const std::uint32_t xy = next[0] < next[1] ? next[0] : next[1];
+    const std::uint32_t nearest = xy < next[2] ? xy : next[2];
+    if (nearest >= end) return false;
+    if (nearest == next[0]) {
+      next[0] += delta[0];
+      index += stride[0];
+    } else if (nearest == next[1]) {
+      next[1] += delta[1];
+      index += stride[1];
+    } else {
       next[2] += delta[2];
       index += stride[2];
-    } else {
-      if (xy >= end) return false;
-      next[0] += delta[0] & x_first;
-      next[1] += delta[1] & ~x_first;
-      index += (stride[0] & x_first) | (stride[1] & ~x_first);
     }
     return true;
   }

@@ -26,10 +26,10 @@ struct RaySchedulerConfig {
   std::uint64_t map_cells{320u * 320u * 32u};  ///< of the maps to come, at most; 2^24 at most
   std::uint32_t table_lines{};                 ///< of coverage, at most 65535; 0: 60 a ray
   std::uint32_t coarse_log2{3};                ///< first, one direction of each 2^n by 2^n is looked at
-  std::uint32_t explored{8000};                ///< directions a position that the joint stage chooses from
+  std::uint32_t explored{3000};                ///< directions a position that the joint stage chooses from
   double optimism{1.0};       ///< what a direction's neighbours may be worth, as its multiple
-  double slack{0.07};         ///< a guided stage takes a ray this near to the best bound
-  std::uint32_t tries{256};   ///< evaluations for one ray of a guided stage; then the best of them
+  double slack{0.02};         ///< a guided stage takes a ray this near to the best bound
+  std::uint32_t tries{64};    ///< evaluations for one ray of a guided stage; then the best of them
   bool position_first{true};  ///< stages
   bool joint{true};
   bool exact{true};
