@@ -96,6 +96,15 @@ class RollingGrid {
     for (unsigned i = 0; i < chunks; ++i)
       __builtin_prefetch(&memory_.voxels[std::size_t{block.chunks[i]} * Block::kChunk]);
   }
+  /// Fetches the normal records of some of a block's voxels.
+  void prefetch_normals(const Block& block, std::uint64_t cells) const {
+    if (!holds_normals()) return;
+    for (std::uint64_t rest = cells & block.occupied; rest != 0; rest = without_lowest(rest)) {
+      const NormalRecord& record = normal(block, lowest(rest));
+      __builtin_prefetch(&record);
+      __builtin_prefetch(&record.normal[2]);
+    }
+  }
   const Centroid& voxel(const Block& block, unsigned cell) const {
     return memory_.voxels[block.slot(block.rank(cell))];
   }

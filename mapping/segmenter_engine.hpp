@@ -43,6 +43,7 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       if (left_of_cycle_ > 1) {
         const BlockIndex next = queue_[queue_first_];
         grid.prefetch_around(grid.block(next));
+        grid.prefetch_normals(grid.block(next), grid.block(next).active);
         graph_.prefetch_nodes(next);
         __builtin_prefetch(&grid.block(queue_[(queue_first_ + 1) % queue_.size()]));
       }
@@ -136,7 +137,7 @@ template <SegmentationPolicy Policy>
 void Segmenter<Policy>::look_beside(const RollingGrid& grid, BlockIndex block, const Here& here,
                                     const BlockIndex (&around)[kDirections]) {
   BlockWork& own = work_[block];
-  std::uint64_t cells = here.cores;
+  std::uint64_t cells = here.cores | here.moved;
   for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next)
     cells |= graph_[node].cells;
   if (own.renewed) renew_nodes(block, here);
@@ -217,8 +218,8 @@ void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here
   }
 }
 
-/// True when every part is one of the fragments of before, with or without more cells: they stay, then, and
-/// so do the edges to them.
+/// True when every part is one of the fragments of before with more or fewer cells, and none is left over:
+/// they stay, then, and so do the edges to them. A cell that came or went is one that moved.
 template <SegmentationPolicy Policy>
 bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
   std::array<unsigned, Block::kCells> part_of;
@@ -227,9 +228,9 @@ bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
   for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
     if (nodes == here.parts) return false;
     unsigned part = 0;
-    const std::uint64_t cells = graph_[node].cells;
-    while (part < here.parts && (here.part[part] & cells) != cells) ++part;
-    if (part == here.parts || (taken & cell_bit(part)) != 0) return false;
+    const std::uint64_t cells = graph_[node].cells & here.cores;
+    while (part < here.parts && (here.part[part] & cells) == 0) ++part;
+    if (part == here.parts || (taken & cell_bit(part)) != 0 || (cells & ~here.part[part]) != 0) return false;
     taken |= cell_bit(part);
     part_of[nodes++] = part;
   }
