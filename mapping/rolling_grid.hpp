@@ -165,6 +165,8 @@ class RollingGrid {
   std::uint32_t chunks_{};
   std::uint32_t hand_{};         ///< where the next look for evictions begins
   std::uint32_t victim_hand_{};  ///< the same, for a full pool
+  bool swept_{};                 ///< what lay beyond the local map about `swept_at_` is gone
+  BlockAt swept_at_;
   std::uint32_t changed_{};
   RollingGridOutput output_;
 };
