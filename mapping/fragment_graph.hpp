@@ -16,7 +16,7 @@ inline constexpr NodeIndex kNoNode = 0xffff;
 inline constexpr std::uint16_t kNoLabel = 0xffff;
 
 /// One fragment. An edge is kept by the fragment whose neighbour lies in one of the 13 forward directions (14
-/// to 26). Two edges in one direction need an extension: a fragment without cells that is only more room. 48
+/// to 26). Two edges in one direction need an extension: a fragment without cells that is only more room. 80
 /// bytes.
 struct FragmentNode {
   static constexpr int kForward = 13;
@@ -28,8 +28,10 @@ struct FragmentNode {
   NodeIndex extension{kNoNode};
   NodeIndex forward[kForward]{};
   std::uint16_t witness[kForward]{};  ///< the two voxels that make the edge: own cell, its cell << 6
+  std::uint16_t backward_set{};       ///< bit n: may be a forward neighbour of the block in direction 12 - n
+  NodeIndex name{
+      kNoNode};  ///< of its component by the newest labelling: a number that its nodes share; or it is fresh
   std::uint8_t voxels{};
-  std::uint8_t reserved{};
 };
 static_assert(sizeof(FragmentNode) == 80 || sizeof(FragmentNode) == 76);
 

@@ -13,8 +13,8 @@ constexpr std::uint32_t kFormatVersion = 1;
 void Labelling::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "segments")
       .fixed(min_voxels_, memory_)
-      .scratch(stage_, at_, tick_, nodes_, vote_node_, components_, fresh_, slot_hand_, events_,
-               shown_events_)
+      .scratch(stage_, at_, tick_, nodes_, vote_node_, apart_, fallen_apart_, components_, fresh_, slot_hand_,
+               events_, shown_events_)
       .by_hand(slot_numbers_, shown_)
       .state(shown_components_, next_id_, counts_);
   archive.expect(kFormatVersion, "the segments have another format version");
@@ -27,6 +27,7 @@ void Labelling::archive(rt::Archive& archive) {
   }
   if (!archive.is_reading()) return;
   stage_ = Stage::idle;
+  apart_ = kNoNode;
   events_ = shown_events_ = 0;
 }
 
