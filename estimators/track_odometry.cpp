@@ -50,7 +50,7 @@ TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
       steering_(with_width(config.steering, config.track_width_m)),
       q_world_attitude_(rt::from_yaw_pitch_roll(config.heading_offset_rad, 0, 0)),
       p_world_body_(rt::to_vector(config.p_world_body_m)) {
-  if (config.obstacles) obstacle_ = std::make_unique<ObstacleOdometry>(config.obstacle);
+  if (config.obstacles) obstacle_.make(config.obstacle);
   store(p_world_body_, estimate_.p_world_body_m);
   store(q_world_attitude_, estimate_.q_world_body);
   covariance_.write(estimate_.covariance);

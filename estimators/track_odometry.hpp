@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "estimators/attitude_history.hpp"
 #include "estimators/obstacle_odometry.hpp"
+#include "estimators/optional_part.hpp"
 #include "estimators/pose_covariance.hpp"
 #include "estimators/steering_efficiency.hpp"
 #include "rt/rotation.hpp"
@@ -132,8 +132,7 @@ class TrackOdometry {
   AttitudeHistory history_;
   PoseCovariance covariance_;
   SteeringEfficiency steering_;
-  std::unique_ptr<ObstacleOdometry>
-      obstacle_;  ///< made at the start, or never: a plane needs no memory for it
+  OptionalPart<ObstacleOdometry> obstacle_;  ///< a plane needs no memory for it
   rt::Quaternion q_world_attitude_;
   rt::Vector3 p_world_body_;
   rt::TrackSample base_{};     ///< last sample whose travel is in the pose

@@ -40,6 +40,10 @@ Trajectory run_odometry_variant(const OdometrySet& set, const std::string& varia
 /// Error over cost of one set's cells, with the Pareto front and the profile's choice.
 Plot plot_odometry(const OdometrySet& set, const std::vector<OdometryCell>& cells);
 
+/// Height along the way of a set with true heights: truth, the odometry with everything, and the plain
+/// method, at the rate of the scene's own sensor.
+Plot plot_heights(const OdometrySet& set);
+
 /// A table of the cells in text, in Markdown.
 void print_odometry(std::ostream& out, const OdometrySet& set, const std::vector<OdometryCell>& cells);
 std::string odometry_table(const OdometrySet& set, const std::vector<OdometryCell>& cells);

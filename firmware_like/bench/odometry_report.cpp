@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tables and plots of the odometry's benchmark.
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 #include "firmware_like/bench/odometry_bench.hpp"
@@ -123,6 +124,37 @@ Plot plot_odometry(const OdometrySet& set, const std::vector<OdometryCell>& cell
   for (Series& line : lines) plot.series.push_back(std::move(line));
   plot.series.push_back(std::move(front));
   plot.height = 380;
+  return plot;
+}
+
+Plot plot_heights(const OdometrySet& set) {
+  const double every = set.profile_rate_hz > 0.0 ? set.rate_hz / set.profile_rate_hz : 1.0;
+  const OdometrySet own = thinned(set, static_cast<std::uint32_t>(std::lround(every)));
+  Plot plot;
+  plot.title = set.name + ": height along the way";
+  plot.x.label = "distance, m";
+  plot.y.label = "height, m";
+  Series truth{"truth", Mark::line, {}, {}, {}, {}, kBlack, 2.4, false};
+  const std::pair<const char*, Series> lines[] = {
+      {"no obstacle modes", {"plain method", Mark::line, {}, {}, {}, {}, kVermilion, 1.6, true}},
+      {"all, double", {"with obstacle modes", Mark::line, {}, {}, {}, {}, kBlue, 1.6, false}}};
+  for (const auto& [variant, look] : lines) {
+    const PairedTrajectories pairs = associate(run_odometry_variant(own, variant), own.truth);
+    Series line = look;
+    double way = 0.0;
+    for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
+      const TimedPose& now = pairs.truth[i];
+      const TimedPose& before = pairs.truth[i > 0 ? i - 1 : 0];
+      way += std::hypot(now.p[0] - before.p[0], now.p[1] - before.p[1], now.p[2] - before.p[2]);
+      line.x.push_back(way);
+      line.y.push_back(pairs.estimate[i].p[2]);
+      if (&look != &lines[0].second) continue;
+      truth.x.push_back(way);
+      truth.y.push_back(now.p[2]);
+    }
+    plot.series.push_back(std::move(line));
+  }
+  plot.series.insert(plot.series.begin(), std::move(truth));
   return plot;
 }
 

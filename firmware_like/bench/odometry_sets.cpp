@@ -34,7 +34,7 @@ void read_channel(const LogFile& log, std::string_view channel, Kind kind, std::
 }
 
 void read_flippers(const LogFile& log, OdometrySet& set) {
-  for (const StoredEvent& stored : log.channel(std::string(drivers::kChannelCustom) + "_FLIPPER")) {
+  for (const StoredEvent& stored : log.channel("FLIPPER")) {
     drivers::CustomView view;
     if (drivers::decode(stored.message, view) != Status::ok) continue;
     if (view.data.size() != rt::canonical_size<rt::FlipperSample>()) continue;

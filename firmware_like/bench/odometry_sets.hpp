@@ -47,8 +47,8 @@ struct OdometrySet {
 /// ProfileError.
 OdometrySet read_odometry_set(const LogFile& log, const std::string& scene);
 
-/// Drives a scene of the program's own on a virtual clock with an inertial sensor of 1 kHz and hardly a lidar.
-/// Throws what run_live throws.
+/// Drives a scene of the program's own on a virtual clock with an inertial sensor of 1 kHz and hardly a
+/// lidar. Throws what run_live throws.
 OdometrySet drive_odometry_set(const VehicleRegistry& vehicles, const BenchFactory& bench,
                                const std::string& scene, double seconds);
 

@@ -82,6 +82,12 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
                  [&](std::ostream& out) { out << render(plot_odometry(set, cells)) << "\n"; });
       page += "\n![" + set.name + ": error over run time](" + picture + ")\n";
     }
+    if (!folder.empty() && set.odometry.obstacles) {
+      const std::string picture = "bench-odometry-" + set.name + "-height.svg";
+      write_file(folder + "/" + picture,
+                 [&](std::ostream& out) { out << render(plot_heights(set)) << "\n"; });
+      page += "\n![" + set.name + ": height along the way](" + picture + ")\n";
+    }
     done += 1.0;
     if (progress) progress(done / static_cast<double>(sets.size()));
   }
