@@ -67,8 +67,7 @@ Evaluation evaluate(Trajectory estimate, Trajectory truth, const EvaluationOptio
   }
   // The heading offset of the orientation errors is taken before alignment turns the estimate.
   const OrientationErrors orientation = orientation_errors(result.pairs);
-  result.alignment =
-      find_alignment(result.pairs, options.align);
+  result.alignment = find_alignment(result.pairs, options.align);
   move_by(result.alignment, result.pairs.estimate);
   const ErrorStats ate = absolute_trajectory_error(result.pairs);
   errors["ate_n"] = static_cast<double>(ate.n);
