@@ -144,8 +144,9 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   } else {
     motion.travel_world_m = travel_m * mean_forward(history_, from.stamp_ns, to.stamp_ns);
   }
-  const double turn_gyro = log_rotation(conjugate(begin.q_world_body) * end.q_world_body).z;
-  if (config_.icr_x_m != 0.0 && begin.exact && end.exact) {
+  const bool turns = begin.exact && end.exact && (config_.icr_x_m != 0.0 || config_.track_width_m > 0.0);
+  const double turn_gyro = turns ? log_rotation(conjugate(begin.q_world_body) * end.q_world_body).z : 0.0;
+  if (turns && config_.icr_x_m != 0.0) {
     // v_y = -w x_v: a track's turning centre moves along the track, what lies behind it moves across.
     const Vector3 across = rotate(begin.q_world_body, {0, 1, 0}) + rotate(end.q_world_body, {0, 1, 0});
     motion.travel_world_m = motion.travel_world_m + (-0.5 * config_.icr_x_m * turn_gyro) * across;
