@@ -66,8 +66,9 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
         }
         for (const rt::ImuSample& sample : *imu_) {
           // A refused sample is counted by the filter, by reason.
-          if (attitude_->update(sample) == Status::ok)
-            job_attitudes_[job_attitude_count_++] = attitude_->estimate();
+          if (attitude_->update(sample) != Status::ok) continue;
+          job_samples_[job_attitude_count_] = &sample;
+          job_attitudes_[job_attitude_count_++] = attitude_->estimate();
         }
         output = attitude_->estimate();
       });
@@ -83,30 +84,6 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   builder.counter("imu_zero_rate", [attitude] { return attitude->counters().zero_rate; });
   builder.counter("imu_shortened", [attitude] { return attitude->counters().shortened; });
   builder.counter("imu_aid_refused", [attitude] { return attitude->counters().aid_refused; });
-}
-
-void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {
-  std::tie(tracks_, track_port_) = builder.stream<rt::TrackSample>(group, "TRACK", 128, 32);
-  odometry_ = std::make_unique<estimators::TrackOdometry>(read_odometry_config(builder));
-  builder.parameter(group, "odometry.scale", [this](double value) {
-    odometry_->set_scale(value);
-    return Status::ok;
-  });
-  odometry_task_ = builder.task<rt::PoseEstimate>(
-      group, "odometry", 50, [this](rt::JobContext&, rt::PoseEstimate& output) {
-        // What is refused is counted by the odometry, by reason.
-        for (std::uint32_t i = 0; i < job_attitude_count_; ++i)
-          static_cast<void>(odometry_->observe(job_attitudes_[i]));
-        for (const rt::TrackSample& sample : *tracks_) static_cast<void>(odometry_->update(sample));
-        output = odometry_->estimate();
-      });
-  builder.remembers(odometry_task_, *odometry_);
-  const estimators::TrackOdometry* odometry = odometry_.get();
-  builder.counter("track_used", [odometry] { return odometry->counters().used; });
-  builder.counter("track_not_finite", [odometry] { return odometry->counters().not_finite; });
-  builder.counter("track_time_backwards", [odometry] { return odometry->counters().time_backwards; });
-  builder.counter("track_jumps", [odometry] { return odometry->counters().jumps; });
-  builder.counter("track_slips", [odometry] { return odometry->counters().slips; });
 }
 
 void Ugv::add_map(VehicleBuilder& builder, rt::GroupId group) {

@@ -37,6 +37,10 @@ class Ugv final : public Vehicle, public UnitTryer {
 
   void add_attitude(VehicleBuilder& builder, rt::GroupId group);
   void add_odometry(VehicleBuilder& builder, rt::GroupId group);
+  void add_odometry_counters(VehicleBuilder& builder);
+  void add_odometry_state(VehicleBuilder& builder, rt::GroupId group);
+  void listen_to_flippers(VehicleBuilder& builder, rt::GroupId group);
+  void run_odometry();
   void add_drive(VehicleBuilder& builder, rt::GroupId group);
   void add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency);
   void add_drive_counters(VehicleBuilder& builder);
@@ -80,6 +84,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   std::int32_t postures_{};
   // Every attitude of the present job, for the odometry that runs behind it.
   rt::AttitudeEstimate job_attitudes_[kImuBatch]{};
+  const rt::ImuSample* job_samples_[kImuBatch]{};  // that led to them
   std::uint32_t job_attitude_count_{};
   // Scan placement.
   rt::Vector3 p_body_sensor_;
@@ -92,6 +97,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};
+  bool obstacles_{};          // the odometry knows obstacles
+  bool obstacle_flippers_{};  // and is told the flippers' angles
   rt::Nanoseconds next_command_ns_{};
   std::uint8_t command_counter_{};
   rt::Nanoseconds next_flippers_ns_{};

@@ -115,7 +115,7 @@ void Ugv::add_drive_counters(VehicleBuilder& builder) {
 }
 
 void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
-  std::tie(flipper_states_, flipper_port_) = builder.stream<rt::FlipperSample>(group, "FLIPPER", 64, 16);
+  listen_to_flippers(builder, group);
   flipper_outlet_ = builder.outlet<rt::FlipperCommand>("flippers");
   const rt::TaskBase* task = builder.task<planner::FlipperOutput>(
       group, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
