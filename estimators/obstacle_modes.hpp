@@ -27,7 +27,7 @@ struct ObstacleModesConfig {
   double leave_rad_m{0.08};  ///< curvature that ends it
   double window_m{0.01};     ///< over which curvature is smoothed
   double creep_m_s{0.03};    ///< travel that time alone makes: a body may tip over while belts are still
-  double name_m{0.01};       ///< so long another name must hold before it is told
+  double name_m{0.005};      ///< so long another name must hold before it is told
   double steady_m{0.03};     ///< so long without turning makes what is stood on the reference
   double settled_m{0.25};    ///< and so long a plane
   double edge_share{0.4};    ///< curvature falls below this share of its peak: the front is on the edge
