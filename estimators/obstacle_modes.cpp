@@ -66,16 +66,16 @@ ObstacleMotion ObstacleModes::update(const ObstacleStep& step) {
     return motion;
   }
   const double way_now = std::fabs(step.travel_m) + config_.creep_m_s * step.dt_s;
-  const TreeNode& side = decide(kSideTree, 0, features_);
+  const TreeNode& side = decide(kSideTree, features_);
   motion.step_body_m = {step.travel_m, 0.0, -step.turn_rad.x * side_of(static_cast<SideIdea>(side.idea))};
   const double of_roll = static_cast<double>(side.sigma_m) * step.turn_rad.x;
   double of_pitch = kCalmSigma_m * nose_up;
   double of_way = 0.0;
   if (!settled()) {
-    constexpr double share = 1.0 / static_cast<double>(std::size(kPivotRoots));
+    constexpr double share = 1.0 / static_cast<double>(std::size(kPivotTrees));
     of_pitch = 0.0;
-    for (const std::uint16_t root : kPivotRoots) {
-      const TreeNode& leaf = decide(kPivotTrees, root, features_);
+    for (const TreeNode* tree : kPivotTrees) {
+      const TreeNode& leaf = decide(tree, features_);
       const auto idea = static_cast<PivotIdea>(leaf.idea);
       motion.step_body_m.z +=
           share * (idea == PivotIdea::fixed ? -nose_up * direction_ * static_cast<double>(leaf.place_m)
@@ -241,7 +241,7 @@ void ObstacleModes::name_mode(double travel_m) {
   std::uint32_t name = static_cast<std::uint32_t>(ObstacleMode::planar);
   double sure = 1.0;
   if (!settled()) {
-    const TreeNode& leaf = decide(kNameTree, 0, features_);
+    const TreeNode& leaf = decide(kNameTree, features_);
     name = leaf.idea;
     sure = static_cast<double>(leaf.sigma);
     if (direction_ < 0.0 && name == static_cast<std::uint32_t>(ObstacleMode::low_rear)) {

@@ -72,10 +72,9 @@ struct TreeNode {
 /// Longest way down: bounds the time of a decision.
 inline constexpr std::uint32_t kTreeDepth = 8;
 
-/// Walks down from the node `root` of the table. Cost: at most kTreeDepth comparisons.
-inline const TreeNode& decide(const TreeNode* tree, std::uint32_t root,
-                              const double (&features)[kModeFeatures]) {
-  const TreeNode* node = tree + root;
+/// Walks down. Cost: at most kTreeDepth comparisons.
+inline const TreeNode& decide(const TreeNode* tree, const double (&features)[kModeFeatures]) {
+  const TreeNode* node = tree;
   for (std::uint32_t i = 0; i < kTreeDepth && node->yes != 0; ++i)
     node = tree + (features[node->feature] < static_cast<double>(node->bound) ? node->yes : node->no);
   return *node;

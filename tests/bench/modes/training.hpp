@@ -19,7 +19,7 @@ class Trainer {
   /// Adds a drive that crossed its scene, as it was and with disturbed sensors and a geometry that is off.
   void add(const CourseScene& scene, const std::vector<CourseSample>& drive, double speed_m_s);
 
-  /// Grows all trees and prints the table to stdout.
+  /// Grows all trees and writes their files into the current folder.
   void finish();
 
   std::size_t steps() const { return set_.steps.size(); }
@@ -31,7 +31,8 @@ class Trainer {
   TrainingSet set_;
 };
 
-/// Drives the scenes of these seeds and prints the table. Some minutes a seed and some GB.
+/// Drives the scenes of these seeds and writes the tables into the current folder. Some minutes a seed and
+/// some GB.
 void train_modes(const std::vector<std::uint64_t>& seeds);
 
 }  // namespace sortie::bench
