@@ -283,7 +283,10 @@ TEST_CASE("A scan may be entered sparsely") {
     OccupancyMap other(config, others);
     REQUIRE(map.update(scan, {}, stride) == Status::ok);
     for (std::size_t i = 0; i < points.size(); i += stride)
-      (void)other.update_ray({}, {double{points[i].x_m}, double{points[i].y_m}, double{points[i].z_m}}, true);
+      (void)other.update_ray({},
+                             {static_cast<double>(points[i].x_m), static_cast<double>(points[i].y_m),
+                              static_cast<double>(points[i].z_m)},
+                             true);
     CHECK(cells == others);
     CHECK(map.output().changes == other.output().changes);
     CHECK(map.update(scan, {{std::nan(""), 0, 0}, {}}, stride) == Status::not_finite);

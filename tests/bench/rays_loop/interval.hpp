@@ -17,7 +17,7 @@ struct Interval {
 };
 
 /// Student's t at 0.975. Beyond the table the first terms of its expansion about the normal one, good to
-/// 0.001 from 10 on (Abramowitz and Stegun 26.7.5).
+/// 0.003 from 10 on (Abramowitz and Stegun 26.7.5).
 inline double student_975(std::size_t freedom) {
   constexpr double kSmall[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262};
   if (freedom < 1) return HUGE_VAL;

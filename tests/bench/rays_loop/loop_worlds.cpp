@@ -95,7 +95,8 @@ LoopWorld make_walk(std::uint64_t seed) {
   make_place(world);
   for (const tests::RecordedScan& scan : scans) {
     for (const rt::ScanPoint& point : scan.points) {
-      const rt::Vector3 p{double{point.x_m}, double{point.y_m}, double{point.z_m}};
+      const rt::Vector3 p{static_cast<double>(point.x_m), static_cast<double>(point.y_m),
+                          static_cast<double>(point.z_m)};
       const rt::Vector3 w = scan.r_world_lidar * p + scan.p_world_lidar;
       if (rt::norm(p) < 30.0)
         static_cast<void>(world.recorded->add({w.x, w.y, w.z}));  // beyond: stray points
