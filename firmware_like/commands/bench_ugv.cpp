@@ -5,8 +5,8 @@
 #include "drivers/ssl_port.hpp"
 #include "firmware_like/commands/bench_course.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
+#include "firmware_like/commands/bench_multirotor.hpp"
 #include "firmware_like/commands/bench_sensors.hpp"
-#include "firmware_like/commands/bench_uav.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
 

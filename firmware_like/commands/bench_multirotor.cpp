@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/commands/bench_uav.hpp"
+#include "firmware_like/commands/bench_multirotor.hpp"
 
 #include "drivers/can_stub.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
