@@ -42,14 +42,8 @@ class Allocation {
   /// What these thrusts make together.
   RotorWrench wrench(const double* force_n) const;
 
-  /// State to bytes and back, into an allocation for the same vehicle.
-  void archive(rt::Archive& archive) {
-    rt::Members(archive, *this, "allocation")
-        .fixed(model_)
-        .by_hand(lost_count_)
-        .state(effect_, inverse_, weighted_, weight_, most_n_, lost_);
-    archive.bounded(lost_count_, rt::kMaxRotors);
-  }
+  /// State to bytes and back, into one of the same vehicle.
+  void archive(rt::Archive& archive);
 
  private:
   RotorThrusts bounded(const double (&wanted)[4]) const;

@@ -195,13 +195,4 @@ bool GoalProfile::arrived() const {
          std::fabs(rt::wrap_angle(goal_yaw_rad_ - now_.yaw_rad)) < 1e-3;
 }
 
-void GoalProfile::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "goal profile")
-      .fixed(limits_, dt_, window_)
-      .by_hand(head_)
-      .state(run_, first_, second_, stage_, still_, run_m_, goal_m_, goal_yaw_rad_, speed_share_, brake_left_,
-             brake_time_s_, brake_length_s_, brake_from_, now_);
-  archive.bounded(head_, kWindow - 1);
-}
-
 }  // namespace sortie::planner

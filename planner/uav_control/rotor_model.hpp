@@ -40,7 +40,7 @@ class RotorModel {
   /// Their means over the last period.
   const double* mean_n() const { return mean_n_; }
 
-  /// State to bytes and back, into a model of the same vehicle.
+  /// State to bytes and back, into one of the same vehicle.
   void archive(rt::Archive& archive) {
     rt::Members(archive, *this, "rotor model")
         .fixed(model_, keep_up_, keep_down_)

@@ -38,14 +38,8 @@ class RotorWatch {
   /// After a rotor was dropped: what was learned included its absence.
   void forget() { reset(); }
 
-  /// State to bytes and back, into a watch of the same vehicle.
-  void archive(rt::Archive& archive) {
-    rt::Members(archive, *this, "rotor watch")
-        .fixed(model_, config_, dt_, keep_fast_, keep_slow_, keep_base_, least_n_, least_torque2_)
-        .by_hand(suspect_)
-        .state(started_, last_w_, fast_, slow_, base_, fast_n_, held_s_);
-    archive.bounded(suspect_, kNone);
-  }
+  /// State to bytes and back, into one of the same vehicle.
+  void archive(rt::Archive& archive);
 
  private:
   UavModel model_;
