@@ -12,7 +12,10 @@ namespace {
 
 using rt::Vector3;
 
-bool is_zero(const Vector3& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+// The reference follows the rotors' lag and comes to rest within some tenths of a second, never quite.
+constexpr double kRest_m_s = 1e-6;
+constexpr double kRest_m_s2 = 1e-4;
+constexpr double kRest_m_s3 = 1e-2;
 
 void put(const Vector3& v, double (&out)[3]) {
   out[0] = v.x;
@@ -111,7 +114,7 @@ void UavPilot::start(const rt::UavState& state) {
 
 bool UavPilot::rests() const {
   const FlatReference& r = control_.reference();
-  return is_zero(r.v_m_s) && is_zero(r.a_m_s2) && is_zero(r.j_m_s3);
+  return rt::norm(r.v_m_s) < kRest_m_s && rt::norm(r.a_m_s2) < kRest_m_s2 && rt::norm(r.j_m_s3) < kRest_m_s3;
 }
 
 bool UavPilot::rests_at(const Vector3& p_m) const {
