@@ -216,7 +216,7 @@ void TrackOdometry::publish(rt::Nanoseconds stamp_ns, const Quaternion& q, const
   store(history_.size() > 0 ? history_.back(0).w_body_rad_s : Vector3{}, estimate_.w_body_rad_s);
   covariance_.write(estimate_.covariance);
   estimate_.distance_m = distance_m_;
-  estimate_.flags = flags | kPoseStarted | (travel_lost_ ? kPoseTravelUnknown : 0u);
+  estimate_.flags = flags | kPoseStarted | (travel_lost_ ? +kPoseTravelUnknown : 0u);
 }
 
 void TrackOdometry::archive(rt::Archive& archive) {
