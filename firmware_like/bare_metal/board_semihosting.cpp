@@ -84,6 +84,12 @@ std::uint32_t counter() { return ~kSysTick[2] & 0xFFFFFFu; }
 
 }  // namespace sortie::bare
 
+// What asks for memory has no place on this board.
+void* operator new(std::size_t) {
+  sortie::bare::print("a part asked for memory that a board does not have\n");
+  sortie::bare::stop(1);
+}
+
 // Virtual destructors name them; nothing is ever deleted, and so no heap is linked.
 void operator delete(void*) noexcept {}
 void operator delete(void*, std::size_t) noexcept {}
