@@ -5,12 +5,6 @@
 
 namespace sortie::firmware {
 
-namespace {
-
-double in_ms(rt::Nanoseconds value) { return static_cast<double>(value) * 1e-6; }
-
-}  // namespace
-
 std::optional<drivers::canopen::UgvDrivesConfig> read_canopen(Profile& profile, bool flippers) {
   if (profile.text("drives.protocol", "own", "what the drives speak", {"own", "canopen"}) == "own") return {};
   drivers::canopen::UgvDrivesConfig config;
