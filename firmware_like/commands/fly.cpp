@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -20,9 +21,9 @@ namespace {
 
 struct FlyOptions {
   std::string what;
-  double x_m{NAN};
-  double y_m{NAN};
-  double z_m{NAN};
+  double x_m{std::numeric_limits<double>::quiet_NaN()};
+  double y_m{std::numeric_limits<double>::quiet_NaN()};
+  double z_m{std::numeric_limits<double>::quiet_NaN()};
   double yaw_deg{};
   double wait_s{};
   std::string url{drivers::kDefaultLcmUrl};
