@@ -46,6 +46,12 @@ std::string what_is_outside(const LiveRunOptions& options) {
   return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
 }
 
+bool takes_channel(const Runtime& runtime, std::string_view channel) {
+  const auto& ports = runtime.parts().ports();
+  return std::any_of(ports.begin(), ports.end(),
+                     [channel](const auto& port) { return port->channel() == channel; });
+}
+
 struct RunClock {
   rt::Nanoseconds start_ns;
 };
@@ -110,8 +116,9 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   OutsideDevices outside{options.can_interface.empty() ? nullptr : &can, nullptr, clock.start_ns};
   std::unique_ptr<PlantLink> link;
   if (!options.plant.empty()) {
-    link = std::make_unique<PlantLink>(parse_plant(options.plant), outside.can == nullptr, clock.start_ns,
-                                       runtime.vehicle().scan_sink());
+    const PlantLinkNeeds needs{outside.can == nullptr, runtime.vehicle().scan_sink(),
+                               takes_channel(runtime, drivers::kChannelSsl)};
+    link = std::make_unique<PlantLink>(parse_plant(options.plant), needs, clock.start_ns);
     outside.link = link.get();
     if (outside.can == nullptr) outside.can = link->can();
   }
