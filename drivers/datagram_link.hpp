@@ -17,7 +17,7 @@
 namespace sortie::drivers {
 
 /// What a link carries. Ends of different purposes do not hear each other.
-enum class LinkPurpose : std::uint8_t { can = 1, scans = 2 };
+enum class LinkPurpose : std::uint8_t { can = 1, scans = 2, ssl = 3 };
 
 /// How an end is opened.
 struct DatagramLinkConfig {

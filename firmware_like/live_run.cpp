@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "drivers/can_socket.hpp"
+#include "firmware_like/auto_units.hpp"
 #include "firmware_like/chain_watch.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
 #include "firmware_like/flight_recorder.hpp"
@@ -14,7 +15,6 @@
 #include "firmware_like/log_clock.hpp"
 #include "firmware_like/parameter_desk.hpp"
 #include "firmware_like/telemetry.hpp"
-#include "firmware_like/unit_trial.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
@@ -46,6 +46,12 @@ std::string what_is_outside(const LiveRunOptions& options) {
   return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
 }
 
+bool takes_channel(const Runtime& runtime, std::string_view channel) {
+  const auto& ports = runtime.parts().ports();
+  return std::any_of(ports.begin(), ports.end(),
+                     [channel](const auto& port) { return port->channel() == channel; });
+}
+
 struct RunClock {
   rt::Nanoseconds start_ns;
 };
@@ -55,8 +61,9 @@ struct RunClock {
 LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& bench_factory,
                         const LiveRunOptions& options) {
   LiveRunOutcome outcome;
-  outcome.runtime =
-      std::make_unique<Runtime>(load_scene(options.scene, options.overrides), vehicles, RuntimeStart{});
+  BootedRuntime booted = boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time);
+  outcome.runtime = std::move(booted.runtime);
+  const UnitTrial& trial = booted.trial;
   Runtime& runtime = *outcome.runtime;
   rt::Executive& executive = runtime.executive();
 
@@ -76,8 +83,6 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   // Locked now, because locking takes long; the workers ask again and tell what was refused.
   const bool locks = !options.virtual_time && options.realtime;
   if (locks) static_cast<void>(rt::posix::lock_memory());
-  const auto* const tryer = dynamic_cast<const UnitTryer*>(&runtime.vehicle());
-  const UnitTrial trial = tryer != nullptr && !options.virtual_time ? tryer->try_units() : UnitTrial{};
   RunFlightRing ring(runtime, options.flight_ring, options.virtual_time);
   PoseCollector collector(runtime);
   RecorderOptions recording;
@@ -110,12 +115,14 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   OutsideDevices outside{options.can_interface.empty() ? nullptr : &can, nullptr, clock.start_ns};
   std::unique_ptr<PlantLink> link;
   if (!options.plant.empty()) {
-    link = std::make_unique<PlantLink>(parse_plant(options.plant), outside.can == nullptr, clock.start_ns,
-                                       runtime.vehicle().scan_sink());
+    const PlantLinkNeeds needs{outside.can == nullptr, runtime.vehicle().scan_sink(),
+                               takes_channel(runtime, drivers::kChannelSsl)};
+    link = std::make_unique<PlantLink>(parse_plant(options.plant), needs, clock.start_ns);
     outside.link = link.get();
     if (outside.can == nullptr) outside.can = link->can();
   }
   if (!options.virtual_time) write_log_clock(recorder, clock.start_ns, utc_minus_run);
+  write_chosen_units(recorder, booted.chosen, trial.ns_per_unit);
   Surroundings surroundings(runtime, bench.get(), outside, recorder, !options.record.empty());
   executive.set_sink(ring.before(recorder.job_sink()));
   doctor.begin(executive, recorder, !options.virtual_time && options.realtime);
@@ -186,6 +193,14 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   if (!trial.task.empty()) {
     results.counters["calibration_" + trial.task + "_ps_per_unit"] =
         static_cast<std::uint64_t>(std::llround(1e3 * trial.ns_per_unit));
+  }
+  for (const ChosenUnits& chosen : booted.chosen) {
+    results.counters["calibration_" + chosen.task + "_units"] = chosen.units;
+    if (!chosen.timed)
+      results.warnings.push_back("tasks." + chosen.task +
+                                 ".units = \"auto\": nothing timed them here; "
+                                 "the default was taken, " +
+                                 std::to_string(chosen.units));
   }
   results.counters["log_events"] = recorder.events();
   results.counters["log_bytes"] = recorder.bytes();

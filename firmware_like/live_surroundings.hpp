@@ -59,6 +59,7 @@ class Surroundings {
     devices_.can = bench != nullptr ? bench->vehicle_can() : outside.can;
     if (bench != nullptr) return;
     link_ = outside.link;
+    if (link_ != nullptr) devices_.ssl = link_->ssl();
     devices_.device_epoch_ns = -outside.start_ns;
   }
   /// Moves the bench robot, if there is one, and notes its truth.

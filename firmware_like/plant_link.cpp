@@ -26,30 +26,39 @@ std::uint16_t parse_plant(const std::string& text) {
   if (text.rfind("own:", 0) == 0) {
     const char* end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + 4, end, port);
-    // The port above it is the lidar's.
-    if (error == std::errc() && stop == end && port >= 1024 && port < 65535) return port;
+    if (error == std::errc() && stop == end && port >= 1024 && port <= kMostPlantPort) return port;
   }
-  throw ProfileError("--plant " + text + ": write own, or own:PORT with a port from 1024 to 65534");
+  throw ProfileError("--plant " + text + ": write own, or own:PORT with a port from 1024 to " +
+                     std::to_string(kMostPlantPort));
 }
 
-PlantLink::PlantLink(std::uint16_t port, bool with_can, rt::Nanoseconds start_ns, drivers::ScanSink* scans)
-    : port_(port), with_can_(with_can), with_scans_(scans != nullptr) {
+PlantLink::PlantLink(std::uint16_t port, const PlantLinkNeeds& needs, rt::Nanoseconds start_ns)
+    : port_(port), with_can_(needs.can), with_scans_(needs.scans != nullptr), with_ssl_(needs.ssl) {
   drivers::DatagramLinkConfig config;
-  config.port = port;
-  config.session = static_cast<std::uint64_t>(unguessable_number());
+  const auto next_link = [&config, port](int above) {
+    config.port = static_cast<std::uint16_t>(port + above);
+    config.session = static_cast<std::uint64_t>(unguessable_number());
+  };
   std::string problem;
   Status status = Status::ok;
-  if (with_can_) status = can_.open(config, start_ns, problem);
+  if (with_can_) {
+    next_link(0);
+    status = can_.open(config, start_ns, problem);
+  }
   if (status == Status::ok && with_scans_) {
-    config.port = static_cast<std::uint16_t>(port + 1);
-    config.session = static_cast<std::uint64_t>(unguessable_number());
-    status = scans_.open(config, start_ns, *scans, problem);
+    next_link(1);
+    status = scans_.open(config, start_ns, *needs.scans, problem);
+  }
+  if (status == Status::ok && with_ssl_) {
+    next_link(2);
+    status = ssl_.open(config, start_ns, problem);
   }
   if (status != Status::ok) throw ProfileError("--plant own: " + problem);
 }
 
 void PlantLink::poll(rt::Nanoseconds now_ns) {
   if (with_scans_) scans_.poll();
+  if (with_ssl_) ssl_.poll();
   const bool heard = judged().has_peer();
   if (heard == heard_) return;
   heard_ = heard;
@@ -75,6 +84,10 @@ void PlantLink::add_counters(std::map<std::string, std::uint64_t>& counters) con
     firmware::add_counters("plant_lidar_", scans_.link().counters(), counters);
     firmware::add_counters("plant_scans_", scans_.counters(), counters);
   }
+  if (with_ssl_) {
+    firmware::add_counters("plant_ssl_", ssl_.link().counters(), counters);
+    firmware::add_counters("plant_rays_", ssl_.counters(), counters);
+  }
 }
 
 std::vector<std::string> PlantLink::warnings() const {
@@ -91,6 +104,9 @@ std::vector<std::string> PlantLink::warnings() const {
   if (link.peers > 1)
     warnings.push_back("the plant was restarted " + std::to_string(link.peers - 1) +
                        " times: the robot stands where it began again, and the odometry does not know");
+  if (with_ssl_ && link.peers != 0 && ssl_.link().counters().peers == 0)
+    warnings.push_back(
+        "the plant has no solid-state lidar, or another program holds its port: no ray was fired");
   if (link.lost != 0) warnings.push_back(std::to_string(link.lost) + " datagrams of the plant were lost");
   return warnings;
 }

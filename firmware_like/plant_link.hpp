@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The runtime's end of what lies between it and a plant in a process of its own: a CAN bus and a lidar.
+// The runtime's end of what lies between it and a plant in a process of its own: a CAN bus, a lidar, a
+// solid-state lidar.
 #pragma once
 
 #include <atomic>
@@ -10,25 +11,37 @@
 
 #include "drivers/can_datagram.hpp"
 #include "drivers/scan_datagram.hpp"
+#include "drivers/ssl_datagram.hpp"
 
 namespace sortie::firmware {
 
-/// Port on 127.0.0.1 that a plant listens on; the one above it is its lidar's.
+/// Port on 127.0.0.1 that a plant listens on; the one above it is its lidar's, the next its solid-state
+/// lidar's.
 inline constexpr std::uint16_t kPlantPort = 7710;
+inline constexpr std::uint16_t kMostPlantPort = 65535 - 2;
 
 /// "own", or "own:PORT" for another port than kPlantPort. Throws ProfileError.
 std::uint16_t parse_plant(const std::string& text);
 
-/// Both links of a runtime. Opened at start-up; then one thread polls, and any other may ask for news.
+/// What a runtime wants of a plant.
+struct PlantLinkNeeds {
+  bool can{};                  ///< frames come over the link, not over a SocketCAN interface
+  drivers::ScanSink* scans{};  ///< null: no lidar
+  bool ssl{};                  ///< a solid-state lidar
+};
+
+/// The links of a runtime. Opened at start-up; then one thread polls, and any other may ask for news.
 class PlantLink {
  public:
-  /// `with_can`: frames come over the link, not over a SocketCAN interface. `scans` may be null: then there
-  /// is no lidar. Stamps count from `start_ns` of CLOCK_MONOTONIC. Throws ProfileError.
-  PlantLink(std::uint16_t port, bool with_can, rt::Nanoseconds start_ns, drivers::ScanSink* scans);
+  /// Stamps count from `start_ns` of CLOCK_MONOTONIC. Throws ProfileError.
+  PlantLink(std::uint16_t port, const PlantLinkNeeds& needs, rt::Nanoseconds start_ns);
 
   /// The port on the plant's bus, or null when that is a SocketCAN interface.
   drivers::CanBus* can() { return with_can_ ? &can_ : nullptr; }
-  /// Takes scans, and notes whether the plant is there. On the thread that polls devices. Real-time safe.
+  /// The way to the solid-state lidar, or null.
+  drivers::SslPort* ssl() { return with_ssl_ ? &ssl_ : nullptr; }
+  /// Takes scans and frames of the solid-state lidar, and notes whether the plant is there. On the thread
+  /// that polls devices. Real-time safe.
   void poll(rt::Nanoseconds now_ns);
   /// One line when the plant has come or gone since the last call, else empty. Any one thread.
   std::string news();
@@ -38,13 +51,17 @@ class PlantLink {
   std::vector<std::string> warnings() const;
 
  private:
-  const drivers::DatagramLink& judged() const { return with_can_ ? can_.link() : scans_.link(); }
+  const drivers::DatagramLink& judged() const {
+    return with_can_ ? can_.link() : with_scans_ || !with_ssl_ ? scans_.link() : ssl_.link();
+  }
 
   std::uint16_t port_;
   bool with_can_;
   bool with_scans_;
+  bool with_ssl_;
   drivers::CanDatagram can_;
   drivers::ScanReceiver scans_;
+  drivers::SslDatagram ssl_;
   bool heard_{};                             ///< of the polling thread
   std::atomic<std::int64_t> changed_ns_{0};  ///< run's clock
   std::atomic<std::uint32_t> changes_{0};    ///< odd: the plant is there

@@ -8,6 +8,7 @@
 #include "drivers/can_socket.hpp"
 #include "drivers/lcm_log.hpp"
 #include "drivers/scan_datagram.hpp"
+#include "drivers/ssl_datagram.hpp"
 #include "firmware_like/drive_desk.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/log_clock.hpp"
@@ -112,11 +113,7 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
     throw ProfileError(options.scene +
                        ": `plant` needs a scene with a simulated robot ([hil]) that has a bus");
   profile.refuse_unknown_keys("hil");
-  if (bench->vehicle_ssl() != nullptr) {
-    throw ProfileError(options.scene +
-                       ": the solid-state lidar has no link between processes; run this scene in one "
-                       "(`sortie run`), or add --set hil.ssl.enabled=false");
-  }
+  drivers::SslPort* const solid_state = bench->vehicle_ssl();
 
   std::string problem;
   const std::string lidar_port = std::to_string(options.port + 1);
@@ -136,6 +133,13 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
   }
   require(scans.open(listening(static_cast<std::uint16_t>(options.port + 1)), zero_ns, problem),
           "--port " + std::to_string(options.port) + ", lidar on " + lidar_port, problem);
+  drivers::SslDatagramDevice rays;
+  if (solid_state != nullptr) {
+    require(rays.open(listening(static_cast<std::uint16_t>(options.port + 2)), zero_ns, problem),
+            "--port " + std::to_string(options.port) + ", solid-state lidar on " +
+                std::to_string(options.port + 2),
+            problem);
+  }
   drivers::CanBus& outside = options.can_interface.empty() ? static_cast<drivers::CanBus&>(datagrams)
                                                            : static_cast<drivers::CanBus&>(interface);
   const drivers::DatagramLink& judged = options.can_interface.empty() ? datagrams.link() : scans.link();
@@ -163,9 +167,11 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
     if (woke_ns - next_ns > 10 * rt::kNanosecondsPerMillisecond) ++late;
     since_ns = woke_ns - zero_ns;
     carry_frames(outside, *bench->vehicle_can());
+    if (solid_state != nullptr) rays.deliver(*solid_state);
     bench->step(since_ns);
     carry_frames(*bench->vehicle_can(), outside);
     scans.poll();
+    if (solid_state != nullptr) rays.collect(*solid_state);
     truth.note(*bench, since_ns, log.get());
     peer.look(judged, since_ns);
     next_ns = std::max(next_ns + rt::kNanosecondsPerMillisecond, woke_ns);
@@ -178,6 +184,10 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
   }
   add_counters("lidar_", scans.link().counters(), outcome.counters);
   add_counters("scan_", scans.counters(), outcome.counters);
+  if (solid_state != nullptr) {
+    add_counters("ssl_", rays.link().counters(), outcome.counters);
+    add_counters("rays_", rays.counters(), outcome.counters);
+  }
   outcome.counters["late_wakes"] = late;
   outcome.counters["truth_contacts_dropped"] = truth.contacts_dropped;
   if (judged.counters().peers == 0) outcome.warnings.push_back("no runtime was heard");

@@ -17,10 +17,10 @@ namespace sortie::firmware {
 struct PlantOptions {
   std::string scene;
   std::vector<std::string> overrides;
-  double seconds{};           ///< 0: until interrupted
-  std::uint16_t port{};       ///< on 127.0.0.1, for the bus; the one above it is the lidar's
-  std::string can_interface;  ///< the bus is this SocketCAN interface instead
-  std::string record;         ///< LCM log for the truth, or empty
+  double seconds{};      ///< 0: until interrupted
+  std::uint16_t port{};  ///< on 127.0.0.1, for the bus; the next are the lidar's and the solid-state lidar's
+  std::string can_interface;                     ///< the bus is this SocketCAN interface instead
+  std::string record;                            ///< LCM log for the truth, or empty
   std::function<void(const std::string&)> tell;  ///< one line when something has happened, or null
   const std::atomic<bool>* interrupted{};
 };

@@ -137,6 +137,18 @@ std::int64_t Profile::integer(const std::string& path, const NumberSpec& spec) {
   return static_cast<std::int64_t>(std::llround(number(path, spec)));
 }
 
+std::optional<std::int64_t> Profile::integer_or_auto(const std::string& path, const NumberSpec& spec) {
+  const auto node = tree_->root.at_path(path);
+  const bool is_auto = node.value<std::string>() == "auto";
+  if (node && !node.is_integer() && !is_auto) fail(path, "must be a whole number, or \"auto\"");
+  std::optional<std::int64_t> value;
+  if (!is_auto) value = static_cast<std::int64_t>(std::llround(number(path, spec)));
+  ProfileKey* key = declare(path, "\"auto\"", spec.unit, as_text(spec.low) + " .. " + as_text(spec.high),
+                            spec.meaning, false);
+  if (key->range.find("auto") == std::string::npos) key->range += ", \"auto\"";
+  return value;
+}
+
 bool Profile::flag(const std::string& path, bool fallback, const char* meaning) {
   const auto node = tree_->root.at_path(path);
   if (node && !node.is_boolean()) fail(path, "must be true or false");

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -80,6 +81,8 @@ class Profile {
   /// ProfileError.
   double number(const std::string& path, const NumberSpec& spec);
   std::int64_t integer(const std::string& path, const NumberSpec& spec);
+  /// A whole number, or nothing where "auto" stands.
+  std::optional<std::int64_t> integer_or_auto(const std::string& path, const NumberSpec& spec);
   bool flag(const std::string& path, bool fallback, const char* meaning);
   std::string text(const std::string& path, const std::string& fallback, const char* meaning,
                    const std::vector<std::string>& choices = {});

@@ -75,9 +75,16 @@ rt::TaskSpec VehicleBuilder::task_spec(const std::string& name, const TaskDefaul
   spec.budget_us = static_cast<std::uint32_t>(profile_.number(
       below + "budget_us", {defaults.budget_us, 1, 1e7, "us", "declared worst run time of one execution"}));
   if (defaults.units != 0) {
-    spec.units = static_cast<std::uint32_t>(profile_.integer(
-        below + "units",
-        {static_cast<double>(defaults.units), 1, 4e9, "units", "work units that one execution may spend"}));
+    const NumberSpec units{static_cast<double>(defaults.units), 1, 4e9, "units",
+                           "work units that one execution may spend"};
+    std::optional<std::int64_t> said;
+    if (defaults.auto_units) {
+      said = profile_.integer_or_auto(below + "units", units);
+      if (!said) auto_units_.push_back(name);
+    } else {
+      said = profile_.integer(below + "units", units);
+    }
+    spec.units = static_cast<std::uint32_t>(said.value_or(defaults.units));
   }
   static const char* const kNames[] = {"A", "B", "C"};
   const std::string criticality =

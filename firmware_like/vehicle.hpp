@@ -43,6 +43,9 @@ struct TaskDefaults {
   double budget_us{};
   rt::Criticality criticality{rt::Criticality::a};
   std::uint32_t units{};  ///< of an anytime task (rt::JobContext::spend), 0: it is none
+  /// The scene may say units = "auto": the vehicle can time a unit of this task
+  /// (firmware_like/unit_trial.hpp).
+  bool auto_units{};
 };
 
 /// What a vehicle is built with. Everything it hands out lives as long as the runtime. Set-up only; throws
@@ -153,6 +156,8 @@ class VehicleBuilder {
   const std::vector<std::unique_ptr<InputPortBase>>& ports() const { return ports_; }
   std::vector<std::unique_ptr<OutletBase>>& outlets() { return outlets_; }
   const std::vector<ChainSpec>& chains() const { return chains_; }
+  /// Tasks whose units the scene leaves to the boot of a live run; until then they have their default.
+  const std::vector<std::string>& auto_units() const { return auto_units_; }
   const Pools& pools() const { return pools_; }
   const Counters& counters() const { return counters_; }
 
@@ -177,6 +182,7 @@ class VehicleBuilder {
   std::vector<std::unique_ptr<InputPortBase>> ports_;
   std::vector<std::unique_ptr<OutletBase>> outlets_;
   std::vector<ChainSpec> chains_;
+  std::vector<std::string> auto_units_;
   std::vector<std::pair<const rt::TaskBase*, std::function<void(rt::Archive&)>>> memories_;
   Pools pools_;
   Counters counters_;
@@ -222,6 +228,11 @@ class Vehicle {
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
   /// Calls `put(x, y, z, count)` for every voxel of the map at the end of a run. Without a map: nothing.
   virtual void for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const {
+    static_cast<void>(put);
+  }
+  /// Calls `put(x, y, z)` for the middle of every cell that the occupancy map holds for occupied, at the end
+  /// of a run. Without such a map: nothing.
+  virtual void for_each_occupied(const std::function<void(double, double, double)>& put) const {
     static_cast<void>(put);
   }
 };

@@ -240,10 +240,40 @@ check(sim.get("counters", {}).get("bench_commands", 0) > 0, "the new plant is dr
 check(answer("check", "silent.lcm").get("passed") is True, "a log across a plant's death replays")
 call("export", "tum", "cut.lcm", "--task", "truth", "--accept-damage")
 
+# Rays of a solid-state lidar between two processes. The plant is killed and started again; then rays go on, and the log replays
+# with the units that its boot had chosen.
+RAYS = ["--scene", "ugv_ssl", "--set", "hil.lidar_columns=16"]
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+    probe.bind(("127.0.0.1", 0))
+    port = min(probe.getsockname()[1], 65533)
+beside = Child("plant", *RAYS, "--port", port, "--json")
+ours = Child("run", *RAYS, *MISSION, "--set", "tasks.ssl.units=auto", "--set", "tasks.ssl.budget_us=4000", "--plant", f"own:{port}",
+             "--seconds", 100, "--no-rt", "--lcm-url", "none", "--json", "--record", "rays.lcm")
+check(ours.wait_for("the plant is heard"), "the runtime hears the plant with rays", ours.lines)
+time.sleep(1.5)
+beside.end(signal.SIGKILL)
+check(ours.wait_for("the plant has gone silent"), "the runtime tells that its plant with rays is gone", ours.lines)
+beside = Child("plant", *RAYS, "--port", port, "--json")
+check(beside.wait_for("a runtime is heard"), "the new plant with rays hears the runtime", beside.lines)
+time.sleep(2.5)
+run = ours.end(signal.SIGINT)
+sim = beside.end(signal.SIGTERM)
+counters, fired = run.get("counters", {}), sim.get("counters", {})
+check(counters.get("plant_ssl_peers") == 2 and counters.get("plant_rays_frames", 0) > 0, "rays came back", counters)
+for never in ("malformed", "unasked", "repeated", "mismatched"):
+    check(counters.get(f"plant_rays_{never}") == 0, f"no answer is {never}", counters)
+check(fired.get("rays_commands", 0) > 0 and fired.get("rays_malformed") == 0, "the new plant was asked for rays", fired)
+check(counters.get("calibration_ssl_units", 0) > 0, "units were chosen", counters)
+verdict = answer("check", "rays.lcm")
+check(verdict.get("passed") is True and verdict.get("digest") == run.get("digest"), "rays replay to their digest", verdict)
+call("report", "rays.lcm", "--out", "rays")
+page = pathlib.Path("rays/report.html").read_text()
+check("Rays that were fired" in page and "units spent, median" in page, "rays in the report")
+
 # What is wrong is told in one line, with exit code 2.
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
     taken.bind(("127.0.0.1", 0))
-    result = call("plant", *SCENE, "--port", min(taken.getsockname()[1], 65534), "--seconds", "1", code=2)
+    result = call("plant", *SCENE, "--port", min(taken.getsockname()[1], 65533), "--seconds", "1", code=2)
     check("is another plant running" in result.stderr and len(result.stderr.splitlines()) == 1, "a port that is taken", result.stderr)
 for wrong in ("mine", "own:80", "own:65535"):
     check("own:PORT" in call("run", *SCENE, "--plant", wrong, code=2).stderr, f"--plant {wrong}")

@@ -58,6 +58,9 @@ void show_results(const OutputOptions& options, const ReportInput& report);
 /// Adds a picture of the map, if there is one, with the path that was estimated, before any alignment.
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path);
 
+/// Adds a picture of the rays that a solid-state lidar fired, if the log has any, over the occupancy map.
+void add_ray_plot(ReportInput& report, const LogFile& log, const Runtime& runtime, const Trajectory& path);
+
 /// Adds the pictures of contacts and flippers, where the truth of a simulation is known.
 void add_contact_plots(ReportInput& report, const std::vector<ContactSummary>& contacts);
 

@@ -67,8 +67,8 @@ void add_plant(CLI::App& app, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--port", options->plant.port,
-                   "UDP port of 127.0.0.1 for the bus; the next is the lidar's")
-      ->check(CLI::Range(1024, 65534))
+                   "UDP port of 127.0.0.1 for the bus; the next two are the lidars'")
+      ->check(CLI::Range(1024, int{kMostPlantPort}))
       ->capture_default_str();
   command->add_option("--can", options->plant.can_interface, "The bus is this SocketCAN interface instead")
       ->type_name("IFACE");

@@ -7,9 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/fired_rays.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/tum.hpp"
 #include "firmware_like/report/contact_plots.hpp"
+#include "firmware_like/report/fired_rays_plot.hpp"
 #include "firmware_like/report/map_plot.hpp"
 
 namespace sortie::firmware {
@@ -63,6 +65,14 @@ int finish_with_damage(const CommandContext& context, const std::string& damage,
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path) {
   const std::vector<MapPoint> points = map_points(runtime.vehicle());
   if (!points.empty()) report.more_plots.push_back(plot_map(points, path));
+}
+
+void add_ray_plot(ReportInput& report, const LogFile& log, const Runtime& runtime, const Trajectory& path) {
+  Profile profile(runtime.profile().canonical(), log.path());
+  if (profile.vehicle() != "ugv" || log.channel(std::string(drivers::kChannelSsl)).empty()) return;
+  const FiredRays fired = fired_rays(log, std::move(profile), path);
+  if (!fired.rays.empty())
+    report.more_plots.push_back(plot_fired_rays(fired, occupied_cells(runtime.vehicle()), path));
 }
 
 void add_contact_plots(ReportInput& report, const std::vector<ContactSummary>& contacts) {

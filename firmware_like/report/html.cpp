@@ -169,6 +169,18 @@ std::string counter_section(const Results& r) {
   return out + "</div>\n";
 }
 
+std::string figure_tables(const std::vector<FigureTable>& tables) {
+  std::string out;
+  for (const FigureTable& table : tables) {
+    if (table.rows.empty()) continue;
+    out += "<h2>" + esc(table.title) + "</h2>\n<table class=\"side\"><tbody>";
+    for (const FigureRow& row : table.rows)
+      out += "<tr>" + cell(row.name, "t") + cell(row.value) + cell(row.unit, "u") + "</tr>";
+    out += "</tbody></table>\n";
+  }
+  return out;
+}
+
 /// Wide plots stand alone, the others side by side.
 std::string more_section(const std::vector<Plot>& plots) {
   constexpr double kWide = 700.0;
@@ -201,7 +213,7 @@ std::string render_report(const ReportInput& input) {
   if (!r.tasks.empty()) out += task_table(r);
   out += schedule_section(r);
   out += trajectory_section(input) + latency_section(r) + pool_section(r) + counter_section(r);
-  out += more_section(input.more_plots) + doctor_section(r.doctor);
+  out += figure_tables(input.tables) + more_section(input.more_plots) + doctor_section(r.doctor);
   out += "<footer><dl>" + fact("digest", r.digest) + fact("command", input.command) +
          fact("machine", r.machine) + fact("compiler", r.compiler) +
          "</dl></footer>\n</main></body></html>\n";

@@ -6,10 +6,17 @@
 #include <vector>
 
 #include "firmware_like/evaluation/evaluate.hpp"
+#include "firmware_like/evaluation/ray_figures.hpp"
 #include "firmware_like/report/svg.hpp"
 #include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
+
+/// A table of figures with a head line of its own.
+struct FigureTable {
+  std::string title;
+  std::vector<FigureRow> rows;
+};
 
 /// What the page tells. Everything but `results` may be left empty; then its section is left out.
 struct ReportInput {
@@ -20,7 +27,8 @@ struct ReportInput {
   std::vector<TimedPose> estimate;  ///< aligned, all samples
   std::vector<TimedPose> truth;
   std::vector<ErrorSample> errors;
-  std::vector<Plot> more_plots;  ///< of any task output; shown at the end
+  std::vector<FigureTable> tables;  ///< before the plots
+  std::vector<Plot> more_plots;     ///< of any task output; shown at the end
 };
 
 /// The page, as XHTML-conforming HTML 5. Cost: linear in the input; size bounded by the number of plots.

@@ -31,6 +31,9 @@ class Ugv final : public Vehicle, public UnitTryer {
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
   void for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const override;
+  void for_each_occupied(const std::function<void(double, double, double)>& put) const override {
+    if (ssl_) ssl_->for_each_occupied(put);
+  }
 
  private:
   static constexpr std::uint32_t kImuBatch = 64;

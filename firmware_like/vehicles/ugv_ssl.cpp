@@ -39,7 +39,7 @@ void UgvSsl::add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSour
                                                          alignof(std::max_align_t)));
   std::tie(returns_, port_) = builder.stream<rt::SslReturns>(group, std::string(drivers::kChannelSsl), 8, 4);
   outlet_ = builder.outlet<rt::SslCommand>("ssl", 4);
-  const TaskDefaults defaults{schedules() ? 30'000.0 : 100.0, rt::Criticality::b, settings_.units};
+  const TaskDefaults defaults{schedules() ? 30'000.0 : 100.0, rt::Criticality::b, settings_.units, true};
   task_ = builder.task<SslOutput>(group, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
     for (const rt::SslReturns& returns : *returns_) take(returns, output);
     if (schedules()) plan(context, output);
@@ -203,6 +203,21 @@ void UgvSsl::plan(rt::JobContext& context, SslOutput& output) {
   output.plan_digest = plan->digest;
   output.worth = plan->worth;
   output.certificate = plan->certificate;
+}
+
+void UgvSsl::for_each_occupied(const std::function<void(double, double, double)>& put) const {
+  if (!map_) return;
+  const mapping::OccupancyView view = map_->view();
+  const auto middle = [&view](int axis, std::int32_t cell) {
+    return view.voxel_size_m * (view.low[axis] + cell + 0.5);
+  };
+  const std::int8_t* cell = view.cells;
+  for (std::int32_t z = 0; z < view.size[2]; ++z) {
+    for (std::int32_t y = 0; y < view.size[1]; ++y) {
+      for (std::int32_t x = 0; x < view.size[0]; ++x, ++cell)
+        if (*cell > 0) put(middle(0, x), middle(1, y), middle(2, z));
+    }
+  }
 }
 
 void UgvSsl::poll(const Devices& devices, rt::Nanoseconds now_ns) {
