@@ -7,16 +7,17 @@
 
 namespace sortie::estimators {
 
-/// Acceleration of the inertial sensor from the robot's own speed. The mean acceleration over a block is the
-/// difference of the world velocities at its ends over its time: braking, centripetal part and lever arm are
-/// all in it, nothing is differentiated twice, and an error of the speed cancels with the next block. Trusted
-/// while it explains the specific force; judged on, and so taken back, also while it is not.
+/// Acceleration of the inertial sensor from the robot's own velocity. The mean acceleration over a block is
+/// the difference of the world velocities at its ends over its time: braking, centripetal part and lever arm
+/// are all in it, nothing is differentiated twice, and an error of the velocity cancels with the next block,
+/// also when trust is lost or found between the two. Trusted while it explains the specific force; judged on,
+/// and so taken back, also while it is not.
 template <class Real>
 class TrackAid {
  public:
-  /// Speed of the body's origin along its x axis, m/s, at `stamp_ns` of the sensor's clock.
-  void set_speed(Real speed_m_s, rt::Nanoseconds stamp_ns) {
-    speed_ = speed_m_s;
+  /// Velocity of the body's origin, body axes, m/s, at `stamp_ns` of the sensor's clock.
+  void set_velocity(const VectorOf<Real>& v_body_m_s, rt::Nanoseconds stamp_ns) {
+    v_body_ = v_body_m_s;
     stamp_ns_ = stamp_ns;
     known_ = true;
   }
@@ -35,11 +36,12 @@ class TrackAid {
       return false;
     }
     const VectorOf<Real> arm = vector_of<Real>(config.p_body_imu_m);
-    const VectorOf<Real> velocity = turn * (VectorOf<Real>{speed_, 0, 0} + cross(w_body, arm));
+    const VectorOf<Real> velocity = turn * (v_body_ + cross(w_body, arm));
     const VectorOf<Real> last = velocity_;
     velocity_ = velocity;
     if (!running_) {
       running_ = true;
+      taken_ = velocity;
       return false;
     }
     const VectorOf<Real> acceleration = (Real{1} / dt_s) * (velocity - last);
@@ -55,20 +57,29 @@ class TrackAid {
     const bool trusted_before = trusted_;
     trusted_ = excess < (trusted_ ? Real{1} : Real{0.25}) * margin * margin;
     aided_ = trusted_ && up_force > Real{0};
-    if (aided_) force = force - acceleration;
+    // A wild velocity that loses trust and comes to its end with trust again would leave half of itself in
+    // the mean force. So the difference is the one to what was taken out last; what happened without aid
+    // since then counts as long as it is looked at.
+    if (aided_) {
+      force = force - (Real{1} / dt_s) * (velocity - taken_);
+      taken_ = velocity;
+    } else {
+      taken_ = taken_ + weight * (velocity - taken_);
+    }
     return trusted_before && !trusted_;
   }
 
   bool aided() const { return aided_; }
   bool trusted() const { return trusted_; }
 
-  SORTIE_FIELDS(velocity_, plain_, rest_, speed_, stamp_ns_, known_, running_, trusted_, aided_)
+  SORTIE_FIELDS(velocity_, taken_, plain_, rest_, v_body_, stamp_ns_, known_, running_, trusted_, aided_)
 
  private:
   VectorOf<Real> velocity_;  // of the sensor, world, at the end of the block before
+  VectorOf<Real> taken_;     // up to which velocity the mean force knows
   VectorOf<Real> plain_;     // low-passed horizontal force
   VectorOf<Real> rest_;      // the same less the tracks' acceleration
-  Real speed_{};
+  VectorOf<Real> v_body_;    // as told last
   rt::Nanoseconds stamp_ns_{};
   bool known_{};
   bool running_{};
