@@ -80,9 +80,10 @@ class BasicAttitude {
   // What gathers up to the end of a block.
   struct Block {
     Vector rate, away, body_force, row_x, row_y;  // each times its step; away: force less the mean force
+    Vector cut;                                   // what shortening took from away
     Real time_s{}, force_s{};
     bool restless{};
-    SORTIE_FIELDS(rate, away, body_force, row_x, row_y, time_s, force_s, restless)
+    SORTIE_FIELDS(rate, away, cut, body_force, row_x, row_y, time_s, force_s, restless)
   };
 
   Status check(const rt::ImuSample& sample);

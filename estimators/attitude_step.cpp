@@ -162,6 +162,7 @@ void BasicAttitude<Real>::gather(const rt::ImuSample& sample, Real dt_s) {
   const Real limit = real(config_.acc_deviation_m_s2) + real(config_.acc_deviation_factor) * deviation_;
   Real size = size_of(away);
   if (size > limit && mean_s_ > real(kDeviationTime_s)) {  // a young mean may itself be the outlier
+    block_.cut = block_.cut + (dt_s * (Real{1} - limit / size)) * away;
     away = (limit / size) * away;
     size = limit;
     ++counters_.shortened;

@@ -175,6 +175,35 @@ TEST_CASE("A body that tips over an edge is aided by all of its velocity, not by
   CHECK(found[0] > 0.3);
 }
 
+TEST_CASE(
+    "Blows that end a fall count in full where the velocity tells of them, and are shortened where not") {
+  double found[3]{};
+  for (const int told : {0, 1, 2}) {  // nothing, the velocity, a velocity without the falls
+    Attitude filter{AttitudeConfig{}};
+    filter.set_moving(true);
+    double worst = 0;
+    double fall_m_s = 0;
+    for (int i = 0; i < 6000; ++i) {
+      // Down an edge, every second for 100 ms with 5 m/s^2, and ahead with a third of it; stopped in 5 ms.
+      const int phase = i % 200;
+      const double before_m_s = fall_m_s;
+      fall_m_s = i < 1000 || phase >= 20 ? 0.0 : fall_m_s + 0.005 * 5;
+      const Vector3 along{1.0 / 3, 0, -1};
+      const Vector3 force = kGravity + ((fall_m_s - before_m_s) / 0.005) * along;
+      REQUIRE(filter.update(sample_of(i * 5 * kMs, {1e-6, 0, 0}, force, kMeans)) == Status::ok);
+      const Vector3 v = Vector3{0.3, 0, 0} + (told == 1 ? fall_m_s : 0.0) * along;
+      // As the tracks do: 10 ms apart, known after the samples of that time.
+      if (told > 0 && i % 2 == 0) REQUIRE(filter.set_track_velocity(v, i * 5 * kMs) == Status::ok);
+      if (i > 1000) worst = std::max(worst, kDegrees * inclination_error(attitude_of(filter), {}));
+    }
+    CHECK(filter.counters().shortened >= 20);
+    found[told] = worst;
+  }
+  INFO("without aid " << found[0] << ", with " << found[1] << ", told otherwise " << found[2] << " deg");
+  CHECK(found[1] < 0.25 * found[0]);
+  CHECK(found[2] < 1.1 * found[0]);
+}
+
 TEST_CASE("An aid that is not renewed ends by itself, and a speed that is no number is refused") {
   Attitude filter{AttitudeConfig{}};
   CHECK(filter.set_track_speed(std::nan(""), 0) == Status::not_finite);
