@@ -151,7 +151,7 @@ Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, Ca
   const bool gyr_clipped = decode_axes(gyr, kCanImuGyrFields, out.imu.gyr_rad_s);
   const bool acc_clipped = decode_axes(acc, kCanImuAccFields, out.imu.acc_m_s2);
   if (gyr_clipped || acc_clipped) {
-    out.imu.flags |= rt::kImuSaturated;
+    out.imu.flags |= rt::kImuSaturated | (gyr_clipped ? 0u : +rt::kImuOnlyAccSaturated);
     ++counters_.saturated;
   }
   imu_.given = true;

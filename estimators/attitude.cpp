@@ -113,12 +113,12 @@ bool BasicAttitude<Real>::refuse_zero_rate() {
 }
 
 template <class Real>
-Status BasicAttitude<Real>::set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns) {
-  if (!std::isfinite(speed_m_s)) return Status::not_finite;
+Status BasicAttitude<Real>::set_track_velocity(const rt::Vector3& v_body_m_s, rt::Nanoseconds stamp_ns) {
+  if (!is_finite(v_body_m_s)) return Status::not_finite;
   const bool far =
       stamp_ns > kFarthestStamp_ns || stamp_ns < -kFarthestStamp_ns;  // differences must not overflow
-  if (far || std::fabs(speed_m_s) > kMaxTrackSpeed_m_s) return Status::out_of_range;
-  aid_.set_speed(real(speed_m_s), stamp_ns);
+  if (far || !(norm(v_body_m_s) <= kMaxTrackSpeed_m_s)) return Status::out_of_range;
+  aid_.set_velocity({real(v_body_m_s.x), real(v_body_m_s.y), real(v_body_m_s.z)}, stamp_ns);
   return Status::ok;
 }
 
@@ -173,12 +173,12 @@ void BasicAttitude<Real>::archive(rt::Archive& archive) {
       .state(counters_, estimate_);
 }
 
-#define SORTIE_INSTANTIATE(Real)                                                 \
-  template BasicAttitude<Real>::BasicAttitude(const AttitudeConfig&);            \
-  template Status BasicAttitude<Real>::update(const rt::ImuSample&);             \
-  template Status BasicAttitude<Real>::refuse(Status, const rt::ImuSample&);     \
-  template Status BasicAttitude<Real>::set_track_speed(double, rt::Nanoseconds); \
-  template Status BasicAttitude<Real>::set_heading(double, double);              \
+#define SORTIE_INSTANTIATE(Real)                                                                \
+  template BasicAttitude<Real>::BasicAttitude(const AttitudeConfig&);                           \
+  template Status BasicAttitude<Real>::update(const rt::ImuSample&);                            \
+  template Status BasicAttitude<Real>::refuse(Status, const rt::ImuSample&);                    \
+  template Status BasicAttitude<Real>::set_track_velocity(const rt::Vector3&, rt::Nanoseconds); \
+  template Status BasicAttitude<Real>::set_heading(double, double);                             \
   template void BasicAttitude<Real>::archive(rt::Archive&);
 SORTIE_INSTANTIATE(double)
 SORTIE_INSTANTIATE(float)

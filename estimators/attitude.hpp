@@ -41,10 +41,16 @@ class BasicAttitude {
   /// a gyro bias at rest; while `moving` nothing is taken for rest. False until told otherwise.
   void set_moving(bool moving) { moving_ = moving; }
 
-  /// Tells the speed of the body's origin along its x axis, at `stamp_ns` on the sensor's clock: the
-  /// acceleration that follows from it is taken out of the specific force. `not_finite` and `out_of_range`
-  /// (beyond 100 m/s, or a stamp beyond 73 years) change nothing. An aid that is not renewed ends by itself.
-  Status set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns);
+  /// Tells the velocity of the body's origin, body axes, at `stamp_ns` on the sensor's clock: the
+  /// acceleration that follows from it is taken out of the specific force. On an edge the body does not move
+  /// along its own axis: give all of it. `not_finite` and `out_of_range` (beyond 100 m/s, or a stamp beyond
+  /// 73 years) change nothing. An aid that is not renewed ends by itself.
+  Status set_track_velocity(const rt::Vector3& v_body_m_s, rt::Nanoseconds stamp_ns);
+
+  /// The same of a body that moves along its x axis alone.
+  Status set_track_speed(double speed_m_s, rt::Nanoseconds stamp_ns) {
+    return set_track_velocity({speed_m_s, 0.0, 0.0}, stamp_ns);
+  }
 
   /// The heading comes from elsewhere (a map, a fix): turns the attitude about the vertical and makes the
   /// heading valid, with this 1 sigma. delta_heading_rad goes on counting turns only. `not_finite` changes
@@ -74,9 +80,10 @@ class BasicAttitude {
   // What gathers up to the end of a block.
   struct Block {
     Vector rate, away, body_force, row_x, row_y;  // each times its step; away: force less the mean force
+    Vector cut;                                   // what shortening took from away
     Real time_s{}, force_s{};
     bool restless{};
-    SORTIE_FIELDS(rate, away, body_force, row_x, row_y, time_s, force_s, restless)
+    SORTIE_FIELDS(rate, away, cut, body_force, row_x, row_y, time_s, force_s, restless)
   };
 
   Status check(const rt::ImuSample& sample);

@@ -37,7 +37,8 @@ void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   Vector force = force_.value() + share * block.away;
   // To a young mean each block counts much, and so does the noise of a speed.
   if (mean_s_ < real(kYoung_s)) aid_.interrupt();
-  if (aid_.correct(config_, turn_, last_rate_ - bias_.value(), now_ns, dt_s, force_.z.value, force)) {
+  if (aid_.correct(config_, turn_, last_rate_ - bias_.value(), now_ns, dt_s, force_.z.value,
+                   share * block.cut, force)) {
     ++counters_.aid_refused;
   }
   const SlowStep<Real> step(dt_s, mean_s_, real(config_.acc_time_constant_s));

@@ -134,15 +134,16 @@ void BasicAttitude<Real>::turn_by(const Vector& phi) {
 /// opens the limit within seconds: a filter that drops what it does not believe can lock itself out.
 template <class Real>
 void BasicAttitude<Real>::gather(const rt::ImuSample& sample, Real dt_s) {
-  const bool clipped =
-      (sample.flags & rt::kImuSaturated) != 0 ||
+  const bool told = (sample.flags & rt::kImuSaturated) != 0;
+  const bool hidden_turn =
+      (told && (sample.flags & rt::kImuOnlyAccSaturated) == 0) ||
       (config_.gyr_range_rad_s > 0.0 && !within(sample.gyr_rad_s, 0.999 * config_.gyr_range_rad_s));
-  if (clipped) {
-    ++counters_.saturated;
+  clipped_ = told || hidden_turn;
+  counters_.saturated += clipped_ ? 1 : 0;
+  if (hidden_turn) {
     heading_invalid_ = true;
     unknown_turn_rad_ += dt_s * real(config_.clipped_rate_rad_s);
   }
-  clipped_ = clipped;
   const Vector rate = vector_of<Real>(sample.gyr_rad_s);
   block_.time_s += dt_s;
   block_.rate = block_.rate + dt_s * rate;
@@ -161,6 +162,7 @@ void BasicAttitude<Real>::gather(const rt::ImuSample& sample, Real dt_s) {
   const Real limit = real(config_.acc_deviation_m_s2) + real(config_.acc_deviation_factor) * deviation_;
   Real size = size_of(away);
   if (size > limit && mean_s_ > real(kDeviationTime_s)) {  // a young mean may itself be the outlier
+    block_.cut = block_.cut + (dt_s * (Real{1} - limit / size)) * away;
     away = (limit / size) * away;
     size = limit;
     ++counters_.shortened;

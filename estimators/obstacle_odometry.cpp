@@ -40,7 +40,7 @@ TrackMotion ObstacleOdometry::advance(const TrackStep& step) {
         {step.dt_s, step.travel_m, turn, rotate_back(step.q_begin, {0, 0, 1}), up_end, flippers_});
     state_ = modes_.state();
   }
-  TrackMotion result{rotate(q_half, motion.step_body_m), motion.sigma_m * motion.sigma_m};
+  TrackMotion result{rotate(q_half, motion.step_body_m), 0.0, motion.sigma_m * motion.sigma_m};
   VerticalStep vertical{step.dt_s, step.travel_m, result.travel_world_m.z, motion.sigma_m, force, up_end};
   if (felt && force < config_.falling_m_s2) {  // no contact: the horizontal speed is kept, belts say nothing
     state_.mode = static_cast<std::uint32_t>(ObstacleMode::airborne);
@@ -49,6 +49,8 @@ TrackMotion ObstacleOdometry::advance(const TrackStep& step) {
   }
   result.travel_world_m.z = felt ? vertical_.update(vertical) : vertical_.skip(vertical);
   v_world_m_s_ = (1.0 / step.dt_s) * result.travel_world_m;
+  v_world_m_s_.z = vertical_.speed_m_s();
+  result.mended_m = result.travel_world_m.z - step.dt_s * v_world_m_s_.z;
   return result;
 }
 

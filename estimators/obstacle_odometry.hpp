@@ -28,6 +28,7 @@ struct TrackStep {
 /// What it makes of it.
 struct TrackMotion {
   rt::Vector3 travel_world_m;
+  double mended_m{};              ///< part of the rise that puts an old error right: no motion
   double vertical_variance_m2{};  ///< beyond that of a plane
 };
 

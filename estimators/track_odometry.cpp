@@ -192,7 +192,8 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   has_suspect_ = false;
   ++counters_.used;
   const bool plain = !obstacle_ && config_.icr_x_m == 0.0;
-  const Vector3 v_body = plain ? Vector3{last_speed_m_s_, 0, 0} : (1.0 / dt_s) * rotate_back(q_to, step);
+  const Vector3 v_body = plain ? Vector3{last_speed_m_s_, 0, 0}
+                               : (1.0 / dt_s) * rotate_back(q_to, step - Vector3{0, 0, motion.mended_m});
   publish(to.stamp_ns, q_to, v_body, flags);
   return Status::ok;
 }

@@ -68,13 +68,14 @@ bool ImuModel::read(const InertialTruth& truth, rt::Nanoseconds stamp_ns, rt::Im
   gyr_bias_ = gyr_bias_ + draw(gyr_step_);
   acc_bias_ = acc_bias_ + draw(acc_step_);
   const bool lost = random_.chance(config_.loss);
-  bool clipped = false;
+  bool gyr_clipped = false;
+  bool acc_clipped = false;
   sample.stamp_ns = stamp_ns;
-  store(truth.gyr_rad_s + gyr_bias_ + gyr_noise, config_.gyr_range_rad_s, sample.gyr_rad_s, clipped);
-  store(truth.acc_m_s2 + acc_bias_ + acc_noise, config_.acc_range_m_s2, sample.acc_m_s2, clipped);
+  store(truth.gyr_rad_s + gyr_bias_ + gyr_noise, config_.gyr_range_rad_s, sample.gyr_rad_s, gyr_clipped);
+  store(truth.acc_m_s2 + acc_bias_ + acc_noise, config_.acc_range_m_s2, sample.acc_m_s2, acc_clipped);
   sample.flags = rt::kImuGyr | rt::kImuAcc | rt::kImuMeanRate;
-  if (clipped) {
-    sample.flags |= rt::kImuSaturated;
+  if (gyr_clipped || acc_clipped) {
+    sample.flags |= rt::kImuSaturated | (gyr_clipped ? 0u : +rt::kImuOnlyAccSaturated);
     ++clipped_;
   }
   if (lost) ++lost_;

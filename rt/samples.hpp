@@ -16,6 +16,7 @@ enum ImuFlags : std::uint32_t {
   kImuAcc = 2u,        ///< acc_m_s2 is valid
   kImuMeanRate = 4u,   ///< values are means over the interval since the previous sample, not points in time
   kImuSaturated = 8u,  ///< the device reported a clipped axis
+  kImuOnlyAccSaturated = 16u,  ///< beside kImuSaturated: the accelerometer's alone, the rates are whole
 };
 
 /// One reading of an inertial sensor, already rotated into the body frame. acc is specific force (+9.81 z at

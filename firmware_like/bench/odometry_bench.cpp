@@ -97,7 +97,8 @@ Outcome run_chain(const OdometrySet& set, const Variant& v) {
       const rt::PoseEstimate& pose = odometry.estimate();
       const double speed = pose.v_body_m_s[0];
       attitude.set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
-      if (v.track_aid) static_cast<void>(attitude.set_track_speed(speed, pose.stamp_ns));
+      if (v.track_aid)
+        static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
       outcome.path.push_back(to_timed_pose(pose));
     }
   }

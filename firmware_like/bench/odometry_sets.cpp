@@ -120,6 +120,7 @@ OdometrySet thinned(const OdometrySet& set, std::uint32_t every) {
   out.imu.clear();
   out.events.clear();
   rt::ImuSample sum;
+  bool whole_rates = true;
   std::uint32_t n = 0;
   for (const OdometryEvent& event : set.events) {
     if (event.kind != Kind::imu) {
@@ -132,7 +133,10 @@ OdometrySet thinned(const OdometrySet& set, std::uint32_t every) {
       sum.acc_m_s2[i] += sample.acc_m_s2[i];
     }
     sum.flags |= sample.flags;
+    whole_rates = whole_rates &&
+                  ((sample.flags & rt::kImuSaturated) == 0 || (sample.flags & rt::kImuOnlyAccSaturated) != 0);
     if (++n < every) continue;
+    if (!whole_rates) sum.flags &= ~std::uint32_t{rt::kImuOnlyAccSaturated};
     sum.stamp_ns = sample.stamp_ns;
     for (int i = 0; i < 3; ++i) {
       sum.gyr_rad_s[i] /= n;
@@ -141,6 +145,7 @@ OdometrySet thinned(const OdometrySet& set, std::uint32_t every) {
     out.events.push_back({event.received_us, Kind::imu, static_cast<std::uint32_t>(out.imu.size())});
     out.imu.push_back(sum);
     sum = {};
+    whole_rates = true;
     n = 0;
   }
   return out;

@@ -56,13 +56,14 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   attitude_task_ = builder.task<rt::AttitudeEstimate>(
       group, "attitude", 50, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
         job_attitude_count_ = 0;
-        // A backward read: the tracks' speed of the job before.
+        // A backward read: the tracks' velocity of the job before.
         if (odometry_) {
           const rt::PoseEstimate& pose = odometry_->estimate();
           const double speed = pose.v_body_m_s[0];
           attitude_->set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
-          // A speed that is not finite is no aid; the odometry counts what made it so.
-          if (track_aid_) static_cast<void>(attitude_->set_track_speed(speed, pose.stamp_ns));
+          // A velocity that is not finite is no aid; the odometry counts what made it so.
+          if (track_aid_)
+            static_cast<void>(attitude_->set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
         }
         for (const rt::ImuSample& sample : *imu_) {
           // A refused sample is counted by the filter, by reason.

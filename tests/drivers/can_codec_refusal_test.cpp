@@ -93,6 +93,7 @@ TEST_CASE("a clipped axis marks the sample, from the encoder and from raw bytes 
     REQUIRE(decoder.decode(frames[1], out) == Status::ok);
     const bool clipped = raw > 32766 || raw < -32766;
     CHECK(((out.imu.flags & rt::kImuSaturated) != 0) == clipped);
+    CHECK(((out.imu.flags & rt::kImuOnlyAccSaturated) != 0) == clipped);
     CHECK(decoder.counters().saturated == (clipped ? 1 : 0));
   }
   for (const double rate : {20.0, -1e300, 16.3835}) {

@@ -125,6 +125,85 @@ TEST_CASE("Tracks that spin on the spot lose trust, and get it back when they ho
   CHECK(worst < 2.0);
 }
 
+TEST_CASE("A wild velocity leaves nothing behind, whether it loses the trust or not") {
+  for (const double wild : {0.6, 1.5, -2.8, 20.0}) {
+    for (int length = 1; length <= 16; ++length) {
+      std::mt19937 random(7);
+      Attitude filter{AttitudeConfig{}};
+      filter.set_moving(true);
+      double after = 0;
+      for (int i = 0; i < 4000; ++i) {
+        const double speed = i >= 3000 && i < 3000 + length ? wild : 0.3;
+        REQUIRE(filter.set_track_velocity({speed, 0, 0}, i * 5 * kMs) == Status::ok);
+        const Vector3 gyr = noise3(random, 0.002);
+        const Vector3 acc = kGravity + noise3(random, 0.1);
+        REQUIRE(filter.update(sample_of(i * 5 * kMs, gyr, acc, kMeans)) == Status::ok);
+        if (i >= 3100) after = std::max(after, kDegrees * inclination_error(attitude_of(filter), {}));
+      }
+      INFO("speed " << wild << " m/s for " << 5 * length << " ms: " << after << " deg");
+      CHECK(after < 0.6);  // trust comes back at 0.2 m/s^2 over a second; cut-off 0.47 rad/s, over g
+    }
+  }
+}
+
+TEST_CASE("A body that tips over an edge is aided by all of its velocity, not by the part along its axis") {
+  double found[2]{};
+  for (const bool whole : {false, true}) {
+    Attitude filter{AttitudeConfig{}};
+    filter.set_moving(true);
+    double worst = 0;
+    double nose_up = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      // Steady along the world's x; for a second the nose goes up by 0.6 rad, and down again a second later.
+      const double t = 0.005 * i;
+      const double w = t > 12 && t <= 13 ? 0.6 : t > 15 && t <= 16 ? -0.6 : 0.0;
+      nose_up += 0.005 * w;
+      const Quaternion q = rt::from_yaw_pitch_roll(0, -nose_up, 0);
+      const bool starts = t > 2 && t <= 7;
+      const Vector3 v_body = rotate_back(q, {std::clamp(0.2 * (t - 2), 0.0, 1.0), 0, 0});
+      const Vector3 a_world{starts ? 0.2 : 0.0, 0, 0};
+      const Vector3 force = rotate_back(q, a_world + kGravity);
+      const Vector3 told = whole ? v_body : Vector3{v_body.x, 0, 0};
+      REQUIRE(filter.set_track_velocity(told, i * 5 * kMs) == Status::ok);
+      REQUIRE(filter.update(sample_of(i * 5 * kMs, {1e-6, -w, 0}, force, kMeans)) == Status::ok);
+      if (t > 11) worst = std::max(worst, kDegrees * inclination_error(attitude_of(filter), q));
+    }
+    found[whole ? 1 : 0] = worst;
+  }
+  INFO("by x " << found[0] << " deg, by all " << found[1] << " deg");
+  CHECK(found[1] < 0.1);
+  CHECK(found[0] > 0.3);
+}
+
+TEST_CASE(
+    "Blows that end a fall count in full where the velocity tells of them, and are shortened where not") {
+  double found[3]{};
+  for (const int told : {0, 1, 2}) {  // nothing, the velocity, a velocity without the falls
+    Attitude filter{AttitudeConfig{}};
+    filter.set_moving(true);
+    double worst = 0;
+    double fall_m_s = 0;
+    for (int i = 0; i < 6000; ++i) {
+      // Down an edge, every second for 100 ms with 5 m/s^2, and ahead with a third of it; stopped in 5 ms.
+      const int phase = i % 200;
+      const double before_m_s = fall_m_s;
+      fall_m_s = i < 1000 || phase >= 20 ? 0.0 : fall_m_s + 0.005 * 5;
+      const Vector3 along{1.0 / 3, 0, -1};
+      const Vector3 force = kGravity + ((fall_m_s - before_m_s) / 0.005) * along;
+      REQUIRE(filter.update(sample_of(i * 5 * kMs, {1e-6, 0, 0}, force, kMeans)) == Status::ok);
+      const Vector3 v = Vector3{0.3, 0, 0} + (told == 1 ? fall_m_s : 0.0) * along;
+      // As the tracks do: 10 ms apart, known after the samples of that time.
+      if (told > 0 && i % 2 == 0) REQUIRE(filter.set_track_velocity(v, i * 5 * kMs) == Status::ok);
+      if (i > 1000) worst = std::max(worst, kDegrees * inclination_error(attitude_of(filter), {}));
+    }
+    CHECK(filter.counters().shortened >= 20);
+    found[told] = worst;
+  }
+  INFO("without aid " << found[0] << ", with " << found[1] << ", told otherwise " << found[2] << " deg");
+  CHECK(found[1] < 0.25 * found[0]);
+  CHECK(found[2] < 1.1 * found[0]);
+}
+
 TEST_CASE("An aid that is not renewed ends by itself, and a speed that is no number is refused") {
   Attitude filter{AttitudeConfig{}};
   CHECK(filter.set_track_speed(std::nan(""), 0) == Status::not_finite);

@@ -92,3 +92,42 @@ TEST_CASE("A clipped accelerometer is not believed about a fall") {
     }
   }
 }
+
+TEST_CASE("A height that is put right is no motion") {
+  using namespace sortie;
+  estimators::TrackOdometryConfig config;
+  config.obstacles = true;
+  estimators::TrackOdometry odometry(config);
+  double travel_m = 0.0;
+  double nose_up = 0.0;
+  rt::Vector3 v_before;
+  double mended_m = 0.0;
+  double fastest_m_s = 0.0;
+  for (int i = 1; i <= 3000; ++i) {
+    // Level; from 5 s on it rocks about an edge while it drives, and stands still from 20 s on. The
+    // accelerometer is off along all axes.
+    const double t = 0.01 * i;
+    const double w = t > 5.0 && t <= 20.0 ? 0.5 * rt::sincos(2.0 * (t - 5.0)).sin : 0.0;
+    const double speed = 0.3 * std::clamp(std::min(t - 1.0, 20.0 - t), 0.0, 1.0);
+    nose_up += 0.01 * w;
+    travel_m += 0.01 * speed;
+    const rt::Quaternion q = rt::from_yaw_pitch_roll(0, -nose_up, 0);
+    rt::ImuSample imu;
+    imu.stamp_ns = 10 * kMs * i;
+    imu.flags = rt::kImuGyr | rt::kImuAcc | rt::kImuMeanRate;
+    const rt::Vector3 v = rotate(q, {speed, 0, 0});
+    const rt::Vector3 force = 100.0 * (v - v_before) + rt::Vector3{0, 0, 9.81};
+    v_before = v;
+    rt::store(rotate_back(q, force) + rt::Vector3{0.06, 0.06, 0.06}, imu.acc_m_s2);
+    const double before_m = position_of(odometry).z;
+    REQUIRE(odometry.observe(attitude_at(imu.stamp_ns, q, {0, -w, 0})) == Status::ok);
+    odometry.feel(imu);
+    REQUIRE(odometry.update({imu.stamp_ns, travel_m, travel_m, 0}) == Status::ok);
+    if (t < 20.015) continue;
+    mended_m += std::fabs(position_of(odometry).z - before_m);
+    fastest_m_s = std::max(fastest_m_s, norm(rt::to_vector(odometry.estimate().v_body_m_s)));
+  }
+  CAPTURE(mended_m, fastest_m_s);
+  CHECK(mended_m > 0.002);
+  CHECK(fastest_m_s < 0.03);
+}

@@ -223,6 +223,7 @@ TEST_CASE("a clipped axis is marked, and the share of lost samples is the one as
     ++given;
     REQUIRE(s.gyr_rad_s[1] == (fast ? -5.0 : 4.9));
     REQUIRE(((s.flags & rt::kImuSaturated) != 0) == fast);
+    REQUIRE((s.flags & rt::kImuOnlyAccSaturated) == 0);
     REQUIRE((s.flags & rt::kImuMeanRate) != 0);
     REQUIRE(s.stamp_ns == i);
   }
