@@ -12,9 +12,9 @@
 #include <cstdio>
 #include <cstring>
 
+#include "drivers/can_link.hpp"
 #include "drivers/can_socket.hpp"
 #include "drivers/candump.hpp"
-#include "hil/board/can_link.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::hil {
@@ -33,7 +33,7 @@ int hand_over(const std::string& interface, pid_t child, int ready, int given) {
   char byte = 0;
   std::string problem;
   if (::read(ready, &byte, 1) != 1) return complain("the program got no network of its own");
-  if (!move_can_to(interface, child, problem)) {
+  if (!drivers::move_can_to(interface, child, problem)) {
     ::kill(child, SIGKILL);
     return complain(problem);
   }
@@ -58,7 +58,8 @@ int run_isolated(const std::string& interface, std::uint32_t bits_per_s, char** 
   if (::write(ready[1], &byte, 1) != 1 || ::read(given[0], &byte, 1) != 1)
     return complain(interface + " was not given");
   ::waitpid(helper, nullptr, 0);
-  if (!switch_on("lo", problem) || !set_can_bitrate(interface, bits_per_s, problem)) return complain(problem);
+  if (!drivers::switch_on("lo", problem) || !drivers::set_can_bitrate(interface, bits_per_s, problem))
+    return complain(problem);
   ::execv(program[0], program);
   return complain(std::string(program[0]) + ": " + std::strerror(errno));
 }

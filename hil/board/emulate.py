@@ -121,7 +121,7 @@ def make_initramfs(path, tree, build):
     archive.add("bin/busybox", tree / "bin/busybox")
     with_symbols = []
     for program in programs:
-        lean = CACHE / f"{program.name}.{os.getpid()}"  # without debug information: the board has no use for it
+        lean = pathlib.Path(path).parent / f"{program.name}.lean"  # without debug information: the board has no use for it
         subprocess.run([f"{TRIPLE}-strip", "-o", lean, program], check=True)
         archive.add(f"bin/{program.name}", lean)
         with_symbols.append(lean)
@@ -137,8 +137,8 @@ def make_initramfs(path, tree, build):
     archive.write(path)
 
 
-def boot(jobs, out, build, timeout_s=1800, echo=None):
-    """Runs the jobs on a fresh board. Their files come to out/JOB/. Returns (exit code of the board, console)."""
+def boot(jobs, out, build, timeout_s=3000, echo=None, settings=()):
+    """Runs the jobs on a fresh board; settings ("seconds=5") reach them as variables. Their files come to out/JOB/. Returns (exit code of the board, console)."""
     tree, _ = fetch()
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -149,7 +149,7 @@ def boot(jobs, out, build, timeout_s=1800, echo=None):
     kernel = next((tree / "boot").glob("vmlinuz-*"))
     command = QEMU.split() + ["-kernel", str(kernel), "-initrd", str(initramfs), "-drive", f"if=none,id=out,format=raw,file={disk}",
                               "-device", "virtio-blk-pci,drive=out,romfile=", "-append",
-                              f"console=ttyAMA0 quiet panic=-1 nokaslr jobs={','.join(jobs)}"]
+                              f"console=ttyAMA0 quiet panic=-1 nokaslr {' '.join(settings)} jobs={','.join(jobs)}"]
     lines = []
     emulator = subprocess.Popen(["timeout", str(timeout_s), *command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT)
@@ -169,14 +169,16 @@ def boot(jobs, out, build, timeout_s=1800, echo=None):
                     target.write_bytes(archive.extractfile(member).read())
     disk.unlink()
     initramfs.unlink()
-    console = "\n".join(lines) + "\n"
+    # What follows the last word waits for this machine's disk, and only that does.
+    last = next((i + 1 for i, line in enumerate(lines) if line.startswith("BOARD-EXIT ")), len(lines))
+    console = "\n".join(lines[:last]) + "\n"
     (out / "console.txt").write_text(console)
     return code, console
 
 
 def main():
     parser = argparse.ArgumentParser(description="Boots the emulated ARM board and lets it do jobs; see docs/board.md")
-    parser.add_argument("jobs", nargs="*", help="names in hil/board/jobs; none: only fetches kernel and busybox")
+    parser.add_argument("jobs", nargs="*", help="names in hil/board/jobs, and NAME=VALUE for them; none: only fetches kernel and busybox")
     parser.add_argument("--out", default=str(CACHE / "out"), help="where consoles and files go (%(default)s)")
     parser.add_argument("--build", default=str(ROOT / "build/aarch64"), help="build tree with the board's programs (%(default)s)")
     options = parser.parse_args()
@@ -185,7 +187,8 @@ def main():
         if not options.jobs:
             print("\n".join(f"{name} {version}" for name, version in sorted(versions.items())))
             return 0
-        return boot(options.jobs, options.out, options.build, echo=sys.stdout)[0]
+        settings = [word for word in options.jobs if "=" in word]
+        return boot([job for job in options.jobs if "=" not in job], options.out, options.build, echo=sys.stdout, settings=settings)[0]
     except Missing as missing:
         print(f"board: {missing}", file=sys.stderr)
         return 4

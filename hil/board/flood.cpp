@@ -2,6 +2,7 @@
 #include "hil/board/flood.hpp"
 
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <vector>
 
 #include "drivers/can_socket.hpp"
@@ -24,6 +26,7 @@ constexpr std::uint32_t kOut = 0x101;
 constexpr std::uint32_t kBack = 0x102;
 constexpr std::uint32_t kQuietReleases = 200;  // without an answer: the rest is lost
 constexpr int kBufferBytes = 1 << 18;
+constexpr std::size_t kStackBytes = 1 << 17;
 
 bool open_port(drivers::SocketCan& port, const std::string& interface, std::uint32_t id) {
   drivers::SocketCanConfig config;
@@ -37,6 +40,8 @@ bool open_port(drivers::SocketCan& port, const std::string& interface, std::uint
 }
 
 bool become_realtime(int priority) {
+  const rt::posix::SetupResult stack = rt::posix::prefault_stack(kStackBytes);
+  if (!stack.ok) std::fprintf(stderr, "sortie_board: %s\n", stack.reason);
   const rt::posix::SetupResult locked = rt::posix::lock_memory();
   const rt::posix::SetupResult fifo = rt::posix::set_fifo_priority(priority);
   if (!locked.ok || !fifo.ok)
@@ -44,8 +49,8 @@ bool become_realtime(int priority) {
   return locked.ok && fifo.ok;
 }
 
-// Sends every frame back under the other identifier, until it is killed.
-void answer(const FloodConfig& config) {
+// Sends every frame back under the other identifier, until it is killed. `shown` is shared with the parent.
+void answer(const FloodConfig& config, drivers::CanCounters& shown) {
   drivers::SocketCan port;
   if (!open_port(port, config.far, kOut) || !become_realtime(10)) ::_exit(1);
   pollfd wait{port.descriptor(), POLLIN, 0};
@@ -56,6 +61,7 @@ void answer(const FloodConfig& config) {
       frame.id = kBack;
       while (port.send(frame) == Status::full) rt::posix::sleep_until(rt::posix::monotonic_now() + 20000);
     }
+    shown = port.counters();
   }
 }
 
@@ -91,8 +97,8 @@ void send_some(drivers::SocketCan& port, const FloodConfig& config, Tally& tally
 }
 
 int report(std::vector<std::int64_t>& late, const Tally& tally, const drivers::CanCounters& counters,
-           std::uint64_t heap_calls, std::uint64_t page_faults, std::int64_t work_max_ns,
-           const FloodConfig& config) {
+           const drivers::CanCounters& far, std::uint64_t heap_calls, std::uint64_t page_faults,
+           std::int64_t work_max_ns, const FloodConfig& config) {
   std::sort(late.begin(), late.end());
   const auto at = [&late](std::size_t share) {
     return static_cast<long long>(late[(late.size() - 1) * share / 1000]);
@@ -103,8 +109,11 @@ int report(std::vector<std::int64_t>& late, const Tally& tally, const drivers::C
       "%u, ",
       config.near.c_str(), config.far.c_str(), tally.sent, tally.received, config.frames - tally.received,
       tally.out_of_order);
-  std::printf("\"refused\": %llu, \"overrun\": %llu, \"heap_calls\": %llu, \"page_faults\": %llu, ",
-              count(counters.tx_refused), count(counters.rx_overrun), count(heap_calls), count(page_faults));
+  std::printf(
+      "\"refused\": %llu, \"overrun\": %llu, \"far_received\": %llu, \"far_overrun\": %llu, \"heap_calls\": "
+      "%llu, \"page_faults\": %llu, ",
+      count(counters.tx_refused), count(counters.rx_overrun), count(far.received), count(far.rx_overrun),
+      count(heap_calls), count(page_faults));
   std::printf("\"releases\": %llu, \"late_min_ns\": %lld, \"late_p50_ns\": %lld, \"late_p99_ns\": %lld, ",
               count(late.size()), at(0), at(500), at(990));
   std::printf("\"late_max_ns\": %lld, \"work_max_ns\": %lld}\n", at(1000),
@@ -117,8 +126,12 @@ int report(std::vector<std::int64_t>& late, const Tally& tally, const drivers::C
 int flood(const FloodConfig& config) {
   drivers::SocketCan port;
   if (!open_port(port, config.near, kBack)) return 1;
+  void* const shared = ::mmap(nullptr, sizeof(drivers::CanCounters), PROT_READ | PROT_WRITE,
+                              MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (shared == MAP_FAILED) return 1;
+  auto* const far_counters = new (shared) drivers::CanCounters{};
   const pid_t far = ::fork();
-  if (far == 0) answer(config);
+  if (far == 0) answer(config, *far_counters);
   const std::size_t most = 2 * std::size_t{config.frames} / std::max(config.per_ms, 1U) + 2 * kQuietReleases;
   std::vector<std::int64_t> late;
   late.reserve(most);
@@ -146,7 +159,7 @@ int flood(const FloodConfig& config) {
   ::kill(far, SIGKILL);
   ::waitpid(far, nullptr, 0);
   if (!ready || late.empty()) return 1;
-  return report(late, tally, port.counters(), heap_calls,
+  return report(late, tally, port.counters(), *far_counters, heap_calls,
                 static_cast<std::uint64_t>(after.minor + after.major - before.minor - before.major),
                 work_max_ns, config);
 }

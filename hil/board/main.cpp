@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
+#include "drivers/can_link.hpp"
 #include "hil/board/bus_jobs.hpp"
-#include "hil/board/can_link.hpp"
 #include "hil/board/flood.hpp"
 
 namespace {
@@ -28,9 +28,9 @@ int main(int count, char** words) {
   const std::string command = count > 1 ? arguments[1] : "";
   std::string problem;
   if (command == "vcan" && count == 3)
-    return told(sortie::hil::make_virtual_can(arguments[2], problem), problem);
+    return told(sortie::drivers::make_virtual_can(arguments[2], problem), problem);
   if (command == "bitrate" && count == 4) {
-    return told(sortie::hil::set_can_bitrate(arguments[2], whole_number(arguments[3]), problem), problem);
+    return told(sortie::drivers::set_can_bitrate(arguments[2], whole_number(arguments[3]), problem), problem);
   }
   if (command == "isolated" && count >= 5)
     return sortie::hil::run_isolated(arguments[2], whole_number(arguments[3]), &arguments[4]);

@@ -3,12 +3,10 @@
 // rate.
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstdint>
 #include <string>
 
-namespace sortie::hil {
+namespace sortie::drivers {
 
 /// Makes a virtual bus of this name and switches it on. Needs the modules can and vcan, and root. False:
 /// `problem` says what the kernel refused.
@@ -21,6 +19,6 @@ bool set_can_bitrate(const std::string& name, std::uint32_t bits_per_s, std::str
 bool switch_on(const std::string& name, std::string& problem);
 
 /// Moves an interface into the network namespace of a process. It is off there.
-bool move_can_to(const std::string& name, pid_t process, std::string& problem);
+bool move_can_to(const std::string& name, int process, std::string& problem);
 
-}  // namespace sortie::hil
+}  // namespace sortie::drivers

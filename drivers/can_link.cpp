@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Requests to the kernel's table of interfaces (rtnetlink, RTM_NEWLINK).
-#include "hil/board/can_link.hpp"
+#include "drivers/can_link.hpp"
 
+#if defined(__linux__)
 #include <linux/can/netlink.h>
 #include <linux/if_link.h>
 #include <linux/netlink.h>
@@ -13,8 +14,11 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#endif
 
-namespace sortie::hil {
+namespace sortie::drivers {
+
+#if defined(__linux__)
 
 namespace {
 
@@ -109,10 +113,25 @@ bool switch_on(const std::string& name, std::string& problem) {
   return request.ask(problem);
 }
 
-bool move_can_to(const std::string& name, pid_t process, std::string& problem) {
+bool move_can_to(const std::string& name, int process, std::string& problem) {
   LinkRequest request(name, 0);
-  request.put(IFLA_NET_NS_PID, &process, sizeof process);
+  const auto number = static_cast<std::uint32_t>(process);
+  request.put(IFLA_NET_NS_PID, &number, sizeof number);
   return request.ask(problem);
 }
 
-}  // namespace sortie::hil
+#else
+
+bool make_virtual_can(const std::string& name, std::string& problem) { return switch_on(name, problem); }
+bool set_can_bitrate(const std::string& name, std::uint32_t, std::string& problem) {
+  return switch_on(name, problem);
+}
+bool move_can_to(const std::string& name, int, std::string& problem) { return switch_on(name, problem); }
+bool switch_on(const std::string& name, std::string& problem) {
+  problem = name + ": only Linux has CAN interfaces";
+  return false;
+}
+
+#endif
+
+}  // namespace sortie::drivers
