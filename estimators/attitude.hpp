@@ -25,7 +25,7 @@ namespace sortie::estimators {
 /// blocks of samples (a third of the work), limits that open by themselves, the tracks' acceleration,
 /// covariance, and every check before the state. Gyro-only samples are integrated as they are: with means the
 /// sum of the heading increments is the sum of the inputs. `Real` is float or double; heading increments are
-/// summed in double. 1.0 kB in double; no heap; bounded time. A refused sample changes nothing but a counter.
+/// summed in double. 1.6 kB in double; no heap; bounded time. A refused sample changes nothing but a counter.
 template <class Real>
 class BasicAttitude {
  public:
