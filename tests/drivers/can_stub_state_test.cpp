@@ -47,6 +47,47 @@ TEST_CASE("a slow controller holds frames back, keeps their order, and loses non
   CHECK_FALSE(std::equal(other.begin(), other.end(), coarse.begin(), coarse.end(), stub_test::same));
 }
 
+TEST_CASE("frames that wait behind one that is held back come at the same times however the bus is stepped") {
+  const auto run = [](std::int64_t step_ns) {
+    sortie::drivers::CanStubConfig config;
+    config.faults.delay = 0.5;
+    config.faults.delay_ns = 700'000;
+    sortie::drivers::CanStub stub(config);
+    sortie::drivers::CanBus& a = stub.attach("a");
+    sortie::drivers::CanBus& b = stub.attach("b");
+    for (int i = 0; i < 60; ++i) REQUIRE(a.send(stub_test::frame(0x100)) == sortie::Status::ok);
+    for (std::int64_t now = 0; now < 60'000'000;) stub.advance(now += step_ns);
+    return stub_test::drain(b);
+  };
+  const StubFrames coarse = run(60'000'000);
+  const StubFrames fine = run(50'000);
+  REQUIRE(coarse.size() == 60);
+  CHECK(std::equal(fine.begin(), fine.end(), coarse.begin(), coarse.end(), stub_test::same));
+  CHECK(coarse.back().stamp_ns > 60 * 100'000 + 10'000'000 / 2);
+}
+
+TEST_CASE("a controller that hears too many errors is passive until it hears a good frame") {
+  sortie::drivers::CanStubConfig config;
+  config.report_errors = true;
+  config.rx_frames = 4096;
+  config.faults.wire_error = 1.0;
+  sortie::drivers::CanStub stub(config);
+  sortie::drivers::CanBus& a = stub.attach("a");
+  sortie::drivers::CanBus& b = stub.attach("b");
+  REQUIRE(a.send(stub_test::frame(0x10)) == sortie::Status::ok);
+  for (std::int64_t now = 0; now < 1'000'000'000 && stub.errors(b).receive < 140;)
+    stub.advance(now += 10'000);
+  CHECK(stub.errors(b).receive == 140);
+  stub.set_faults({});
+  stub.advance(2'000'000'000);
+  CHECK(stub.errors(b).receive == 127);
+  std::vector<int> states;
+  for (const sortie::drivers::CanFrame& f : stub_test::drain(b)) {
+    if (f.id == 0x04u) states.push_back(f.data[1]);
+  }
+  CHECK(states == std::vector<int>{0x10, 0x40});
+}
+
 TEST_CASE("a babbling node with an urgent frame starves the others until it ends") {
   sortie::drivers::CanStub stub;
   sortie::drivers::CanBus& a = stub.attach("a");
