@@ -64,11 +64,21 @@ void CanStub::set_faults(const CanFaults& faults) {
   limits_.wire_error = draw_limit(faults.wire_error, "wire_error");
   limits_.loss = draw_limit(faults.loss, "loss");
   limits_.alter = draw_limit(faults.alter, "alter");
+  limits_.delay = draw_limit(faults.delay, "delay");
+  if (faults.delay_ns < 0 || faults.delay_ns > 60 * rt::kNanosecondsPerSecond)
+    throw std::runtime_error("CAN stub: delay_ns lies in 0 to one minute");
   config_.faults = faults;
 }
 
 void CanStub::set_plugged(const CanBus& node, bool plugged) noexcept {
   if (Node* found = find(node)) found->plugged = plugged;
+}
+
+void CanStub::set_babbling(const CanBus& node, const CanFrame& frame) noexcept {
+  if (Node* found = find(node)) {
+    found->babbles = can_frame_valid(frame);
+    found->babble = frame;
+  }
 }
 
 CanNodeErrors CanStub::errors(const CanBus& node) const noexcept {

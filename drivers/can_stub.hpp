@@ -19,6 +19,8 @@ struct CanFaults {
   double wire_error = 0.0;  ///< of a transmission: an error frame destroys it, the sender repeats it
   double loss = 0.0;        ///< of a frame at one receiver: it does not arrive, nobody notices
   double alter = 0.0;       ///< of a frame at one receiver: one data bit is flipped past the CRC's eyes
+  double delay = 0.0;       ///< of a frame in its sender's controller: it is held back, and those behind it
+  rt::Nanoseconds delay_ns = 0;  ///< longest such time; each is drawn evenly from 0 to it
   std::uint32_t id = 0;
   std::uint32_t id_mask = 0;
 };
@@ -29,10 +31,12 @@ struct CanStubConfig {
   std::uint32_t tx_frames = 64;      ///< room of a node's transmit queue (rounded up to a power of two)
   std::uint32_t rx_frames = 256;     ///< room of a node's receive queue (rounded up to a power of two)
   bool worst_case_stuffing = false;  ///< every frame as long as its size can ever make it
-  bool report_errors = false;        ///< nodes receive error frames (kCanError) as SocketCAN shows them
-  bool bus_off_recovery = true;      ///< a node returns from bus-off after 128 * 11 bit times
-  std::uint64_t seed = 1;            ///< of all faults
-  rt::Nanoseconds start_ns = 0;      ///< bus time before the first advance()
+  /// Nodes receive error frames (kCanError) as SocketCAN shows them: of the bus, and of their own controller
+  /// that becomes error passive or active, goes off the bus, or comes back.
+  bool report_errors = false;
+  bool bus_off_recovery = true;  ///< a node returns from bus-off after 128 * 11 bit times
+  std::uint64_t seed = 1;        ///< of all faults
+  rt::Nanoseconds start_ns = 0;  ///< bus time before the first advance()
   CanFaults faults{};
 };
 
@@ -43,6 +47,7 @@ struct CanStubStats {
   std::uint64_t wire_errors{};     ///< transmissions destroyed
   std::uint64_t lost{};            ///< deliveries suppressed
   std::uint64_t altered{};         ///< deliveries with a flipped bit
+  std::uint64_t delayed{};         ///< frames held back by their senders
   std::uint64_t collisions{};      ///< two nodes sent the same identifier at once: a defect on a real bus
   std::uint64_t unacknowledged{};  ///< frames that found nobody to acknowledge them and wait
   std::uint64_t bus_off{};         ///< times a node went off the bus
@@ -55,6 +60,7 @@ struct CanStubStats {
     visit("wire_errors", self.wire_errors);
     visit("lost", self.lost);
     visit("altered", self.altered);
+    visit("delayed", self.delayed);
     visit("collisions", self.collisions);
     visit("unacknowledged", self.unacknowledged);
     visit("bus_off", self.bus_off);
@@ -104,6 +110,10 @@ class CanStub {
   /// waits.
   void set_plugged(const CanBus& node, bool plugged) noexcept;
 
+  /// Makes a node babble: it sends `frame` again and again, as fast as the bus lets it, instead of what is in
+  /// its queue. A frame that no controller can send ends it: the queue goes on behind the last one.
+  void set_babbling(const CanBus& node, const CanFrame& frame) noexcept;
+
   /// Error counters of a node of this bus.
   CanNodeErrors errors(const CanBus& node) const noexcept;
 
@@ -123,13 +133,16 @@ class CanStub {
     rt::Nanoseconds end_ns{};
   };
   struct Limits {
-    std::uint64_t wire_error{}, loss{}, alter{};
+    std::uint64_t wire_error{}, loss{}, alter{}, delay{};
   };
 
   bool start_next(rt::Nanoseconds now_ns) noexcept;
   Node* arbitrate(rt::Nanoseconds& start_ns) noexcept;
   rt::Nanoseconds earliest_start(const Node& node) const noexcept;
   rt::Nanoseconds acknowledged_from(const Node& sender) const noexcept;
+  void bring_back(rt::Nanoseconds at_ns) noexcept;
+  void hold_back(Node& node, std::size_t index) noexcept;
+  void report_state(Node& node, bool was_passive) noexcept;
   void finish_flight() noexcept;
   void finish_good() noexcept;
   void finish_destroyed() noexcept;

@@ -58,20 +58,30 @@ class CanStub::Node final : public CanBus {
 
   /// Bus owner: takes the next frame to send up from the queue, if none is up already. A frame cannot have
   /// been ready before the bus last looked, nor after now.
-  void take_up(rt::Nanoseconds earliest_ns, rt::Nanoseconds now_ns) noexcept {
-    if (has_head || !tx.try_pop(head)) return;
+  /// True: a frame was taken from the queue.
+  bool take_up(rt::Nanoseconds earliest_ns, rt::Nanoseconds now_ns) noexcept {
+    if (has_head) return false;
+    if (babbles) {
+      head = babble;
+      head.stamp_ns = earliest_ns;
+    } else if (!tx.try_pop(head)) {
+      return false;
+    }
     has_head = true;
     unacknowledged = false;
     ready_ns = head.stamp_ns < earliest_ns ? earliest_ns : head.stamp_ns > now_ns ? now_ns : head.stamp_ns;
+    return !babbles;
   }
 
   /// Bus owner: on the bus at this time.
   bool active(rt::Nanoseconds at_ns) const noexcept { return plugged && at_ns >= off_until_ns; }
   /// Bus owner: ends a bus-off whose time is over.
-  void recover(rt::Nanoseconds at_ns) noexcept {
-    if (!errors.bus_off || at_ns < off_until_ns) return;
+  /// True: it has come back.
+  bool recover(rt::Nanoseconds at_ns) noexcept {
+    if (!errors.bus_off || at_ns < off_until_ns) return false;
     errors = {};
     off.store(false, std::memory_order_release);
+    return true;
   }
   bool error_passive() const noexcept { return errors.transmit > 127 || errors.receive > 127; }
 
@@ -95,6 +105,10 @@ class CanStub::Node final : public CanBus {
   // Bus owner's only.
   CanFrame head{};
   bool has_head{};
+  bool babbles{};
+  CanFrame babble{};
+  std::uint64_t taken{};  // frames from the queue, for the draws of delays
+  rt::Nanoseconds head_free_ns{std::numeric_limits<rt::Nanoseconds>::min()};  // when the frame before was out
   bool unacknowledged{};
   bool plugged{true};
   rt::Nanoseconds ready_ns{};

@@ -14,12 +14,18 @@ constexpr std::uint32_t kBusOffLimit = 256;
 constexpr int kRecoveryBits = 128 * 11;
 constexpr int kSuspendBits = 8;
 // Error classes as Linux defines them in linux/can/error.h.
+constexpr std::uint32_t kErrorController = 0x04;
 constexpr std::uint32_t kErrorProtocol = 0x08;
 constexpr std::uint32_t kErrorBusOff = 0x40;
 constexpr std::uint32_t kErrorBusError = 0x80;
+constexpr std::uint32_t kErrorRestarted = 0x100;
+constexpr std::uint8_t kReceivePassive = 0x10;  // in data[1]
+constexpr std::uint8_t kTransmitPassive = 0x20;
+constexpr std::uint8_t kErrorActive = 0x40;
 constexpr std::uint64_t kKindWireError = 0;
 constexpr std::uint64_t kKindLoss = 1;
 constexpr std::uint64_t kKindAlter = 33;
+constexpr std::uint64_t kKindDelay = 66;
 
 /// A well-mixed number for (seed, transmission, kind): no generator state, so one fault never shifts another.
 std::uint64_t mix(std::uint64_t x) {
@@ -50,8 +56,37 @@ void CanStub::advance(rt::Nanoseconds now_ns) noexcept {
     if (flight_.end_ns > now_ns) break;
     finish_flight();
   }
-  for (const auto& node : nodes_) node->recover(now_ns);
+  bring_back(now_ns);
   last_advance_ns_ = now_ns;
+}
+
+void CanStub::bring_back(rt::Nanoseconds at_ns) noexcept {
+  for (const auto& node : nodes_) {
+    if (node->recover(at_ns) && config_.report_errors)
+      node->put(error_frame(kErrorRestarted, node->off_until_ns));
+  }
+}
+
+/// A controller that is slow with a frame; its time begins when the frame before is out.
+void CanStub::hold_back(Node& node, std::size_t index) noexcept {
+  ++node.taken;
+  const CanFaults& faults = config_.faults;
+  if (limits_.delay == 0 || (node.head.id & faults.id_mask) != faults.id) return;
+  const std::uint64_t draw = mix(mix(mix(config_.seed) + node.taken) + kKindDelay + index);
+  if ((draw >> 11) >= limits_.delay) return;
+  ++stats_.delayed;
+  if (node.head_free_ns > node.ready_ns) node.ready_ns = node.head_free_ns;
+  node.ready_ns +=
+      static_cast<rt::Nanoseconds>(mix(draw) % (static_cast<std::uint64_t>(faults.delay_ns) + 1));
+}
+
+void CanStub::report_state(Node& node, bool was_passive) noexcept {
+  if (!config_.report_errors || node.error_passive() == was_passive) return;
+  CanFrame frame = error_frame(kErrorController, flight_.end_ns);
+  frame.data[1] = was_passive                             ? kErrorActive
+                  : node.errors.transmit >= kPassiveLimit ? kTransmitPassive
+                                                          : kReceivePassive;
+  node.put(frame);
 }
 
 rt::Nanoseconds CanStub::acknowledged_from(const Node& sender) const noexcept {
@@ -103,12 +138,14 @@ CanStub::Node* CanStub::arbitrate(rt::Nanoseconds& start_ns) noexcept {
 }
 
 bool CanStub::start_next(rt::Nanoseconds now_ns) noexcept {
-  for (const auto& node : nodes_) node->take_up(last_advance_ns_, now_ns);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i]->take_up(last_advance_ns_, now_ns)) hold_back(*nodes_[i], i);
+  }
   rt::Nanoseconds start_ns = 0;
   Node* winner = arbitrate(start_ns);
   // A frame queued later may still be ready at exactly now_ns, so nothing starts at now_ns itself.
   if (winner == nullptr || start_ns >= now_ns) return false;
-  for (const auto& node : nodes_) node->recover(start_ns);
+  bring_back(start_ns);
   ++transmissions_;
   flight_.sender = winner;
   flight_.bits = config_.worst_case_stuffing
@@ -144,14 +181,22 @@ void CanStub::finish_good() noexcept {
   Node& sender = *flight_.sender;
   ++stats_.frames;
   Node::bump(sender.sent);
+  const bool was_passive = sender.error_passive();
   if (sender.errors.transmit > 0) --sender.errors.transmit;
+  report_state(sender, was_passive);
   sender.has_head = false;
+  sender.head_free_ns = flight_.end_ns;
   CanFrame frame = sender.head;
   frame.stamp_ns = flight_.end_ns;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     Node& node = *nodes_[i];
     if (&node == &sender || !node.active(flight_.start_ns)) continue;
-    if (node.errors.receive > 0) --node.errors.receive;
+    const bool passive = node.error_passive();
+    // ISO 11898-1, 12.1.4.2: from error passive, a good frame leads back to just below it.
+    if (node.errors.receive > 0)
+      node.errors.receive =
+          node.errors.receive >= kPassiveLimit ? kPassiveLimit - 1 : node.errors.receive - 1;
+    report_state(node, passive);
     deliver(node, i, frame);
   }
 }
@@ -162,11 +207,17 @@ void CanStub::finish_destroyed() noexcept {
   for (const auto& node : nodes_) {
     if (!node->active(flight_.start_ns)) continue;
     Node::bump(node->error_frames);
+    const bool passive = node->error_passive();
     if (node.get() != &sender && node->errors.receive < kBusOffLimit - 1) ++node->errors.receive;
     if (config_.report_errors) node->put(error_frame(kErrorProtocol | kErrorBusError, flight_.end_ns));
+    if (node.get() != &sender) report_state(*node, passive);
   }
+  const bool was_passive = sender.error_passive();
   sender.errors.transmit += 8;
-  if (sender.errors.transmit < kBusOffLimit) return;
+  if (sender.errors.transmit < kBusOffLimit) {
+    report_state(sender, was_passive);
+    return;
+  }
   ++stats_.bus_off;
   sender.errors.bus_off = true;
   sender.off_until_ns = config_.bus_off_recovery ? flight_.end_ns + kRecoveryBits * bit_ns_ : Node::kForever;
