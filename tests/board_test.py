@@ -24,6 +24,7 @@ SECONDS, FRAMES = (5, 10000) if LENGTH == "short" else (18, 100000)
 MOST_US = {"parameters_control": 10, "attitude": 80, "odometry": 40, "odometry_state": 10, "drive": 20, "flippers": 10,
            "parameters_mapping": 10, "map": 2000}
 LATE_US = 40
+TIMER_STEPS = 64  # four steps of 16 ns, see compare_logs()
 # What docs/canopen.md promises: 150 ms after the last heartbeat, and a SYNC (10 ms) more where the master decides.
 HEARTBEAT_S, SYNC_S, TORQUE_OFF_S = 0.150, 0.010, 0.5
 MASTER = "77F"
@@ -77,13 +78,35 @@ def standstill(log, after_s):
     return (moving[-1] if moving else 0.0), max((v for t, v in speeds if t < after_s), default=0.0)
 
 
+def events(log):
+    """Events of an LCM log: (channel, all its bytes)."""
+    data, at, found = log.read_bytes(), 0, []
+    while at < len(data):
+        channel, message = struct.unpack_from(">II", data, at + 20)
+        end = at + 28 + channel + message
+        found.append((data[at + 28:at + 28 + channel], data[at:end]))
+        at = end
+    return found
+
+
+def compare_logs():
+    """Two runs: all that went into the runtime and came out of it is equal to the last bit. Times that it measured of itself may differ by
+    a step of the timer, now and then: QEMU's own threads see to that when this machine is busy. Returns how many did."""
+    first, second = (events(work / name / "mission/drive.lcm") for name in ("first", "second"))
+    others = [[e for e in log if e[0] != b"SORTIE_TIMING"] for log in (first, second)]
+    check(others[0] == others[1] and len(others[0]) > 1000, "two runs: the same log", len(others[0]), len(others[1]))
+    return sum(a != b for a, b in zip(first, second))
+
+
 def mission():
     with concurrent.futures.ThreadPoolExecutor(2) as both:
         consoles = list(both.map(lambda name: boot(name, "can", "mission"), ("first", "second")))
     if failures:
         return {}
     check("realtime 1" in consoles[0], "the kernel is PREEMPT_RT", consoles[0])
-    check(consoles[0] == consoles[1], "two runs: the same console and the same files", *consoles)
+    check(consoles[0] == consoles[1], "two runs: the same console, with digest and counters", *consoles)
+    moved = compare_logs()
+    print(f"{moved} of the log's measured times differ between two runs")
     here = run("check", work / "first/mission/drive.lcm", "--json")
     told, result = json.loads(here.stdout), read("first", "mission", "run.json")
     check(here.returncode == 0 and told["digest"] == result["digest"], "the board's log gives the board's digest here", here.stdout[-400:])
@@ -108,7 +131,7 @@ def mission():
 def trouble():
     """The other boot: frames under load, a runtime that is killed, drives that go."""
     boot("trouble", "killed", "gone", "flood")
-    if failures:
+    if not (work / "trouble/flood/can0-can1.json").exists():
         return {}
     figures = {}
     for pair, frames in (("vcan0-vcan0", FRAMES), ("can0-can1", FRAMES // 10)):
@@ -139,11 +162,19 @@ def trouble():
     return figures
 
 
+def compare_figures(now, was):
+    for part, rows in was.items():
+        check(list(now.get(part, {})) == list(rows), f"{part}: the table's rows", now)
+        for name, value in rows.items():
+            steps = now.get(part, {}).get(name, 0) - value
+            check(abs(steps) <= TIMER_STEPS, f"{part}, {name}: {value} in the table", now.get(part, {}).get(name))
+
+
 def main():
     try:
         _, versions = emulate.fetch()
         figures = mission()
-        figures.update(trouble() if not failures else {})
+        figures.update(trouble())
     except emulate.Missing as missing:
         print(f"skipped: {missing}")
         return 77
@@ -152,7 +183,7 @@ def main():
         if "SORTIE_UPDATE_EXPECTED" in os.environ:
             EXPECTED.write_text(json.dumps(figures, indent=1) + "\n")
         elif emulate.is_pinned(versions):
-            check(figures == json.loads(EXPECTED.read_text()), "figures are those of the table, to the instruction")
+            compare_figures(figures, json.loads(EXPECTED.read_text()))
         else:
             print("not the pinned versions, so only bounds were checked:", versions)
     if failures:
