@@ -16,8 +16,6 @@ void add_bench_rays(CLI::App& bench, CommandContext& context);
 void add_bench_uav(CLI::App& bench, CommandContext& context);
 /// `bench odometry`: attitude and odometry, error against run time.
 void add_bench_odometry(CLI::App& bench, CommandContext& context);
-/// `bench mapping`: the local map beside its peers, error against run time.
-void add_bench_mapping(CLI::App& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
 void add_bench_wcet(CLI::App& bench, CommandContext& context);
 

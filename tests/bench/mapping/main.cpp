@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-mapping: the local map beside PCL's batch functions on a recorded drive, thread CPU time, one
 // JSON object. The map takes scan after scan; PCL starts anew from the map's voxels each time that it is
-// asked. --count yes adds the instructions of each step. Then one knob after the other: error against run
-// time.
+// asked. --count yes adds the instructions of each step.
 #include <algorithm>
 #include <iostream>
 #include <stdexcept>
@@ -10,7 +9,6 @@
 #include "firmware_like/bench/child_process.hpp"
 #include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/mapping/insertion.hpp"
-#include "tests/bench/mapping/knobs.hpp"
 #include "tests/bench/mapping/pcl_batch.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/counted_child.hpp"
@@ -27,8 +25,6 @@ struct MappingArguments {
   std::size_t warm_up{40};  ///< scans before the first figure
   std::size_t every{10};    ///< scans between two looks at PCL
   bool count{};             ///< also the instructions of each step; takes minutes
-  std::string only;         ///< one part alone: peers or knobs
-  std::uint64_t seed{1};    ///< of the simulated hall
   std::string counted;      ///< in the child that is counted: the policy
 };
 
@@ -206,18 +202,6 @@ void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments
                          " kB besides");
 }
 
-/// Beside PCL and the sorted vector.
-void compare(const std::vector<tests::RecordedScan>& scans, const MappingArguments& arguments,
-             Report& report) {
-  if (!has_pcl()) report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
-  if (!scans.empty()) {
-    drive<mapping::EuclideanPolicy>(scans, arguments, "Euclidean", 100, report);
-    drive<mapping::SmoothnessPolicy>(scans, arguments, "smoothness", 120, report);
-    insertion_beside_sorted(scans, arguments.stride, report);
-  }
-  insertion_by_size(report);
-}
-
 int run(const MappingArguments& arguments) {
   const std::vector<tests::RecordedScan> scans = tests::read_rls(arguments.file);
   if (arguments.counted == "smoothness")
@@ -226,15 +210,15 @@ int run(const MappingArguments& arguments) {
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();
-  root["settings"] = {{"every", arguments.every}, {"stride", arguments.stride}, {"seed", arguments.seed}};
-  for (const char* list : {"figures", "tables", "skipped", "notes", "map_rows"}) root[list] = Json::array();
+  for (const char* list : {"figures", "tables", "skipped", "notes"}) root[list] = Json::array();
   if (scans.empty()) report.skip("recorded drive", "no scans in " + arguments.file);
-  if (arguments.only != "knobs") compare(scans, arguments, report);
-  if (arguments.only != "peers") {
-    const KnobOptions knobs;
-    if (!scans.empty()) sweep_knobs(recorded_drive(arguments.file, arguments.stride), knobs, report);
-    sweep_knobs(simulated_drive(arguments.seed), knobs, report);
+  if (!has_pcl()) report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
+  if (!scans.empty()) {
+    drive<mapping::EuclideanPolicy>(scans, arguments, "Euclidean", 100, report);
+    drive<mapping::SmoothnessPolicy>(scans, arguments, "smoothness", 120, report);
+    insertion_beside_sorted(scans, arguments.stride, report);
   }
+  insertion_by_size(report);
   if (!scans.empty() && arguments.count) {
     add_counts(arguments, "Euclidean", report);
     add_counts(arguments, "smoothness", report);
@@ -255,10 +239,6 @@ MappingArguments parse(int argc, char** argv) {
       all.stride = static_cast<std::uint32_t>(number("--stride", value, 1, 1e6));
     else if (option == "--every")
       all.every = static_cast<std::size_t>(number("--every", value, 1, 1e6));
-    else if (option == "--only" && value != nullptr)
-      all.only = value;
-    else if (option == "--seed")
-      all.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
     else if (option == "--count" && value != nullptr)
       all.count = std::string(value) == "yes";
     else if (option == "--counted" && value != nullptr)
