@@ -90,6 +90,7 @@ void add_bench(CLI::App& app, CommandContext& context) {
   command->require_subcommand(0, 1);
   add_bench_rt(*command, context);
   add_bench_plant(*command, context);
+  add_bench_mapping(*command, context);
   add_bench_rays(*command, context);
   add_bench_uav(*command, context);
   add_bench_odometry(*command, context);

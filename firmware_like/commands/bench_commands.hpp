@@ -10,6 +10,8 @@ namespace sortie::firmware {
 void add_bench_rt(CLI::App& bench, CommandContext& context);
 /// `bench plant`: the tracked plant beside its peer.
 void add_bench_plant(CLI::App& bench, CommandContext& context);
+/// `bench mapping`: the local map beside its peer.
+void add_bench_mapping(CLI::App& bench, CommandContext& context);
 /// `bench rays`: the ray scheduler beside the published planners.
 void add_bench_rays(CLI::App& bench, CommandContext& context);
 /// `bench uav`: the multirotor beside its peers.

@@ -9,7 +9,10 @@
 #include "firmware_like/bench/child_process.hpp"
 #include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/mapping/insertion.hpp"
+#include "tests/bench/mapping/map_bytes.hpp"
+#include "tests/bench/mapping/normal_error.hpp"
 #include "tests/bench/mapping/pcl_batch.hpp"
+#include "tests/bench/mapping/sweep.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/counted_child.hpp"
 #include "tests/bench/report/figures.hpp"
@@ -21,6 +24,9 @@ namespace {
 
 struct MappingArguments {
   std::string file{std::string(SORTIE_DATA_DIR) + "/lidar_os64/os64_thin4_000_109.rls"};
+  std::string dense{std::string(SORTIE_DATA_DIR) + "/lidar_os64/os64_dense_060_071.rls"};
+  std::string only;         ///< one part: peers, insertion, normals or sweep
+  std::string stream;       ///< of the sweep: walk, dense or hall; empty: all
   std::uint32_t stride{2};  ///< every n-th point
   std::size_t warm_up{40};  ///< scans before the first figure
   std::size_t every{10};    ///< scans between two looks at PCL
@@ -170,18 +176,12 @@ void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments
   add_figure(report, group, "segmentation a step", ours.segment_ms, segmentation, Map::kNormals ? 0 : 150);
   add_figure(report, group, "whole step", ours.whole_ms, theirs.whole_ms, goal);
   const auto& output = map.grid().output();
-  const auto& graph = map.segmenter().graph();
-  const double nodes =
-      graph.most_in_use() * static_cast<double>(sizeof(mapping::FragmentNode) + sizeof(mapping::NodeWork) +
-                                                sizeof(mapping::SegmentComponent) + 2);
-  double blocks = output.most_blocks * static_cast<double>(sizeof(mapping::BlockWork) + 4);
-  if (Map::kNormals) blocks += output.most_blocks * static_cast<double>(sizeof(mapping::NormalWork) + 4);
   Figure memory;
   memory.group = group;
   memory.what = "memory a voxel held";
   memory.unit = "B";
   memory.n = output.most_voxels;
-  const double bytes = (static_cast<double>(map.grid().most_bytes()) + nodes + blocks) / output.most_voxels;
+  const double bytes = most_map_bytes(map) / output.most_voxels;
   memory.ours = spread(bytes);
   set_goal(memory, Map::kNormals ? "at most 80" : "at most 32", bytes <= (Map::kNormals ? 80 : 32));
   report.add(memory);
@@ -194,10 +194,16 @@ void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments
     report.note(group, "normals of flat voxels are off PCL's on the current means by " + quantile(0.5) +
                            " deg (median), " + quantile(0.95) + " deg (95 %)");
   }
-  if (!Map::kNormals && has_pcl())
-    report.note(group,
-                std::to_string(differing) + " of " + std::to_string(compared) +
-                    " voxels lie in another cluster than PCL's EuclideanClusterExtraction puts them in");
+  if (!Map::kNormals && has_pcl()) {
+    Figure figure;
+    figure.group = group;
+    figure.what = "voxels in another cluster than PCL's EuclideanClusterExtraction puts them in";
+    figure.unit = "voxels";
+    figure.n = compared;
+    figure.ours = spread(static_cast<double>(differing));
+    set_goal(figure, "0", differing == 0);
+    report.add(figure);
+  }
   report.note(group, "the window's table takes " + std::to_string(map.owned.window.size() * 2 / 1024) +
                          " kB besides");
 }
@@ -210,18 +216,37 @@ int run(const MappingArguments& arguments) {
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();
-  for (const char* list : {"figures", "tables", "skipped", "notes"}) root[list] = Json::array();
+  for (const char* list : {"figures", "tables", "skipped", "notes", "sweep", "pictures"})
+    root[list] = Json::array();
+  root["settings"] = {{"stride", arguments.stride}, {"every", arguments.every}, {"only", arguments.only}};
   if (scans.empty()) report.skip("recorded drive", "no scans in " + arguments.file);
   if (!has_pcl()) report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
-  if (!scans.empty()) {
+  const auto wanted = [&arguments](const char* part) {
+    return arguments.only.empty() || arguments.only == part;
+  };
+  if (wanted("peers") && !scans.empty()) {
     drive<mapping::EuclideanPolicy>(scans, arguments, "Euclidean", 100, report);
     drive<mapping::SmoothnessPolicy>(scans, arguments, "smoothness", 120, report);
-    insertion_beside_sorted(scans, arguments.stride, report);
+    if (arguments.count) {
+      add_counts(arguments, "Euclidean", report);
+      add_counts(arguments, "smoothness", report);
+    }
   }
-  insertion_by_size(report);
-  if (!scans.empty() && arguments.count) {
-    add_counts(arguments, "Euclidean", report);
-    add_counts(arguments, "smoothness", report);
+  if (wanted("insertion")) {
+    if (!scans.empty()) insertion_beside_sorted(scans, arguments.stride, report);
+    insertion_by_size(report);
+  }
+  const MappingStream walk = recorded_stream("walk", arguments.file, arguments.stride);
+  if (wanted("normals") && !walk.scans.empty()) normal_errors(walk, report);
+  if (wanted("sweep")) {
+    for (const MappingStream& stream :
+         {walk, recorded_stream("dense", arguments.dense, 4 * arguments.stride), simulated_hall()}) {
+      if (!arguments.stream.empty() && arguments.stream != stream.name) continue;
+      if (stream.scans.empty())
+        report.skip(stream.name, "no scans");
+      else
+        sweep_stream(stream, report);
+    }
   }
   root["load_after"] = load_average();
   std::cout << root.dump() << std::endl;
@@ -235,6 +260,12 @@ MappingArguments parse(int argc, char** argv) {
     const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
     if (option == "--file" && value != nullptr)
       all.file = value;
+    else if (option == "--dense" && value != nullptr)
+      all.dense = value;
+    else if (option == "--stream" && value != nullptr)
+      all.stream = value;
+    else if (option == "--only" && value != nullptr)
+      all.only = value;
     else if (option == "--stride")
       all.stride = static_cast<std::uint32_t>(number("--stride", value, 1, 1e6));
     else if (option == "--every")
