@@ -66,16 +66,22 @@ Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept 
     ++counters_.flipper_frames;
     return Status::ok;
   }
+  if (spec->fields == kCanRotorFields) {
+    ++counters_.rotor_frames;
+    return Status::ok;
+  }
   if (spec->fields == kCanFlipperStateFields) return join_flipper(frame, out);
   const bool is_imu = spec->id == kCanImuGyrId || spec->id == kCanImuAccId;
-  const bool second = spec->id == kCanImuAccId || spec->id == kCanTrackRightId;
-  Pair& pair = is_imu ? imu_ : track_;
+  const bool is_fix = spec->id == kCanFixAcrossId || spec->id == kCanFixUpId;
+  const bool second = spec->id == kCanImuAccId || spec->id == kCanTrackRightId || spec->id == kCanFixUpId;
+  Pair& pair = is_imu ? imu_ : is_fix ? fix_ : track_;
   const CanFrame first_half = pair.half;
   bool complete = false;
   const Status joined = join(pair, frame, second, spec->fields[spec->field_count - 1], complete);
   if (joined != Status::ok || !complete) return joined;
   const CanFrame& first = second ? first_half : frame;
   const CanFrame& last = second ? frame : first_half;
+  if (is_fix) return finish_fix(first, last, out);
   return is_imu ? finish_imu(first, last, out) : finish_track(first, last, out);
 }
 
@@ -152,6 +158,31 @@ Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, Ca
   imu_.last_ns = imu_.stamp_ns;
   ++counters_.imu_samples;
   out.kind = CanSampleKind::imu;
+  return Status::ok;
+}
+
+Status CanSampleDecoder::finish_fix(const CanFrame& across, const CanFrame& up, CanSample& out) {
+  const Status order = check_order(fix_);
+  if (order != Status::ok) return order;
+  const std::int64_t flags = read_can_field(up, kCanFixUpFields[2]);
+  if (flags > (rt::kFixPosition | rt::kFixYaw)) {
+    counters_.wrong_size += 2;
+    return Status::malformed;
+  }
+  const auto value = [](const CanFrame& frame, const CanFieldSpec& field) {
+    return static_cast<double>(read_can_field(frame, field)) * field.scale;
+  };
+  out.fix = {};
+  out.fix.stamp_ns = fix_.stamp_ns;
+  out.fix.p_world_m[0] = value(across, kCanFixAcrossFields[0]);
+  out.fix.p_world_m[1] = value(across, kCanFixAcrossFields[1]);
+  out.fix.p_world_m[2] = value(up, kCanFixUpFields[0]);
+  out.fix.yaw_rad = value(up, kCanFixUpFields[1]);
+  out.fix.flags = static_cast<std::uint32_t>(flags);
+  fix_.given = true;
+  fix_.last_ns = fix_.stamp_ns;
+  ++counters_.fix_samples;
+  out.kind = CanSampleKind::fix;
   return Status::ok;
 }
 

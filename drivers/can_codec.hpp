@@ -11,6 +11,7 @@
 #include "drivers/can_unwrap.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
+#include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
 
@@ -31,6 +32,8 @@ struct CanDecodeCounters {
   std::uint64_t flipper_samples{};  ///< (4) given out
   std::uint64_t drive_frames{};     ///< (1) commands of a runtime on the same bus; not a sample
   std::uint64_t flipper_frames{};   ///< (1) the same for the flippers
+  std::uint64_t rotor_frames{};     ///< (1) the same for the rotors of a UAV
+  std::uint64_t fix_samples{};      ///< (2) given out
   std::uint64_t unknown_id{};       ///< (1) not a frame of this robot
   std::uint64_t remote_frames{};    ///< (1) remote requests
   std::uint64_t error_frames{};     ///< (1) error frames of the controller
@@ -51,6 +54,8 @@ struct CanDecodeCounters {
     visit("flipper_samples", self.flipper_samples);
     visit("drive_frames", self.drive_frames);
     visit("flipper_frames", self.flipper_frames);
+    visit("rotor_frames", self.rotor_frames);
+    visit("fix_samples", self.fix_samples);
     visit("unknown_id", self.unknown_id);
     visit("remote_frames", self.remote_frames);
     visit("error_frames", self.error_frames);
@@ -66,7 +71,7 @@ struct CanDecodeCounters {
 };
 
 /// What a frame completed.
-enum class CanSampleKind : std::uint8_t { none, imu, track, flipper };
+enum class CanSampleKind : std::uint8_t { none, imu, track, flipper, fix };
 
 /// A decoded sample; only the member named by `kind` is valid.
 struct CanSample {
@@ -74,6 +79,7 @@ struct CanSample {
   rt::ImuSample imu{};
   rt::TrackSample track{};
   rt::FlipperSample flipper{};
+  rt::UavFix fix{};
 };
 
 /// Turns the sensors' frames into samples. Trusts nothing: what does not fit is dropped and counted by
@@ -91,9 +97,9 @@ class CanSampleDecoder {
   /// What was seen since construction.
   const CanDecodeCounters& counters() const noexcept { return counters_; }
 
-  /// Frames that wait for their partners now: 0 to 5.
+  /// Frames that wait for their partners now: 0 to 6.
   int pending() const noexcept {
-    return (imu_.waiting ? 1 : 0) + (track_.waiting ? 1 : 0) + flippers_.waiting();
+    return (imu_.waiting ? 1 : 0) + (track_.waiting ? 1 : 0) + (fix_.waiting ? 1 : 0) + flippers_.waiting();
   }
 
  private:
@@ -111,10 +117,13 @@ class CanSampleDecoder {
   Status finish_imu(const CanFrame& gyr, const CanFrame& acc, CanSample& out);
   Status finish_track(const CanFrame& left, const CanFrame& right, CanSample& out);
 
+  Status finish_fix(const CanFrame& across, const CanFrame& up, CanSample& out);
+
   CanCounterClock clock_;
   std::int64_t max_counts_per_s_;
   Pair imu_{};
   Pair track_{};
+  Pair fix_{};
   FlipperJoin flippers_{};
   EncoderUnwrap left_{};
   EncoderUnwrap right_{};
@@ -134,6 +143,25 @@ std::uint16_t can_time_counter(rt::Nanoseconds stamp_ns, const CanCodecConfig& c
 /// not_finite, out_of_range (beyond 2^53 counts); nothing is written then.
 [[nodiscard]] Status encode_track(const rt::TrackSample& sample, std::uint16_t counter,
                                   CanFrame out[2]) noexcept;
+
+/// Encodes a fix as two frames: out[0] across, out[1] up. Status: ok, not_finite, out_of_range (beyond 8.3
+/// km, or more than half a turn from 0); nothing is written then.
+[[nodiscard]] Status encode_fix(const rt::UavFix& fix, std::uint16_t counter, CanFrame out[2]) noexcept;
+
+/// Encodes speeds for the rotors as three frames; without flag 1 they are for standing rotors. Status: ok,
+/// not_finite, out_of_range (below 0, beyond 1310 rad/s, or more than 8 rotors); nothing is written then.
+[[nodiscard]] Status encode_rotors(const rt::RotorCommand& command, std::uint8_t counter,
+                                   CanFrame out[kCanRotorFrames]) noexcept;
+
+/// One third of a command to the rotors.
+struct CanRotorThird {
+  std::uint32_t first{};  ///< number of its first rotor
+  double speed_rad_s[3]{};
+  std::uint8_t counter{};
+  bool enabled{};
+};
+/// Status: ok, not_supported (not a frame for the rotors), malformed (size or undefined flag bits).
+[[nodiscard]] Status decode_rotors(const CanFrame& frame, CanRotorThird& third) noexcept;
 
 /// Encodes a drive command. Status: ok, not_finite, out_of_range (beyond +-32.767 m/s); nothing is written
 /// then: a command is never bent silently.

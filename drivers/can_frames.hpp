@@ -41,8 +41,13 @@ inline constexpr std::int64_t kCanAxisLimit = 32767;
 inline constexpr std::uint32_t kCanDriveId = 0x110;
 inline constexpr std::uint32_t kCanFlipperFrontId = 0x111;
 inline constexpr std::uint32_t kCanFlipperRearId = 0x112;
+/// First of three, each with three rotors.
+inline constexpr std::uint32_t kCanRotorsId = 0x114;
+inline constexpr std::uint32_t kCanRotorFrames = 3;
 inline constexpr std::uint32_t kCanImuGyrId = 0x120;
 inline constexpr std::uint32_t kCanImuAccId = 0x121;
+inline constexpr std::uint32_t kCanFixAcrossId = 0x128;
+inline constexpr std::uint32_t kCanFixUpId = 0x129;
 inline constexpr std::uint32_t kCanTrackLeftId = 0x130;
 inline constexpr std::uint32_t kCanTrackRightId = 0x131;
 /// First of four: front left, front right, rear left, rear right (rt::Flipper).
@@ -64,6 +69,26 @@ inline constexpr CanFieldSpec kCanFlipperStateFields[] = {
     {"angle", 0, 2, true, 0.0002, "rad", "angle to the body, tip up"},
     {"torque", 2, 2, true, 0.01, "N m", "torque of the drive, turning the tip up"},
     {"time", 4, 2, false, 0.0001, "s", "when it was measured, the same in all four frames"},
+};
+inline constexpr CanFieldSpec kCanRotorFields[] = {
+    {"a", 0, 2, false, 0.02, "rad/s",
+     "asked speed of the first of three rotors; 0: there is none, or it stands"},
+    {"b", 2, 2, false, 0.02, "rad/s", "asked speed of the second"},
+    {"c", 4, 2, false, 0.02, "rad/s", "asked speed of the third"},
+    {"counter", 6, 1, false, 1.0, "-", "one more with every command; a repeat is a stuck sender"},
+    {"flags", 7, 1, false, 1.0, "-", "bit 0: enabled; the other bits are 0"},
+};
+inline constexpr CanFieldSpec kCanFixAcrossFields[] = {
+    {"x", 0, 3, true, 0.001, "m", "place in the world"},
+    {"y", 3, 3, true, 0.001, "m", "place in the world"},
+    {"time", 6, 2, false, 0.0001, "s", "when it was true, modulo 6.5536 s"},
+};
+inline constexpr CanFieldSpec kCanFixUpFields[] = {
+    {"z", 0, 3, true, 0.001, "m", "height in the world"},
+    {"yaw", 3, 2, true, 0.0001, "rad", "heading"},
+    {"flags", 5, 1, false, 1.0, "-",
+     "bit 0: the place is valid; bit 1: the heading is; the other bits are 0"},
+    {"time", 6, 2, false, 0.0001, "s", "the same value as in the other frame of the fix"},
 };
 inline constexpr CanFieldSpec kCanImuGyrFields[] = {
     {"x", 0, 2, true, 0.0005, "rad/s", "turn rate about body x (forward)"},
@@ -91,8 +116,13 @@ inline constexpr CanFrameSpec kCanFrames[] = {
     {"drive", kCanDriveId, 6, kCanDriveFields, 4, "speed command to the drives"},
     {"flipper_front", kCanFlipperFrontId, 6, kCanFlipperFields, 4, "position command to the front flippers"},
     {"flipper_rear", kCanFlipperRearId, 6, kCanFlipperFields, 4, "position command to the rear flippers"},
+    {"rotors_a", kCanRotorsId, 8, kCanRotorFields, 5, "speed command to rotors 1 to 3"},
+    {"rotors_b", kCanRotorsId + 1, 8, kCanRotorFields, 5, "speed command to rotors 4 to 6"},
+    {"rotors_c", kCanRotorsId + 2, 8, kCanRotorFields, 5, "speed command to rotors 7 and 8"},
     {"imu_gyr", kCanImuGyrId, 8, kCanImuGyrFields, 4, "gyro half of an IMU sample"},
     {"imu_acc", kCanImuAccId, 8, kCanImuAccFields, 4, "accelerometer half of an IMU sample"},
+    {"fix_across", kCanFixAcrossId, 8, kCanFixAcrossFields, 3, "horizontal half of a fix of a UAV's place"},
+    {"fix_up", kCanFixUpId, 8, kCanFixUpFields, 4, "the other half: height and heading"},
     {"track_left", kCanTrackLeftId, 6, kCanTrackLeftFields, 2, "left half of an encoder sample"},
     {"track_right", kCanTrackRightId, 6, kCanTrackRightFields, 2, "right half of an encoder sample"},
     {"flipper_fl", kCanFlipperStateId, 6, kCanFlipperStateFields, 3, "state of the front left flipper"},
@@ -118,8 +148,10 @@ constexpr std::int64_t read_can_field(const CanFrame& frame, const CanFieldSpec&
   for (unsigned i = 0; i < field.bytes; ++i) {
     raw |= static_cast<std::uint64_t>(frame.data[field.first_byte + i]) << (8u * i);
   }
-  const std::uint64_t sign = std::uint64_t{1} << (8u * field.bytes - 1u);
-  if (field.is_signed && (raw & sign) != 0) raw |= ~(sign * 2u - 1u);
+  if (field.is_signed && field.bytes > 0) {
+    const std::uint64_t sign = std::uint64_t{1} << (8u * field.bytes - 1u);
+    if ((raw & sign) != 0) raw |= ~(sign * 2u - 1u);
+  }
   return static_cast<std::int64_t>(raw);
 }
 

@@ -20,6 +20,7 @@ inline constexpr std::string_view kChannelParameters =
     "SORTIE_PARAMETERS";                                       ///< parameters_t, what is in force, telemetry
 inline constexpr std::string_view kChannelSet = "SORTIE_SET";  ///< set_parameter_t, requests to a run
 inline constexpr std::string_view kChannelDrive = "SORTIE_DRIVE";  ///< drive_request_t, requests to a run
+inline constexpr std::string_view kChannelFly = "SORTIE_FLY";      ///< fly_request_t, requests to a run
 inline constexpr std::string_view kChannelChange =
     "PARAMETER";  ///< parameter_t, prefix: "_" and the group follow
 inline constexpr std::string_view kChannelFields =
@@ -61,6 +62,7 @@ inline constexpr std::uint64_t kFingerprintParameter = 0xbbe96bbd27937e90u;
 inline constexpr std::uint64_t kFingerprintSetParameter = 0xd7d4ae612974e7bcu;
 inline constexpr std::uint64_t kFingerprintParameters = 0x9314a8c6309c452eu;
 inline constexpr std::uint64_t kFingerprintDriveRequest = 0xd10ac911ffc49358u;
+inline constexpr std::uint64_t kFingerprintFlyRequest = 0xc27e3e5b1c4ad42bu;
 inline constexpr std::uint64_t kFingerprintSslCommand = 0xf91359d55a24fbfdu;
 inline constexpr std::uint64_t kFingerprintSslReturns = 0x5462a43ba8317072u;
 inline constexpr std::uint64_t kFingerprintPose = 0x2e16efb052b0105eu;
@@ -73,7 +75,7 @@ struct MessageType {
 };
 
 /// Every message type. Order is the order in which tables show them.
-inline constexpr std::array<MessageType, 22> kMessageTypes{{
+inline constexpr std::array<MessageType, 23> kMessageTypes{{
     {"header_t", kFingerprintHeader, kChannelHeader},
     {"tick_t", kFingerprintTick, kChannelTick},
     {"timing_t", kFingerprintTiming, kChannelTiming},
@@ -95,6 +97,7 @@ inline constexpr std::array<MessageType, 22> kMessageTypes{{
     {"set_parameter_t", kFingerprintSetParameter, kChannelSet},
     {"parameter_t", kFingerprintParameter, kChannelChange},
     {"drive_request_t", kFingerprintDriveRequest, kChannelDrive},
+    {"fly_request_t", kFingerprintFlyRequest, kChannelFly},
     {"pose_t", kFingerprintPose, kChannelPose},
 }};
 

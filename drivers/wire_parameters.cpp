@@ -93,7 +93,7 @@ Status decode(std::span<const std::uint8_t> message, ParametersMessage& paramete
   parameters.scene = reader.get_string();
   parameters.remote = reader.get<std::uint8_t>() != 0;
   parameters.keyed = reader.get<std::uint8_t>() != 0;
-  parameters.parameters.resize(reader.get_count(2 * WireReader::kMinStringBytes + 3 * 8));
+  parameters.parameters.resize(reader.get_count(2u * WireReader::kMinStringBytes + 3u * 8u));
   get_column(reader, parameters.parameters, &ParameterInForce::name);
   get_column(reader, parameters.parameters, &ParameterInForce::unit);
   get_column(reader, parameters.parameters, &ParameterInForce::value);

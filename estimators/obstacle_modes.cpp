@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "estimators/obstacle_tree_table.hpp"
 
@@ -11,13 +12,16 @@ namespace sortie::estimators {
 namespace {
 
 constexpr double kNoEdge = 1.0;
+constexpr double kLongAgo_m = 1.0;
 constexpr double kSlowWindows = 5.0;
+constexpr double kLongWindows = 15.0;
 constexpr double kFastest_rad_m = 20.0;  // of curvatures as features
 constexpr double kEdgeApart_m = 0.05;    // nearer ones are one
 constexpr double kEdgeBehind_m = 0.02;   // beyond a wheel's axle an edge is gone
 constexpr double kClimbing_rad = 0.05;   // tilt from which a step is measured
 constexpr double kChange = 0.2;          // of curvature, beyond which nothing is measured
 constexpr double kWellUnder = 0.9;       // share of the run in which an edge is surely under it
+constexpr double kTurning = 1.0;         // times the curvature that begins a rise: no plane
 constexpr double kUnderCom_m = 0.1;      // an edge so near the balance point is the one to tip about
 
 double tilt_of(double along, double a, double b) { return rt::atan2(along, std::sqrt(a * a + b * b)); }
@@ -41,9 +45,11 @@ ObstacleMotion ObstacleModes::update(const ObstacleStep& step) {
     started_ = true;
     reference_ = base_ = phase_pitch_ = pitch_;
     steady_ = 2.0 * config_.settled_m;  // it begins on a plane
+    rise_ago_ = fall_ago_ = kLongAgo_m;
   }
   curvature_ = smooth(curvature_, nose_up / way, way, config_.window_m);
   slow_curvature_ = smooth(slow_curvature_, nose_up / way, way, kSlowWindows * config_.window_m);
+  long_curvature_ = smooth(long_curvature_, nose_up / way, way, kLongWindows * config_.window_m);
   roll_curvature_ = smooth(roll_curvature_, step.turn_rad.x / way, way, config_.window_m);
   rate_ = nose_up / step.dt_s;
   const double level_rate = std::sqrt(step.turn_rad.x * step.turn_rad.x + nose_up * nose_up) / step.dt_s;
@@ -66,21 +72,21 @@ ObstacleMotion ObstacleModes::update(const ObstacleStep& step) {
   double of_pitch = kCalmSigma_m * nose_up;
   double of_way = 0.0;
   if (!settled()) {
-    const TreeNode& leaf = decide(kPivotTree, features_);
-    const auto idea = static_cast<PivotIdea>(leaf.idea);
-    motion.step_body_m.z += idea == PivotIdea::fixed
-                                ? -nose_up * direction_ * static_cast<double>(leaf.place_m)
-                                : normal_of(idea);
-    if (phase_ != Phase::calm && idea != PivotIdea::middle)
-      motion.step_body_m.x += nose_up * config_.profile.run_m();
-    of_pitch = static_cast<double>(leaf.sigma_m) * nose_up;
-    of_way = static_cast<double>(leaf.sigma) * way_now;
-    name_mode(leaf);
+    constexpr double share = 1.0 / static_cast<double>(std::size(kPivotTrees));
+    of_pitch = 0.0;
+    for (const TreeNode* tree : kPivotTrees) {
+      const TreeNode& leaf = decide(tree, features_);
+      const auto idea = static_cast<PivotIdea>(leaf.idea);
+      motion.step_body_m.z +=
+          share * (idea == PivotIdea::fixed ? -nose_up * direction_ * static_cast<double>(leaf.place_m)
+                                            : normal_of(idea));
+      if (phase_ != Phase::calm && idea != PivotIdea::middle)
+        motion.step_body_m.x += share * nose_up * config_.profile.run_m();
+      of_pitch += share * static_cast<double>(leaf.sigma_m) * nose_up;
+      of_way += share * static_cast<double>(leaf.sigma) * way_now;
+    }
   }
-  if (phase_ == Phase::calm) {
-    state_.mode = static_cast<std::uint32_t>(ObstacleMode::planar);
-    state_.confidence = 1.0;
-  }
+  name_mode(std::fabs(step.travel_m));
   motion.sigma_m = std::sqrt(0.5 * (of_pitch * of_pitch + of_way * of_way) + of_roll * of_roll);
   return motion;
 }
@@ -108,7 +114,10 @@ void ObstacleModes::add_edge(double x_m) {
 
 void ObstacleModes::enter(Phase phase) {
   if (phase_ == Phase::calm) steady_before_ = steady_;
+  if (phase_ != Phase::calm) last_turn_ = direction_ * (pitch_ - phase_pitch_);
   phase_ = phase;
+  if (phase == Phase::rise) rise_ago_ = 0.0;
+  if (phase == Phase::fall) fall_ago_ = 0.0;
   phase_pitch_ = pitch_;
   phase_travel_ = 0.0;
   peak_ = 0.0;
@@ -125,11 +134,17 @@ void ObstacleModes::enter(Phase phase) {
 void ObstacleModes::change_phase(double travel_m) {
   const double lead = direction_ * curvature_;
   phase_travel_ += travel_m;
+  away_ += travel_m;
+  rise_ago_ += travel_m;
+  fall_ago_ += travel_m;
   if (std::fabs(lead) < config_.leave_rad_m) {
     if (phase_ != Phase::calm) enter(Phase::calm);
     steady_ += travel_m;
     if (steady_ > config_.steady_m) reference_ = pitch_;
-    if (steady_ > config_.settled_m) base_ = pitch_;
+    if (steady_ > config_.settled_m) {
+      base_ = pitch_;
+      away_ = 0.0;
+    }
     return;
   }
   if (lead > config_.enter_rad_m && phase_ != Phase::rise) enter(Phase::rise);
@@ -157,8 +172,8 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
   }
   const Support rear = support_of(p, ahead ? OutlineEnd::rear : OutlineEnd::front, tilt, step.flippers);
   const Support front = support_of(p, ahead ? OutlineEnd::front : OutlineEnd::rear, tilt, step.flippers);
-  const double rolls = pivot_on_run(rear, tilt, curvature_);
-  const double front_rolls = pivot_on_run(front, tilt, curvature_);
+  const double rolls = pivot_on_run(rear, tilt, lead);
+  const double front_rolls = pivot_on_run(front, tilt, lead);
   const double end = p.half_length_m;
   const double base_tilt = pitch_ - base_;
   const double slide = step.travel_m * rt::sincos(tilt).sin;
@@ -185,8 +200,8 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
     // Per metre of belt alone: the height is not to shrink with the creep in the smoothed curvature. Where
     // the curvature changes, its smoothed value is none of the present.
     const double creep = 1.0 + config_.creep_m_s * step.dt_s / std::fabs(step.travel_m);
-    const double steady = creep * curvature_;
-    const bool changes = std::fabs(nose_up / std::fabs(step.travel_m) - steady) > kChange * std::fabs(steady);
+    const double steady = creep * lead;
+    const bool changes = std::fabs(nose_up / step.travel_m - steady) > kChange * std::fabs(steady);
     const double under = pivot_on_run(rear, tilt, steady);
     if (!changes && std::fabs(under) < kWellUnder * end)
       state_.step_height_m = edge_height_m(p, rear, under, tilt);
@@ -211,27 +226,49 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
       ahead ? step.flippers.front_rad : step.flippers.rear_rad,
       ahead ? step.flippers.rear_rad : step.flippers.front_rad,
       direction_ * base_tilt,
-      limited(steady_, 1.0)};
+      limited(steady_, 1.0),
+      limited(away_, 2.0),
+      limited(rise_ago_, kLongAgo_m),
+      limited(fall_ago_, kLongAgo_m),
+      last_turn_,
+      limited(direction_ * long_curvature_, kFastest_rad_m)};
   std::copy(list, list + kModeFeatures, features_);
 }
 
-void ObstacleModes::name_mode(const TreeNode& leaf) {
-  const bool rises = phase_ == Phase::rise;
-  const bool ahead = direction_ > 0.0;
-  ObstacleMode mode = ObstacleMode::edge_pivot;
-  if (rises)
-    mode = (features_[static_cast<std::uint32_t>(ModeFeature::tilt)] > -0.05) == ahead
-               ? ObstacleMode::low_rear
-               : ObstacleMode::low_front;
-  state_.mode = static_cast<std::uint32_t>(mode);
-  state_.confidence = 1.0 - std::min(1.0, static_cast<double>(leaf.sigma_m) / config_.profile.half_length_m);
+/// The name is for people; the motion does not follow from it. It changes when the tree has said another one
+/// for a while, counted in travel; a settled robot is on a plane at once.
+void ObstacleModes::name_mode(double travel_m) {
+  std::uint32_t name = static_cast<std::uint32_t>(ObstacleMode::planar);
+  double sure = 1.0;
+  if (!settled()) {
+    const TreeNode& leaf = decide(kNameTree, features_);
+    name = leaf.idea;
+    sure = static_cast<double>(leaf.sigma);
+    if (direction_ < 0.0 && name == static_cast<std::uint32_t>(ObstacleMode::low_rear)) {
+      name = static_cast<std::uint32_t>(ObstacleMode::low_front);
+    } else if (direction_ < 0.0 && name == static_cast<std::uint32_t>(ObstacleMode::low_front)) {
+      name = static_cast<std::uint32_t>(ObstacleMode::low_rear);
+    }
+  }
+  // A body that turns so fast is on no plane; what the tree is unsure of stays what it was.
+  const bool turns = phase_ != Phase::calm && std::fabs(curvature_) > kTurning * config_.enter_rad_m;
+  if (turns && name == static_cast<std::uint32_t>(ObstacleMode::planar)) name = state_.mode;
+  other_name_m_ = name == state_.mode ? 0.0 : other_name_m_ + travel_m;
+  const bool stood = state_.mode == static_cast<std::uint32_t>(ObstacleMode::stationary);
+  if (other_name_m_ > config_.name_m || stood || settled()) {
+    state_.mode = name;
+    other_name_m_ = 0.0;
+  }
+  state_.confidence = name == state_.mode ? sure : 1.0 - sure;
 }
 
 void ObstacleModes::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "obstacle modes")
       .fixed(config_)
-      .state(curvature_, slow_curvature_, roll_curvature_, rate_, pitch_, reference_, base_, phase_pitch_)
+      .state(curvature_, slow_curvature_, long_curvature_, roll_curvature_, rate_, pitch_, reference_, base_,
+             phase_pitch_)
       .state(phase_travel_, steady_before_, steady_, peak_, balance_, edges_, direction_, phase_)
+      .state(away_, rise_ago_, fall_ago_, last_turn_, other_name_m_)
       .state(started_, still_, features_, normals_, sides_, state_)
       .by_hand(edge_count_);
   archive.bounded(edge_count_, kEdges);

@@ -27,13 +27,14 @@ struct ObstacleModesConfig {
   double leave_rad_m{0.08};  ///< curvature that ends it
   double window_m{0.01};     ///< over which curvature is smoothed
   double creep_m_s{0.03};    ///< travel that time alone makes: a body may tip over while belts are still
+  double name_m{0.005};      ///< so long another name must hold before it is told
   double steady_m{0.03};     ///< so long without turning makes what is stood on the reference
   double settled_m{0.25};    ///< and so long a plane
   double edge_share{0.4};    ///< curvature falls below this share of its peak: the front is on the edge
   double still_speed_m_s{0.002};
   double still_rate_rad_s{0.02};
-  SORTIE_FIELDS(profile, enter_rad_m, leave_rad_m, window_m, creep_m_s, steady_m, settled_m, edge_share,
-                still_speed_m_s, still_rate_rad_s)
+  SORTIE_FIELDS(profile, enter_rad_m, leave_rad_m, window_m, creep_m_s, name_m, steady_m, settled_m,
+                edge_share, still_speed_m_s, still_rate_rad_s)
 };
 
 /// What one step of the odometry tells.
@@ -60,7 +61,8 @@ struct ObstacleState {
   SORTIE_FIELDS(mode, confidence, step_height_m)
 };
 
-/// The modes. About 400 bytes; no heap; bounded time (two walks through a tree, about ten sines).
+/// The modes. About 700 bytes and a table of 50 kB; no heap; bounded time (eight walks through trees, 68
+/// comparisons at most, about ten sines).
 ///
 /// Kinematics: without slip, the body's origin moves by v t - w x r for every contact r that carries. Along
 /// the body's normal this is -w x_p, where x_p is the place on the run that does not move along the normal:
@@ -94,11 +96,12 @@ class ObstacleModes {
   void change_phase(double travel_m);
   void enter(Phase phase);
   void look(const ObstacleStep& step, double roll_rad);
-  void name_mode(const TreeNode& leaf);
+  void name_mode(double travel_m);
 
   ObstacleModesConfig config_;
   double curvature_{};  ///< nose up per metre, body's own nose
   double slow_curvature_{};
+  double long_curvature_{};
   double roll_curvature_{};
   double rate_{};
   double pitch_{};
@@ -110,6 +113,11 @@ class ObstacleModes {
   double steady_{};
   double peak_{};
   double balance_{};
+  double away_{};
+  double rise_ago_{};
+  double fall_ago_{};
+  double last_turn_{};
+  double other_name_m_{};  ///< travel over which the tree has said another name
   double edges_[kEdges]{};
   std::uint32_t edge_count_{};
   double direction_{1.0};

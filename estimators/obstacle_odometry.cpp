@@ -16,7 +16,11 @@ void ObstacleOdometry::feel(const rt::ImuSample& sample, const rt::Quaternion& q
   const double dt = rt::to_seconds(sample.stamp_ns - felt_ns_);
   felt_ns_ = sample.stamp_ns;
   const rt::Vector3 force = rt::to_vector(sample.acc_m_s2);
-  if ((sample.flags & rt::kImuAcc) == 0 || (sample.flags & rt::kImuSaturated) != 0) return;
+  if ((sample.flags & rt::kImuAcc) == 0) return;
+  if ((sample.flags & rt::kImuSaturated) != 0) {  // a blow of unknown size: the speed behind it is not felt
+    clipped_ = true;
+    return;
+  }
   if (!(dt > 0.0) || dt > kLongestSample_s || !is_finite(force) || !(norm(force) < kStrongest_m_s2)) return;
   impulse_m_s_ += dt * rotate(q_world_body, force).z;
   felt_s_ += dt;
@@ -25,9 +29,10 @@ void ObstacleOdometry::feel(const rt::ImuSample& sample, const rt::Quaternion& q
 TrackMotion ObstacleOdometry::advance(const TrackStep& step) {
   const rt::Vector3 turn = log_rotation(conjugate(step.q_begin) * step.q_end);
   const rt::Quaternion q_half = step.q_begin * exp_rotation(0.5 * turn);
-  const bool felt = felt_s_ > kFelt * step.dt_s;
+  const bool felt = felt_s_ > kFelt * step.dt_s && !clipped_;
   const double force = felt ? impulse_m_s_ / felt_s_ : 0.0;
   felt_s_ = impulse_m_s_ = 0.0;
+  clipped_ = false;
   ObstacleMotion motion{{step.travel_m, 0.0, 0.0}, 0.0};
   const rt::Vector3 up_end = rotate_back(step.q_end, {0, 0, 1});
   if (step.dt_s <= config_.longest_step_s) {
@@ -50,7 +55,7 @@ TrackMotion ObstacleOdometry::advance(const TrackStep& step) {
 void ObstacleOdometry::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "obstacle odometry")
       .fixed(config_)
-      .state(modes_, vertical_, flippers_, state_, felt_ns_, felt_s_, impulse_m_s_, v_world_m_s_);
+      .state(modes_, vertical_, flippers_, state_, felt_ns_, felt_s_, impulse_m_s_, clipped_, v_world_m_s_);
 }
 
 }  // namespace sortie::estimators

@@ -62,6 +62,7 @@ class ObstacleOdometry {
   rt::Nanoseconds felt_ns_{};  ///< stamp of the last sample felt
   double felt_s_{};            ///< how long since the last step was felt
   double impulse_m_s_{};       ///< of the specific force along up in that time
+  bool clipped_{};             ///< and the device clipped some of it
   rt::Vector3 v_world_m_s_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A small decision tree over what was felt lately: which idea of the contact fits, and how well it did.
+// Small decision trees over what was felt lately: which idea of the contact fits, how well it did, and what
+// the contact is called.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +48,14 @@ enum class ModeFeature : std::uint8_t {
   rear_flipper,    ///< of the trailing ones
   base_tilt,       ///< to the last plane that was driven on for long
   steady_now,      ///< travel without turning until now
+  away,            ///< travel since the last plane that was driven on for long: below a robot's length, its
+                   ///< rear end is still there
+  rise_ago,        ///< travel since the last rise began
+  fall_ago,        ///< and since the last fall
+  last_turn,       ///< nose up by the last rise or fall that is over
+  long_curvature,  ///< nose up per metre over the last fifteen centimetres
 };
-inline constexpr std::uint32_t kModeFeatures = 18;
+inline constexpr std::uint32_t kModeFeatures = 23;
 
 /// A node: asks feature < bound, goes on at `yes` or `no`; a leaf has yes = 0.
 struct TreeNode {
@@ -56,14 +63,14 @@ struct TreeNode {
   float bound;
   std::uint16_t yes;
   std::uint16_t no;
-  std::uint8_t idea;  ///< of a leaf
+  std::uint8_t idea;  ///< of a leaf; the mode in a tree of names
   float place_m;      ///< of the idea `fixed`
   float sigma_m;      ///< rms of what the idea missed in training, per rad of turn
   float sigma;        ///< the same per metre of travel
 };
 
 /// Longest way down: bounds the time of a decision.
-inline constexpr std::uint32_t kTreeDepth = 7;
+inline constexpr std::uint32_t kTreeDepth = 8;
 
 /// Walks down. Cost: at most kTreeDepth comparisons.
 inline const TreeNode& decide(const TreeNode* tree, const double (&features)[kModeFeatures]) {

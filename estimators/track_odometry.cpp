@@ -50,7 +50,7 @@ TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
       steering_(with_width(config.steering, config.track_width_m)),
       q_world_attitude_(rt::from_yaw_pitch_roll(config.heading_offset_rad, 0, 0)),
       p_world_body_(rt::to_vector(config.p_world_body_m)) {
-  if (config.obstacles) obstacle_.emplace(config.obstacle);
+  if (config.obstacles) obstacle_.make(config.obstacle);
   store(p_world_body_, estimate_.p_world_body_m);
   store(q_world_attitude_, estimate_.q_world_body);
   covariance_.write(estimate_.covariance);
@@ -144,6 +144,13 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   } else {
     motion.travel_world_m = travel_m * mean_forward(history_, from.stamp_ns, to.stamp_ns);
   }
+  const bool turns = begin.exact && end.exact && (config_.icr_x_m != 0.0 || config_.track_width_m > 0.0);
+  const double turn_gyro = turns ? log_rotation(conjugate(begin.q_world_body) * end.q_world_body).z : 0.0;
+  if (turns && config_.icr_x_m != 0.0) {
+    // v_y = -w x_v: a track's turning centre moves along the track, what lies behind it moves across.
+    const Vector3 across = rotate(begin.q_world_body, {0, 1, 0}) + rotate(end.q_world_body, {0, 1, 0});
+    motion.travel_world_m = motion.travel_world_m + (-0.5 * config_.icr_x_m * turn_gyro) * across;
+  }
   const Vector3 step = rotate(q_world_attitude_, motion.travel_world_m);
 
   std::uint32_t flags = 0;
@@ -152,7 +159,6 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
     flags |= kPoseAttitudeStale;
     ++counters_.attitude_stale;
   } else if (config_.track_width_m > 0.0) {
-    const double turn_gyro = log_rotation(conjugate(begin.q_world_body) * end.q_world_body).z;
     double turn_gap = std::fabs((right_m - left_m) / config_.track_width_m - turn_gyro);
     if (config_.learn_steering) {
       turn_gap = steering_.trusted() ? std::fabs(steering_.expected_rad(left_m, right_m) - turn_gyro) : 0.0;
@@ -185,7 +191,8 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   base_ = to;
   has_suspect_ = false;
   ++counters_.used;
-  const Vector3 v_body = obstacle_ ? (1.0 / dt_s) * rotate_back(q_to, step) : Vector3{last_speed_m_s_, 0, 0};
+  const bool plain = !obstacle_ && config_.icr_x_m == 0.0;
+  const Vector3 v_body = plain ? Vector3{last_speed_m_s_, 0, 0} : (1.0 / dt_s) * rotate_back(q_to, step);
   publish(to.stamp_ns, q_to, v_body, flags);
   return Status::ok;
 }
@@ -209,7 +216,7 @@ void TrackOdometry::publish(rt::Nanoseconds stamp_ns, const Quaternion& q, const
   store(history_.size() > 0 ? history_.back(0).w_body_rad_s : Vector3{}, estimate_.w_body_rad_s);
   covariance_.write(estimate_.covariance);
   estimate_.distance_m = distance_m_;
-  estimate_.flags = flags | kPoseStarted | (travel_lost_ ? kPoseTravelUnknown : 0u);
+  estimate_.flags = flags | kPoseStarted | (travel_lost_ ? +kPoseTravelUnknown : 0u);
 }
 
 void TrackOdometry::archive(rt::Archive& archive) {

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "estimators/attitude_history.hpp"
 #include "estimators/obstacle_odometry.hpp"
+#include "estimators/optional_part.hpp"
 #include "estimators/pose_covariance.hpp"
 #include "estimators/steering_efficiency.hpp"
 #include "rt/rotation.hpp"
@@ -32,6 +32,8 @@ struct TrackOdometryConfig {
   double scale_left{1.0};         ///< true metres per measured metre of the left track
   double scale_right{1.0};        ///< and of the right one
   double track_width_m{};         ///< for the slip check only; 0 switches it off
+  double icr_x_m{};               ///< turning centre of the tracks ahead of the body's place: that slides
+                                  ///< sideways by -x per rad of turn
   double slip_rate_rad_s{0.5};    ///< slip: disagreement about the turn rate beyond this
   double max_speed_m_s{10.0};     ///< a faster track is a counter that jumped
   double still_speed_m_s{0.002};  ///< slower than this is standing
@@ -130,7 +132,7 @@ class TrackOdometry {
   AttitudeHistory history_;
   PoseCovariance covariance_;
   SteeringEfficiency steering_;
-  std::optional<ObstacleOdometry> obstacle_;
+  OptionalPart<ObstacleOdometry> obstacle_;  ///< a plane needs no memory for it
   rt::Quaternion q_world_attitude_;
   rt::Vector3 p_world_body_;
   rt::TrackSample base_{};     ///< last sample whose travel is in the pose

@@ -14,6 +14,7 @@
 #include "firmware_like/log_clock.hpp"
 #include "firmware_like/parameter_desk.hpp"
 #include "firmware_like/telemetry.hpp"
+#include "firmware_like/unit_trial.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
@@ -75,6 +76,8 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   // Locked now, because locking takes long; the workers ask again and tell what was refused.
   const bool locks = !options.virtual_time && options.realtime;
   if (locks) static_cast<void>(rt::posix::lock_memory());
+  const auto* const tryer = dynamic_cast<const UnitTryer*>(&runtime.vehicle());
+  const UnitTrial trial = tryer != nullptr && !options.virtual_time ? tryer->try_units() : UnitTrial{};
   RunFlightRing ring(runtime, options.flight_ring, options.virtual_time);
   PoseCollector collector(runtime);
   RecorderOptions recording;
@@ -130,6 +133,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   if (!telemetry.problem().empty()) warnings.push_back(telemetry.problem());
   warnings.insert(warnings.end(), ring.warnings().begin(), ring.warnings().end());
   if (!doctor.warning().empty()) warnings.push_back(doctor.warning());
+  if (const std::string tight = unit_warning(trial); !tight.empty()) warnings.push_back(tight);
   const auto began = std::chrono::steady_clock::now();
   rt::Tick ticks = 0;
   LiveMeasured live;
@@ -179,6 +183,10 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   results.duration_s = static_cast<double>(ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
   results.speed = wall > 0 ? results.duration_s / wall : 0;
   if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
+  if (!trial.task.empty()) {
+    results.counters["calibration_" + trial.task + "_ps_per_unit"] =
+        static_cast<std::uint64_t>(std::llround(1e3 * trial.ns_per_unit));
+  }
   results.counters["log_events"] = recorder.events();
   results.counters["log_bytes"] = recorder.bytes();
   results.counters["log_lost_jobs"] = recorder.lost_jobs();
@@ -188,6 +196,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   if (!runtime.parts().parameters().all.empty())
     add_counters("parameters_", parameters.counters(), results.counters);
   if (parameters.drive().wanted()) add_counters("requests_", parameters.drive().counters(), results.counters);
+  if (parameters.fly().wanted()) add_counters("requests_", parameters.fly().counters(), results.counters);
   if (bench) bench->add_counters(results.counters);
   if (!outcome.contacts.empty())
     results.counters["bench_truth_contacts_dropped"] = surroundings.truth.contacts_dropped;

@@ -7,13 +7,16 @@ namespace sortie::firmware {
 
 std::string ParameterDesk::open(const std::string& url) {
   const ParameterAccess& access = runtime_.parameter_access();
-  const bool drives = drive_.wanted();
-  const std::string what = access.remote && drives ? "set parameters and drive the robot"
+  const bool drives = drive_.wanted() || fly_.wanted();
+  const std::string verb = fly_.wanted() ? "fly the vehicle" : "drive the robot";
+  const std::string what = access.remote && drives ? "set parameters and " + verb
                            : access.remote         ? "set parameters"
-                                                   : "drive the robot";
+                                                   : verb;
   if (!access.remote && !drives) return {};
   if (url == "none" || url.empty())
-    return std::string(access.remote ? "[parameters]" : "[drive]") +
+    return std::string(access.remote   ? "[parameters]"
+                       : fly_.wanted() ? "[flight]"
+                                       : "[drive]") +
            " remote has no effect without an LCM address";
   if (!access.secret_file.empty()) key_ = read_secret(access.secret_file);
   session_ = unguessable_number();
@@ -64,6 +67,8 @@ void ParameterDesk::poll(rt::Nanoseconds now_ns) {
       take(received.message.payload, now_ns);
     if (received.message.channel == drivers::kChannelDrive)
       drive_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns);
+    if (received.message.channel == drivers::kChannelFly)
+      fly_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns);
   }
 }
 

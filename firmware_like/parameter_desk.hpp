@@ -15,6 +15,7 @@
 #include "drivers/lcm_receiver.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "firmware_like/drive_desk.hpp"
+#include "firmware_like/fly_desk.hpp"
 #include "firmware_like/runtime.hpp"
 #include "firmware_like/secret.hpp"
 
@@ -37,11 +38,13 @@ struct ParameterDeskCounters {
 /// One thread calls set() and poll(); any thread may read the rest. Not real-time.
 class ParameterDesk {
  public:
-  explicit ParameterDesk(Runtime& runtime) : runtime_(runtime), drive_(runtime.vehicle().drive_requests()) {}
+  explicit ParameterDesk(Runtime& runtime)
+      : runtime_(runtime),
+        drive_(runtime.vehicle().drive_requests()),
+        fly_(runtime.vehicle().fly_requests()) {}
 
-  /// Listens to requests on an LCM address, if [parameters] remote or the vehicle's drive wants them. Empty,
-  /// or why not.
-  /// Throws ProfileError when the secret cannot be used.
+  /// Listens to requests on an LCM address, if [parameters] remote or the vehicle's drive or pilot wants
+  /// them. Empty, or why not. Throws ProfileError when the secret cannot be used.
   std::string open(const std::string& url);
 
   /// Hands in one change. Status: ok (it is in the log and will be applied by the group's next job),
@@ -56,6 +59,7 @@ class ParameterDesk {
   ParameterDeskCounters counters() const;
   /// Requests to the drive, which come in by the same door.
   const DriveDesk& drive() const { return drive_; }
+  const FlyDesk& fly() const { return fly_; }
   /// Every parameter with its first value, and the newest answers; the caller fills in what is in force.
   drivers::ParametersMessage describe() const;
   /// Changes whenever describe() does.
@@ -72,6 +76,7 @@ class ParameterDesk {
   std::optional<drivers::SipKey> key_;
   std::int64_t session_{};
   DriveDesk drive_;
+  FlyDesk fly_;
 
   mutable std::mutex mutex_;  // of all below
   ParameterDeskCounters counters_;

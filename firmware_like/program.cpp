@@ -53,6 +53,7 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   add_spy(app, context);
   add_set(app, context);
   add_drive(app, context);
+  add_fly(app, context);
   add_scenes(app, context);
   add_doctor(app, context);
   try {

@@ -16,6 +16,7 @@
 #include "firmware_like/profile.hpp"
 #include "rt/archive.hpp"
 #include "rt/executive.hpp"
+#include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
 class CanBus;
@@ -219,6 +220,8 @@ class Vehicle {
   }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
   virtual DriveRequests drive_requests() { return {}; }
+  /// The same for a vehicle that flies (drivers/wire_fly.hpp), or null.
+  virtual InputPort<rt::FlyRequest>* fly_requests() { return nullptr; }
   /// Where a lidar driver delivers, or null.
   virtual drivers::ScanSink* scan_sink() { return nullptr; }
   /// The task whose output is the robot's pose, or null: errors and trajectories come from it.

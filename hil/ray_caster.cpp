@@ -58,6 +58,10 @@ Status RayCaster::aim(const SensorMount& mount, const BodyInstant& body, Aim& ai
 }
 
 RangeHit RayCaster::cast(const Aim& aim, const Vec3& direction_sensor, double max_range_m) const {
+  if (place_ != nullptr) {
+    const Vec3 direction = rotate(aim.q_world_sensor, direction_sensor);
+    return to_range(place_->cast(aim.p_world_sensor_m, direction, max_range_m), direction);
+  }
   // The robot first: what it hides need not be looked for.
   ShellHit own;
   const Ray ray_body{aim.mount.p_body_sensor_m, rotate(aim.mount.q_body_sensor, direction_sensor)};
@@ -69,6 +73,7 @@ RangeHit RayCaster::cast(const Aim& aim, const Vec3& direction_sensor, double ma
 }
 
 RangeHit RayCaster::cast_brute_force(const Aim& aim, const Vec3& direction_sensor, double max_range_m) const {
+  if (place_ != nullptr) return cast(aim, direction_sensor, max_range_m);
   const Vec3 direction = rotate(aim.q_world_sensor, direction_sensor);
   const RangeHit far =
       to_range(world_->cast_brute_force(aim.p_world_sensor_m, direction, max_range_m), direction);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one ray caster of all range sensors: the world, its ground, and the robot itself.
+// The one ray caster of all range sensors: the world, its ground, and the robot itself; or a recorded place.
 #pragma once
 
 #include "hil/motion.hpp"
 #include "hil/vehicle_shell.hpp"
+#include "hil/voxel_world.hpp"
 #include "hil/world.hpp"
 
 namespace sortie::hil {
@@ -60,6 +61,8 @@ class RayCaster {
   /// Without a shell the robot is not in its own way.
   explicit RayCaster(const World& world, const VehicleShell* shell = nullptr)
       : world_(&world), shell_(shell) {}
+  /// A recorded place in place of a built one.
+  explicit RayCaster(const VoxelWorld& place) : place_(&place) {}
 
   /// A sensor at one instant, for all of its rays then.
   struct Aim {
@@ -75,12 +78,13 @@ class RayCaster {
   /// First thing within `max_range_m` along `direction`, of length 1, in the sensor's frame. Bounded: every
   /// solid and part is asked at most once. Cost: that of World::cast(), with a shell up to 0.1 us more.
   RangeHit cast(const Aim& aim, const Vec3& direction_sensor, double max_range_m) const;
-  /// The same answer by asking every solid and every part: the twin for tests.
+  /// The same answer by asking every solid and every part: the twin for tests. Not of a recorded place.
   RangeHit cast_brute_force(const Aim& aim, const Vec3& direction_sensor, double max_range_m) const;
 
  private:
-  const World* world_;
-  const VehicleShell* shell_;
+  const World* world_{};  // this or the place
+  const VoxelWorld* place_{};
+  const VehicleShell* shell_{};
 };
 
 }  // namespace sortie::hil

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "drivers/can_codec.hpp"
+#include "hil/canopen/vehicle_drives.hpp"
 #include "hil/encoder_model.hpp"
 #include "hil/fault_injection.hpp"
 #include "hil/hall.hpp"
@@ -36,6 +37,7 @@ struct UgvConfig {
   TrackedBodyConfig tracked{};
   ImuConfig imu{};
   EncoderConfig encoder{};
+  VehicleDrivesConfig drives{};  ///< enabled: commands, travel and flippers go by CANopen alone
   LidarKind lidar_kind{LidarKind::rows};
   LidarConfig lidar{};
   RollingLaserConfig rolling_laser{};

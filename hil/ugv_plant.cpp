@@ -62,6 +62,7 @@ UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::Scan
       scene_(make_scene(config, world_)),
       hall_(scene_ ? HallReport{} : build_hall(config.hall, world_)),
       body_(make_body(config, world_, scene_.get(), kStepNs)),
+      drives_(config.drives, port, config.contacts),
       inertia_({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]}),
       imu_(config.imu, config.seed),
       shell_(config.tracked.plant.vehicle, config.tracked.height_m),
@@ -100,7 +101,7 @@ void UgvPlant::step_once() {
   fire_rays(sensors);
   const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
   if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
-  if (since_start_ns % track_period_ns_ != 0) return;
+  if (since_start_ns % track_period_ns_ != 0 || config_.drives.enabled) return;
   send_tracks(since_start_ns);
   send_flippers();
 }
@@ -152,7 +153,12 @@ void UgvPlant::fire_rays(const SensorStep& step) {
 
 void UgvPlant::take_commands() {
   drivers::CanFrame frame;
+  drives_.show(*body_);
   for (int i = 0; i < kMaxFramesPerStep && port_->receive(frame) == Status::ok; ++i) {
+    if (config_.drives.enabled) {
+      drives_.hear(frame, now_ns());
+      continue;
+    }
     rt::DriveCommand command;
     std::uint8_t counter = 0;
     const Status status = drivers::decode_drive(frame, command, counter);
@@ -171,6 +177,7 @@ void UgvPlant::take_commands() {
     last_counter_ = counter;
     if (body_->set_command(command, now_ns()) == Status::ok) ++counters_.commands_taken;
   }
+  drives_.step(*body_, now_ns());
 }
 
 // True when the frame was for the flippers, good or bad. A lost one does no harm: the next says the same.

@@ -9,6 +9,7 @@
 
 #include "drivers/can_bus.hpp"
 #include "drivers/scan_source.hpp"
+#include "hil/canopen/vehicle_drives.hpp"
 #include "hil/imu_truth.hpp"
 #include "hil/ugv_config.hpp"
 #include "rt/sensor_truth.hpp"
@@ -95,6 +96,9 @@ class UgvPlant {
   const FaultCounters& imu_faults() const { return imu_faults_.counters(); }
   const FaultCounters& track_faults() const { return track_faults_.counters(); }
   const FaultCounters& command_faults() const { return command_faults_.counters(); }
+  /// The drives on CANopen; none unless the config has them.
+  VehicleDrives& drives() { return drives_; }
+  const VehicleDrives& drives() const { return drives_; }
   /// The IMU with its present biases.
   const ImuModel& imu() const { return imu_; }
 
@@ -119,6 +123,7 @@ class UgvPlant {
   std::unique_ptr<PlantScene> scene_;  ///< with contacts alone
   HallReport hall_;
   std::unique_ptr<VehicleBody> body_;
+  VehicleDrives drives_;
   InertialIntegral inertia_;
   ImuModel imu_;
   VehicleShell shell_;

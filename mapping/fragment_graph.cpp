@@ -86,6 +86,7 @@ void FragmentGraph::connect(NodeIndex from, int direction, NodeIndex to, std::ui
   nodes_[part].forward_set = static_cast<std::uint16_t>(nodes_[part].forward_set | 1u << at);
   nodes_[part].forward[at] = to;
   nodes_[part].witness[at] = witness;
+  nodes_[to].backward_set = static_cast<std::uint16_t>(nodes_[to].backward_set | 1u << at);
 }
 
 NodeIndex FragmentGraph::holder(BlockIndex block, unsigned cell) const {

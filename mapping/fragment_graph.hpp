@@ -16,7 +16,7 @@ inline constexpr NodeIndex kNoNode = 0xffff;
 inline constexpr std::uint16_t kNoLabel = 0xffff;
 
 /// One fragment. An edge is kept by the fragment whose neighbour lies in one of the 13 forward directions (14
-/// to 26). Two edges in one direction need an extension: a fragment without cells that is only more room. 48
+/// to 26). Two edges in one direction need an extension: a fragment without cells that is only more room. 80
 /// bytes.
 struct FragmentNode {
   static constexpr int kForward = 13;
@@ -28,8 +28,10 @@ struct FragmentNode {
   NodeIndex extension{kNoNode};
   NodeIndex forward[kForward]{};
   std::uint16_t witness[kForward]{};  ///< the two voxels that make the edge: own cell, its cell << 6
+  std::uint16_t backward_set{};       ///< bit n: may be a forward neighbour of the block in direction 12 - n
+  NodeIndex name{
+      kNoNode};  ///< of its component by the newest labelling: a number that its nodes share; or it is fresh
   std::uint8_t voxels{};
-  std::uint8_t reserved{};
 };
 static_assert(sizeof(FragmentNode) == 80 || sizeof(FragmentNode) == 76);
 
@@ -52,8 +54,8 @@ class FragmentGraph {
   /// Node of a block that holds a cell, or kNoNode.
   NodeIndex holder(BlockIndex block, unsigned cell) const;
 
-  /// Fragments and their labels to bytes and back, without their edges. What does not fit the
-  /// blocks is malformed.
+  /// Fragments, their shown labels and edges, and the order in which free ones are taken, to bytes and back.
+  /// What does not fit the blocks is malformed and leaves no fragments.
   void archive(rt::Archive& archive, std::span<const Block> blocks, unsigned shown, std::uint32_t slots);
 
   NodeIndex first(BlockIndex block) const { return first_[block]; }
@@ -76,6 +78,9 @@ class FragmentGraph {
 
  private:
   void give_one(NodeIndex node);
+  bool claim(NodeIndex node, bool in_use);
+  bool is_graph(std::span<const Block> blocks, unsigned shown, std::uint32_t slots);
+  bool are_edges(const FragmentNode& node, std::span<const Block> blocks) const;
 
   std::span<FragmentNode> nodes_;
   std::span<NodeIndex> first_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stages of a labelling, one after the other, each in small steps: forget the last one, unite what touches,
-// put nodes of a component together, count for every segment which component holds most of it, decide on ids,
-// write.
+// look whether components fell apart and have that checked, put nodes of a component together, count for
+// every segment which component holds most of it, decide on ids, write.
 #include "mapping/labelling.hpp"
 
 #include <algorithm>
@@ -24,6 +24,8 @@ void Labelling::start(std::uint32_t tick) {
   events_ = 0;
   slot_hand_ = 0;
   nodes_ = 0xffffffffu;
+  apart_ = kNoNode;
+  fallen_apart_ = false;
   next(Stage::reset);
 }
 
@@ -47,7 +49,7 @@ void Labelling::unite(NodeIndex a, NodeIndex b) {
 
 std::uint32_t Labelling::run(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t units) {
   std::uint32_t used = 0;
-  while (used < units && stage_ != Stage::idle) {
+  while (used < units && stage_ != Stage::idle && apart_ == kNoNode) {
     const std::uint32_t before = at_;
     const std::uint32_t room = units - used;
     const Stage stage = stage_;
@@ -67,12 +69,28 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
       return at_;
     case Stage::reset: {
       const std::uint32_t end = room < (nodes_ - at_) / kResetAtOnce ? at_ + room * kResetAtOnce : nodes_;
-      for (; at_ < end; ++at_) memory_.work[at_] = {static_cast<NodeIndex>(at_), kNoComponent, kNoNode};
+      for (; at_ < end; ++at_) memory_.work[at_] = {static_cast<NodeIndex>(at_), 0, kNoNode};
       return end == nodes_ ? next(Stage::unite) : end;
     }
     case Stage::unite:
       for (; at_ < nodes; ++at_) {
         if (graph[static_cast<NodeIndex>(at_)].cells != 0) unite_around(graph, static_cast<NodeIndex>(at_));
+      }
+      return nodes == nodes_ ? next(Stage::survey) : nodes;
+    case Stage::survey:
+      for (; at_ < nodes; ++at_) {
+        const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
+        if (node.cells != 0 && node.name != kNoNode) survey(static_cast<NodeIndex>(at_), node.name);
+      }
+      if (nodes == nodes_) next(fallen_apart_ ? Stage::repair : Stage::reset_slots);
+      return nodes;
+    case Stage::repair:
+      while (at_ < nodes) {
+        const auto node = static_cast<NodeIndex>(at_++);
+        const NodeIndex name = graph[node].name;
+        if (graph[node].cells == 0 || name == kNoNode || together(node, memory_.work[name].next)) continue;
+        apart_ = node;
+        return at_;
       }
       return nodes == nodes_ ? next(Stage::reset_slots) : nodes;
     case Stage::group:
@@ -80,6 +98,7 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
         const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
         // Roots have smaller numbers and come first, so that a parent's parent is the root by now.
         memory_.work[at_].parent = memory_.work[memory_.work[at_].parent].parent;
+        if (memory_.work[at_].parent == at_) memory_.work[at_].component = kNoComponent;
         if (node.cells != 0) group(node, blocks[node.block].key << 6 | lowest(node.cells));
       }
       if (nodes != nodes_) return nodes;
@@ -126,6 +145,24 @@ void Labelling::unite_around(const FragmentGraph& graph, NodeIndex node) {
   for (NodeIndex part = node; part != kNoNode; part = graph[part].extension) {
     for (unsigned set = graph[part].forward_set; set != 0; set &= set - 1)
       unite(node, graph[part].forward[std::countr_zero(set)]);
+  }
+}
+
+/// Which root has most of the nodes of each component of before: the majority vote of Boyer and Moore, one
+/// pass. Where no root has more than half, some root is as good.
+void Labelling::survey(NodeIndex node, NodeIndex name) {
+  const NodeIndex top = root(node);
+  NodeWork& named = memory_.work[name];
+  if (named.next == top) {
+    ++named.component;
+    return;
+  }
+  if (named.next != kNoNode) fallen_apart_ = true;
+  if (named.component == 0) {
+    named.next = top;
+    named.component = 1;
+  } else {
+    --named.component;
   }
 }
 
@@ -237,7 +274,8 @@ void Labelling::name(std::uint16_t component) {
 
 void Labelling::write(FragmentNode& node, NodeIndex index) {
   if (node.cells == 0) return;
-  const std::uint16_t slot = memory_.components[memory_.work[memory_.work[index].parent].component].slot;
+  node.name = memory_.work[index].parent;
+  const std::uint16_t slot = memory_.components[memory_.work[node.name].component].slot;
   node.label[1 - shown_] = slot;
   if (slot != kNoLabel) memory_.slots[slot].voxels[1 - shown_] += node.voxels;
 }

@@ -39,12 +39,24 @@ struct LabellingCounts {
 /// the order of keys. So ids do not depend on the order in which voxels came. What readers see changes only
 /// when a labelling is finished. Cost: about 10 visits a node, each of constant cost but for the union-find
 /// (nearly so) and a heap of the components that get new ids.
+///
+/// The owner of the graph need not know all edges within a component, as long as it knows enough of them to
+/// hold it together. When edges went and a component falls apart by those that are known, the labelling asks
+/// for the nodes of all parts but the largest one, one after the other (apart()), so that the owner can look
+/// for edges that it did not know; then it goes on.
 class Labelling {
  public:
   Labelling(std::uint32_t min_voxels, const LabellingMemory& memory);
 
   /// True while a labelling is under way: the graph must hold its nodes.
   bool running() const { return stage_ != Stage::idle; }
+  /// A node that known edges no longer join with the most of its component, or kNoNode. The labelling waits
+  /// until the owner has joined() what touches it and calls checked().
+  NodeIndex apart() const { return apart_; }
+  void checked() { apart_ = kNoNode; }
+  /// Two nodes touch after all; whether two nodes hang together by the edges known so far.
+  void joined(NodeIndex a, NodeIndex b) { unite(a, b); }
+  bool together(NodeIndex a, NodeIndex b) { return root(a) == root(b); }
   void start(std::uint32_t tick);
   /// Does at most `units` steps of the labelling; gives the steps that were used.
   std::uint32_t run(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t units);
@@ -69,6 +81,8 @@ class Labelling {
     idle,
     reset,
     unite,
+    survey,
+    repair,
     reset_slots,
     group,
     vote,
@@ -84,6 +98,7 @@ class Labelling {
   void unite(NodeIndex a, NodeIndex b);
   std::uint32_t run_stage(FragmentGraph& graph, std::span<const Block> blocks, std::uint32_t room);
   void unite_around(const FragmentGraph& graph, NodeIndex node);
+  void survey(NodeIndex node, NodeIndex name);
   void visit_slot(std::uint16_t slot);
   void group(const FragmentNode& node, std::uint64_t key);
   void vote(const FragmentGraph& graph);
@@ -116,6 +131,8 @@ class Labelling {
   std::uint32_t tick_{};
   std::uint32_t nodes_{};  ///< as many as there were when the labelling began
   NodeIndex vote_node_{kNoNode};
+  NodeIndex apart_{kNoNode};
+  bool fallen_apart_{};  ///< a component has two roots
   std::uint32_t components_{};
   std::uint32_t shown_components_{};
   std::uint32_t fresh_{};

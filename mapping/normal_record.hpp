@@ -33,4 +33,20 @@ struct NormalRecord {
 };
 static_assert(sizeof(NormalRecord) == 52);
 
+/// A normal as coarse as segments need it: components in 1/128, so within 0.4 degrees, and curvature in 1/64
+/// of its largest value. Most of the small changes of a normal do not change this.
+struct CoarseNormal {
+  std::int16_t x;
+  std::int16_t y;
+  std::int16_t z;
+  std::uint16_t level;
+
+  bool operator==(const CoarseNormal&) const = default;
+};
+
+constexpr CoarseNormal coarse(const std::int16_t (&normal)[3], std::uint16_t curvature) {
+  const auto round = [](std::int16_t v) { return static_cast<std::int16_t>((v + 128) >> 8); };
+  return {round(normal[0]), round(normal[1]), round(normal[2]), static_cast<std::uint16_t>(curvature >> 10)};
+}
+
 }  // namespace sortie::mapping

@@ -23,7 +23,7 @@ struct NormalsConfig {
 /// What the normals know of a block: voxels whose sums changed since their normal was computed.
 struct NormalWork {
   std::uint64_t stale{};
-  std::uint64_t turned{};  ///< voxels whose normal or curvature is another one after the newest update
+  std::uint64_t turned{};  ///< voxels whose coarse() normal is another one after the newest update
   bool queued{};
 };
 
@@ -63,6 +63,7 @@ class Normals {
 
  private:
   struct Around;
+  std::uint64_t far_off(const RollingGrid& grid, const BlockChange& change) const;
   void add(RollingGrid& grid, const Around& around, unsigned cell, NormalsStep& step);
   template <bool kAdd>
   void visit(RollingGrid& grid, const Around& around, unsigned cell, bool all);

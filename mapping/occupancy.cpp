@@ -13,6 +13,8 @@ namespace sortie::mapping {
 namespace {
 
 constexpr double kFarthestCell = 268435456.0;  // 2^28
+// Odd, so that no two histories that differ in one cell come together again.
+constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
 
 bool is_probability(double p) { return p > 0.0 && p < 1.0; }
 
@@ -133,12 +135,13 @@ void OccupancyMap::show_low() {
   output_.low_z = low_[2];
 }
 
-void OccupancyMap::add(std::uint32_t index, int steps) {
+void OccupancyMap::add(std::uint32_t index, int steps, std::uint64_t& changes) {
   std::int8_t& cell = cells_[index];
   const bool unknown = cell == kUnknownCell;
   if (unknown) ++output_.known;
   const int sum = (unknown ? prior_code_ : cell) + steps;
   cell = static_cast<std::int8_t>(std::clamp(sum, -kLogOddsLimit, kLogOddsLimit));
+  changes = (changes ^ (std::uint64_t{index} << 8 | cell_code(cell))) * kChain;
 }
 
 Status OccupancyMap::update_ray(const rt::Vector3& from, const rt::Vector3& to, bool hit) {
@@ -172,28 +175,32 @@ Status OccupancyMap::update_ray(const rt::Vector3& from, const rt::Vector3& to, 
     last =
         (z * static_cast<std::uint32_t>(window.size[1]) + y) * static_cast<std::uint32_t>(window.size[0]) + x;
   }
+  std::uint64_t changes = output_.changes;  // in a register: a cell's type may alias anything
   do {
     if (walk.index == last) break;
-    add(walk.index, miss_steps_);
+    add(walk.index, miss_steps_, changes);
     ++output_.misses;
   } while (walk.step());
   if (last != UINT32_MAX) {
-    add(last, hit_steps_);
+    add(last, hit_steps_, changes);
     ++output_.hits;
   }
+  output_.changes = changes;
   return Status::ok;
 }
 
-Status OccupancyMap::update(const rt::PointScan& scan, const SensorPose& pose) {
+Status OccupancyMap::update(const rt::PointScan& scan, const SensorPose& pose, std::uint32_t stride) {
+  if (stride == 0) return Status::out_of_range;
   const bool rotation = std::fabs(squared_norm(pose.q_world_sensor) - 1.0) < 1e-3;
   if (!rt::is_finite(pose.p_world_sensor_m) || !rotation) {
-    output_.rays += scan.header.points;
-    output_.not_finite += scan.header.points;
+    const std::uint64_t points = (std::uint64_t{scan.header.points} + stride - 1) / stride;
+    output_.rays += points;
+    output_.not_finite += points;
     return Status::not_finite;
   }
   if (scan.points == nullptr && scan.header.points > 0) return Status::malformed;
   const rt::Quaternion q = normalised(pose.q_world_sensor);
-  for (std::uint32_t i = 0; i < scan.header.points; ++i) {
+  for (std::uint64_t i = 0; i < scan.header.points; i += stride) {
     const rt::ScanPoint& point = scan.points[i];
     const rt::Vector3 p{static_cast<double>(point.x_m), static_cast<double>(point.y_m),
                         static_cast<double>(point.z_m)};

@@ -34,14 +34,16 @@ struct OccupancyOutput {
   std::uint64_t outside{};     ///< began outside the window
   std::uint64_t not_finite{};  ///< or from a pose that was none
   std::uint64_t too_near{};
-  std::uint64_t misses{};  ///< cells that rays passed
-  std::uint64_t hits{};    ///< cells with a return
-  std::uint64_t known{};   ///< cells of the window with a measurement
+  std::uint64_t misses{};   ///< cells that rays passed
+  std::uint64_t hits{};     ///< cells with a return
+  std::uint64_t known{};    ///< cells of the window with a measurement
+  std::uint64_t changes{};  ///< chain over every measurement: cell of the window, and what it holds since
   std::uint64_t rolls{};
   std::int32_t low_x{};  ///< world number of the window's first cell
   std::int32_t low_y{};
   std::int32_t low_z{};
-  SORTIE_FIELDS(rays, used, outside, not_finite, too_near, misses, hits, known, rolls, low_x, low_y, low_z)
+  SORTIE_FIELDS(rays, used, outside, not_finite, too_near, misses, hits, known, changes, rolls, low_x, low_y,
+                low_z)
 };
 
 /// Saturating log-odds in int8, in steps of kLogOddsStep. One byte a cell (3.1 MiB at the usual size), no
@@ -65,8 +67,9 @@ class OccupancyMap {
   /// beyond max_range frees what is nearer; one outside the window frees the cells up to its edge. Cost: the
   /// cells passed. Status: not_finite; out_of_range (begins outside, or too near).
   Status update_ray(const rt::Vector3& from, const rt::Vector3& to, bool hit);
-  /// All returns of a scan, in their order.
-  Status update(const rt::PointScan& scan, const SensorPose& pose);
+  /// Every `stride`-th return of a scan, in their order. Status: not_finite (pose); malformed (no points);
+  /// out_of_range (stride 0). Bad returns are counted one by one.
+  Status update(const rt::PointScan& scan, const SensorPose& pose, std::uint32_t stride = 1);
 
   /// The window, as readers share it. It holds until the map rolls.
   OccupancyView view() const;
@@ -80,10 +83,11 @@ class OccupancyMap {
   /// Steps for a probability, clamped to the limit; NaN gives 0.
   static int code_of(double probability);
 
+  /// The whole window to bytes and back, into a map of the same configuration. O(cells).
   void archive(rt::Archive& archive);
 
  private:
-  void add(std::uint32_t index, int steps);
+  void add(std::uint32_t index, int steps, std::uint64_t& changes);
   void roll(const std::int32_t (&by)[3]);
   void show_low();
 

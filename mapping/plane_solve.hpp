@@ -39,23 +39,23 @@ inline Symmetric3 scaled_covariance(const NormalRecord& r) {
   return {square(0), square(1), square(2), product(0, 0, 1), product(1, 0, 2), product(2, 1, 2)};
 }
 
-/// Smallest eigenvalue of a positive semidefinite matrix of trace 1. Newton's method from 0 climbs towards it
-/// and never past it. The error squares itself a step where the root is alone, halves near a double one (1e-7
-/// after 24 steps) and goes down by a third near a triple one (2e-5), where no direction is better than
-/// another.
+/// Smallest eigenvalue of a positive semidefinite matrix of trace 1. Laguerre's method from 0: all roots are
+/// real, so it climbs towards the smallest one and never past it. Two or three steps where the root is alone,
+/// one where it is a triple one.
 inline double smallest_eigenvalue(const Symmetric3& m) {
   const double minors = m.xx * m.yy - m.xy * m.xy + m.xx * m.zz - m.xz * m.xz + m.yy * m.zz - m.yz * m.yz;
   const double determinant = m.xx * (m.yy * m.zz - m.yz * m.yz) - m.xy * (m.xy * m.zz - m.yz * m.xz) +
                              m.xz * (m.xy * m.yz - m.yy * m.xz);
   // p(l) = -l^3 + l^2 - minors l + determinant, falling until the smallest root.
   double l = 0.0;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < 16; ++i) {
     const double value = ((1.0 - l) * l - minors) * l + determinant;
     const double slope = (2.0 - 3.0 * l) * l - minors;
     if (!(value > 0.0 && slope < 0.0)) break;
-    const double step = value / slope;
-    l -= step;
-    if (step > -1e-9) break;
+    const double inner = 4.0 * slope * slope - 6.0 * value * (2.0 - 6.0 * l);
+    const double step = 3.0 * value / (std::sqrt(std::max(inner, 0.0)) - slope);
+    l += step;
+    if (step < 1e-9) break;
   }
   return std::clamp(l, 0.0, 1.0 / 3.0);
 }

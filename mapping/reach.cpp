@@ -27,6 +27,7 @@ Reach::Reach(double radius_cells) {
         const int y = gap(delta(2, step.y));
         const int z = gap(delta(4, step.z));
         if (x * x + y * y + z * z <= radius_cells * radius_cells) mask |= cell_bit(b);
+        if (direction == kHere && x + y + z == 0) close_[a] |= mask & cell_bit(b);
       }
       cells_[direction][a] = mask;
       if (mask != 0) rim_[direction] |= cell_bit(a);

@@ -11,9 +11,9 @@ namespace sortie::mapping {
 
 /// A voxel's mean relative to the corner of some block, in whole 1/65536 of a cell.
 struct UnitPoint {
-  std::int32_t x{};
-  std::int32_t y{};
-  std::int32_t z{};
+  std::int32_t x;
+  std::int32_t y;
+  std::int32_t z;
 };
 
 constexpr UnitPoint unit_point(const Centroid& c, unsigned cell) {
@@ -47,6 +47,8 @@ class Reach {
   /// Cells of the block in `direction` that can hold a point within the radius of one in `cell`; for the
   /// block itself without `cell`.
   std::uint64_t from(unsigned cell, int direction) const { return cells_[direction][cell]; }
+  /// Of those in the block itself the cells that touch, where most that is near is found.
+  std::uint64_t close(unsigned cell) const { return close_[cell]; }
   /// Cells from which anything in that direction can be reached.
   std::uint64_t rim(int direction) const { return rim_[direction]; }
   /// Greatest squared distance that counts as near, exactly: whole numbers on both sides.
@@ -57,6 +59,7 @@ class Reach {
 
  private:
   std::uint64_t cells_[kDirections][Block::kCells]{};
+  std::uint64_t close_[Block::kCells]{};
   std::uint64_t rim_[kDirections]{};
   std::int64_t squared_radius_{-1};
 };

@@ -94,6 +94,9 @@ std::int64_t RollingGrid::squared_distance(const BlockAt& at) const {
 }
 
 void RollingGrid::evict_beyond(std::uint32_t tick, const EvictionHook& hook, RollingGridCounts& counts) {
+  // What was taken since then lay within the radius, give or take a block: it may stay as long as the sensor.
+  const bool stays = swept_at_.key() == centre_.key();
+  if (swept_ && stays && config_.forget_ticks == 0) return;
   const double reach = config_.radius_m / config_.voxel_size_m + kHysteresis;
   const auto most2 = static_cast<std::int64_t>(reach * reach / 16.0) + 1;
   const auto most_z =
@@ -114,6 +117,8 @@ void RollingGrid::evict_beyond(std::uint32_t tick, const EvictionHook& hook, Rol
     // The scratch list of the scan is free until the points come.
     memory_.changes[marked++].block = static_cast<BlockIndex>(index);
   }
+  swept_ = marked < most;
+  swept_at_ = centre_;
   for (std::uint32_t i = 0; i < marked; ++i) evict(memory_.changes[i].block, hook, counts);
 }
 

@@ -100,6 +100,15 @@ class RollingGrid {
     for (unsigned i = 0; i < chunks; ++i)
       __builtin_prefetch(&memory_.voxels[std::size_t{block.chunks[i]} * Block::kChunk]);
   }
+  /// Fetches the normal records of some of a block's voxels.
+  void prefetch_normals(const Block& block, std::uint64_t cells) const {
+    if (!holds_normals()) return;
+    for (std::uint64_t rest = cells & block.occupied; rest != 0; rest = without_lowest(rest)) {
+      const NormalRecord& record = normal(block, lowest(rest));
+      __builtin_prefetch(&record);
+      __builtin_prefetch(&record.normal[2]);
+    }
+  }
   const Centroid& voxel(const Block& block, unsigned cell) const {
     return memory_.voxels[block.slot(block.rank(cell))];
   }
@@ -160,6 +169,8 @@ class RollingGrid {
   std::uint32_t chunks_{};
   std::uint32_t hand_{};         ///< where the next look for evictions begins
   std::uint32_t victim_hand_{};  ///< the same, for a full pool
+  bool swept_{};                 ///< what lay beyond the local map about `swept_at_` is gone
+  BlockAt swept_at_;
   std::uint32_t changed_{};
   RollingGridOutput output_;
 };

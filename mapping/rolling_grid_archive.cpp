@@ -6,7 +6,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 2;
+constexpr std::uint32_t kFormatVersion = 3;
 }  // namespace
 
 void RollingGrid::archive(rt::Archive& archive) {
@@ -15,7 +15,7 @@ void RollingGrid::archive(rt::Archive& archive) {
       .by_hand(window_, first_chunk_, first_free_, block_numbers_, chunk_numbers_, chunks_, hand_,
                victim_hand_)
       .scratch(changed_)
-      .state(world_grid_, centre_, output_);
+      .state(world_grid_, centre_, output_, swept_, swept_at_);
   archive.expect(kFormatVersion, "the map has another format version");
   if (!usable_) return;
   const bool reading = archive.is_reading();

@@ -52,8 +52,8 @@ struct SegmentComponent {
 /// Scratch of a node: 6 bytes.
 struct NodeWork {
   NodeIndex parent{};
-  std::uint16_t component{};
-  NodeIndex next{kNoNode};  ///< of the same component
+  std::uint16_t component{};  ///< of a root; before, of a name, what is left of the votes for its root
+  NodeIndex next{kNoNode};  ///< of the same component; before, of a name, the root that has most of its nodes
 };
 
 }  // namespace sortie::mapping

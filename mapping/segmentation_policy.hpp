@@ -45,37 +45,38 @@ static_assert(SegmentationPolicy<EuclideanPolicy>);
 /// that is near enough. Needs a grid that holds normals.
 class SmoothnessPolicy {
  public:
-  struct Voxel {
-    std::int16_t normal[3]{};
-    std::uint16_t curvature{};
-  };
+  using Voxel = CoarseNormal;
 
-  /// `most_angle_rad` between normals, (0, pi/2); `most_curvature` of a core, [0, 1/3].
+  /// `most_angle_rad` between normals, (0, pi/2); `most_curvature` of a core, [0, 1/3], in steps of 1/192.
   explicit SmoothnessPolicy(double most_angle_rad = 0.07, double most_curvature = 0.05)
-      : least_dot_(static_cast<std::int64_t>(rt::cos(most_angle_rad) * 32767.0 * 32767.0)),
-        most_curvature_(static_cast<std::uint16_t>(most_curvature * 3.0 * 65535.0)) {}
+      : least_square_(static_cast<std::int64_t>(rt::cos(most_angle_rad) * rt::cos(most_angle_rad) * kOne)),
+        most_level_(static_cast<std::uint16_t>(most_curvature * 192.0)) {}
 
   Voxel load(const RollingGrid& grid, std::uint32_t slot) const {
     const NormalRecord& r = grid.normals()[slot];
-    return {{r.normal[0], r.normal[1], r.normal[2]}, r.curvature};
+    return coarse(r.normal, r.curvature);
   }
-  bool core(const Voxel& v) const { return has_normal(v) && v.curvature <= most_curvature_; }
-  bool join(const Voxel& a, const Voxel& b) const { return dot(a, b) >= least_dot_; }
+  bool core(const Voxel& v) const { return square(v) != 0 && v.level <= most_level_; }
+  bool join(const Voxel& a, const Voxel& b) const {
+    const std::int64_t d = dot(a, b);
+    return d * d * kOne >= least_square_ * square(a) * square(b);
+  }
+  /// Square of the cosine, in 1/2^24.
   std::int64_t affinity(const Voxel& own, const Voxel& core) const {
-    return has_normal(own) && dot(own, core) >= least_dot_ ? dot(own, core) : -1;
+    if (square(own) == 0 || !join(own, core)) return -1;
+    const std::int64_t d = dot(own, core);
+    return d * d * kOne / (square(own) * square(core));
   }
 
  private:
-  static bool has_normal(const Voxel& v) { return v.normal[0] != 0 || v.normal[1] != 0 || v.normal[2] != 0; }
-  /// Of the directions, whatever their signs.
-  static std::int64_t dot(const Voxel& a, const Voxel& b) {
-    const std::int64_t d = std::int64_t{a.normal[0]} * b.normal[0] + std::int64_t{a.normal[1]} * b.normal[1] +
-                           std::int64_t{a.normal[2]} * b.normal[2];
-    return d < 0 ? -d : d;
-  }
+  /// Products stay below 2^59: squares of coarse normals are about 2^14.
+  static constexpr std::int64_t kOne = 1 << 24;
+  static std::int64_t square(const Voxel& v) { return dot(v, v); }
+  /// Normals have no sign.
+  static std::int64_t dot(const Voxel& a, const Voxel& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-  std::int64_t least_dot_;
-  std::uint16_t most_curvature_;
+  std::int64_t least_square_;
+  std::uint16_t most_level_;
 };
 static_assert(SegmentationPolicy<SmoothnessPolicy>);
 

@@ -31,6 +31,7 @@ struct BlockWork {
   std::uint8_t queued{};   ///< 0: not; else a tag of the cycle that will look at it
   std::uint8_t cycle{};    ///< low bits of the cycle that looked at it
   bool renewed{};          ///< then its fragments were not those of before
+  bool settled{};          ///< its fragments and all those beside it are of one component and not fresh
 };
 
 /// Memory of a segmenter: value-initialised arrays.
@@ -51,11 +52,13 @@ struct SegmenterStep {
   SORTIE_FIELDS(units, blocks, backlog, current)
 };
 
-/// Incremental segmentation. Every voxel whose mean moved, and every block that went, leads to exact tests of
-/// the voxels around it; what touches is kept as a graph of fragments (FragmentGraph), and labelled anew as a
-/// whole (Labelling), so merges and splits are exact alike. With a budget the rest waits: blocks in a queue,
-/// the labelling where it stopped; no tick does more than one block beyond it; what is shown meanwhile is the
-/// last finished labelling. Without input it converges to the partition of the whole. No heap.
+/// Incremental segmentation. What touches is kept as a graph of fragments (FragmentGraph), and labelled anew
+/// as a whole (Labelling), so merges and splits are exact alike. Every voxel whose mean moved leads to exact
+/// tests: of its block, of the edges that it makes, and of pairs of fragments that belong to two components.
+/// New edges within a component change nothing and are not looked for, until known edges no longer hold it
+/// together. With a budget the rest waits: blocks in a queue, the labelling where it stopped; no tick does
+/// more than one block beyond it; what is shown meanwhile is the last finished labelling. Without input it
+/// converges to the partition of the whole. No heap.
 template <SegmentationPolicy Policy>
 class Segmenter {
  public:
@@ -98,8 +101,8 @@ class Segmenter {
     if constexpr (TakingPolicy<Policy>) return taken_in(grid, block, cell);
     return kNoSegment;
   }
-  /// Segments, ids and fragments to bytes and back, after the grid. What was known of edges is found again by
-  /// the next update, which looks at all blocks.
+  /// Segments, ids, fragments with their edges and the blocks that wait, to bytes and back, after the grid:
+  /// what was read goes on as what was written would have. Only a labelling that is under way begins anew.
   void archive(rt::Archive& archive, const RollingGrid& grid);
 
   const Labelling& labelling() const { return labelling_; }
@@ -123,6 +126,12 @@ class Segmenter {
                      unsigned cell) const requires TakingPolicy<Policy>;
   static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
   void look_at(const RollingGrid& grid, BlockIndex block);
+  void look_beside(const RollingGrid& grid, BlockIndex block, const Here& here,
+                   const BlockIndex (&around)[kDirections]);
+  void keep_edges(const RollingGrid& grid, BlockIndex block, const Here& here);
+  void rejoin(const RollingGrid& grid, NodeIndex apart);
+  void load(const RollingGrid& grid, BlockIndex block, Here& here) const;
+  NodeIndex one_name(BlockIndex block) const;
   void fragment(const RollingGrid& grid, BlockIndex block, Here& here);
   bool keep_nodes(BlockIndex block, const Here& here);
   void renew_nodes(BlockIndex block, const Here& here);

@@ -45,6 +45,58 @@ void Segmenter<Policy>::verify(const RollingGrid& grid, BlockIndex block, const 
   }
 }
 
+/// Edges that moved voxels of a block make, where nothing else can change: all around is of one component.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::keep_edges(const RollingGrid& grid, BlockIndex block, const Here& here) {
+  std::uint32_t directions = 0;
+  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
+    for (unsigned set = graph_[node].backward_set; set != 0; set &= set - 1) {
+      const int direction = 12 - std::countr_zero(set);
+      if ((here.moved & reach_.rim(direction)) != 0) directions |= 1u << direction;
+    }
+    for (NodeIndex part = node; part != kNoNode; part = graph_[part].extension) {
+      for (unsigned set = graph_[part].forward_set; set != 0; set &= set - 1) {
+        const int at = std::countr_zero(set);
+        directions |= static_cast<std::uint32_t>(here.moved >> (graph_[part].witness[at] & 63) & 1)
+                      << (14 + at);
+      }
+    }
+  }
+  const BlockAt at = BlockAt::from_key(grid.block(block).key);
+  for (; directions != 0; directions &= directions - 1) {
+    const int direction = std::countr_zero(directions);
+    const BlockIndex index = grid.find(at.next(direction));
+    if (index == kNoBlock) continue;
+    Beside beside{index, direction, 0, 0, from_next({}, direction)};
+    for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next)
+      beside.there |= graph_[node].cells;
+    beside.there &= reach_.rim(26 - direction);
+    verify(grid, block, here, beside);
+  }
+}
+
+/// Looks for edges between a node that known edges no longer join with its component and the nodes around it.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::rejoin(const RollingGrid& grid, NodeIndex apart) {
+  const BlockIndex block = graph_[apart].block;
+  Here here;
+  load(grid, block, here);
+  BlockIndex around[kDirections];
+  grid.around(grid.block(block), around);
+  for (int direction = 0; direction < kDirections; ++direction) {
+    const BlockIndex index = around[direction];
+    if (index == kNoBlock) continue;
+    work_[index].settled = false;
+    if (direction == kHere) continue;
+    Beside beside{index, direction, 0, 0, from_next({}, direction)};
+    for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next) {
+      if (!labelling_.together(node, apart)) beside.there |= graph_[node].cells;
+    }
+    beside.there &= reach_.rim(26 - direction);
+    if (beside.there != 0) search(grid, here, beside, apart, beside.there, true);
+  }
+}
+
 /// Cells beside whose fragments a node of this block touches.
 template <SegmentationPolicy Policy>
 std::uint64_t Segmenter<Policy>::joined(const Beside& beside, NodeIndex node) const {
@@ -87,6 +139,7 @@ void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const 
       } else {
         graph_.connect(found, 26 - beside.direction, node, static_cast<std::uint16_t>(b | a << 6));
       }
+      if (labelling_.running()) labelling_.joined(node, found);
     }
   }
 }

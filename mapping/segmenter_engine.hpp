@@ -10,12 +10,15 @@ namespace sortie::mapping {
 /// The block that is looked at: its voxels laid out by cell, and the fragments they make.
 template <SegmentationPolicy Policy>
 struct Segmenter<Policy>::Here {
-  std::uint64_t cores{};
-  std::uint64_t moved{};
-  unsigned parts{};
-  std::array<UnitPoint, Block::kCells> at;
-  std::array<typename Policy::Voxel, Block::kCells> voxel;
-  std::array<std::uint64_t, Block::kCells> part;
+  std::uint64_t cores;
+  std::uint64_t moved;
+  unsigned parts;
+  // Filled where there is something, not set to anything elsewhere: that would take longer than the rest.
+  UnitPoint at[Block::kCells];
+  typename Policy::Voxel voxel[Block::kCells];
+  std::uint64_t part[Block::kCells];
+
+  Here() : cores(0), moved(0), parts(0) {}
 };
 
 template <SegmentationPolicy Policy>
@@ -23,7 +26,11 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
   SegmenterStep step;
   const std::uint32_t most = config_.units > 0 ? config_.units : 0xffffffffu - kBlockUnits;
   while (status_ == Status::ok && step.units < most) {
-    if (labelling_.running()) {
+    if (labelling_.apart() != kNoNode) {
+      rejoin(grid, labelling_.apart());
+      labelling_.checked();
+      step.units += kBlockUnits;
+    } else if (labelling_.running()) {
       step.units += labelling_.run(graph_, grid.blocks(), most - step.units);
       if (!labelling_.running()) graph_.hold(false);
     } else if (left_of_cycle_ > 0) {
@@ -36,6 +43,7 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       if (left_of_cycle_ > 1) {
         const BlockIndex next = queue_[queue_first_];
         grid.prefetch_around(grid.block(next));
+        grid.prefetch_normals(grid.block(next), grid.block(next).active);
         graph_.prefetch_nodes(next);
         __builtin_prefetch(&grid.block(queue_[(queue_first_ + 1) % queue_.size()]));
       }
@@ -64,6 +72,7 @@ template <SegmentationPolicy Policy>
 void Segmenter<Policy>::forget(const RollingGrid& grid, BlockIndex block) {
   if (status_ != Status::ok) return;
   work_[block].moved = 0;
+  work_[block].settled = false;
   if (graph_.first(block) == kNoNode) return;
   BlockIndex around[kDirections];
   grid.around(grid.block(block), around);
@@ -96,25 +105,53 @@ void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   own.moved = 0;
   own.cycle = static_cast<std::uint8_t>(cycle_);
   BlockIndex around[kDirections];
-  grid.ask_around(grid.block(block), around);
-  for (const BlockIndex index : around) {
-    if (index == kNoBlock) continue;
-    __builtin_prefetch(&work_[index]);
-    graph_.prefetch(index);
+  if (!own.settled) {
+    grid.ask_around(grid.block(block), around);
+    for (const BlockIndex index : around) {
+      if (index == kNoBlock) continue;
+      __builtin_prefetch(&work_[index]);
+      graph_.prefetch(index);
+    }
   }
   fragment(grid, block, here);
-  std::uint64_t cells = here.cores;
+  own.renewed = !keep_nodes(block, here);
+  if (!own.renewed && own.settled) return keep_edges(grid, block, here);
+  if (own.settled) grid.ask_around(grid.block(block), around);
+  look_beside(grid, block, here, around);
+}
+
+/// Name of the component that all fragments of a block belong to; kNoNode when there are two, or a fresh one.
+template <SegmentationPolicy Policy>
+NodeIndex Segmenter<Policy>::one_name(BlockIndex block) const {
+  NodeIndex name = kNoNode;
+  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
+    const NodeIndex its = graph_[node].name;
+    if (its == kNoNode || (name != kNoNode && its != name)) return kNoNode;
+    name = its;
+  }
+  return name;
+}
+
+/// Edges to the blocks around.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::look_beside(const RollingGrid& grid, BlockIndex block, const Here& here,
+                                    const BlockIndex (&around)[kDirections]) {
+  BlockWork& own = work_[block];
+  std::uint64_t cells = here.cores | here.moved;
   for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next)
     cells |= graph_[node].cells;
-  own.renewed = !keep_nodes(block, here);
   if (own.renewed) renew_nodes(block, here);
+  const NodeIndex name = one_name(block);
+  own.settled = name != kNoNode;
   for (int direction = 0; direction < kDirections; ++direction) {
     const BlockIndex index = around[direction];
     if (index == kNoBlock || direction == kHere || !grid.is_next(grid.block(block), direction, index) ||
-        (cells & reach_.rim(direction)) == 0)
+        graph_.first(index) == kNoNode)
       continue;
-    if (graph_.first(index) == kNoNode) continue;
-    const BlockWork& other = work_[index];
+    BlockWork& other = work_[index];
+    const bool one = name != kNoNode && one_name(index) == name;
+    if (!one) own.settled = other.settled = false;
+    if ((cells & reach_.rim(direction)) == 0) continue;
     const bool looked = other.cycle == own.cycle;
     const bool all = own.renewed || (looked && other.renewed);
     // Where nothing within reach of the border moved, nothing changes.
@@ -123,11 +160,12 @@ void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
     Beside beside{index, direction, 0, its, from_next({}, direction)};
     if (own.renewed && !beside.forward()) graph_.disconnect(index, beside.kept());
     // One that is still to be looked at before the labelling tests the pair itself.
-    if (other.queued == tag(cycle_)) continue;
+    if (!one && other.queued == tag(cycle_)) continue;
     for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next)
       beside.there |= graph_[node].cells;
     beside.there &= reach_.rim(26 - direction);
     if (!all) verify(grid, block, here, beside);
+    if (one) continue;
     for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
       const std::uint64_t open = all ? beside.there : beside.there & ~joined(beside, node);
       if (open != 0) search(grid, here, beside, node, open, all);
@@ -135,9 +173,9 @@ void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   }
 }
 
-/// Connected parts of the block by themselves, in the order of their first cells.
+/// Voxels of a block, laid out by cell.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here& here) {
+void Segmenter<Policy>::load(const RollingGrid& grid, BlockIndex index, Here& here) const {
   const Block& block = grid.block(index);
   unsigned rank = 0;
   for (std::uint64_t rest = block.occupied; rest != 0; rest = without_lowest(rest), ++rank) {
@@ -148,19 +186,31 @@ void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here
     here.voxel[cell] = policy_.load(grid, slot);
     if (policy_.core(here.voxel[cell])) here.cores |= cell_bit(cell);
   }
+}
+
+/// Connected parts of the block by themselves, in the order of their first cells.
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here& here) {
+  load(grid, index, here);
+  // Cells that touch come first: there nearly every test finds something, and what is found is not asked for
+  // again.
   std::uint64_t left = here.cores;
   while (left != 0) {
     std::uint64_t part = left & (~left + 1);
     std::uint64_t pending = part;
+    std::uint64_t wide = part;
     left ^= part;
-    while (pending != 0 && left != 0) {
-      const unsigned a = lowest(pending);
-      pending = without_lowest(pending);
-      for (std::uint64_t near = left & reach_.from(a, kHere); near != 0; near = without_lowest(near)) {
+    while (left != 0 && (pending | wide) != 0) {
+      const bool narrow = pending != 0;
+      const unsigned a = lowest(narrow ? pending : wide);
+      (narrow ? pending : wide) &= ~cell_bit(a);
+      for (std::uint64_t near = left & (narrow ? reach_.close(a) : reach_.from(a, kHere)); near != 0;
+           near = without_lowest(near)) {
         const unsigned b = lowest(near);
         if (!reach_.near(here.at[a], here.at[b]) || !policy_.join(here.voxel[a], here.voxel[b])) continue;
         part |= cell_bit(b);
         pending |= cell_bit(b);
+        wide |= cell_bit(b);
         left &= ~cell_bit(b);
       }
     }
@@ -168,8 +218,8 @@ void Segmenter<Policy>::fragment(const RollingGrid& grid, BlockIndex index, Here
   }
 }
 
-/// True when every part is one of the fragments of before, with or without more cells: they stay, then, and
-/// so do the edges to them.
+/// True when every part is one of the fragments of before with more or fewer cells, and none is left over:
+/// they stay, then, and so do the edges to them. A cell that came or went is one that moved.
 template <SegmentationPolicy Policy>
 bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
   std::array<unsigned, Block::kCells> part_of;
@@ -178,9 +228,9 @@ bool Segmenter<Policy>::keep_nodes(BlockIndex block, const Here& here) {
   for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
     if (nodes == here.parts) return false;
     unsigned part = 0;
-    const std::uint64_t cells = graph_[node].cells;
-    while (part < here.parts && (here.part[part] & cells) != cells) ++part;
-    if (part == here.parts || (taken & cell_bit(part)) != 0) return false;
+    const std::uint64_t cells = graph_[node].cells & here.cores;
+    while (part < here.parts && (here.part[part] & cells) == 0) ++part;
+    if (part == here.parts || (taken & cell_bit(part)) != 0 || (cells & ~here.part[part]) != 0) return false;
     taken |= cell_bit(part);
     part_of[nodes++] = part;
   }
@@ -229,19 +279,46 @@ void Segmenter<Policy>::renew_nodes(BlockIndex block, const Here& here) {
 
 template <SegmentationPolicy Policy>
 void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
+  rt::Members(archive, *this, "segmenter")
+      .fixed(config_, policy_, reach_, queue_, work_, status_)
+      .by_hand(graph_, labelling_, queue_size_, left_of_cycle_, changed_)
+      .scratch(queue_first_)
+      .state(cycle_, drained_);
   if (status_ != Status::ok) return;
-  if (archive.is_reading()) graph_.hold(false);
+  const bool reading = archive.is_reading();
+  const std::uint32_t blocks = grid.block_numbers();
+  bool changed = changed_ || labelling_.running();
+  archive.value(changed);
   labelling_.archive(archive);
-  graph_.archive(archive, grid.blocks().first(grid.block_numbers()), labelling_.shown(),
+  graph_.archive(archive, grid.blocks().first(blocks), labelling_.shown(),
                  static_cast<std::uint32_t>(labelling_.slots().size()));
-  if (!archive.is_reading()) return;
-  for (BlockWork& work : work_) work = {};
-  queue_first_ = queue_size_ = cycle_ = left_of_cycle_ = 0;
-  drained_ = false;
-  changed_ = true;
-  for (std::uint32_t i = 0; i < grid.block_numbers(); ++i) {
-    const Block& block = grid.block(static_cast<BlockIndex>(i));
-    if (block.in_use()) mark(static_cast<BlockIndex>(i), block.active);
+  archive.bounded(queue_size_, blocks);
+  archive.bounded(left_of_cycle_, queue_size_);
+  if (reading) {
+    changed_ = changed;
+    queue_first_ = 0;
+    for (BlockWork& work : work_) work = {};
+  }
+  for (BlockWork& work : work_.first(blocks)) {
+    archive.value(work.moved);
+    archive.value(work.looked);
+    archive.value(work.cycle);
+    archive.value(work.renewed);
+    archive.value(work.settled);
+  }
+  for (std::uint32_t i = 0; i < queue_size_; ++i) {
+    BlockIndex& block = queue_[(queue_first_ + i) % queue_.size()];
+    archive.value(block);
+    std::uint8_t queued = reading ? 0 : work_[block].queued;
+    archive.value(queued);
+    if (!reading) continue;
+    if (block >= blocks || work_[block].queued != 0 || queued == 0 || queued > 2) {
+      archive.fail(Status::malformed, "a queue of blocks that is none");
+      queue_size_ = i;
+      left_of_cycle_ = 0;
+      return;
+    }
+    work_[block].queued = queued;
   }
 }
 

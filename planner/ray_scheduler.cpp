@@ -141,7 +141,8 @@ Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const ma
   all_traced_ = false;
   cursor_ = 0;
   for (double& bound : seed_bound_) bound = 0.0;
-  phase_ = Phase::coarse;
+  coarse_ = 0;
+  phase_ = Phase::seed_bound;
   stage_ = RayStage::seed;
   if (per_position_ == 0) {
     phase_ = Phase::done;

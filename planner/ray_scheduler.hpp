@@ -12,6 +12,7 @@
 #include "planner/ray_model.hpp"
 #include "planner/ray_plan.hpp"
 #include "planner/ray_sensor.hpp"
+#include "rt/archive.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
@@ -79,13 +80,16 @@ class RayScheduler {
 
   const RayModel& model() const { return model_; }
   const RaySchedulerConfig& config() const { return config_; }
+  /// Between two tasks: the plan to bytes and back, into a scheduler of the same configuration. A task that
+  /// was under way is over then.
+  void archive(rt::Archive& archive);
   /// The walk of a ray of the present task; for tests and pictures. The pose lies in the window.
   mapping::VoxelWalk walk(std::uint32_t position, std::uint32_t ray) const;
 
  private:
   enum class Phase : std::uint8_t {
-    coarse,         // trace the coarse directions of all positions
     seed_bound,     // trace the seed's rays
+    coarse,         // trace the coarse directions of a position
     build,          // fill the heap for a selection
     select,         // choose
     complete,       // positions with too few rays get more
@@ -187,6 +191,7 @@ class RayScheduler {
   std::uint32_t last_{};
   std::uint32_t left_{};  // rays that the selection still wants
   std::uint32_t cursor_{};
+  std::uint32_t coarse_{};    // positions whose coarse directions were traced
   std::uint32_t tries_{};     // evaluations for the next ray
   std::uint64_t tried_{};     // best key of them
   bool candidate_weighed_{};  // which plan weigh is about
@@ -194,6 +199,7 @@ class RayScheduler {
   bool all_traced_{};
   double chosen_worth_{};  // of the rays in the table
   double marginal_sum_{};
+  double rest_upper_{};  // of the plan that is weighed, without the first position
 };
 
 }  // namespace sortie::planner

@@ -51,20 +51,18 @@ std::uint32_t RayScheduler::advance() {
   return 0;
 }
 
-// One coarse direction of one position.
+// One coarse direction of the next position.
 std::uint32_t RayScheduler::trace_coarse() {
-  const std::uint32_t coarse = coarse_columns_ * coarse_rows_;
-  const std::uint32_t i = cursor_++;
-  if (i >= plan_.positions * coarse || !(config_.position_first || config_.joint)) {
-    phase_ = Phase::seed_bound;
-    cursor_ = 0;
+  const std::uint32_t n = cursor_++;
+  if (n >= coarse_columns_ * coarse_rows_) {
+    ++coarse_;
+    phase_ = Phase::next_stage;
     return 1;
   }
-  const std::uint32_t n = i % coarse;
   const std::uint32_t ray = (n / coarse_columns_ << config_.coarse_log2) * config_.sensor.columns +
                             (n % coarse_columns_ << config_.coarse_log2);
   float worth{};
-  return trace(i / coarse, ray, false, worth);
+  return bit(traced_, coarse_ * all_rays_ + ray) ? 1 : trace(coarse_, ray, false, worth);
 }
 
 // The worths of the seed's rays, each for itself, bound what the seed is worth: coverage is submodular.
@@ -190,7 +188,8 @@ void RayScheduler::start_weighing(bool candidate) {
   clear_table_then(Phase::weigh);
 }
 
-// Each ray's worth beside those before it. A ray that the table does not take counts in the upper bound.
+// Each ray's worth beside those before it, the last position first. A ray that the table does not take counts
+// in the upper bound.
 std::uint32_t RayScheduler::weigh_next() {
   const std::uint32_t i = cursor_++;
   Bounds& bounds = candidate_weighed_ ? work_ : best_;
@@ -198,14 +197,19 @@ std::uint32_t RayScheduler::weigh_next() {
     if (!candidate_weighed_) {
       plan_.worth = bounds.lower;
       plan_.exact_worth = !(bounds.lower < bounds.upper);
+    } else if (last_ == 1 && plan_.stage == RayStage::seed) {
+      // Both plans hold the same rays but for the first position's: the seed's add their own worths at most.
+      best_.upper = std::min(best_.upper, rest_upper_ + seed_bound_[0]);
     }
     phase_ = Phase::decide;
     return 1;
   }
-  const std::uint32_t position = i / per_position_;
+  const std::uint32_t position = plan_.positions - 1 - i / per_position_;
+  if (position == 0 && i % per_position_ == 0) rest_upper_ = bounds.upper;
   if (!views_[position].inside) return 1;
   RayWorth worth;
-  const std::uint16_t ray = candidate_weighed_ ? work_rays_[i] : best_rays_[i];
+  const std::size_t place = std::size_t{position} * per_position_ + i % per_position_;
+  const std::uint16_t ray = candidate_weighed_ ? work_rays_[place] : best_rays_[place];
   const bool entered = model_.cover(walk(position, ray), map_.cells, table_, scratch_, worth);
   if (entered) bounds.lower += worth.current;
   plan_.table_full = plan_.table_full || !entered;
@@ -249,6 +253,14 @@ std::uint32_t RayScheduler::next_stage() {
     return 1;
   }
   cursor_ = 0;
+  // Coarse directions are looked at when they are needed, so that the next position's plan comes early.
+  std::uint32_t coarse = config_.joint && stage_ < RayStage::joint ? positions : 0;
+  if (config_.position_first && stage_ == RayStage::seed) coarse = 1;
+  if (config_.position_first && stage_ == RayStage::position) coarse = std::min(last_ + 1, positions);
+  if (coarse_ < coarse) {
+    phase_ = Phase::coarse;
+    return 1;
+  }
   if (stage_ == RayStage::seed && config_.position_first) {
     start_selection(RayStage::position, 0, 1);
   } else if (stage_ == RayStage::position && last_ < positions) {

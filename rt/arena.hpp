@@ -9,6 +9,8 @@
 #include <span>
 #include <type_traits>
 
+#include "rt/limits.hpp"
+
 namespace sortie::rt {
 
 /// What one named allocation took. Names longer than 47 characters are cut.
@@ -26,7 +28,7 @@ struct PoolRecord {
 class Arena {
  public:
   /// Named allocations that the report can hold; more are refused.
-  static constexpr std::uint32_t kMaxPools = 128;
+  static constexpr std::uint32_t kMaxPools = kMaxArenaPools;
 
   /// An arena over `memory`, which may have any alignment.
   explicit Arena(std::span<std::byte> memory) : memory_(memory) {}

@@ -13,6 +13,7 @@
 #include "rt/archive.hpp"
 #include "rt/arena.hpp"
 #include "rt/fixed_vector.hpp"
+#include "rt/limits.hpp"
 #include "rt/miss_window.hpp"
 #include "rt/pooled_stream.hpp"
 #include "rt/ports.hpp"
@@ -231,9 +232,6 @@ class Executive {
   static void leave_out(TaskBase& task, JobContext& context);
   void choose_phases();
   bool allocate_channels();
-
-  static constexpr std::uint32_t kMaxTasks = 32;
-  static constexpr std::uint32_t kMaxStreams = 16;
 
   Arena& arena_;
   Nanoseconds base_tick_ns_;

@@ -5,17 +5,10 @@
 
 #include <cstdint>
 
+#include "rt/limits.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::rt {
-
-/// Most groups, tasks and ports that one executive holds. Fixed, so that a job record has a fixed size.
-inline constexpr std::uint32_t kMaxGroups = 8;
-inline constexpr std::uint32_t kMaxTasksPerGroup = 12;
-inline constexpr std::uint32_t kMaxStreamsPerGroup = 8;
-inline constexpr std::uint32_t kMaxInputsPerGroup = 8;
-/// Room for the outputs of one job when fields are recorded.
-inline constexpr std::uint32_t kMaxFieldBytes = 2048;
 
 /// Outcome of a job, decided exactly once. A missed job ran, but its outputs were never seen by another
 /// group.

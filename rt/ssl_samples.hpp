@@ -28,7 +28,8 @@ inline constexpr double kSslRangeStep_m = 0.001;
 /// Unit vector of a direction, number < kSslDirections. Cost: two sincos.
 inline Vector3 ssl_direction(std::uint32_t number) {
   const double column = static_cast<double>(number % kSslColumns) / static_cast<double>(kSslColumns - 1);
-  const double row = static_cast<double>(number / kSslColumns) / static_cast<double>(kSslRows - 1);
+  const std::uint32_t row_number = number / kSslColumns;
+  const double row = static_cast<double>(row_number) / static_cast<double>(kSslRows - 1);
   const SinCos azimuth = sincos(kSslHalfAzimuth_rad * (2.0 * column - 1.0));
   const SinCos elevation = sincos(kSslHalfElevation_rad * (2.0 * row - 1.0));
   return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};

@@ -49,6 +49,25 @@ struct UavState {
                 verdict)
 };
 
+/// What somebody outside asks a UAV to do.
+enum class FlyMode : std::uint32_t {
+  go,       ///< to a place; from now on whoever asks is in control
+  hover,    ///< stops where it can, and stays
+  land,     ///< sinks where it is
+  stop,     ///< rotors stand at once, also in the air: an emergency's last means
+  release,  ///< hands control back to the mission
+};
+
+/// A request to fly, as it was admitted.
+struct FlyRequest {
+  Nanoseconds stamp_ns{};  ///< receipt on the run's clock
+  std::int64_t counter{};  ///< of the sender: above all that were taken
+  double p_world_m[3]{};   ///< where to, with FlyMode::go
+  double yaw_rad{};
+  std::uint32_t mode{};
+  SORTIE_FIELDS(stamp_ns, counter, p_world_m, yaw_rad, mode)
+};
+
 /// Speeds that the rotors are asked for.
 struct RotorCommand {
   Nanoseconds stamp_ns{};

@@ -60,13 +60,15 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench rays"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench rays", "bench uav"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
 expect(0, "--version")
 expect(2)
+expect(2, "swim")
 expect(2, "fly")
+expect(2, "fly", "go", "--x", "1", says=["--x, --y and --z"], only_line=True)
 expect(2, "run")
 expect(2, "run", "--scene", "ugv_hall", "--no-such-option")
 expect(2, "replay", "log.lcm", "--align", "sideways")
@@ -343,6 +345,19 @@ else:
 
 expect(4, "bench", "rays", "--program", "absent/sortie-bench-rays", says=["is not built", "cmake --build"], only_line=True)
 expect(2, "bench", "rays", "--only", "nothing")
+expect(4, "bench", "uav", "--program", "absent/sortie-bench-uav", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "uav", "--only", "nothing")
+result = run("bench", "uav", "--only", "plant", "--json", "--out", "uav")
+if len(PROGRAM) > 1:
+    print("left out: the flight benchmark under an emulator")
+elif result.returncode == 0:
+    answer = parsed(result)
+    check(all(figure["met"] for figure in answer.get("figures", [])) and answer.get("figures"), "the multirotor's plant is as exact as it must be", result)
+    check("bench-uav-steps.svg" in pathlib.Path("uav/bench-uav.md").read_text(), "bench uav --out writes a page", result)
+    check("<svg" in pathlib.Path("uav/bench-uav-steps.svg").read_text(), "bench uav --out draws", result)
+else:
+    check(result.returncode == 4 and "is not built" in result.stderr, "bench uav says what is missing", result)
+    print("left out: the flight benchmark is not built")
 # So is the plant's. Its drives are the same at each run, their times are not: nothing here looks at those.
 expect(4, "bench", "plant", "--program", "absent/sortie-bench-plant", says=["is not built", "cmake --build"], only_line=True)
 expect(2, "bench", "plant", "--only", "nothing")

@@ -181,31 +181,41 @@ both = answer("diff", "drive.lcm", "drive.lcm", "--truth", "truth.lcm", "truth.l
 check(both.get("same_digest") is True and both.get("first", {}).get("errors") == both.get("second", {}).get("errors") != {},
       "diff with the truth of a plant")
 
-# The runtime is killed in full drive: the drives stop by their own silence rule. Its successor drives on.
-port = two_free_ports()
-beside = plant(port, "--record", "kill.lcm")
-first = runtime(port, 100)
-check(first.wait_for("the plant is heard"), "the runtime hears the plant", first.lines)
-time.sleep(2.5)
-first.end(signal.SIGKILL)
-check(first.code in (-signal.SIGKILL, 128 + signal.SIGKILL), "killed")
-check(beside.wait_for("the runtime has gone"), "the plant notices", beside.lines)
-time.sleep(1.5)
-second = runtime(port, 3, "--record", "second.lcm")
-run = second.end()
-sim = beside.end(signal.SIGTERM)
-check(beside.code == 0 and second.code == 0, "plant and second runtime end well", second.lines, beside.lines)
-check(sim.get("counters", {}).get("can_peers") == 2, "two runtimes were met", sim.get("counters"))
-check(sim.get("counters", {}).get("bench_drive_stale_ms", 0) > 500, "the silence rule was at work", sim.get("counters"))
-gone_s = [int(line.split(" at ")[1].split()[0]) * 1e-3 for line in beside.lines if "has gone" in line][0]
-path = poses("kill.lcm")
-zero_s = path[0][0] - 0.001  # the log's times may be dates
-# Found gone after 0.5 s of silence; until then the drives (0.2 s, then a ramp of 2 m/s2) have stopped, by the plant's own clock.
-still = speed(path, zero_s + gone_s + 0.4, zero_s + gone_s + 1.2)
-check(still is not None and still < 1e-3, "the robot stands after its runtime was killed", still)
-fastest = max(speed(path, zero_s + t / 10, zero_s + t / 10 + 0.3) or 0 for t in range(int(10 * gone_s)))
-check(fastest > 0.05, "it drove until then", fastest)
-check(answer("check", "second.lcm").get("passed") is True, "the second runtime's log replays")
+def kill_runtime(kind, *drives):
+    """The runtime is killed in full drive: the drives stop by a rule of their own. Its successor drives on."""
+    port = two_free_ports()
+    killed, after = f"kill-{kind}.lcm", f"second-{kind}.lcm"
+    beside = plant(port, "--record", killed, *drives)
+    first = runtime(port, 100, *drives)
+    check(first.wait_for("the plant is heard"), "the runtime hears the plant", first.lines)
+    time.sleep(3.5)
+    first.end(signal.SIGKILL)
+    check(first.code in (-signal.SIGKILL, 128 + signal.SIGKILL), "killed")
+    check(beside.wait_for("the runtime has gone"), "the plant notices", beside.lines)
+    time.sleep(1.5)
+    second = runtime(port, 3, "--record", after, *drives)
+    run = second.end()
+    sim = beside.end(signal.SIGTERM)
+    check(beside.code == 0 and second.code == 0, "plant and second runtime end well", second.lines, beside.lines)
+    check(sim.get("counters", {}).get("can_peers") == 2, "two runtimes were met", sim.get("counters"))
+    gone_s = [int(line.split(" at ")[1].split()[0]) * 1e-3 for line in beside.lines if "has gone" in line][0]
+    path = poses(killed)
+    zero_s = path[0][0] - 0.001  # the log's times may be dates
+    # Found gone after 0.5 s of silence; until then the drives (0.2 s, then a ramp of 2 m/s2) have stopped, by the plant's own clock.
+    still = speed(path, zero_s + gone_s + 0.4, zero_s + gone_s + 1.2)
+    check(still is not None and still < 1e-3, "the robot stands after its runtime was killed", kind, still)
+    fastest = max(speed(path, zero_s + t / 10, zero_s + t / 10 + 0.3) or 0 for t in range(int(10 * gone_s)))
+    check(fastest > 0.05, "it drove until then", kind, fastest)
+    check(answer("check", after).get("passed") is True, "the second runtime's log replays")
+    return run.get("counters", {}), sim.get("counters", {})
+
+
+run, sim = kill_runtime("own")
+check(sim.get("bench_drive_stale_ms", 0) > 500, "the silence rule was at work", sim)
+run, sim = kill_runtime("canopen", "--set", "drives.protocol=canopen")
+# Once for the first runtime, and again when the second had ended.
+check(sim.get("bench_heartbeats_lost", 0) >= 6, "every CANopen drive missed the heartbeat", sim)
+check(run.get("canopen_drives_set_ups", 0) >= 6, "the second runtime set all drives up", run)
 
 # The plant is killed: the runtime finds its sensors stale, brakes, says so and goes on; with a new plant it drives again.
 port = two_free_ports()
@@ -243,7 +253,7 @@ check("unknown key hil.frictoin" in call("plant", *SCENE, "--set", "hil.frictoin
 call("plant", *SCENE, "--can", "can9", "--seconds", "1", code=2)
 call("replay", "drive.lcm", "--truth", "absent.lcm", code=3)
 check("holds no truth" in call("replay", "drive.lcm", "--truth", "drive.lcm", code=3).stderr, "a log without truth")
-check("of another time" in call("replay", "drive.lcm", "--truth", "kill.lcm", code=3).stderr, "truth of another time")
+check("of another time" in call("replay", "drive.lcm", "--truth", "kill-own.lcm", code=3).stderr, "truth of another time")
 
 shutil.rmtree(work, ignore_errors=True)
 print(f"{checks - len(failures)} of {checks} checks passed")

@@ -55,7 +55,7 @@ if(SORTIE_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Often false between what sanitizers add, so it does not stop a build; but look: once it was GCC that was wrong.
   target_compile_options(sortie_warnings INTERFACE -Wno-error=maybe-uninitialized)
 endif()
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_SYSTEM_NAME STREQUAL "Generic")
   target_compile_options(sortie_warnings INTERFACE -Wno-psabi)
 endif()
 

@@ -52,10 +52,11 @@ int run(const CommandContext& context, BenchOptions& options) {
 
 void add_bench(CLI::App& app, CommandContext& context) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand(
-      "bench",
-      "Measure: sweep a profile's keys over a log; rt: the real-time "
-      "ground; plant: the tracked plant; rays: the ray scheduler; wcet: instructions of every job");
+  CLI::App* command = app.add_subcommand("bench",
+                                         "Measure: sweep a profile's keys over a log; rt: the real-time "
+                                         "ground; plant: the tracked plant; rays: the ray scheduler; uav: "
+                                         "the multirotor; odometry: attitude and odometry; wcet: "
+                                         "instructions of every job");
   command->footer(
       "Marks: * no other cell is as cheap and better, < what the profile says by itself.\n"
       "Examples:\n"
@@ -90,6 +91,8 @@ void add_bench(CLI::App& app, CommandContext& context) {
   add_bench_rt(*command, context);
   add_bench_plant(*command, context);
   add_bench_rays(*command, context);
+  add_bench_uav(*command, context);
+  add_bench_odometry(*command, context);
   add_bench_wcet(*command, context);
   command->callback([&context, options, command, log, sweep] {
     if (!command->get_subcommands().empty()) return;

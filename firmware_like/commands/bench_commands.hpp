@@ -12,6 +12,10 @@ void add_bench_rt(CLI::App& bench, CommandContext& context);
 void add_bench_plant(CLI::App& bench, CommandContext& context);
 /// `bench rays`: the ray scheduler beside the published planners.
 void add_bench_rays(CLI::App& bench, CommandContext& context);
+/// `bench uav`: the multirotor beside its peers.
+void add_bench_uav(CLI::App& bench, CommandContext& context);
+/// `bench odometry`: attitude and odometry, error against run time.
+void add_bench_odometry(CLI::App& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
 void add_bench_wcet(CLI::App& bench, CommandContext& context);
 

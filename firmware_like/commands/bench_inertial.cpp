@@ -50,11 +50,14 @@ void read_imu(Profile& profile, hil::ImuConfig& imu) {
 
 }  // namespace
 
+void read_imu_alone(Profile& profile, hil::ImuConfig& imu, hil::FaultConfig& faults) {
+  read_imu(profile, imu);
+  faults.saturate = profile.number("hil.imu_saturate", {0, 0, 1, "", "share of samples with a clipped axis"});
+  read_stream(profile, "imu", imu.rate_hz, faults);
+}
+
 void read_inertial(Profile& profile, hil::UgvConfig& config) {
-  read_imu(profile, config.imu);
-  config.imu_faults.saturate =
-      profile.number("hil.imu_saturate", {0, 0, 1, "", "share of samples with a clipped axis"});
-  read_stream(profile, "imu", config.imu.rate_hz, config.imu_faults);
+  read_imu_alone(profile, config.imu, config.imu_faults);
   hil::EncoderConfig& encoder = config.encoder;
   encoder.rate_hz = read_rate(profile, "hil.encoder_hz", encoder.rate_hz);
   encoder.resolution_m =

@@ -9,5 +9,7 @@ namespace sortie::firmware {
 
 /// Reads rates, noise, ranges, stamps' errors and losses of IMU and encoders. Throws ProfileError.
 void read_inertial(Profile& profile, hil::UgvConfig& config);
+/// The IMU's part of that.
+void read_imu_alone(Profile& profile, hil::ImuConfig& imu, hil::FaultConfig& faults);
 
 }  // namespace sortie::firmware

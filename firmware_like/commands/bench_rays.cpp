@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "firmware_like/bench/ray_bench.hpp"
+#include "firmware_like/bench/ray_loop.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 
@@ -17,10 +18,15 @@ namespace {
 struct RayCommandLine {
   RayBenchOptions bench;
   OutputOptions output;
+  bool seeds_given{};
 };
 
 int run(const CommandContext& context, const RayCommandLine& options) {
-  const nlohmann::ordered_json result = run_ray_bench(options.bench);
+  const bool loop = options.bench.only == "loop";
+  const nlohmann::ordered_json result =
+      loop ? run_ray_loop(options.seeds_given ? options.bench.seeds : kLoopSeeds, options.bench.program)
+           : run_ray_bench(options.bench);
+  const std::string name = loop ? "/bench-rays-loop" : "/bench-rays";
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {
@@ -28,14 +34,16 @@ int run(const CommandContext& context, const RayCommandLine& options) {
   }
   if (const std::string& folder = options.output.out; !folder.empty()) {
     std::filesystem::create_directories(folder);
-    write_file(folder + "/bench-rays.json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });
-    write_file(folder + "/bench-rays.md",
-               [&](std::ostream& out) { out << ray_bench_page(result, context.command_line); });
-    for (const RayPicture& picture : ray_pictures(result)) {
+    write_file(folder + name + ".json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });
+    write_file(folder + name + ".md", [&](std::ostream& out) {
+      out << (loop ? ray_loop_page(result, context.command_line)
+                   : ray_bench_page(result, context.command_line));
+    });
+    for (const RayPicture& picture : loop ? ray_loop_pictures(result) : ray_pictures(result)) {
       write_file(folder + "/" + picture.file,
                  [&](std::ostream& out) { out << render(picture.plot) << "\n"; });
     }
-    std::cerr << "report: " << folder << "/bench-rays.{md,json} and pictures\n";
+    std::cerr << "report: " << folder << name << ".{md,json} and pictures\n";
   }
   return 0;
 }
@@ -53,23 +61,28 @@ void add_bench_rays(CLI::App& bench, CommandContext& context) {
       "Examples:\n"
       "  sortie bench rays --out out/rays\n"
       "  sortie bench rays --only units\n"
-      "  sortie bench rays --only curves --seeds 1 --json");
+      "  sortie bench rays --only curves --seeds 1 --json\n"
+      "  sortie bench rays --only loop --out out/loop");
   command->add_option("--rounds", options->bench.rounds, "Rounds of what is timed")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command->add_option("--seeds", options->bench.seeds, "Streets of each kind")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--only", options->bench.only, "One part alone")
-      ->check(CLI::IsMember({"curves", "units", "picture"}));
+  CLI::Option* seeds = command->add_option(
+      "--seeds", options->bench.seeds, "Streets of each kind; of the loop: pairs a scene, 12 unless given");
+  seeds->check(CLI::Range(1, 1000))->capture_default_str();
+  command
+      ->add_option("--only", options->bench.only,
+                   "One part alone; loop: closed loops of policies, which nothing else runs")
+      ->check(CLI::IsMember({"curves", "units", "picture", "loop"}));
   command
       ->add_option("--program", options->bench.program, "sortie-bench-rays, where it is not found by itself")
       ->type_name("FILE");
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   command->add_option("--out", options->output.out, "Folder for bench-rays.md, bench-rays.json and pictures")
       ->type_name("DIR");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback([&context, options, seeds] {
+    options->seeds_given = seeds->count() > 0;
+    context.chosen = [&context, options] { return run(context, *options); };
+  });
 }
 
 }  // namespace sortie::firmware

@@ -5,13 +5,27 @@
 #include "drivers/ssl_port.hpp"
 #include "firmware_like/commands/bench_course.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
+#include "firmware_like/commands/bench_multirotor.hpp"
 #include "firmware_like/commands/bench_sensors.hpp"
+#include "firmware_like/vehicles/canopen_config.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
 
 namespace sortie::firmware {
 
 namespace {
+
+// The simulated drives are what the runtime expects on the bus.
+void read_drives(Profile& profile, hil::UgvConfig& config) {
+  const auto drives = read_canopen(profile, config.contacts);
+  if (!drives) return;
+  config.drives.enabled = true;
+  config.drives.track_nodes = drives->track_nodes;
+  config.drives.flipper_nodes = drives->flipper_nodes;
+  config.drives.increments_per_m = drives->increments_per_m;
+  config.drives.increments_per_rad = drives->increments_per_rad;
+  config.drives.rated_torque_n_m = drives->rated_torque_n_m;
+}
 
 hil::UgvConfig read_config(Profile& profile) {
   hil::UgvConfig config;
@@ -47,6 +61,7 @@ hil::UgvConfig read_config(Profile& profile) {
       profile.number("hil.command_loss", {0, 0, 1, "", "share of drive commands that are not heard"});
   read_inertial(profile, config);
   read_course(profile, config);
+  read_drives(profile, config);
   return config;
 }
 
@@ -92,6 +107,11 @@ class BenchUgv final : public BenchRobot {
     counters["bench_drive_stale_ms"] = plant_.robot_counters().stale_steps;
     counters["bench_late_steps"] = plant_.counters().late_steps;
     counters["bench_can_frames"] = bus_.stats().frames;
+    if (plant_.drives().size() != 0) {
+      std::uint64_t& lost = counters["bench_heartbeats_lost"];
+      for (std::size_t i = 0; i < plant_.drives().size(); ++i)
+        lost += plant_.drives().node(i).counters().heartbeat_lost;
+    }
     add_range_counters(plant_, counters);
     if (tracked() == nullptr) return;
     const hil::PlantCounters& contacts = tracked()->plant().counters();
@@ -129,7 +149,9 @@ rt::Nanoseconds read_contacts_period(Profile& profile, const hil::UgvConfig& con
 }  // namespace
 
 std::unique_ptr<BenchRobot> make_own_bench(Profile& profile, drivers::ScanSink* scans) {
-  if (!profile.has("hil") || profile.vehicle() != "ugv") return nullptr;
+  if (!profile.has("hil")) return nullptr;
+  if (profile.vehicle() == "uav") return make_uav_bench(profile);
+  if (profile.vehicle() != "ugv") return nullptr;
   const hil::UgvConfig config = read_config(profile);
   const rt::Nanoseconds contacts_every_ns = read_contacts_period(profile, config);
   try {

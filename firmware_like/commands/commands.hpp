@@ -85,5 +85,6 @@ void add_doctor(CLI::App& app, CommandContext& context);
 void add_spy(CLI::App& app, CommandContext& context);
 void add_set(CLI::App& app, CommandContext& context);
 void add_drive(CLI::App& app, CommandContext& context);
+void add_fly(CLI::App& app, CommandContext& context);
 
 }  // namespace sortie::firmware

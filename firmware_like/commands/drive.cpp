@@ -22,10 +22,9 @@ namespace {
 enum ExitCode : int { kGood = 0, kNotTaken = 1, kUnheard = 3 };
 
 using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
 
-constexpr milliseconds kForEver = std::chrono::hours{24 * 366};
-constexpr milliseconds kRepeat{100};  // well within the drive's max_command_age_ms
+constexpr std::chrono::milliseconds kForEver = std::chrono::hours{24 * 366};
+constexpr std::chrono::milliseconds kRepeat{100};  // well within the drive's max_command_age_ms
 
 struct DriveOptions {
   std::string what{"go"};
@@ -66,19 +65,22 @@ const char* source_name(std::uint32_t source) {
   return "nobody";
 }
 
-milliseconds ms_of(double seconds) { return milliseconds(std::lround(1e3 * seconds)); }
+std::chrono::milliseconds ms_of(double seconds) {
+  return std::chrono::milliseconds(std::lround(1e3 * seconds));
+}
 
 // Repeats a request until `enough(taken)`, at most so long. `taken`: the drive has taken one of them. Returns
 // that.
 template <class Enough>
-bool repeat(DriveClient& client, const drivers::DriveRequestMessage& request, milliseconds most,
+bool repeat(DriveClient& client, const drivers::DriveRequestMessage& request, std::chrono::milliseconds most,
             Enough enough) {
   const auto end = Clock::now() + most;
   const std::int64_t first = client.ask(request);
   while (true) {
     const auto next = std::min(end, Clock::now() + kRepeat);
     while (Clock::now() < next) {
-      static_cast<void>(client.listen(std::chrono::duration_cast<milliseconds>(next - Clock::now())));
+      static_cast<void>(
+          client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now())));
       if (enough(client.has_taken(first))) return client.has_taken(first);
     }
     if (Clock::now() >= end) return client.has_taken(first);

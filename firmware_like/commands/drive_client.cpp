@@ -13,7 +13,6 @@ namespace sortie::firmware {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
 
 // What the drive's fields say; false for another task's.
 bool read_state(std::span<const std::uint8_t> message, DriveState& state) {
@@ -40,11 +39,11 @@ DriveClient::DriveClient(const std::string& url, std::optional<drivers::SipKey> 
   if (!publisher_.active()) throw std::runtime_error(publisher_.problem());
 }
 
-bool DriveClient::listen(milliseconds most) {
+bool DriveClient::listen(std::chrono::milliseconds most) {
   const std::string channel = std::string(drivers::kChannelFields) + "_drive";
   const auto end = Clock::now() + most;
   while (true) {
-    const auto left = std::chrono::duration_cast<milliseconds>(end - Clock::now()).count();
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left < 0) return false;
     drivers::ReceivedMessage received;
     const auto wait = static_cast<int>(std::min<std::int64_t>(left + 1, 100));

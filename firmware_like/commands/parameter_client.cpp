@@ -11,10 +11,10 @@ namespace sortie::firmware {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
 
-constexpr milliseconds kRepeat{300};   // a run answers within its telemetry's 100 ms
-constexpr milliseconds kSettle{1000};  // from the answer to the value in force, in telemetry's steps
+constexpr std::chrono::milliseconds kRepeat{300};  // a run answers within its telemetry's 100 ms
+constexpr std::chrono::milliseconds kSettle{
+    1000};                             // from the answer to the value in force, in telemetry's steps
 constexpr std::size_t kMostRuns = 64;  // strangers must not fill the memory
 
 }  // namespace
@@ -44,10 +44,10 @@ ParameterClient::ParameterClient(const std::string& url, std::optional<drivers::
 }
 
 // True when the chosen run (or, before one is chosen, any run) has said something new.
-bool ParameterClient::listen(milliseconds most) {
+bool ParameterClient::listen(std::chrono::milliseconds most) {
   const auto end = Clock::now() + most;
   while (true) {
-    const auto left = std::chrono::duration_cast<milliseconds>(end - Clock::now()).count();
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     if (left < 0) return false;
     drivers::ReceivedMessage received;
     if (receiver_.receive(received, static_cast<int>(std::min<std::int64_t>(left + 1, 100))) != Status::ok)
@@ -68,8 +68,8 @@ bool ParameterClient::listen(milliseconds most) {
   }
 }
 
-std::vector<std::int64_t> ParameterClient::find_runs(std::int64_t session, milliseconds most) {
-  constexpr milliseconds kEveryRun{1300};  // each speaks once a second
+std::vector<std::int64_t> ParameterClient::find_runs(std::int64_t session, std::chrono::milliseconds most) {
+  constexpr std::chrono::milliseconds kEveryRun{1300};  // each speaks once a second
   auto end = Clock::now() + most;
   const auto is_heard = [this](std::int64_t wanted) {
     return std::any_of(heard_.begin(), heard_.end(),
@@ -77,7 +77,7 @@ std::vector<std::int64_t> ParameterClient::find_runs(std::int64_t session, milli
   };
   bool first = true;
   while (Clock::now() < end && (session == 0 || !is_heard(session))) {
-    if (!listen(std::chrono::duration_cast<milliseconds>(end - Clock::now()))) break;
+    if (!listen(std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()))) break;
     if (first) end = std::min(end, Clock::now() + (session == 0 ? kEveryRun : most));
     first = false;
   }
@@ -100,7 +100,7 @@ const drivers::ParameterInForce* ParameterClient::find(const std::string& name) 
   return nullptr;
 }
 
-RequestOutcome ParameterClient::set(const std::string& name, double value, milliseconds most) {
+RequestOutcome ParameterClient::set(const std::string& name, double value, std::chrono::milliseconds most) {
   RequestOutcome outcome;
   if (const auto* now = find(name); now != nullptr) outcome.before = outcome.after = now->value;
   auto end = Clock::now() + most;
@@ -120,7 +120,7 @@ RequestOutcome ParameterClient::set(const std::string& name, double value, milli
           }));
     }
     const auto until = answered ? end : std::min(end, next);
-    if (!listen(std::chrono::duration_cast<milliseconds>(until - Clock::now()))) continue;
+    if (!listen(std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()))) continue;
     for (const drivers::ParameterAnswer& answer : newest_.answers) {
       if (answered || answer.sender != sender_ || answer.counter != counter) continue;
       answered = true;

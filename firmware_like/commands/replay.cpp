@@ -14,6 +14,12 @@ void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) 
   add_truth_option(command, options.replay.truth);
   add_span_options(command, options.span);
   add_alignment_option(command, options.align);
+  command
+      .add_option("--calibrate-s", options.replay.evaluation.calibrate_s,
+                  "The truth of the first seconds calibrates heading, gyro bias and wheel scale; errors are "
+                  "those of the rest, in place of --align")
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("SECONDS");
   add_damage_option(command, options.accept_damage);
 }
 

@@ -7,6 +7,7 @@
 #include "drivers/wire.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
+#include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -220,6 +221,18 @@ Status read_drive_request(Message message, Values& values) {
   return status;
 }
 
+Status read_fly_request(Message message, Values& values) {
+  drivers::FlyRequestMessage request;
+  const Status status = drivers::decode(message, nullptr, request);
+  add(values, "counter", request.counter);
+  add(values, "x_m", request.x_m);
+  add(values, "y_m", request.y_m);
+  add(values, "z_m", request.z_m);
+  add(values, "yaw_rad", request.yaw_rad);
+  add(values, "mode", request.mode);
+  return status;
+}
+
 Status read_change(Message message, Values& values) {
   rt::ParameterChange change;
   std::int64_t seq = 0;
@@ -258,6 +271,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintSetParameter, read_request},
     {drivers::kFingerprintParameter, read_change},
     {drivers::kFingerprintDriveRequest, read_drive_request},
+    {drivers::kFingerprintFlyRequest, read_fly_request},
 };
 static_assert(std::size(kReaders) == drivers::kMessageTypes.size(), "a message type has no reader");
 

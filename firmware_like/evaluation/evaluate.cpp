@@ -32,6 +32,16 @@ std::vector<ErrorSample> make_series(const PairedTrajectories& pairs) {
   return series;
 }
 
+/// Along the path, where there is a position.
+double vertical_rmse(const PairedTrajectories& pairs) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
+    if ((pairs.truth[i].flags & rt::kTruthPosition) != 0)
+      errors.push_back(pairs.estimate[i].p[2] - pairs.truth[i].p[2]);
+  }
+  return statistics(errors).rmse;
+}
+
 }  // namespace
 
 Evaluation evaluate(Trajectory estimate, Trajectory truth, const EvaluationOptions& options) {
@@ -43,11 +53,22 @@ Evaluation evaluate(Trajectory estimate, Trajectory truth, const EvaluationOptio
   for (std::size_t i = 0; i < result.pairs.truth.size(); ++i) {
     result.pairs.truth[i].flags &= result.pairs.estimate[i].flags | rt::kTruthMoving;
   }
+  auto& errors = result.errors;
+  if (options.calibrate_s > 0.0 && !result.pairs.truth.empty()) {
+    const std::int64_t until_ns =
+        result.pairs.truth.front().stamp_ns + static_cast<std::int64_t>(1e9 * options.calibrate_s);
+    const MotionCalibration calibration = fit_calibration(result.pairs, until_ns);
+    apply(calibration, result.pairs.estimate);
+    drop_until(result.pairs, until_ns);
+    errors["calibrated_scale"] = calibration.scale;
+    errors["calibrated_bias_deg_s"] = calibration.bias_rad_s * kDegrees;
+    errors["calibrated_rmse_m"] = calibration.rms_m;
+    errors["calibrated_n"] = static_cast<double>(calibration.n);
+  }
   // The heading offset of the orientation errors is taken before alignment turns the estimate.
   const OrientationErrors orientation = orientation_errors(result.pairs);
   result.alignment = find_alignment(result.pairs, options.align);
   move_by(result.alignment, result.pairs.estimate);
-  auto& errors = result.errors;
   const ErrorStats ate = absolute_trajectory_error(result.pairs);
   errors["ate_n"] = static_cast<double>(ate.n);
   if (ate.n > 0) {
@@ -62,7 +83,10 @@ Evaluation evaluate(Trajectory estimate, Trajectory truth, const EvaluationOptio
     for (const TimedPose& pose : result.pairs.truth) {
       has_height = has_height && (pose.flags & (rt::kTruthPosition | rt::kTruthHeight)) != rt::kTruthPosition;
     }
-    if (has_height) errors["drift_vertical_percent"] = drift.vertical_percent;
+    if (has_height) {
+      errors["drift_vertical_percent"] = drift.vertical_percent;
+      errors["vertical_rmse_m"] = vertical_rmse(result.pairs);
+    }
     double delta_m = options.rpe_delta_m;
     if (!(delta_m > 0.0)) delta_m = drift.distance_m >= 100.0 ? 10.0 : drift.distance_m >= 10.0 ? 1.0 : 0.1;
     const RelativeErrors rpe = relative_pose_error(result.pairs, delta_m, DeltaUnit::meters);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/evaluation/calibration.hpp"
 #include "firmware_like/evaluation/errors.hpp"
 #include "firmware_like/evaluation/trajectory.hpp"
 
@@ -20,6 +21,9 @@ struct EvaluationOptions {
   /// Path length between the poses of a relative error; 0: 10, 1 or 0.1 m, the longest that gives ten of
   /// them.
   double rpe_delta_m{0.0};
+  /// The first so many seconds calibrate heading, gyro bias and wheel scale; errors are those of the rest,
+  /// without any other alignment. 0: no such thing.
+  double calibrate_s{0.0};
 };
 
 /// One point of an error plot. A figure that the truth does not allow is NaN.
@@ -34,7 +38,8 @@ struct ErrorSample {
 struct Evaluation {
   /// ate_{rmse,mean,median,max}_m, ate_n; rpe_rmse_m, rpe_rmse_deg, rpe_n, rpe_delta_m;
   /// inclination_{rmse,max}_deg, heading_{rmse,max}_deg, orientation_n; drift_horizontal_percent,
-  /// drift_vertical_percent, distance_m. Only what the truth allows is present.
+  /// drift_vertical_percent, vertical_rmse_m, distance_m; with a calibration calibrated_{scale,
+  /// bias_deg_s,rmse_m,n}. Only what the truth allows is present.
   std::map<std::string, double> errors;
   PairedTrajectories pairs;  ///< estimate aligned
   RigidTransform alignment;

@@ -6,7 +6,7 @@
 
 namespace sortie::firmware {
 
-/// Vehicles of the program itself: "ugv".
+/// Vehicles of the program itself: "ugv" and "uav".
 VehicleRegistry own_vehicles();
 
 }  // namespace sortie::firmware

@@ -21,9 +21,16 @@ Ugv::Ugv(VehicleBuilder& builder) {
       if (builder.wants("drive", false)) add_drive(builder, control);
     }
   }
-  if (builder.wants("map", false))
-    map_ = std::make_unique<UgvMap>(builder, UgvMap::Sources{odometry_task_, flipper_task_});
-  if (builder.wants("ssl", false)) ssl_ = std::make_unique<UgvSsl>(builder);
+  const bool wants_map = builder.wants("map", false);
+  const bool wants_ssl = builder.wants("ssl", false);
+  if (wants_map || wants_ssl) {
+    const rt::GroupId mapping = builder.group("mapping", 10);
+    if (wants_map) {
+      add_pose_input(builder, mapping);
+      map_ = std::make_unique<UgvMap>(builder, mapping, UgvMap::Sources{pose_input_, flipper_task_});
+    }
+    if (wants_ssl) add_ssl(builder, mapping);
+  }
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (map_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();
@@ -62,8 +69,9 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
         }
         for (const rt::ImuSample& sample : *imu_) {
           // A refused sample is counted by the filter, by reason.
-          if (attitude_->update(sample) == Status::ok)
-            job_attitudes_[job_attitude_count_++] = attitude_->estimate();
+          if (attitude_->update(sample) != Status::ok) continue;
+          job_samples_[job_attitude_count_] = &sample;
+          job_attitudes_[job_attitude_count_++] = attitude_->estimate();
         }
         output = attitude_->estimate();
       });
@@ -81,28 +89,16 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   builder.counter("imu_aid_refused", [attitude] { return attitude->counters().aid_refused; });
 }
 
-void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {
-  std::tie(tracks_, track_port_) = builder.stream<rt::TrackSample>(group, "TRACK", 128, 32);
-  odometry_ = std::make_unique<estimators::TrackOdometry>(read_odometry_config(builder));
-  builder.parameter(group, "odometry.scale", [this](double value) {
-    odometry_->set_scale(value);
-    return Status::ok;
-  });
-  odometry_task_ = builder.task<rt::PoseEstimate>(
-      group, "odometry", 50, [this](rt::JobContext&, rt::PoseEstimate& output) {
-        // What is refused is counted by the odometry, by reason.
-        for (std::uint32_t i = 0; i < job_attitude_count_; ++i)
-          static_cast<void>(odometry_->observe(job_attitudes_[i]));
-        for (const rt::TrackSample& sample : *tracks_) static_cast<void>(odometry_->update(sample));
-        output = odometry_->estimate();
-      });
-  builder.remembers(odometry_task_, *odometry_);
-  const estimators::TrackOdometry* odometry = odometry_.get();
-  builder.counter("track_used", [odometry] { return odometry->counters().used; });
-  builder.counter("track_not_finite", [odometry] { return odometry->counters().not_finite; });
-  builder.counter("track_time_backwards", [odometry] { return odometry->counters().time_backwards; });
-  builder.counter("track_jumps", [odometry] { return odometry->counters().jumps; });
-  builder.counter("track_slips", [odometry] { return odometry->counters().slips; });
+void Ugv::add_pose_input(VehicleBuilder& builder, rt::GroupId group) {
+  // All poses that became visible since the job before; at most a second of them.
+  if (odometry_task_ != nullptr && pose_input_ == nullptr)
+    pose_input_ = builder.input(group, odometry_task_, 1000);
+}
+
+void Ugv::add_ssl(VehicleBuilder& builder, rt::GroupId group) {
+  ssl_ = std::make_unique<UgvSsl>(builder);
+  if (ssl_->schedules()) add_pose_input(builder, group);
+  ssl_->add_tasks(builder, group, {map_ ? map_->lidar() : LidarScans{}, pose_input_});
 }
 
 void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns) {
@@ -113,6 +109,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
       devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
     }
   }
+  if (canopen_ && canopen_->take(frame, now_ns)) return;
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
   // A full stream counts its refusals.

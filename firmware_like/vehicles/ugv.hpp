@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "drivers/can_codec.hpp"
+#include "drivers/canopen/ugv_drives.hpp"
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
@@ -16,14 +17,15 @@
 
 namespace sortie::firmware {
 
-/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map. Each part is
-/// left out with [tasks.NAME] enabled = false, and then has no memory.
-class Ugv final : public Vehicle {
+/// Group `control`: attitude -> odometry -> drive -> flippers, hop-free; group `mapping`: map ->
+/// occupancy -> ssl. Each part is left out with [tasks.NAME] enabled = false, and then has no memory.
+class Ugv final : public Vehicle, public UnitTryer {
  public:
   explicit Ugv(VehicleBuilder& builder);
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   drivers::ScanSink* scan_sink() override { return map_ ? map_->port() : nullptr; }
+  UnitTrial try_units() const override { return ssl_ ? ssl_->try_units() : UnitTrial{}; }
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
@@ -34,12 +36,21 @@ class Ugv final : public Vehicle {
 
   void add_attitude(VehicleBuilder& builder, rt::GroupId group);
   void add_odometry(VehicleBuilder& builder, rt::GroupId group);
+  void add_odometry_counters(VehicleBuilder& builder);
+  void add_odometry_state(VehicleBuilder& builder, rt::GroupId group);
+  void listen_to_flippers(VehicleBuilder& builder, rt::GroupId group);
+  void run_odometry();
   void add_drive(VehicleBuilder& builder, rt::GroupId group);
   void add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency);
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
+  void add_canopen(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
+  void send_canopen(drivers::CanBus& can, const rt::DriveCommand* command, const rt::FlipperCommand* flippers,
+                    rt::Nanoseconds now_ns);
   bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
+  void add_pose_input(VehicleBuilder& builder, rt::GroupId group);
+  void add_ssl(VehicleBuilder& builder, rt::GroupId group);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
 
   // Inputs.
@@ -62,17 +73,22 @@ class Ugv final : public Vehicle {
   rt::Task<rt::AttitudeEstimate>* attitude_task_{};
   rt::Task<rt::PoseEstimate>* odometry_task_{};
   rt::Task<planner::FlipperOutput>* flipper_task_{};
+  rt::Input<rt::PoseEstimate>* pose_input_{};  // of the group `mapping`; null without odometry
   Outlet<rt::DriveCommand>* drive_outlet_{};
   Outlet<rt::FlipperCommand>* flipper_outlet_{};
   std::int32_t postures_{};
   // Every attitude of the present job, for the odometry that runs behind it.
   rt::AttitudeEstimate job_attitudes_[kImuBatch]{};
+  const rt::ImuSample* job_samples_[kImuBatch]{};  // that led to them
   std::uint32_t job_attitude_count_{};
   // Devices.
   drivers::CanSampleDecoder decoder_;
+  std::unique_ptr<drivers::canopen::UgvDrives> canopen_;  ///< null: the drives speak the robot's own frames
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};
+  bool obstacles_{};          // the odometry knows obstacles
+  bool obstacle_flippers_{};  // and is told the flippers' angles
   rt::Nanoseconds next_command_ns_{};
   std::uint8_t command_counter_{};
   rt::Nanoseconds next_flippers_ns_{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/vehicles/ugv_config.hpp"
 
+#include "estimators/turning_centre.hpp"
 #include "firmware_like/vehicles/units.hpp"
 
 namespace sortie::firmware {
@@ -33,6 +34,38 @@ estimators::AttitudeConfig read_attitude_config(VehicleBuilder& builder) {
   return config;
 }
 
+namespace {
+
+/// [body]: the outline from the side, as the odometry's obstacle modes see it. The robot's place, which every
+/// pose means, is on the ground between the tracks; the defaults are those of an Absolem-like vehicle.
+estimators::TrackProfile read_track_profile(Profile& profile) {
+  constexpr double kRun_m = -0.07192;  // of the estimator's own defaults, which begin between the axles
+  estimators::TrackProfile body;
+  const auto number = [&profile](const char* path, double& value, double low, double high,
+                                 const char* meaning) {
+    value = profile.number(path, {value, low, high, "m", meaning});
+  };
+  body.axle_m -= kRun_m;
+  body.com_z_m -= kRun_m;
+  body.pivot_z_m -= kRun_m;
+  number("body.half_length_m", body.half_length_m, 0.01, 10, "from the middle of a track to a wheel's axle");
+  number("body.radius_m", body.radius_m, 0.001, 10, "of the wheels, belt and grousers included");
+  number("body.axle_m", body.axle_m, -10, 10, "height of the axles above the place that poses mean");
+  number("body.half_width_m", body.half_width_m, 0.01, 10, "from the middle to the middle of a track");
+  number("body.com_x_m", body.com_x_m, -10, 10, "centre of mass ahead of the place that poses mean");
+  number("body.com_z_m", body.com_z_m, -10, 10, "centre of mass above it");
+  body.flippers = profile.flag("body.flippers", true, "it has flippers, and they can carry it");
+  if (!body.flippers) return body;
+  number("body.pivot_x_m", body.pivot_x_m, 0, 10, "the front flippers' joint ahead, the rear ones' behind");
+  number("body.pivot_z_m", body.pivot_z_m, -10, 10, "and above the place that poses mean");
+  number("body.pivot_radius_m", body.pivot_radius_m, 0.001, 10, "of the wheel around the joint");
+  number("body.flipper_m", body.flipper_m, 0.001, 10, "from the joint to the tip's axle");
+  number("body.tip_radius_m", body.tip_radius_m, 0.001, 10, "of the wheel at the tip");
+  return body;
+}
+
+}  // namespace
+
 estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder) {
   Profile& profile = builder.profile();
   estimators::TrackOdometryConfig config;
@@ -49,6 +82,23 @@ estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder) {
   config.max_extrapolation_ns = milliseconds(profile.number(
       "odometry.max_extrapolation_ms", {static_cast<double>(config.max_extrapolation_ns) * 1e-6, 0, 1e4, "ms",
                                         "how far behind the newest attitude a track sample may lie"}));
+  config.learn_steering =
+      profile.text(
+          "odometry.steering", "fixed",
+          "slip is judged by the turn that the tracks' distance claims, or by what the gyro has shown",
+          {"fixed", "learned"}) == "learned";
+  config.obstacles = profile.text("odometry.obstacles", "off",
+                                  "on: edges, falls and flippers are known; off: all ground is a plane, "
+                                  "nothing is there or runs for more",
+                                  {"on", "off"}) == "on";
+  if (config.obstacles) {
+    config.obstacle.modes.profile = read_track_profile(profile);
+    config.icr_x_m = estimators::turning_centre_x_m(config.obstacle.modes.profile);
+  }
+  config.icr_x_m = profile.number("odometry.icr_x_m",
+                                  {config.icr_x_m, -10, 10, "m",
+                                   "turning centre ahead of the place that poses mean; where a body is "
+                                   "described it follows from that"});
   return config;
 }
 

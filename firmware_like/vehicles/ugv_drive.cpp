@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The ground robot's drive and flippers: their tasks, and their commands on the bus.
+#include <stdexcept>
 #include <tuple>
 
+#include "firmware_like/vehicles/canopen_config.hpp"
 #include "firmware_like/vehicles/ugv.hpp"
 #include "firmware_like/vehicles/ugv_drive_config.hpp"
 
@@ -48,6 +50,40 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   builder.remembers(task, *drive_);
   add_drive_counters(builder);
   if (flippers_) add_flippers(builder, group);
+  add_canopen(builder);
+}
+
+void Ugv::add_canopen(VehicleBuilder& builder) {
+  const auto config = read_canopen(builder.profile(), flippers_ != nullptr);
+  if (!config) return;
+  try {
+    canopen_ = std::make_unique<drivers::canopen::UgvDrives>(*config);
+  } catch (const std::runtime_error& error) {
+    builder.profile().fail("drives.protocol", error.what());
+  }
+  const drivers::canopen::Master* master = &canopen_->master();
+  drivers::canopen::MasterCounters::fields(
+      master->counters(), [&](const char* name, const std::uint64_t& count) {
+        builder.counter(std::string("canopen_") + name, [&count] { return count; });
+      });
+  // Of all drives together: which one it was is on the bus, and in the log.
+  std::size_t member = 0;
+  drivers::canopen::DriveCounters::fields(
+      master->drive(0).counters(), [&](const char* name, const std::uint64_t&) {
+        builder.counter(std::string("canopen_drives_") + name, [master, which = member++] {
+          std::uint64_t sum = 0;
+          for (std::size_t i = 0; i < master->size(); ++i) {
+            std::size_t at = 0;
+            drivers::canopen::DriveCounters::fields(
+                master->drive(i).counters(),
+                [&](const char*, const std::uint64_t& count) { sum += at++ == which ? count : 0; });
+          }
+          return sum;
+        });
+      });
+  builder.counter("canopen_running", [master] { return std::uint64_t{master->running() ? 1u : 0u}; });
+  builder.counter("canopen_stop_reason",
+                  [master] { return static_cast<std::uint64_t>(master->stop_reason()); });
 }
 
 void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {
@@ -79,7 +115,7 @@ void Ugv::add_drive_counters(VehicleBuilder& builder) {
 }
 
 void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
-  std::tie(flipper_states_, flipper_port_) = builder.stream<rt::FlipperSample>(group, "FLIPPER", 64, 16);
+  listen_to_flippers(builder, group);
   flipper_outlet_ = builder.outlet<rt::FlipperCommand>("flippers");
   flipper_task_ = builder.task<planner::FlipperOutput>(
       group, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
@@ -106,6 +142,13 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
   rt::DriveCommand command;
   bool has_command = false;
   while (drive_outlet_ != nullptr && drive_outlet_->take(now_ns, command)) has_command = true;
+  rt::FlipperCommand flippers;
+  bool has_flippers = false;
+  while (flipper_outlet_ != nullptr && flipper_outlet_->take(now_ns, flippers)) has_flippers = true;
+  if (canopen_) {
+    send_canopen(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
+    return;
+  }
   if (has_command && now_ns >= next_command_ns_) {
     drivers::CanFrame frame;
     if (drivers::encode_drive(command, command_counter_, frame) == Status::ok &&
@@ -117,9 +160,6 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
       ++commands_refused_;
     }
   }
-  rt::FlipperCommand flippers;
-  bool has_flippers = false;
-  while (flipper_outlet_ != nullptr && flipper_outlet_->take(now_ns, flippers)) has_flippers = true;
   if (!has_flippers || now_ns < next_flippers_ns_) return;
   if (send_flippers(can, flippers)) {
     ++flipper_commands_sent_;
@@ -127,6 +167,25 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
   } else {
     ++flipper_commands_refused_;
   }
+}
+
+/// The master says by itself when something goes out.
+void Ugv::send_canopen(drivers::CanBus& can, const rt::DriveCommand* command,
+                       const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns) {
+  const auto note = [](Status status, std::uint64_t& good, std::uint64_t& bad) {
+    ++(status == Status::ok ? good : bad);
+  };
+  if (command != nullptr) note(canopen_->set(*command, now_ns), commands_sent_, commands_refused_);
+  if (flippers != nullptr)
+    note(canopen_->set(*flippers, now_ns), flipper_commands_sent_, flipper_commands_refused_);
+  canopen_->poll(now_ns, can);
+  // A full stream counts its refusals.
+  rt::TrackSample tracks;
+  if (canopen_->read(tracks) == Status::ok && track_port_ != nullptr)
+    static_cast<void>(track_port_->push(tracks, now_ns));
+  rt::FlipperSample state;
+  if (canopen_->read(state) == Status::ok && flipper_port_ != nullptr)
+    static_cast<void>(flipper_port_->push(state, now_ns));
 }
 
 /// Both pairs, or a refusal; the counter rises with every attempt that put something on the bus, so that no

@@ -10,8 +10,6 @@ namespace sortie::firmware {
 
 namespace {
 
-double in_ms(rt::Nanoseconds value) { return static_cast<double>(value) * 1e-6; }
-
 void read_ramps(Profile& profile, planner::UgvDriveConfig& config) {
   planner::TwistRamps& ramps = config.ramps;
   ramps.speed.acceleration =

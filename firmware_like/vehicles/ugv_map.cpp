@@ -15,17 +15,17 @@ rt::Tick milliseconds_of(const rt::JobContext& context) {
 }
 }  // namespace
 
-UgvMap::UgvMap(VehicleBuilder& builder, const Sources& sources) {
+UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& sources) : poses_(sources.poses) {
   UgvMapConfig config = read_map_config(builder.profile());
   anytime_ = config.anytime;
   config.map.segments.units = anytime_ ? kQuantum : 0;
   whole_ = !anytime_ && config.map.normals.solves == 0;
-  const rt::GroupId group = builder.group("mapping", 10);
   const std::uint32_t most = config.map.scan_points;
-  std::tie(scans_, port_) = builder.scans(group, "SCAN", config.scan_buffers, most);
-  if (sources.pose != nullptr) {
-    // All poses that became visible since the job before; at most a second of them.
-    poses_ = builder.input(group, sources.pose, 1000);
+  std::tie(lidar_.scans, port_) = builder.scans(group, "SCAN", config.scan_buffers, most);
+  lidar_.p_body_m = config.sweep.p_body_sensor_m;
+  lidar_.q_body = config.sweep.q_body_sensor;
+  lidar_.time_offset_ns = config.sweep.time_offset_ns;
+  if (poses_ != nullptr) {
     if (sources.flippers != nullptr) flippers_ = builder.input(group, sources.flippers, 1);
     sweeps_ = std::make_unique<mapping::Sweeps>(
         config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", most));
@@ -51,8 +51,8 @@ void UgvMap::add_task(VehicleBuilder& builder, rt::GroupId group) {
       group, "map", TaskDefaults{50'000, rt::Criticality::b, anytime_ ? kUsualUnits : 0},
       [this](rt::JobContext& context, MapOutput& output) {
         take_poses();
-        for (std::uint32_t i = 0; i < scans_->size(); ++i) {
-          const ScanStream::View view = (*scans_)[i];
+        for (std::uint32_t i = 0; i < lidar_.scans->size(); ++i) {
+          const ScanStream::View view = (*lidar_.scans)[i];
           context.add_units(view.header.points);
           take({view.header, view.elements}, milliseconds_of(context));
         }

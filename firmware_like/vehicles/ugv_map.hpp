@@ -47,6 +47,14 @@ struct MapOutput {
                 normals_backlog, segments, change_digest)
 };
 
+/// The lidar's scans as the group `mapping` has them, and how it sits on the body; no scans: no lidar.
+struct LidarScans {
+  ScanStream* scans{};
+  rt::Vector3 p_body_m;
+  rt::Quaternion q_body;
+  rt::Nanoseconds time_offset_ns{};  ///< added to the stamps of scans that carry no pose
+};
+
 /// Group `mapping`, task `map`. Scans that carry a pose go in as they are; others are straightened return by
 /// return with the odometry's poses, and freed of the robot itself. A scan for which there is no pose is
 /// refused and counted. Units of the task: one for each return, and the segmenter's.
@@ -54,14 +62,15 @@ class UgvMap {
  public:
   /// What the map reads of other groups; null where the scene has no such task.
   struct Sources {
-    const rt::Task<rt::PoseEstimate>* pose{};
+    rt::Input<rt::PoseEstimate>* poses{};  ///< of the group that the map is in
     const rt::Task<planner::FlipperOutput>* flippers{};
   };
 
-  /// Declares group, stream and task. Throws ProfileError.
-  UgvMap(VehicleBuilder& builder, const Sources& sources);
+  /// Declares stream and task. Throws ProfileError.
+  UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& sources);
 
   ScanPort* port() const { return port_; }
+  const LidarScans& lidar() const { return lidar_; }
   const ChosenMap& map() const { return *map_; }
   const MapOutput& output() const { return output_; }
 
@@ -78,7 +87,7 @@ class UgvMap {
 
   rt::Input<rt::PoseEstimate>* poses_{};
   rt::Input<planner::FlipperOutput>* flippers_{};
-  ScanStream* scans_{};
+  LidarScans lidar_;
   ScanPort* port_{};
   std::unique_ptr<ChosenMap> map_;
   std::unique_ptr<mapping::Sweeps> sweeps_;  ///< null without odometry

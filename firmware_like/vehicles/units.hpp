@@ -9,6 +9,9 @@ namespace sortie::firmware {
 /// One degree [rad].
 inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
+/// Nanoseconds as a profile says them.
+inline double in_ms(rt::Nanoseconds value) { return static_cast<double>(value) * 1e-6; }
+
 /// A profile's milliseconds. `value` must be finite and within 292 years, which the profile's ranges see to.
 inline rt::Nanoseconds milliseconds(double value) { return static_cast<rt::Nanoseconds>(value * 1e6); }
 

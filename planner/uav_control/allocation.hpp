@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "planner/uav_control/uav_model.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::planner {
 
@@ -12,6 +13,7 @@ namespace sortie::planner {
 struct RotorWrench {
   double thrust_n{};
   rt::Vector3 torque_n_m;
+  SORTIE_FIELDS(thrust_n, torque_n_m)
 };
 
 /// Thrust of each rotor, N.
@@ -39,6 +41,9 @@ class Allocation {
 
   /// What these thrusts make together.
   RotorWrench wrench(const double* force_n) const;
+
+  /// State to bytes and back, into one of the same vehicle.
+  void archive(rt::Archive& archive);
 
  private:
   RotorThrusts bounded(const double (&wanted)[4]) const;

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "planner/uav_control/flat_reference.hpp"
+#include "rt/archive.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
@@ -16,7 +17,7 @@ struct ProfileLimits {
   double speed_m_s{2.0};
   double climb_m_s{1.5};
   double acceleration_m_s2{4.0};
-  double smoothing_s[2]{0.16, 0.10};  ///< second and third smoothing time
+  double smoothing_s[2]{0.16, 0.16};  ///< second and third smoothing time
   double turn_rad_s{1.2};             ///< of the heading
   double turn_acceleration_rad_s2{4.0};
 };
@@ -51,9 +52,13 @@ class GoalProfile {
   /// At rest in the goal.
   bool arrived() const;
 
+  /// State to bytes and back, into one of the same limits.
+  void archive(rt::Archive& archive);
+
  private:
   struct Stage {
     rt::Vector3 v, a, j;
+    SORTIE_FIELDS(v, a, j)
   };
   rt::Vector3 run_velocity() const;
   void step_run();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "planner/uav_control/uav_model.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::planner {
 
@@ -38,6 +39,13 @@ class RotorModel {
   const double* thrust_n() const { return thrust_n_; }
   /// Their means over the last period.
   const double* mean_n() const { return mean_n_; }
+
+  /// State to bytes and back, into one of the same vehicle.
+  void archive(rt::Archive& archive) {
+    rt::Members(archive, *this, "rotor model")
+        .fixed(model_, keep_up_, keep_down_)
+        .state(speed_, thrust_n_, mean_n_);
+  }
 
  private:
   void update_thrust() {

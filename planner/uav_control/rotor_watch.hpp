@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "planner/uav_control/uav_model.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::planner {
 
@@ -36,6 +37,9 @@ class RotorWatch {
   const rt::Vector3& load_rad_s2() const { return slow_; }
   /// After a rotor was dropped: what was learned included its absence.
   void forget() { reset(); }
+
+  /// State to bytes and back, into one of the same vehicle.
+  void archive(rt::Archive& archive);
 
  private:
   UavModel model_;

@@ -12,6 +12,9 @@ namespace {
 
 using Wide = DoubleDouble;
 
+// Thrust over weight while a gust of half the weight is held: sqrt(1 + 0.25).
+constexpr double kGustyShare = 1.118;
+
 // A chain of integrators whose last state follows the input with a lag: x_i' = couple_i x_{i+1}, and
 // x_last' = (u - x_last) / tau.
 template <std::size_t N>
@@ -43,8 +46,10 @@ double authority_rad_s2(const UavModel& model) {
     roll_m += std::fabs(model.rotor[i].place_m.y);
     pitch_m += std::fabs(model.rotor[i].place_m.x);
   }
-  const double half_n = 0.5 * model.mass_kg * model.gravity_m_s2 / static_cast<double>(model.rotors);
-  return half_n * std::min(roll_m / model.inertia_kg_m2.x, pitch_m / model.inertia_kg_m2.y);
+  const double hover_n = model.mass_kg * model.gravity_m_s2 / static_cast<double>(model.rotors);
+  const double spare_n = std::max(0.0, model.max_thrust_n() - kGustyShare * hover_n);
+  return std::min(0.5 * hover_n, spare_n) *
+         std::min(roll_m / model.inertia_kg_m2.x, pitch_m / model.inertia_kg_m2.y);
 }
 
 Status design_gains(const UavModel& model, double period_s, const StateWeights& weights, StateGains& gains) {

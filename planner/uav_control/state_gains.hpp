@@ -47,14 +47,15 @@ struct StateWeights {
   AxisDeviations tilt{0.20, 0.10, 0.40, 0.35, 2.0, 20.0};
   AxisDeviations lift{0.20, 0.10, 0.30, 0.0, 0.0, 6.0};
   AxisDeviations turn{0.0, 0.0, 0.0, 0.10, 0.8, 12.0};
-  /// Angular acceleration about roll and pitch that hovering rotors can make (half of them at rest) for which
-  /// the tilt weights are meant. A vehicle that has less gets weights softer by as much: demands beyond what
-  /// rotors can do make the chain of integrators ring.
+  /// Angular acceleration about roll and pitch, see authority_rad_s2(), for which the tilt weights are meant.
+  /// A vehicle that has less gets weights softer by as much: demands beyond what rotors can do make the chain
+  /// of integrators ring.
   double full_authority_rad_s2{40.0};
 };
 
-/// Angular acceleration about the weaker of roll and pitch while the rotors carry the weight and those of one
-/// side stand.
+/// Angular acceleration about the weaker of roll and pitch that rotors have both ways: half of what each
+/// makes in hover, or what they have to spare above the thrust that holds a gust of half the weight, where
+/// that is less.
 double authority_rad_s2(const UavModel& model);
 
 /// Designs all gains for steps of `period_s`: exact steps of the chains x' = v, v' = g theta, theta' = q,

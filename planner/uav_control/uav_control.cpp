@@ -40,6 +40,8 @@ UavControl::UavControl(const UavControlConfig& config)
       rotors_(usable(config.model), usable_period(config.period_s)),
       watch_(usable(config.model), config.watch, usable_period(config.period_s)),
       profile_(config.profile, usable_period(config.period_s)),
+      lag_(0.5 * (usable(config.model).tau_up_s + usable(config.model).tau_down_s),
+           usable_period(config.period_s)),
       tau_s_(0.5 * (config.model.tau_up_s + config.model.tau_down_s)),
       tilt_slope_(rt::tan(std::min(config.max_tilt_rad, 1.2))) {
   status_ = design_gains(config.model, config.period_s, config.weights, gains_);
@@ -54,8 +56,9 @@ Status UavControl::start(const rt::UavState& state) {
   from.v_m_s = rt::to_vector(state.v_world_m_s);
   from.yaw_rad = rt::yaw_of(rt::to_quaternion(state.q_world_body));
   profile_.rest(from.p_m, from.yaw_rad);
+  lag_.reset();
   if (rt::norm(from.v_m_s) > 0.05) {
-    profile_.brake(from);
+    profile_.brake(lag_.ahead(from));
     profile_.stop();
   }
   rotors_.reset(1.0);
@@ -66,12 +69,21 @@ Status UavControl::start(const rt::UavState& state) {
   have_stamp_ = false;
   stateless_s_ = standing_s_ = 0.0;
   phase_ = UavPhase::hold;
-  reference_ = profile_.now();
+  reference_ = from;
   return Status::ok;
 }
 
+void UavControl::step_profile() {
+  const FlatReference start = profile_.now();
+  profile_.step();
+  reference_ = lag_.step(start, profile_.now().s_m_s4);
+}
+
 void UavControl::begin_hold() {
-  if (phase_ == UavPhase::track) profile_.brake(reference_);
+  if (phase_ == UavPhase::track) {
+    lag_.reset();
+    profile_.brake(lag_.ahead(reference_));
+  }
   profile_.set_speed_share(1.0);
   phase_ = UavPhase::hold;
 }
@@ -109,6 +121,7 @@ Status UavControl::track(const FlatReference& next) {
   if (!is_finite(next)) return refused(Status::not_finite);
   if (!continues(next)) return refused(Status::out_of_range);
   phase_ = UavPhase::track;
+  lag_.reset();
   reference_ = next;
   fresh_track_ = true;
   silent_s_ = 0.0;
@@ -166,17 +179,19 @@ void UavControl::step_reference(const rt::UavState& state) {
   }
   if (phase_ == UavPhase::blind) {
     profile_.rest(p, rt::yaw_of(rt::to_quaternion(state.q_world_body)));
+    lag_.reset();
     reference_ = profile_.now();
     reference_.v_m_s.z = -config_.sink_m_s;
     return;
   }
-  if (phase_ == UavPhase::hold && rt::norm(p - profile_.now().p_m) > config_.max_position_error_m) {
+  if (phase_ == UavPhase::hold && rt::norm(p - reference_.p_m) > config_.max_position_error_m) {
     ++counters_.replanned;
     FlatReference here = profile_.now();
     here.p_m = p;
     here.v_m_s = rt::to_vector(state.v_world_m_s);
     here.a_m_s2 = here.j_m_s3 = {};
-    profile_.brake(here);
+    lag_.reset();
+    profile_.brake(lag_.ahead(here));
   }
   if (phase_ == UavPhase::land) {
     const Vector3 at = profile_.goal_m();
@@ -185,11 +200,15 @@ void UavControl::step_reference(const rt::UavState& state) {
     // Far below but never out of range: the ground ends it.
     if (profile_.set_goal({at.x, at.y, below}, profile_.goal_yaw_rad()) != Status::ok) profile_.stop();
     // On the ground the reference waits a little below the vehicle.
-    if (profile_.now().p_m.z > p.z - 0.45) profile_.step();
+    if (profile_.now().p_m.z > p.z - 0.45) {
+      step_profile();
+    } else {
+      lag_.reset();
+      reference_ = profile_.now();
+    }
   } else {
-    profile_.step();
+    step_profile();
   }
-  reference_ = profile_.now();
 }
 
 bool UavControl::stands(const Vector3& p, const Vector3& v) {
@@ -221,7 +240,13 @@ Status UavControl::update(const rt::UavState& state, rt::RotorCommand& command) 
     profile_.rest(p, rt::yaw_of(rt::to_quaternion(state.q_world_body)));
     phase_ = UavPhase::land;
   }
-  watch_rotors(rt::to_vector(state.w_body_rad_s));
+  // What does not sink although it should stands on something, which holds it against its rotors.
+  const bool lands = phase_ == UavPhase::land || phase_ == UavPhase::blind;
+  if (lands && reference_.v_m_s.z < -0.5 * config_.sink_m_s && v.z > 0.3 * reference_.v_m_s.z) {
+    watch_.reset();
+  } else {
+    watch_rotors(rt::to_vector(state.w_body_rad_s));
+  }
   step_reference(state);
   if (stands(p, v)) {
     phase_ = UavPhase::landed;

@@ -6,6 +6,7 @@
 
 #include "planner/uav_control/allocation.hpp"
 #include "planner/uav_control/goal_profile.hpp"
+#include "planner/uav_control/reference_lag.hpp"
 #include "planner/uav_control/rotor_model.hpp"
 #include "planner/uav_control/rotor_watch.hpp"
 #include "planner/uav_control/state_gains.hpp"
@@ -93,6 +94,9 @@ class UavControl {
   const UavControlCounters& counters() const { return counters_; }
   bool rotor_lost(std::uint32_t rotor) const { return allocation_.lost(rotor); }
 
+  /// State to bytes and back, into one of the same configuration.
+  void archive(rt::Archive& archive);
+
  private:
   struct Wish;
   Status admit(const rt::UavState& state);
@@ -101,6 +105,7 @@ class UavControl {
   bool continues(const FlatReference& next) const;
   bool stands(const rt::Vector3& p, const rt::Vector3& v);
   void begin_hold();
+  void step_profile();
   RotorWrench control(const rt::UavState& state);
   Wish wish(const rt::UavState& state);
   void integrate(const rt::Vector3& e_p, const rt::Vector3& e_v, const Wish& wish);
@@ -114,6 +119,7 @@ class UavControl {
   RotorModel rotors_;
   RotorWatch watch_;
   GoalProfile profile_;
+  ReferenceLag lag_;
   UavPhase phase_{UavPhase::idle};
   FlatReference reference_;
   rt::Vector3 integral_;

@@ -117,9 +117,12 @@ RotorWrench UavControl::control(const rt::UavState& state) {
   const TiltGains& tilt = gains_.tilt;
   const TurnGains& turn = gains_.turn;
   const Vector3& alpha_ref = body.alpha_rad_s2;
-  const Vector3 command{alpha_ref.x - tilt.angle * e_r.x - tilt.rate * e_w.x -
+  const double per_thrust = 1.0 / body.thrust_m_s2;
+  const Vector3& snap = lag_.lead_m_s4();
+  const Vector3 lead{-per_thrust * rt::dot(body.y, snap), per_thrust * rt::dot(body.x, snap), 0.0};
+  const Vector3 command{lead.x + alpha_ref.x - tilt.angle * e_r.x - tilt.rate * e_w.x -
                             tilt.acceleration * (alpha.x - alpha_ref.x) - load.x,
-                        alpha_ref.y - tilt.angle * e_r.y - tilt.rate * e_w.y -
+                        lead.y + alpha_ref.y - tilt.angle * e_r.y - tilt.rate * e_w.y -
                             tilt.acceleration * (alpha.y - alpha_ref.y) - load.y,
                         alpha_ref.z - turn.angle * e_r.z - turn.rate * e_w.z -
                             turn.acceleration * (alpha.z - alpha_ref.z) - load.z};

@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "rt/describe.hpp"
+
 namespace sortie::planner {
 
 /// A set of a brick's voxels.
@@ -19,6 +21,7 @@ struct Voxel3 {
   std::int32_t x{};
   std::int32_t y{};
   std::int32_t z{};
+  SORTIE_FIELDS(x, y, z)
   friend constexpr bool operator==(const Voxel3&, const Voxel3&) = default;
 };
 

@@ -47,6 +47,9 @@ class Corners {
   /// before.
   bool between_rounds() const { return source_ == 0; }
 
+  /// State to bytes and back, into memory of the same size.
+  void archive(rt::Archive& archive);
+
  private:
   static constexpr std::uint32_t kMostRounds = 6;
   static constexpr std::uint32_t kResampled = 192;  // points of a later round

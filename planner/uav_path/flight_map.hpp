@@ -7,6 +7,7 @@
 #include <span>
 
 #include "planner/uav_path/brick.hpp"
+#include "rt/archive.hpp"
 #include "rt/rotation.hpp"
 #include "rt/status.hpp"
 
@@ -78,6 +79,9 @@ class FlightMap {
   /// Middle of a voxel, and the voxel of a point (which may lie outside), world.
   rt::Vector3 middle_m(const Voxel3& v) const;
   Voxel3 voxel_at(const rt::Vector3& p_world_m) const;
+
+  /// State to bytes and back, into a map of the same configuration: 16 bytes a brick.
+  void archive(rt::Archive& archive);
 
  private:
   static constexpr std::int32_t kMostReach = 8;

@@ -42,6 +42,7 @@ struct UavPathWork {
   std::uint32_t exact{};  ///< pairs that the exact check judged, all plans
   std::uint32_t
       unsafe{};  ///< ways that the exact check refused: a fault of this program, never shown as a way
+  SORTIE_FIELDS(units, parts, crawled, exact, unsafe)
 };
 
 /// Plans one way at a time. No heap, no clock; the result does not depend on how the work is sliced. Memory
@@ -74,6 +75,9 @@ class UavPath {
 
   /// True when the way of `waypoints` is still safe in a map that changed: exact.
   static bool is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints);
+
+  /// State to bytes and back, into a planner with as much memory: a plan goes on where it was.
+  void archive(rt::Archive& archive);
 
  private:
   enum class Phase : std::uint8_t { coarse, fine, shorten };

@@ -153,7 +153,7 @@ Bounds bounds(const Convex& body) {
   double low[3];
   double high[3];
   for (int i = 0; i < 3; ++i) {
-    const double* row = body.R_world_body.m + 3 * i;
+    const double* row = &body.R_world_body.m[3 * i];
     high[i] = local_reach(body, {row[0], row[1], row[2]});
     low[i] = -local_reach(body, {-row[0], -row[1], -row[2]});
   }

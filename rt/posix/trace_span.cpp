@@ -24,6 +24,7 @@ Names& names() {
 SpanName::SpanName(const char* name) : index_(0) {
   Names& all = names();
   const std::lock_guard lock(all.mutex);
+  static constexpr char kOther[32] = "other";
   char cut[32]{};
   std::strncpy(cut, name, sizeof(cut) - 1);
   for (index_ = 0; index_ < all.count; ++index_) {
@@ -33,7 +34,7 @@ SpanName::SpanName(const char* name) : index_(0) {
     index_ = kMaxSpanNames - 1;
     return;
   }
-  std::strcpy(all.text[all.count], all.count == kMaxSpanNames - 1 ? "other" : cut);
+  std::memcpy(all.text[all.count], all.count == kMaxSpanNames - 1 ? kOther : cut, sizeof cut);
   index_ = all.count++;
 }
 

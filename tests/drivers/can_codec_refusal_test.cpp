@@ -203,14 +203,17 @@ TEST_CASE("random frames never break the decoder, and every one of them is accou
   std::int64_t now = 0;
   std::int64_t last_imu = std::numeric_limits<std::int64_t>::min();
   int burst = 0;  // states of all flippers one after the other, as a device sends them
-  for (int i = 0; i < 500'000; ++i) {
+  for (int i = 0; i < 1'000'000; ++i) {
     CanFrame f;
     if (burst == 0) now += static_cast<std::int64_t>(rng() % 200'000);
     if (burst == 0 && rng() % 64 == 0) burst = 4;
     f.stamp_ns = rng() % 1000 == 0 ? static_cast<std::int64_t>(rng()) : now;
-    const std::size_t halves = 3;  // IMU and tracks, of which two must meet
+    const std::size_t halves = 6;  // of IMU, fixes and tracks, of which two must meet
+    std::size_t half = rng() % 4;
+    if (half >= 2) half += 2;
+    if (rng() % 8 == 0) half = 2 + rng() % 2;
     const auto pick =
-        static_cast<std::size_t>(rng() % 8 == 0 ? rng() % std::size(kCanFrames) : halves + rng() % 4);
+        static_cast<std::size_t>(rng() % 8 == 0 ? rng() % std::size(kCanFrames) : halves + half);
     f.id = rng() % 8 == 0 ? static_cast<std::uint32_t>(rng()) : kCanFrames[pick].id;
     f.size = static_cast<std::uint8_t>(rng() % 8 == 0         ? rng() & 0xFF
                                        : find_can_frame(f.id) ? find_can_frame(f.id)->size
@@ -222,9 +225,11 @@ TEST_CASE("random frames never break the decoder, and every one of them is accou
       const std::uint64_t age = rng() % 16 == 0 ? rng() % 30 : rng() % 3;
       const std::uint16_t counter = can_time_counter(now - static_cast<std::int64_t>(age) * 100'000);
       const CanFrameSpec* spec = find_can_frame(f.id);
-      if (spec != nullptr && spec->fields != kCanDriveFields && spec->fields != kCanFlipperFields)
+      if (spec != nullptr && spec->fields != kCanDriveFields && spec->fields != kCanFlipperFields &&
+          spec->fields != kCanRotorFields)
         write_can_field(f, spec->fields[spec->field_count - 1], counter);
     }
+    if (f.id == kCanFixUpId && rng() % 4 != 0) f.data[5] &= 3;  // flags that there are
     if (burst > 0) {
       f = {};
       f.stamp_ns = now;

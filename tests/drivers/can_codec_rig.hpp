@@ -41,10 +41,11 @@ inline void track_frames(std::int64_t stamp_ns, double left_m, double right_m, C
 
 inline void check_balance(const CanSampleDecoder& decoder) {
   const CanDecodeCounters& c = decoder.counters();
-  const std::uint64_t single = c.drive_frames + c.flipper_frames + c.unknown_id + c.remote_frames +
-                               c.error_frames + c.wrong_size + c.missing_partner + c.out_of_time;
+  const std::uint64_t single = c.drive_frames + c.flipper_frames + c.rotor_frames + c.unknown_id +
+                               c.remote_frames + c.error_frames + c.wrong_size + c.missing_partner +
+                               c.out_of_time;
   const std::uint64_t pairs =
-      c.imu_samples + c.track_samples + c.time_repeated + c.time_backwards + c.encoder_jumps;
+      c.imu_samples + c.track_samples + c.fix_samples + c.time_repeated + c.time_backwards + c.encoder_jumps;
   CHECK(c.frames == single + 2 * pairs + 4 * (c.flipper_samples + c.flipper_order) +
                         static_cast<std::uint64_t>(decoder.pending()));
 }

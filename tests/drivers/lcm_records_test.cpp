@@ -14,6 +14,7 @@
 #include "sortie/event_t.hpp"
 #include "sortie/exec_stats_t.hpp"
 #include "sortie/fields_t.hpp"
+#include "sortie/fly_request_t.hpp"
 #include "sortie/gap_t.hpp"
 #include "sortie/header_t.hpp"
 #include "sortie/imu_t.hpp"
@@ -78,6 +79,7 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintParameter, parameter_t::getHash()},
       {kFingerprintSetParameter, set_parameter_t::getHash()},
       {kFingerprintDriveRequest, drive_request_t::getHash()},
+      {kFingerprintFlyRequest, fly_request_t::getHash()},
       {kFingerprintParameters, parameters_t::getHash()}};
   CHECK(std::size(pairs) == kMessageTypes.size());
   for (const auto& [ours, generated] : pairs) {

@@ -141,10 +141,47 @@ TEST_CASE("A robot that backs up, and one seen in a mirror, do the same") {
     REQUIRE(b.step_body_m.z == Approx(a.step_body_m.z).margin(1e-12));
     REQUIRE(m.step_body_m.x == Approx(a.step_body_m.x).margin(1e-12));
     REQUIRE(m.step_body_m.z == Approx(a.step_body_m.z).margin(1e-12));
+    // Every idea and every feature is a mirror image, whichever of them the trees take here.
+    for (std::uint8_t k = 0; k < sortie::estimators::kPivotIdeas; ++k) {
+      INFO("idea " << int{k});
+      REQUIRE(backward.normal_of(static_cast<PivotIdea>(k)) ==
+              Approx(forward.normal_of(static_cast<PivotIdea>(k))).margin(1e-12));
+    }
+    for (std::uint32_t k = 0; k < sortie::estimators::kModeFeatures; ++k) {
+      INFO("feature " << k);
+      REQUIRE(backward.features()[k] == Approx(forward.features()[k]).margin(1e-9));
+      REQUIRE(mirror.features()[k] == Approx(forward.features()[k]).margin(1e-9));
+    }
     // Front and rear change their names.
     const std::uint32_t name = forward.state().mode;
     REQUIRE(backward.state().mode == (name == 1 ? 3u : name == 3 ? 1u : name));
   }
+}
+
+TEST_CASE("Until a robot's length has passed, the way since the plane tells a bridge from a ramp") {
+  // Nose up within 10 cm, then steady: the features know how far the plane is behind.
+  ObstacleModes modes{ObstacleModesConfig{}};
+  const auto feature = [&](sortie::estimators::ModeFeature f) {
+    return modes.features()[static_cast<std::uint32_t>(f)];
+  };
+  const auto drive = [&](double way, double from, double to) {
+    for (int i = 0; i < 100; ++i) {
+      const double a = from + (to - from) * i / 100.0, b = from + (to - from) * (i + 1) / 100.0;
+      static_cast<void>(modes.update(sortie::estimators::test::level_step(0.01, way / 100.0, a, b)));
+    }
+  };
+  drive(0.5, 0.0, 0.0);
+  CHECK(feature(sortie::estimators::ModeFeature::away) == 0.0);
+  drive(0.1, 0.0, 0.2);
+  drive(0.1, 0.2, 0.2);
+  // The smoothed curvature needs its window to begin and to end a rise.
+  CHECK(feature(sortie::estimators::ModeFeature::away) == Approx(0.2).margin(0.005));
+  CHECK(feature(sortie::estimators::ModeFeature::rise_ago) == Approx(0.2).margin(0.005));
+  CHECK(feature(sortie::estimators::ModeFeature::fall_ago) == 1.0);
+  CHECK(feature(sortie::estimators::ModeFeature::last_turn) == Approx(0.2).margin(0.01));
+  CHECK(feature(sortie::estimators::ModeFeature::base_tilt) == Approx(0.2).margin(1e-9));
+  drive(0.3, 0.2, 0.2);
+  CHECK(feature(sortie::estimators::ModeFeature::away) == 0.0);
 }
 
 TEST_CASE("On planes there is one mode, however steep, and noise of the attitude adds no height") {

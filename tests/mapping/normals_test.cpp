@@ -79,20 +79,24 @@ std::vector<std::size_t> smooth_cores(const tests::SmoothMap& map,
                                       std::vector<std::uint32_t>& ids) {
   std::vector<std::size_t> cores;
   const auto load = [&](const tests::TwinVoxel& v) {
-    return map.grid().normal(map.grid().block(v.block), v.cell);
+    // Segments look at normals in steps of 1/128, and at curvature in steps of 1/192.
+    const mapping::NormalRecord& r = map.grid().normal(map.grid().block(v.block), v.cell);
+    Eigen::Vector4d coarse;
+    for (int axis = 0; axis < 3; ++axis) coarse[axis] = std::floor((r.normal[axis] + 128.0) / 256.0);
+    coarse[3] = std::floor(r.curvature / 1024.0);
+    return coarse;
   };
   for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const mapping::NormalRecord r = load(voxels[i]);
-    if (r.has_normal() && r.curvature <= static_cast<std::uint16_t>(0.1 * 3 * 65535.0)) cores.push_back(i);
+    const Eigen::Vector4d v = load(voxels[i]);
+    if (v.head<3>().squaredNorm() > 0 && v[3] <= std::floor(0.1 * 192.0)) cores.push_back(i);
   }
-  const double least = std::cos(0.3) * 32767.0 * 32767.0;
+  const double least = std::floor(std::cos(0.3) * std::cos(0.3) * 16777216.0) / 16777216.0;
   const auto twin = tests::twin_components(cores.size(), [&](std::size_t a, std::size_t b) {
-    const mapping::NormalRecord m = load(voxels[cores[a]]);
-    const mapping::NormalRecord n = load(voxels[cores[b]]);
-    const double dot =
-        1.0 * m.normal[0] * n.normal[0] + 1.0 * m.normal[1] * n.normal[1] + 1.0 * m.normal[2] * n.normal[2];
+    const Eigen::Vector3d m = load(voxels[cores[a]]).head<3>();
+    const Eigen::Vector3d n = load(voxels[cores[b]]).head<3>();
+    const double dot = m.dot(n);  // whole numbers, and products of them below 2^53
     return tests::twin_near(voxels[cores[a]], voxels[cores[b]], radius_cells) &&
-           std::fabs(dot) >= std::floor(least);
+           dot * dot >= least * m.squaredNorm() * n.squaredNorm();
   });
   for (const std::size_t i : cores)
     ids.push_back(map.segmenter().segment_of(map.grid(), voxels[i].block, voxels[i].cell));

@@ -239,3 +239,58 @@ TEST_CASE("The map's state goes to bytes and back") {
   CHECK(cells == others);
   CHECK(other.output().known == map.output().known);
 }
+
+TEST_CASE("Every cell that a ray changes moves the chain of changes") {
+  const OccupancyConfig config = small_occupancy();
+  std::vector<std::int8_t> cells(static_cast<std::size_t>(OccupancyMap::memory_bytes(config)));
+  std::vector<std::int8_t> others(cells.size());
+  OccupancyMap map(config, cells);
+  OccupancyMap other(config, others);
+  std::mt19937_64 random(9);
+  for (int i = 0; i < 200; ++i) {
+    const rt::Vector3 to = 4.0 * random_direction(random);
+    const bool hit = i % 2 == 0;
+    REQUIRE(map.update_ray({0, 0, 0}, to, hit) == other.update_ray({0, 0, 0}, to, hit));
+    REQUIRE(map.output().changes == other.output().changes);
+  }
+  // The same counts, another cell: the last return is one cell off, and so is all that follows.
+  (void)map.update_ray({0.1, 0.1, 0.1}, {2.1, 0.1, 0.1}, true);
+  (void)other.update_ray({0.1, 0.1, 0.1}, {0.1, 2.1, 0.1}, true);
+  CHECK(map.output().misses == other.output().misses);
+  CHECK(map.output().changes != other.output().changes);
+  (void)map.update_ray({0, 0, 0}, {1, 0, 0}, true);
+  (void)other.update_ray({0, 0, 0}, {1, 0, 0}, true);
+  CHECK(map.output().changes != other.output().changes);
+}
+
+TEST_CASE("A scan may be entered sparsely") {
+  const OccupancyConfig config = small_occupancy();
+  std::mt19937_64 random(10);
+  std::vector<rt::ScanPoint> points(101);
+  for (rt::ScanPoint& point : points) {
+    const rt::Vector3 v = 4.0 * random_direction(random);
+    point.x_m = static_cast<float>(v.x);
+    point.y_m = static_cast<float>(v.y);
+    point.z_m = static_cast<float>(v.z);
+  }
+  rt::PointScan scan;
+  scan.points = points.data();
+  scan.header.points = 101;
+  for (const std::uint32_t stride : {1u, 3u, 100u, 101u, 0xffffffffu}) {
+    std::vector<std::int8_t> cells(static_cast<std::size_t>(OccupancyMap::memory_bytes(config)));
+    std::vector<std::int8_t> others(cells.size());
+    OccupancyMap map(config, cells);
+    OccupancyMap other(config, others);
+    REQUIRE(map.update(scan, {}, stride) == Status::ok);
+    for (std::size_t i = 0; i < points.size(); i += stride)
+      (void)other.update_ray({},
+                             {static_cast<double>(points[i].x_m), static_cast<double>(points[i].y_m),
+                              static_cast<double>(points[i].z_m)},
+                             true);
+    CHECK(cells == others);
+    CHECK(map.output().changes == other.output().changes);
+    CHECK(map.update(scan, {{std::nan(""), 0, 0}, {}}, stride) == Status::not_finite);
+    CHECK(map.output().rays == 2 * other.output().rays);
+    CHECK(map.update(scan, {}, 0) == Status::out_of_range);
+  }
+}

@@ -12,6 +12,7 @@
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/wire.hpp"
 #include "drivers/wire_contacts.hpp"
+#include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -106,6 +107,10 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   drive.counter = step + 1;
   drive.speed_m_s = 0.25;
   send(publisher, kChannelDrive, [&](auto out, auto& size) { return encode(drive, nullptr, out, size); });
+  FlyRequestMessage fly;
+  fly.counter = step + 1;
+  fly.z_m = 1.5;
+  send(publisher, kChannelFly, [&](auto out, auto& size) { return encode(fly, nullptr, out, size); });
   ParametersMessage parameters;
   parameters.scene = "hall";
   parameters.parameters = {{"drive.max_speed_m_s", "m/s", 0.5, 0, 2}};

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-mapping: the local map beside PCL's batch functions on a recorded drive, thread CPU time, one
 // JSON object. The map takes scan after scan; PCL starts anew from the map's voxels each time that it is
-// asked.
-#include <time.h>
-
+// asked. --count yes adds the instructions of each step.
+#include <algorithm>
 #include <iostream>
 #include <stdexcept>
 
+#include "firmware_like/bench/child_process.hpp"
+#include "firmware_like/bench/instruction_count.hpp"
+#include "tests/bench/mapping/insertion.hpp"
 #include "tests/bench/mapping/pcl_batch.hpp"
 #include "tests/bench/report/arguments.hpp"
+#include "tests/bench/report/counted_child.hpp"
 #include "tests/bench/report/figures.hpp"
 #include "tests/mapping/owned_map.hpp"
 #include "tests/mapping/recorded_scans.hpp"
@@ -21,6 +24,8 @@ struct MappingArguments {
   std::uint32_t stride{2};  ///< every n-th point
   std::size_t warm_up{40};  ///< scans before the first figure
   std::size_t every{10};    ///< scans between two looks at PCL
+  bool count{};             ///< also the instructions of each step; takes minutes
+  std::string counted;      ///< in the child that is counted: the policy
 };
 
 struct StageTimes {
@@ -29,12 +34,6 @@ struct StageTimes {
   Rounds segment_ms;
   Rounds whole_ms;
 };
-
-double cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 void add_figure(Report& report, const std::string& group, const std::string& what, const Rounds& ours,
                 const Rounds& theirs, double goal) {
@@ -55,36 +54,87 @@ void add_figure(Report& report, const std::string& group, const std::string& wha
   report.add(figure);
 }
 
+/// Every `stride`-th point of a scan.
+std::vector<rt::ScanPoint> thinned(const tests::RecordedScan& scan, std::uint32_t stride) {
+  std::vector<rt::ScanPoint> points;
+  for (std::size_t i = 0; i < scan.points.size(); i += stride) points.push_back(scan.points[i]);
+  return points;
+}
+
+const tests::MapSizes kSizes{16384, 262136, 32768, 100000, 8192, 16384};
+
+mapping::RollingGridConfig grid_settings() {
+  mapping::RollingGridConfig grid;
+  grid.radius_m = 15;
+  return grid;
+}
+mapping::SegmenterConfig segmenter_settings() {
+  mapping::SegmenterConfig segmenter;
+  segmenter.min_voxels = 1;
+  return segmenter;
+}
+
+/// The child under callgrind: a mark before and after each step.
+template <class Policy>
+void count_drive(const std::vector<tests::RecordedScan>& scans, std::uint32_t stride) {
+  tests::OwnedMap<Policy> map(grid_settings(), segmenter_settings(), kSizes);
+  firmware::start_counting();
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const std::vector<rt::ScanPoint> points = thinned(scans[s], stride);
+    rt::PointScan scan = scans[s].view();
+    scan.points = points.data();
+    scan.header.points = static_cast<std::uint32_t>(points.size());
+    const mapping::SensorPose pose = scans[s].pose();
+    firmware::mark_count();
+    (void)map.map.update(scan, {pose.p_world_sensor_m, pose.q_world_sensor}, s);
+    firmware::mark_count();
+  }
+}
+
+/// Worst step over the median one, after the first ten.
+void add_counts(const MappingArguments& arguments, const std::string& policy, Report& report) {
+  const Marks marks = count_instructions({firmware::own_program_path(), "--counted", policy, "--file",
+                                          arguments.file, "--stride", std::to_string(arguments.stride)});
+  if (!marks.why_none.empty()) return report.skip("instructions", marks.why_none);
+  Rounds steps;
+  for (std::size_t i = 20; i + 1 < marks.instructions.size(); i += 2)
+    steps.add(1e-6 * static_cast<double>(marks.instructions[i + 1] - marks.instructions[i]));
+  if (steps.empty()) return report.skip("instructions", "the counted program made no marks");
+  Figure figure;
+  figure.group = policy;
+  figure.what = "instructions of a step, after the first ten";
+  figure.unit = "M";
+  figure.n = steps.size();
+  figure.ours = spread(steps);
+  const double times = steps.high() / steps.median();
+  figure.ratio = spread(times);
+  set_goal(figure, "worst at most 2.5 times the median", times <= 2.5);
+  report.add(figure);
+}
+
 /// One drive with one policy: times of the stages, PCL's on the same voxels, and whether partitions agree.
 template <class Policy>
 void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments& arguments,
            const char* group, double goal, Report& report) {
   using Map = tests::OwnedMap<Policy>;
-  mapping::RollingGridConfig grid;
-  grid.radius_m = 15;
-  mapping::SegmenterConfig segmenter;
-  segmenter.min_voxels = 1;
-  const tests::MapSizes sizes{16384, 262136, 32768, 100000, 8192, 16384};
-  Map map(grid, segmenter, sizes);
+  Map map(grid_settings(), segmenter_settings(), kSizes);
   StageTimes ours;
   PclTimes theirs;
   std::uint64_t differing = 0;
   std::uint64_t compared = 0;
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    std::vector<rt::ScanPoint> points;
-    for (std::size_t i = 0; i < scans[s].points.size(); i += arguments.stride)
-      points.push_back(scans[s].points[i]);
+    const std::vector<rt::ScanPoint> points = thinned(scans[s], arguments.stride);
     rt::PointScan scan = scans[s].view();
     scan.points = points.data();
     scan.header.points = static_cast<std::uint32_t>(points.size());
     const mapping::SensorPose pose = scans[s].pose();
-    const double begin = cpu_ms();
+    const double begin = mapping_cpu_ms();
     (void)map.map.insert(scan, {pose.p_world_sensor_m, pose.q_world_sensor}, s);
-    const double inserted = cpu_ms();
+    const double inserted = mapping_cpu_ms();
     (void)map.map.update_normals();
-    const double solved = cpu_ms();
+    const double solved = mapping_cpu_ms();
     (void)map.map.segment(s);
-    const double end = cpu_ms();
+    const double end = mapping_cpu_ms();
     if (s < arguments.warm_up) continue;
     ours.insert_ms.add(inserted - begin);
     ours.normals_ms.add(solved - inserted);
@@ -101,6 +151,10 @@ void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments
         const rt::Vector3 p = map.grid().centroid_m(block, cell) - pose.p_world_sensor_m;
         input.voxels.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
         input.segments.push_back(map.segmenter().segment_of(map.grid(), index, cell));
+        if (!Map::kNormals) continue;
+        const auto& n = map.grid().normal(block, cell).normal;
+        input.normals.push_back({static_cast<float>(n[0]) / 32767.0f, static_cast<float>(n[1]) / 32767.0f,
+                                 static_cast<float>(n[2]) / 32767.0f});
       }
     }
     for (const rt::ScanPoint& p : points) input.scan.push_back({p.x_m, p.y_m, p.z_m});
@@ -131,6 +185,15 @@ void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments
   memory.ours = spread(bytes);
   set_goal(memory, Map::kNormals ? "at most 80" : "at most 32", bytes <= (Map::kNormals ? 80 : 32));
   report.add(memory);
+  if (!theirs.angles_deg.empty()) {
+    std::sort(theirs.angles_deg.begin(), theirs.angles_deg.end());
+    const auto quantile = [&theirs](double share) {
+      const auto at = static_cast<std::size_t>(share * static_cast<double>(theirs.angles_deg.size() - 1));
+      return std::to_string(theirs.angles_deg[at]);
+    };
+    report.note(group, "normals of flat voxels are off PCL's on the current means by " + quantile(0.5) +
+                           " deg (median), " + quantile(0.95) + " deg (95 %)");
+  }
   if (!Map::kNormals && has_pcl())
     report.note(group,
                 std::to_string(differing) + " of " + std::to_string(compared) +
@@ -141,6 +204,9 @@ void drive(const std::vector<tests::RecordedScan>& scans, const MappingArguments
 
 int run(const MappingArguments& arguments) {
   const std::vector<tests::RecordedScan> scans = tests::read_rls(arguments.file);
+  if (arguments.counted == "smoothness")
+    return count_drive<mapping::SmoothnessPolicy>(scans, arguments.stride), 0;
+  if (!arguments.counted.empty()) return count_drive<mapping::EuclideanPolicy>(scans, arguments.stride), 0;
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();
@@ -150,6 +216,12 @@ int run(const MappingArguments& arguments) {
   if (!scans.empty()) {
     drive<mapping::EuclideanPolicy>(scans, arguments, "Euclidean", 100, report);
     drive<mapping::SmoothnessPolicy>(scans, arguments, "smoothness", 120, report);
+    insertion_beside_sorted(scans, arguments.stride, report);
+  }
+  insertion_by_size(report);
+  if (!scans.empty() && arguments.count) {
+    add_counts(arguments, "Euclidean", report);
+    add_counts(arguments, "smoothness", report);
   }
   root["load_after"] = load_average();
   std::cout << root.dump() << std::endl;
@@ -167,6 +239,10 @@ MappingArguments parse(int argc, char** argv) {
       all.stride = static_cast<std::uint32_t>(number("--stride", value, 1, 1e6));
     else if (option == "--every")
       all.every = static_cast<std::size_t>(number("--every", value, 1, 1e6));
+    else if (option == "--count" && value != nullptr)
+      all.count = std::string(value) == "yes";
+    else if (option == "--counted" && value != nullptr)
+      all.counted = value;
     else
       throw std::invalid_argument("unknown option " + option);
   }

@@ -13,6 +13,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -82,6 +83,15 @@ std::uint64_t run_pcl(const PclInput& input, bool smooth, PclTimes& times) {
     growing.setCurvatureThreshold(0.05f);
     growing.extract(clusters);
     times.normals_ms.add(t3 - t2);
+    for (std::size_t i = 0; i < input.normals.size(); ++i) {
+      const auto& ours = input.normals[i];
+      const pcl::Normal& theirs = normals->points[i];
+      const double dot = std::fabs(static_cast<double>(ours[0]) * static_cast<double>(theirs.normal_x) +
+                                   static_cast<double>(ours[1]) * static_cast<double>(theirs.normal_y) +
+                                   static_cast<double>(ours[2]) * static_cast<double>(theirs.normal_z));
+      if (dot > 0 && theirs.curvature < 0.05f)
+        times.angles_deg.push_back(57.29577951308232 * std::acos(std::min(1.0, dot)));
+    }
   } else {
     pcl::EuclideanClusterExtraction<pcl::PointXYZ> extraction;
     extraction.setClusterTolerance(0.2);

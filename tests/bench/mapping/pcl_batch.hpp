@@ -15,6 +15,7 @@ struct PclInput {
   std::vector<std::array<float, 3>> voxels;
   std::vector<std::uint32_t> segments;
   std::vector<std::array<float, 3>> scan;
+  std::vector<std::array<float, 3>> normals;  ///< the map's; (0, 0, 0): none
 };
 
 /// Thread CPU time of each call.
@@ -24,6 +25,8 @@ struct PclTimes {
   Rounds normals_ms;   ///< NormalEstimation, 0.3 m
   Rounds segments_ms;  ///< EuclideanClusterExtraction, 0.2 m; or RegionGrowing, 4 deg, curvature 0.05
   Rounds whole_ms;
+  std::vector<double>
+      angles_deg;  ///< between the map's normals and PCL's on the current means, of flat voxels
 };
 
 bool has_pcl();

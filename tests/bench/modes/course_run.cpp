@@ -68,6 +68,9 @@ class Feed {
     static_cast<void>(odometry.update(tracks_));
   }
 
+  Quaternion q_world_body() const { return rt::to_quaternion(attitude_.q_world_body); }
+  double travel_m() const { return 0.5 * (tracks_.left_m + tracks_.right_m); }
+
  private:
   Disturbance wrong_;
   hil::Random random_;
@@ -80,7 +83,37 @@ class Feed {
   estimators::FlipperAngles flippers_;
 };
 
-/// The mode by what touches where, and how the body turns. -1: of no kind that has a name.
+/// Rise of a body whose pivot is known, by the sensors' attitude and travel: what no better mode can improve.
+double rise_of_pivot(const CourseSample& from, const CourseSample& to, const Quaternion& q_from,
+                     const Quaternion& q_to, double travel_m, double run_m) {
+  const Quaternion half = rt::slerp(plain(from.q_world_body), plain(to.q_world_body), 0.5);
+  const hil::Vec3 moved = to.p_world_m - from.p_world_m;
+  const double normal = rotate_back(half, {moved.x, moved.y, moved.z}).z;
+  const Vector3 turn = log_rotation(conjugate(q_from) * q_to);
+  const bool turns = std::fabs(turn.y) > 0.5 * kTurning_rad_m * std::fabs(travel_m);
+  return rotate(q_from * exp_rotation(0.5 * turn), {travel_m - (turns ? turn.y * run_m : 0.0), 0, normal}).z;
+}
+
+/// Counts travel in true modes and how much of it was named within the collar.
+void score_modes(const std::vector<CourseSample>& drive, const std::vector<int>& truth,
+                 const std::vector<std::uint32_t>& named, CourseResult& result) {
+  for (std::size_t i = 1; i < drive.size(); ++i) {
+    if (truth[i] < 0) continue;
+    const double way = std::fabs(travel(drive[i - 1], drive[i]));
+    bool hit = false;
+    for (std::size_t back = i; back > 0 && std::fabs(travel(drive[back], drive[i])) <= kCollar_m && !hit;
+         --back)
+      hit = named[back] == static_cast<std::uint32_t>(truth[i]);
+    for (std::size_t on = i; on < drive.size() && std::fabs(travel(drive[i], drive[on])) <= kCollar_m && !hit;
+         ++on)
+      hit = named[on] == static_cast<std::uint32_t>(truth[i]);
+    result.mode_m[static_cast<std::size_t>(truth[i])] += way;
+    if (hit) result.hit_m[static_cast<std::size_t>(truth[i])] += way;
+  }
+}
+
+}  // namespace
+
 int true_mode(const CourseSample& from, const CourseSample& s, double direction) {
   const double way = std::fabs(travel(from, s)) + 3e-4;
   const Vector3 turn = log_rotation(conjugate(plain(from.q_world_body)) * plain(s.q_world_body));
@@ -106,26 +139,6 @@ int true_mode(const CourseSample& from, const CourseSample& s, double direction)
   return -1;
 }
 
-/// Counts travel in true modes and how much of it was named within the collar.
-void score_modes(const std::vector<CourseSample>& drive, const std::vector<int>& truth,
-                 const std::vector<std::uint32_t>& named, CourseResult& result) {
-  for (std::size_t i = 1; i < drive.size(); ++i) {
-    if (truth[i] < 0) continue;
-    const double way = std::fabs(travel(drive[i - 1], drive[i]));
-    bool hit = false;
-    for (std::size_t back = i; back > 0 && std::fabs(travel(drive[back], drive[i])) <= kCollar_m && !hit;
-         --back)
-      hit = named[back] == static_cast<std::uint32_t>(truth[i]);
-    for (std::size_t on = i; on < drive.size() && std::fabs(travel(drive[i], drive[on])) <= kCollar_m && !hit;
-         ++on)
-      hit = named[on] == static_cast<std::uint32_t>(truth[i]);
-    result.mode_m[static_cast<std::size_t>(truth[i])] += way;
-    if (hit) result.hit_m[static_cast<std::size_t>(truth[i])] += way;
-  }
-}
-
-}  // namespace
-
 estimators::TrackProfile plant_profile() { return {}; }
 
 CourseResult run_course(const CourseScene& scene, const std::vector<CourseSample>& drive,
@@ -147,7 +160,10 @@ CourseResult run_course(const CourseScene& scene, const std::vector<CourseSample
   std::vector<int> truth(drive.size(), -1);
   std::vector<std::uint32_t> named(drive.size());
   const double direction = scene.way_m < 0 ? -1.0 : 1.0;
+  double told = 0.0;
   for (std::size_t i = 0; i < drive.size(); ++i) {
+    const Quaternion q_before = feed.q_world_body();
+    const double travel_before_m = feed.travel_m();
     clean.next(drive[i]);
     feed.next(drive[i]);
     clean.give(perfect);
@@ -161,6 +177,9 @@ CourseResult run_course(const CourseScene& scene, const std::vector<CourseSample
     const double a = standard.estimate().p_world_body_m[2];
     const double b = ours.estimate().p_world_body_m[2];
     const double c = perfect.estimate().p_world_body_m[2];
+    told += rise_of_pivot(drive[i - 1], drive[i], q_before, feed.q_world_body(),
+                          feed.travel_m() - travel_before_m, plant_profile().run_m());
+    result.pivot += way * (told - z) * (told - z);
     result.way_m += way;
     result.standard += way * (a - z) * (a - z);
     result.ours += way * (b - z) * (b - z);

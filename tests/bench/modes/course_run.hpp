@@ -30,6 +30,7 @@ struct CourseResult {
   double standard{};  ///< integral of the squared vertical error
   double ours{};
   double floor{};  ///< of the difference of the standard method with and without the disturbance
+  double pivot{};  ///< of kinematics that are told how the body really moves along its normal
   double standard_end_m{}, ours_end_m{};
   /// Travel in each true mode (planar, low rear, edge pivot, low front), and that of it which ours named
   /// within 3 cm of travel.
@@ -46,6 +47,10 @@ struct CoursePoint {
 
 /// Geometry of the plant's vehicle as the estimator is told it.
 estimators::TrackProfile plant_profile();
+
+/// The mode by what touches where between two samples, and how the body turns (planar, low rear, edge pivot,
+/// low front: 0 to 3). -1: of no kind that has a name. `direction` of travel, +-1.
+int true_mode(const CourseSample& from, const CourseSample& s, double direction);
 
 /// Runs both. `path` may be null.
 CourseResult run_course(const CourseScene& scene, const std::vector<CourseSample>& drive,

@@ -5,9 +5,34 @@
 #include <cstdint>
 #include <vector>
 
+#include "hil/random.hpp"
+#include "tests/bench/modes/course_drive.hpp"
+#include "tests/bench/modes/tree_growth.hpp"
+
 namespace sortie::bench {
 
-/// Drives the scenes of these seeds and prints the table as C++ to stdout. A few minutes and some GB.
+/// Takes drives, then grows the trees.
+class Trainer {
+ public:
+  explicit Trainer(std::uint64_t seed) : random_(seed, 0x747265) {}
+
+  /// Adds a drive that crossed its scene, as it was and with disturbed sensors and a geometry that is off.
+  void add(const CourseScene& scene, const std::vector<CourseSample>& drive, double speed_m_s);
+
+  /// Grows all trees and writes their files into the current folder.
+  void finish();
+
+  std::size_t steps() const { return set_.steps.size(); }
+
+ private:
+  void collect(const std::vector<CourseSample>& drive, double direction, bool disturbed, std::size_t thinned);
+
+  hil::Random random_;
+  TrainingSet set_;
+};
+
+/// Drives the scenes of these seeds and writes the tables into the current folder. Some minutes a seed and
+/// some GB.
 void train_modes(const std::vector<std::uint64_t>& seeds);
 
 }  // namespace sortie::bench

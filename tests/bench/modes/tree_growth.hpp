@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Grows a decision tree whose leaves choose the idea that misses least (CART, Breiman et al. 1984, with the
-// squared miss of the best idea as impurity).
+// The trees that training grows: ideas of the pivot (a handful, averaged), of the side, and names of modes.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "estimators/obstacle_modes.hpp"
@@ -16,6 +16,8 @@ struct TrainingStep {
   float sides[3];
   float nose_up, roll, moved, weight, way, direction;
   float of_pivot, of_side;  ///< what the trees so far make of it
+  std::uint32_t drive;      ///< which one it belongs to
+  std::int8_t mode;         ///< true one as seen along the way, -1: none that has a name
   bool settled;
 };
 
@@ -23,10 +25,12 @@ struct TrainingStep {
 struct TrainingSet {
   std::vector<TrainingStep> steps;
   double calm{}, calm_turn{};  ///< squared misses on planes, and turns there
+  std::uint32_t drive{};       ///< the one that is being added
 
-  /// A step over `way_m` that moved `moved_m` along the normal, and stands for `share` of them.
+  /// A step over `way_m` that moved `moved_m` along the normal in this true mode, and stands for `share` of
+  /// them.
   void add(const estimators::ObstacleModes& modes, const estimators::ObstacleStep& step, double way_m,
-           double moved_m, double share);
+           double moved_m, int mode, double share);
 };
 
 /// A node while it grows; yes = 0: a leaf.
@@ -36,13 +40,18 @@ struct GrownNode {
   int yes{}, no{}, idea{};
   double place_m{}, sigma_m{}, sigma{};
 };
+using GrownTree = std::vector<GrownNode>;
 
-/// Learns the idea of the pivot (or of the side) from what the other tree leaves over, and notes its answers.
-std::vector<GrownNode> grow_pivot_tree(TrainingSet& set, int depth);
-std::vector<GrownNode> grow_side_tree(TrainingSet& set, int depth);
+/// Learns ideas of the pivot (or of the side) from what the others leave over, and notes the answers. Each
+/// tree of the pivot sees other drives and asks other features; their mean errs less than each.
+std::vector<GrownTree> grow_pivot_trees(TrainingSet& set, int trees, int depth);
+GrownTree grow_side_tree(TrainingSet& set, int depth);
 
-/// The table as C++.
-void print_trees(const TrainingSet& set, const std::vector<GrownNode>& pivot,
-                 const std::vector<GrownNode>& side);
+/// Learns the names; all modes count alike, however rare.
+GrownTree grow_name_tree(const TrainingSet& set, int depth);
+
+/// The tables as C++, into files of the current folder: obstacle_pivot_tree_N.hpp, obstacle_tree_table.hpp.
+void print_trees(const TrainingSet& set, const std::vector<GrownTree>& pivot, const GrownTree& side,
+                 const GrownTree& name);
 
 }  // namespace sortie::bench

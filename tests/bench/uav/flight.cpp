@@ -107,8 +107,10 @@ FlightResult fly(const FlightSetup& setup) {
   const bool ours = setup.pilot == Pilot::ours || setup.pilot == Pilot::ours_unobserved;
   auto control = std::make_unique<planner::UavControl>(setup.control);
   const LeeGains gains = lee_gains(setup.plant.name);
-  LeeController lee(setup.control.model, setup.pilot == Pilot::lee_integral ? with_integrator(gains) : gains,
-                    setup.control.period_s);
+  LeeController lee(
+      setup.control.model,
+      setup.pilot == Pilot::lee_integral ? with_integrator(gains, setup.integral_share_hz) : gains,
+      setup.control.period_s);
   auto senses = std::make_unique<FlightSenses>(setup);
   CommandLine line(setup.command_delay_s);
   FlightResult result;
@@ -160,6 +162,7 @@ FlightResult fly(const FlightSetup& setup) {
   result.counters = control->counters();
   result.phase = control->phase();
   result.estimate_rms_m = senses->estimate_rms_m();
+  if (setup.time_estimate) result.estimate_cost_us_s = senses->estimate_cost_us_s();
   return result;
 }
 

@@ -16,6 +16,13 @@ namespace sortie::bench {
 
 enum class Pilot { lee, lee_integral, ours, ours_unobserved };
 
+/// Who tells where the vehicle is.
+enum class Navigator {
+  full,           ///< estimators/uav_state, 15 states
+  no_acc_bias,    ///< the same, sure that the accelerometer has no bias: 12 states at work
+  complementary,  ///< fixed gains, no covariance
+};
+
 /// Errors of a state that is true otherwise: standard deviations a period, each axis.
 struct StateNoise {
   double position_m{};
@@ -43,14 +50,16 @@ struct FlightSetup {
   double command_delay_s{};
   double lose_rotor_at_s{-1.0};
   std::uint32_t lose_rotor{};
-  bool estimated{};  ///< by estimators/uav_state from IMU and late fixes
+  bool estimated{};  ///< from IMU and late fixes
+  Navigator navigator{Navigator::full};
+  bool time_estimate{};  ///< also measures what the estimator costs
   hil::PoseSourceConfig fixes;
   double dark_from_s{-1.0};                  ///< no fixes from here
   double dark_to_s{-1.0};                    ///< to here
   estimators::UavEstimatorConfig estimator;  ///< its observer serves the true state, too
   bool observer{true};
   std::uint64_t seed{1};
-  bool raw_goals{};  ///< Lee gets raw goals, ours gets them through its profile
+  double integral_share_hz{0.5};                              ///< Lee's integral gain over its position gain
   std::function<planner::FlatReference(double)> path;         ///< tracked
   std::function<void(double, planner::UavControl&)> command;  ///< or told to ours each period
   std::function<planner::FlatReference(double)>
@@ -75,6 +84,7 @@ struct FlightResult {
   double last_error_m{};
   bool finite{true};
   double estimate_rms_m{};  ///< of the position estimate
+  double estimate_cost_us_s{};
   hil::TouchDown touch_down;
   planner::UavControlCounters counters;
   planner::UavPhase phase{};

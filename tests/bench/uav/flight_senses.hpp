@@ -25,6 +25,8 @@ class FlightSenses {
   /// At the start of a period; `expected_m_s2` is the mean collective acceleration over the last one.
   rt::UavState state(hil::MultirotorPlant& plant, double now_s, double expected_m_s2);
   double estimate_rms_m() const;
+  /// Least of five runs over all that the estimator was given: its run time, us per second of flight.
+  double estimate_cost_us_s() const;
 
  private:
   rt::UavState true_state(hil::MultirotorPlant& plant, double now_s, double expected_m_s2);

@@ -20,8 +20,8 @@ LeeGains lee_gains(const char* vehicle) {
   return gains;
 }
 
-LeeGains with_integrator(LeeGains gains) {
-  gains.integral = 0.5 * gains.position;
+LeeGains with_integrator(LeeGains gains, double share_hz) {
+  gains.integral = share_hz * gains.position;
   return gains;
 }
 

@@ -23,9 +23,8 @@ struct LeeGains {
 
 /// Lee's gains of a vehicle by its name.
 LeeGains lee_gains(const char* vehicle);
-/// With an integrator of half the position gain a second. Not tuned further: a better peer may be hidden
-/// there.
-LeeGains with_integrator(LeeGains gains);
+/// With an integrator of `share_hz` of the position gain.
+LeeGains with_integrator(LeeGains gains, double share_hz);
 
 /// One controller. Allocates a vector a call, as its original.
 class LeeController {

@@ -9,11 +9,10 @@ namespace {
 
 constexpr double kTurn_rad_s = 1.64;  // greatest rate of the heading: 1.5 rad take two seconds
 
-constexpr double kReserve = 1.1;  // legs take longer than they would at the very limits
-
 }  // namespace
 
-LegPath::LegPath(std::vector<Corner> corners, double speed_m_s, double acceleration_m_s2, double wait_s)
+LegPath::LegPath(std::vector<Corner> corners, double speed_m_s, double acceleration_m_s2, double wait_s,
+                 double reserve)
     : corners_(std::move(corners)) {
   double time_s = 0.0;
   for (std::size_t i = 0; i + 1 < corners_.size(); ++i) {
@@ -21,8 +20,8 @@ LegPath::LegPath(std::vector<Corner> corners, double speed_m_s, double accelerat
     // Of s(x) = 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7 the greatest slope is 35/16, the greatest curvature 7.5132.
     const double turn_s =
         35.0 / 16.0 * std::fabs(corners_[i + 1].yaw_rad - corners_[i].yaw_rad) / kTurn_rad_s;
-    const double leg_s = kReserve * std::max({35.0 / 16.0 * way_m / speed_m_s,
-                                              std::sqrt(7.5132 * way_m / acceleration_m_s2), turn_s, 1e-3});
+    const double leg_s = reserve * std::max({35.0 / 16.0 * way_m / speed_m_s,
+                                             std::sqrt(7.5132 * way_m / acceleration_m_s2), turn_s, 1e-3});
     start_s_.push_back(time_s);
     leg_s_.push_back(leg_s);
     time_s += leg_s + wait_s;
@@ -61,15 +60,13 @@ planner::FlatReference LegPath::at(double time_s) const {
   return r;
 }
 
-LegPath rectangle(double speed_m_s, double acceleration_m_s2) {
+LegPath rectangle(double speed_m_s, double acceleration_m_s2, const RectangleTiming& timing) {
   constexpr double kYaw = 1.5;
-  return LegPath({{{0, 0, 1}, 0.0},
-                  {{0, 0, 1}, kYaw},
-                  {{3, 0, 1}, kYaw},
-                  {{3, 2, 1}, kYaw},
-                  {{0, 2, 1}, kYaw},
-                  {{0, 0, 1}, kYaw}},
-                 speed_m_s, acceleration_m_s2, 1.9);
+  std::vector<LegPath::Corner> corners{{{0, 0, 1}, 0.0}};
+  if (timing.turns_in_place) corners.push_back({{0, 0, 1}, kYaw});
+  for (const rt::Vector3& corner : {rt::Vector3{3, 0, 1}, {3, 2, 1}, {0, 2, 1}, {0, 0, 1}})
+    corners.push_back({corner, kYaw});
+  return LegPath(std::move(corners), speed_m_s, acceleration_m_s2, timing.wait_s, timing.reserve);
 }
 
 }  // namespace sortie::bench

@@ -18,7 +18,9 @@ class LegPath {
   };
 
   /// Each leg takes as long as its greatest speed, acceleration and turn need, and is followed by a rest.
-  LegPath(std::vector<Corner> corners, double speed_m_s, double acceleration_m_s2, double wait_s);
+  /// `reserve`: how much longer than that.
+  LegPath(std::vector<Corner> corners, double speed_m_s, double acceleration_m_s2, double wait_s,
+          double reserve);
 
   planner::FlatReference at(double time_s) const;
   double length_s() const { return end_s_; }
@@ -30,8 +32,16 @@ class LegPath {
   double end_s_{};
 };
 
-/// A turn by 1.5 rad in place, then a rectangle of 3 x 2 m, flown round once with that heading; ten seconds
-/// of it are spent in place.
-LegPath rectangle(double speed_m_s, double acceleration_m_s2);
+/// What the description of the rectangle that Lee's figures elsewhere come from leaves open: "4 legs 3 x 2 m,
+/// 1 m/s, yaw 1.5 rad, min-snap rest to rest". The defaults were chosen by eye so that ours come near those
+/// figures.
+struct RectangleTiming {
+  double wait_s{1.9};          ///< rest after each leg
+  double reserve{1.1};         ///< legs take so much longer than their greatest speed and acceleration need
+  bool turns_in_place{false};  ///< first of all; else the heading turns along with the first leg
+};
+
+/// A rectangle of 3 x 2 m, flown round once from the heading 0 to that of 1.5 rad.
+LegPath rectangle(double speed_m_s, double acceleration_m_s2, const RectangleTiming& timing = {});
 
 }  // namespace sortie::bench

@@ -15,10 +15,10 @@ struct UavPart {
   const char* name;
   void (*measure)(const UavSettings&, Report&);
 };
-constexpr UavPart kUavParts[] = {{"peers", measure_uav_peers},         {"stress", measure_uav_stress},
-                                 {"estimated", measure_uav_estimated}, {"plant", measure_uav_steps},
-                                 {"rates", measure_uav_sweep},         {"paths", measure_uav_paths},
-                                 {"count", measure_uav_count}};
+constexpr UavPart kUavParts[] = {
+    {"peers", measure_uav_peers},       {"stress", measure_uav_stress}, {"estimated", measure_uav_estimated},
+    {"orders", measure_uav_orders},     {"rates", measure_uav_sweep},   {"plant", measure_uav_steps},
+    {"pictures", measure_uav_pictures}, {"paths", measure_uav_paths},   {"count", measure_uav_count}};
 
 int run_uav(int argc, char** argv) {
   UavSettings settings;
@@ -26,6 +26,7 @@ int run_uav(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (option == "--counted-pilots") return run_counted_pilots();
+    if (option == "--gate") return gate_pilots(firmware::own_program_path());
     const char* value = ++i < argc ? argv[i] : nullptr;
     if (option == "--seeds")
       settings.seeds = static_cast<std::uint64_t>(number("--seeds", value, 1, 1000));
@@ -40,7 +41,7 @@ int run_uav(int argc, char** argv) {
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();
-  for (const char* list : {"figures", "tables", "skipped", "notes"}) root[list] = Json::array();
+  for (const char* list : {"figures", "tables", "skipped", "notes", "pictures"}) root[list] = Json::array();
   root["settings"] = {{"seeds", settings.seeds}, {"fleet", settings.fleet}, {"only", only}};
   bool found = false;
   for (const UavPart& part : kUavParts) {
@@ -50,7 +51,8 @@ int run_uav(int argc, char** argv) {
     part.measure(settings, report);
   }
   if (!found)
-    throw std::invalid_argument("--only takes peers, stress, estimated, plant, rates, paths or count");
+    throw std::invalid_argument(
+        "--only takes peers, stress, estimated, orders, rates, plant, pictures, paths or count");
   root["load_after"] = load_average();
   std::cout << root.dump() << std::endl;
   return 0;

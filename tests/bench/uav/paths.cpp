@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ways through a large hall beside lazy Theta* over all of its voxels: run time, length, memory.
 #include <algorithm>
-#include <ctime>
 #include <queue>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "planner/uav_path/sight.hpp"
+#include "tests/bench/uav/ompl_ways.hpp"
+#include "tests/bench/uav/pilot_cost.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
 #include "tests/planner/path_rig.hpp"
 
@@ -17,11 +18,7 @@ namespace {
 using planner::FlightMap;
 using planner::Voxel3;
 
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
+constexpr std::uint64_t kSliceUnits = 500;
 
 float apart(const Voxel3& a, const Voxel3& b) {
   return planner::distance(planner::to_point(a), planner::to_point(b));
@@ -78,52 +75,114 @@ float lazy_theta(const FlightMap& map, const Voxel3& start, const Voxel3& goal) 
   return -1.0f;
 }
 
-}  // namespace
+// All questions, all ways.
+struct WayRounds {
+  Rounds ours_ms;
+  Rounds slice_ms;  ///< the longest of each question
+  Rounds full_ms;
+  Rounds rrt_ms;
+  Rounds over_full;  ///< length over that of lazy Theta*
+  Rounds under_rrt;  ///< how much shorter than RRT-Connect, share
+  double failed{};   ///< of the peer
+  std::size_t bytes{};
+};
 
-void measure_uav_paths(const UavSettings&, Report& report) {
-  namespace rig = planner::test;
-  Rounds ours;
-  Rounds theirs;
-  Rounds lengths;
-  std::size_t bytes = 0;
-  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
-    rig::OwnedMap owned(rig::cube(200, 200, 40, 0.3, 0.15));
-    rig::build_hall(owned.map, seed, 4, 150);
-    rig::OwnedPath memory(owned.map);
-    bytes = memory.bytes() + owned.blocked.size() * 16 + owned.dirty.size() * 8;
-    std::mt19937 random(seed);
-    for (int question = 0; question < 10; ++question) {
-      const Voxel3 start = rig::any_free(owned.map, random, 0, 30);
-      const Voxel3 goal = rig::any_free(owned.map, random, 170, 200);
-      const double before = cpu_ms();
-      planner::PathState state =
-          memory.path.begin(owned.map, owned.map.middle_m(start), owned.map.middle_m(goal));
-      while (state == planner::PathState::running || state == planner::PathState::found)
-        state = memory.path.step(owned.map, 1000);
-      const double middle = cpu_ms();
-      const float judged = lazy_theta(owned.map, start, goal);
-      theirs.add(cpu_ms() - middle);
-      ours.add(middle - before);
-      if (judged > 0)
-        lengths.add(memory.path.length_m() / owned.map.config().voxel_m / static_cast<double>(judged));
-    }
-  }
+void add_ways(Report& report, const char* peer, const Rounds& ours, const Rounds& theirs, const char* goal,
+              bool met) {
   Figure time;
   time.group = "paths";
   time.what = "a way through 1.6 million voxels";
   time.unit = "ms";
   time.n = ours.size();
   time.ours = spread(ours);
-  time.peer = "lazy Theta* over all voxels";
+  time.peer = peer;
   time.theirs = spread(theirs);
   time.ratio = spread(ratio(ours, theirs));
+  if (goal[0] != 0) set_goal(time, goal, met);
   report.add(time);
+}
+
+double mean(const Rounds& rounds) {
   double sum = 0.0;
-  for (const double ms : ours.values()) sum += ms;
-  add_limit(report, "paths", "mean time", "ms", sum / static_cast<double>(ours.size()), 15.0);
-  add_limit(report, "paths", "longest time", "ms", ours.high(), 25.0);
-  add_limit(report, "paths", "length over lazy Theta*, worst", "", lengths.high(), 1.05);
-  add_limit(report, "paths", "memory with the map", "MB", 1e-6 * static_cast<double>(bytes), 4.0);
+  for (const double value : rounds.values()) sum += value;
+  return sum / static_cast<double>(rounds.size());
+}
+
+void ask(const FlightMap& map, planner::UavPath& path, const Voxel3& start, const Voxel3& goal,
+         WayRounds& rounds) {
+  double worst_slice = 0.0;
+  const double before = cpu_us();
+  double last = before;
+  planner::PathState state = path.begin(map, map.middle_m(start), map.middle_m(goal));
+  while (state == planner::PathState::running || state == planner::PathState::found) {
+    state = path.step(map, kSliceUnits);
+    const double now = cpu_us();
+    worst_slice = std::max(worst_slice, now - last);
+    last = now;
+  }
+  rounds.ours_ms.add(1e-3 * (last - before));
+  rounds.slice_ms.add(1e-3 * worst_slice);
+  const double middle = cpu_us();
+  const float judged = lazy_theta(map, start, goal);
+  rounds.full_ms.add(1e-3 * (cpu_us() - middle));
+  if (judged > 0) rounds.over_full.add(path.length_m() / map.config().voxel_m / static_cast<double>(judged));
+  if (!ompl_missing().empty()) return;
+  const PeerWay way = ompl_way(map, start, goal);
+  if (way.found) {
+    rounds.rrt_ms.add(way.ms);
+    rounds.under_rrt.add(1.0 - path.length_m() / way.length_m);
+  } else {
+    rounds.failed += 1.0;
+  }
+}
+
+}  // namespace
+
+void measure_uav_paths(const UavSettings&, Report& report) {
+  namespace rig = planner::test;
+  WayRounds rounds;
+  seed_ompl(1);
+  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+    rig::OwnedMap owned(rig::cube(200, 200, 40, 0.3, 0.15));
+    rig::build_hall(owned.map, seed, 4, 150);
+    rig::OwnedPath memory(owned.map);
+    rounds.bytes = memory.bytes() + owned.blocked.size() * 16 + owned.dirty.size() * 8;
+    std::mt19937 random(seed);
+    for (int question = 0; question < 10; ++question) {
+      const Voxel3 start = rig::any_free(owned.map, random, 0, 30);
+      const Voxel3 goal = rig::any_free(owned.map, random, 170, 200);
+      ask(owned.map, memory.path, start, goal, rounds);
+    }
+  }
+  add_ways(report, "lazy Theta* over all voxels", rounds.ours_ms, rounds.full_ms, "", true);
+  if (rounds.rrt_ms.empty()) {
+    report.skip("RRT-Connect beside the ways", ompl_missing());
+  } else {
+    add_ways(report, "OMPL RRTConnect, mean of both compared", rounds.ours_ms, rounds.rrt_ms, "faster",
+             mean(rounds.ours_ms) < mean(rounds.rrt_ms));
+    Figure shorter{"paths",
+                   "shorter than RRTConnect, all ways",
+                   "%",
+                   rounds.under_rrt.size(),
+                   spread(100.0 * mean(rounds.under_rrt)),
+                   {},
+                   {},
+                   {},
+                   {},
+                   {}};
+    set_goal(shorter, ">= 20 %", mean(rounds.under_rrt) >= 0.2);
+    report.add(shorter);
+    report.add_table("paths", {"planner", "ways of 20", "mean ms", "longest ms"},
+                     {{"ours", rounds.ours_ms.size(), mean(rounds.ours_ms), rounds.ours_ms.high()},
+                      {"OMPL RRTConnect", rounds.rrt_ms.size(), mean(rounds.rrt_ms), rounds.rrt_ms.high()},
+                      {"lazy Theta*", rounds.over_full.size(), mean(rounds.full_ms), rounds.full_ms.high()}});
+    report.note("paths", ompl_settings());
+  }
+  add_limit(report, "paths", "mean time", "ms", mean(rounds.ours_ms), 15.0);
+  add_limit(report, "paths", "longest time", "ms", rounds.ours_ms.high(), 25.0);
+  add_limit(report, "paths", "longest slice of 500 units", "ms", rounds.slice_ms.high(), 1.0);
+  add_limit(report, "paths", "length over lazy Theta*, worst", "", rounds.over_full.high(), 1.05);
+  add_limit(report, "paths", "memory with the map", "MB", 1e-6 * static_cast<double>(rounds.bytes), 4.0);
 }
 
 }  // namespace sortie::bench

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Requests to the pilot of a run, as they come over the network.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "drivers/siphash.hpp"
+#include "rt/status.hpp"
+
+namespace sortie::drivers {
+
+/// fly_request_t. Fields as in rt::FlyRequest; what they may be is for the receiver to judge.
+struct FlyRequestMessage {
+  std::int64_t utime{};    ///< us UTC of the sender's clock; nothing is decided from it
+  std::int64_t session{};  ///< of the run that is meant
+  std::int64_t sender{};   ///< any number
+  std::int64_t counter{};  ///< above all that the run has taken
+  double x_m{};
+  double y_m{};
+  double z_m{};
+  double yaw_rad{};
+  std::int32_t mode{};
+};
+
+/// Bytes of the message, fingerprint and tag included: always the same.
+inline constexpr std::size_t kFlyRequestBytes = 8 + 4 * 8 + 4 * 8 + 4 + 8;
+
+/// A request with its tag; `key` null: tag 0. No heap. Decoding: `bad_checksum` for another type of message,
+/// `malformed` for any other length, `disconnected` when `key` is given and the tag is not its; `request` is
+/// then unchanged.
+[[nodiscard]] Status encode(const FlyRequestMessage& request, const SipKey* key, std::span<std::uint8_t> out,
+                            std::size_t& size) noexcept;
+[[nodiscard]] Status decode(std::span<const std::uint8_t> message, const SipKey* key,
+                            FlyRequestMessage& request) noexcept;
+
+}  // namespace sortie::drivers

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/bench/odometry_sets.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "drivers/wire.hpp"
+#include "drivers/wire_records.hpp"
+#include "firmware_like/live_run.hpp"
+#include "firmware_like/vehicles/ugv_config.hpp"
+#include "rt/fields.hpp"
+
+namespace sortie::firmware {
+namespace {
+
+using Kind = OdometryEvent::Kind;
+
+constexpr double kFinest_hz = 1000;
+
+template <class Sample>
+void read_channel(const LogFile& log, std::string_view channel, Kind kind, std::vector<Sample>& samples,
+                  std::vector<OdometryEvent>& events) {
+  for (const StoredEvent& stored : log.channel(std::string(channel))) {
+    Sample sample;
+    std::int64_t seq = 0;
+    if (drivers::decode(stored.message, sample, seq) != Status::ok) continue;
+    events.push_back({stored.timestamp_us, kind, static_cast<std::uint32_t>(samples.size())});
+    samples.push_back(sample);
+  }
+}
+
+void read_flippers(const LogFile& log, OdometrySet& set) {
+  for (const StoredEvent& stored : log.channel("FLIPPER")) {
+    drivers::CustomView view;
+    if (drivers::decode(stored.message, view) != Status::ok) continue;
+    if (view.data.size() != rt::canonical_size<rt::FlipperSample>()) continue;
+    set.events.push_back(
+        {stored.timestamp_us, Kind::flippers, static_cast<std::uint32_t>(set.flippers.size())});
+    rt::decode_canonical(view.data.data(), set.flippers.emplace_back());
+  }
+}
+
+void read_settings(Profile profile, OdometrySet& set) {
+  std::vector<std::byte> memory(1 << 16);
+  rt::Arena arena(memory);
+  rt::Executive executive(arena, rt::kNanosecondsPerMillisecond, 0);
+  VehicleBuilder builder(profile, executive, {});
+  set.attitude = read_attitude_config(builder);
+  set.track_aid = profile.text("attitude.track_aid", "on", "", {"on", "off"}) == "on";
+  set.has_odometry = builder.wants("odometry");
+  if (set.has_odometry) set.odometry = read_odometry_config(builder);
+}
+
+/// A folder that is gone with its log.
+class Scratch {
+ public:
+  Scratch() : path_((std::filesystem::temp_directory_path() / "sortie-odometry-XXXXXX").string()) {
+    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_ + ": cannot be made");
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  std::string file(const char* name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+OdometrySet read_odometry_set(const LogFile& log, const std::string& scene) {
+  OdometrySet set;
+  read_flippers(log, set);
+  read_channel(log, drivers::kChannelImu, Kind::imu, set.imu, set.events);
+  read_channel(log, drivers::kChannelTrack, Kind::track, set.track, set.events);
+  // A job takes flippers, then all attitudes, then the tracks.
+  std::stable_sort(set.events.begin(), set.events.end(), [](const OdometryEvent& a, const OdometryEvent& b) {
+    return a.received_us != b.received_us ? a.received_us < b.received_us : a.kind < b.kind;
+  });
+  if (set.imu.size() < 2) throw std::runtime_error(log.path() + ": holds no inertial samples");
+  set.duration_s = rt::to_seconds(set.imu.back().stamp_ns - set.imu.front().stamp_ns);
+  set.rate_hz = static_cast<double>(set.imu.size() - 1) / set.duration_s;
+  set.truth = log.truth();
+  read_settings(scene.empty() ? Profile(log.header().scene_toml, log.path()) : load_scene(scene), set);
+  set.error = set.has_odometry && !set.track.empty() ? "ate_rmse_m" : "inclination_rmse_deg";
+  return set;
+}
+
+OdometrySet drive_odometry_set(const VehicleRegistry& vehicles, const BenchFactory& bench,
+                               const std::string& scene, double seconds) {
+  const Scratch scratch;
+  LiveRunOptions options;
+  options.scene = scene;
+  options.overrides = {"hil.imu_hz=1000", "hil.lidar_rows=4", "hil.lidar_columns=64"};
+  options.seconds = seconds;
+  options.virtual_time = true;
+  options.record = scratch.file("drive.lcm");
+  options.lcm_url = "none";
+  static_cast<void>(run_live(vehicles, bench, options));
+  const LogFile log(options.record);
+  OdometrySet set = read_odometry_set(log, "");
+  set.name = scene;
+  set.rate_hz = kFinest_hz;
+  set.profile_rate_hz = 200;
+  set.error = "vertical_rmse_m";
+  return set;
+}
+
+OdometrySet thinned(const OdometrySet& set, std::uint32_t every) {
+  if (every <= 1) return set;
+  OdometrySet out = set;
+  out.rate_hz = set.rate_hz / every;
+  out.imu.clear();
+  out.events.clear();
+  rt::ImuSample sum;
+  std::uint32_t n = 0;
+  for (const OdometryEvent& event : set.events) {
+    if (event.kind != Kind::imu) {
+      out.events.push_back(event);
+      continue;
+    }
+    const rt::ImuSample& sample = set.imu[event.index];
+    for (int i = 0; i < 3; ++i) {
+      sum.gyr_rad_s[i] += sample.gyr_rad_s[i];
+      sum.acc_m_s2[i] += sample.acc_m_s2[i];
+    }
+    sum.flags |= sample.flags;
+    if (++n < every) continue;
+    sum.stamp_ns = sample.stamp_ns;
+    for (int i = 0; i < 3; ++i) {
+      sum.gyr_rad_s[i] /= n;
+      sum.acc_m_s2[i] /= n;
+    }
+    out.events.push_back({event.received_us, Kind::imu, static_cast<std::uint32_t>(out.imu.size())});
+    out.imu.push_back(sum);
+    sum = {};
+    n = 0;
+  }
+  return out;
+}
+
+}  // namespace sortie::firmware

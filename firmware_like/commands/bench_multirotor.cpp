@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/commands/bench_multirotor.hpp"
+
+#include "drivers/can_stub.hpp"
+#include "firmware_like/commands/bench_inertial.hpp"
+#include "firmware_like/vehicles/units.hpp"
+#include "firmware_like/vehicles/world_boxes.hpp"
+#include "hil/uav/uav_vehicle.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+void read_fixes(Profile& profile, hil::UavVehicleConfig& config) {
+  hil::PoseSourceConfig& fixes = config.fixes;
+  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                 const char* meaning) {
+    return profile.number(path, {fallback, low, high, unit, meaning});
+  };
+  fixes.period_ns =
+      milliseconds(number("hil.fix_period_ms", 50, 1, 10'000, "ms", "between fixes of the place"));
+  fixes.position_sigma_m =
+      number("hil.fix_sigma_m", fixes.position_sigma_m, 0, 10, "m", "error of a fix, each axis");
+  fixes.yaw_sigma_rad =
+      number("hil.fix_yaw_sigma_rad", fixes.yaw_sigma_rad, 0, 0.5, "rad", "error of its heading");
+  fixes.delay_ns = milliseconds(number("hil.fix_delay_ms", 50, 0, 500, "ms", "mean delay of a fix"));
+  fixes.delay_spread_ns = milliseconds(
+      number("hil.fix_delay_spread_ms", 10, 0, 500, "ms", "the delay is uniform, so far to both sides"));
+  fixes.loss = number("hil.fix_loss", fixes.loss, 0, 1, "", "share of fixes that are lost");
+  fixes.outlier = number("hil.fix_outliers", 0, 0, 1, "", "share of fixes that are far off");
+  config.dark_from_ns =
+      milliseconds(1e3 * number("hil.dark_from_s", 0, 0, 1e6, "s", "no fixes from here ..."));
+  config.dark_to_ns = milliseconds(1e3 * number("hil.dark_to_s", 0, 0, 1e6, "s", "... to here"));
+}
+
+void read_weather(Profile& profile, hil::UavVehicleConfig& config) {
+  using Kind = ColumnSpec::Kind;
+  const std::vector<ColumnSpec> columns = {
+      {"at_s", Kind::number, {0, 0, 1e6, "s"}, true}, {"length_s", Kind::number, {1, 0.001, 1e6, "s"}, true},
+      {"x_n", Kind::number, {0, -200, 200, "N"}},     {"y_n", Kind::number, {0, -200, 200, "N"}},
+      {"z_n", Kind::number, {0, -200, 200, "N"}},
+  };
+  for (const ProfileRow& row : profile.rows("hil.gusts", columns, hil::MultirotorPlant::kMaxGusts,
+                                            "forces on the body, in the world")) {
+    config.gusts.push_back({{row.numbers.at("x_n"), row.numbers.at("y_n"), row.numbers.at("z_n")},
+                            row.numbers.at("at_s"),
+                            row.numbers.at("length_s")});
+  }
+  const char* wind = "velocity of the air";
+  config.wind_m_s = {profile.number("hil.wind_x_m_s", {0, -30, 30, "m/s", wind}),
+                     profile.number("hil.wind_y_m_s", {0, -30, 30, "m/s", wind}),
+                     profile.number("hil.wind_z_m_s", {0, -30, 30, "m/s", wind})};
+}
+
+hil::UavVehicleConfig read_uav_bench(Profile& profile) {
+  hil::UavVehicleConfig config;
+  config.seed = static_cast<std::uint64_t>(
+      profile.integer("hil.seed", {1, 0, 1e15, "", "of all sensor noise and faults"}));
+  const std::string airframe =
+      profile.text("hil.airframe", "neo11", "the vehicle that is simulated, as RotorS describes it",
+                   {"neo11", "neo9", "firefly"});
+  config.airframe = airframe == "neo11"  ? hil::neo11_plant()
+                    : airframe == "neo9" ? hil::neo9_plant()
+                                         : hil::firefly_plant();
+  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                 const char* meaning) {
+    return profile.number(path, {fallback, low, high, unit, meaning});
+  };
+  const double share =
+      number("hil.mass_share", 1, 0.3, 3, "", "true mass / that of the airframe; the vehicle is not told");
+  config.airframe.frame_mass_kg *= share;
+  config.propeller_radius_m =
+      number("hil.propeller_radius_m", airframe == "firefly" ? 0.1 : 0.14, 0.01, 1, "m", "for what it hits");
+  const char* start = "where it stands at the start";
+  config.start_m = {number("hil.start_x_m", 0, -1000, 1000, "m", start),
+                    number("hil.start_y_m", 0, -1000, 1000, "m", start), 0};
+  config.start_yaw_rad = kDegree * number("hil.start_yaw_deg", 0, -360, 360, "deg", "heading at the start");
+  config.lose_at_s = number("hil.lose_rotor_at_s", -1, -1, 1e6, "s", "a propeller comes off; -1: none does");
+  config.lost_rotor =
+      static_cast<std::uint32_t>(profile.integer("hil.lost_rotor", {0, 0, 7, "", "which, counted from 0"}));
+  config.command_faults.drop =
+      number("hil.command_loss", 0, 0, 1, "", "share of frames to the rotors that are not heard");
+  read_imu_alone(profile, config.imu, config.imu_faults);
+  for (const double arm : config.imu.lever_arm_m)
+    if (arm != 0.0) profile.fail("hil.imu_x_m", "the IMU of this vehicle sits in its middle");
+  read_fixes(profile, config);
+  read_weather(profile, config);
+  for (const WorldBox& box : read_world_boxes(profile)) {
+    hil::BoxShape shape;
+    shape.center_x_m = 0.5 * (box.lowest_m[0] + box.highest_m[0]);
+    shape.center_y_m = 0.5 * (box.lowest_m[1] + box.highest_m[1]);
+    shape.length_m = box.highest_m[0] - box.lowest_m[0];
+    shape.width_m = box.highest_m[1] - box.lowest_m[1];
+    shape.bottom_m = box.lowest_m[2];
+    shape.top_m = box.highest_m[2];
+    config.solids.push_back({hil::make_box(shape), box.from_ns});
+  }
+  return config;
+}
+
+// Plant and runtime are two nodes of one bus; the bus belongs to the plant's thread.
+class BenchUav final : public BenchRobot {
+ public:
+  explicit BenchUav(const hil::UavVehicleConfig& config)
+      : vehicle_(bus_.attach("runtime")),
+        plant_port_(bus_.attach("plant")),
+        plant_(config, plant_port_),
+        what_(std::string("simulated ") + config.airframe.name + ", seed " + std::to_string(config.seed) +
+              ", among " + std::to_string(config.solids.size()) + " boxes"),
+        has_solids_(!config.solids.empty()) {}
+
+  void step(rt::Nanoseconds now_ns) override {
+    bus_.advance(now_ns);
+    static_cast<void>(plant_.step(now_ns));  // less than a step since the last: nothing to do
+    bus_.advance(now_ns);
+  }
+  rt::TruthSample truth() const override { return plant_.truth(); }
+  void set_device_clock(rt::Nanoseconds reading_ns) override { plant_.set_device_clock(reading_ns); }
+  drivers::CanBus* vehicle_can() override { return &vehicle_; }
+  std::string describe() const override { return what_; }
+  void add_counters(std::map<std::string, std::uint64_t>& counters) const override {
+    const hil::UavVehicleCounters& seen = plant_.counters();
+    counters["bench_frames_sent"] = seen.frames_sent;
+    counters["bench_frames_refused"] = seen.frames_refused;
+    counters["bench_commands"] = seen.commands_taken;
+    counters["bench_commands_repeated"] = seen.commands_repeated;
+    counters["bench_rotors_stale_ms"] = seen.command_stale_steps;
+    counters["bench_late_steps"] = seen.late_steps;
+    counters["bench_can_frames"] = bus_.stats().frames;
+    counters["bench_fixes_lost"] = plant_.fixes_lost();
+    counters["bench_collisions"] = seen.collisions;
+    counters["bench_collision_ms"] = seen.collision_steps;
+    if (has_solids_ && plant_.least_gap_m() < 1e6)
+      counters["bench_least_gap_mm"] = static_cast<std::uint64_t>(1e3 * plant_.least_gap_m());
+    counters["bench_most_tilt_mdeg"] = static_cast<std::uint64_t>(1e3 * plant_.most_tilt_rad() / kDegree);
+    const hil::TouchDown& touch = plant_.plant().touch_down();
+    counters["bench_landed"] = touch.happened ? 1 : 0;
+    if (touch.happened) counters["bench_touch_down_mm_s"] = static_cast<std::uint64_t>(1e3 * touch.speed_m_s);
+  }
+
+ private:
+  drivers::CanStub bus_;
+  drivers::CanBus& vehicle_;
+  drivers::CanBus& plant_port_;
+  hil::UavVehicle plant_;
+  std::string what_;
+  bool has_solids_;
+};
+
+}  // namespace
+
+std::unique_ptr<BenchRobot> make_uav_bench(Profile& profile) {
+  const hil::UavVehicleConfig config = read_uav_bench(profile);
+  try {
+    return std::make_unique<BenchUav>(config);
+  } catch (const ProfileError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    profile.fail("hil", error.what());
+  }
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a work unit of an anytime task takes on this machine, tried at the boot of a live run. It warns; what
+// tasks do does not depend on it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace sortie::mapping {
+struct OccupancyConfig;
+}  // namespace sortie::mapping
+namespace sortie::planner {
+struct SslChoiceConfig;
+}  // namespace sortie::planner
+
+namespace sortie::firmware {
+
+/// A trial's outcome.
+struct UnitTrial {
+  std::string task;       ///< empty: nothing was tried
+  double ns_per_unit{};   ///< of the dearest map that was tried
+  std::uint32_t units{};  ///< what the task may spend
+  double budget_us{};     ///< what it may take
+};
+
+/// A vehicle that has anytime tasks whose units can be tried.
+class UnitTryer {
+ public:
+  virtual ~UnitTryer() = default;
+  /// At the boot of a live run: what the units take here; no task's name where nothing was tried.
+  virtual UnitTrial try_units() const = 0;
+};
+
+/// Plans over a map that is wholly unknown and over one of scattered walls, and times both. Takes memory of
+/// its own for as long as it runs (as much as the task's), and about 20 ms.
+UnitTrial try_ray_units(const planner::SslChoiceConfig& choice, const mapping::OccupancyConfig& map);
+
+/// What to tell a user when the units do not fit into the budget, with the units that would; empty when they
+/// do.
+std::string unit_warning(const UnitTrial& trial);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/vehicles/uav.hpp"
+
+#include <tuple>
+
+#include "firmware_like/vehicles/uav_config.hpp"
+
+namespace sortie::firmware {
+
+Uav::Uav(VehicleBuilder& builder) {
+  const rt::GroupId control = builder.group("control", 200);
+  const bool flies = builder.wants("pilot");
+  if (flies) make_pilot(builder, control);
+  add_state(builder, control);
+  if (flies) {
+    add_pilot(builder, control);
+    if (builder.wants("path", false)) add_path(builder, control);
+    builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
+  }
+  builder.check();
+}
+
+void Uav::add_state(VehicleBuilder& builder, rt::GroupId group) {
+  std::tie(imu_, imu_port_) = builder.stream<rt::ImuSample>(group, "IMU", 256, 64);
+  std::tie(fixes_, fix_port_) = builder.stream<rt::UavFix>(group, "FIX", 32, 8);
+  estimator_ = std::make_unique<estimators::UavEstimator>(read_uav_estimator_config(builder));
+  const rt::TaskBase* task =
+      builder.task<rt::UavState>(group, "state", 200, [this](rt::JobContext&, rt::UavState& output) {
+        // A backward read: what the pilot's last command makes of the rotors. Refusals are counted.
+        const double thrust_m_s2 = pilot_ ? pilot_->mean_thrust_m_s2() : 9.81;
+        for (const rt::ImuSample& sample : *imu_) static_cast<void>(estimator_->imu(sample, thrust_m_s2));
+        for (const rt::UavFix& fix : *fixes_) static_cast<void>(estimator_->fix(fix));
+        output = estimator_->state();
+      });
+  builder.remembers(task, *estimator_);
+  pose_task_ = builder.task<rt::PoseEstimate>(
+      group, "pose", 20, [this](rt::JobContext&, rt::PoseEstimate& output) { put_pose(output); });
+  builder.remembers(pose_task_, distance_m_, last_m_, located_);
+  const estimators::UavEstimator* estimator = estimator_.get();
+  estimators::UavEstimatorCounters::fields(
+      estimator->counters(), [&](const char* name, const std::uint64_t& count) {
+        builder.counter(std::string("state_") + name, [&count] { return count; });
+      });
+}
+
+void Uav::put_pose(rt::PoseEstimate& pose) {
+  const rt::UavState& state = estimator_->state();
+  if (state.verdict == rt::UavVerdict::starting) return;  // no place yet: no pose
+  pose.stamp_ns = state.stamp_ns;
+  const rt::Vector3 p = rt::to_vector(state.p_world_m);
+  if (located_) distance_m_ += rt::norm(p - last_m_);
+  located_ = true;
+  last_m_ = p;
+  const rt::Vector3 v =
+      rt::rotate_back(rt::to_quaternion(state.q_world_body), rt::to_vector(state.v_world_m_s));
+  pose.v_body_m_s[0] = v.x;
+  pose.v_body_m_s[1] = v.y;
+  pose.v_body_m_s[2] = v.z;
+  for (int i = 0; i < 3; ++i) {
+    pose.p_world_body_m[i] = state.p_world_m[i];
+    pose.w_body_rad_s[i] = state.w_body_rad_s[i];
+  }
+  for (int i = 0; i < 4; ++i) pose.q_world_body[i] = state.q_world_body[i];
+  // The filter's order is position, velocity, attitude; its attitude errors are of the body.
+  const estimators::ErrorCovariance& p_all = estimator_->covariance();
+  for (std::size_t r = 0; r < 6; ++r) {
+    for (std::size_t c = 0; c < 6; ++c)
+      pose.covariance[6 * r + c] = p_all(r < 3 ? r : r + 3, c < 3 ? c : c + 3);
+  }
+  pose.distance_m = distance_m_;
+  pose.rejected = static_cast<std::uint32_t>(estimator_->counters().imu_refused & 0xFFFFFFFFu);
+}
+
+// Before the group's first task: it has a run-time parameter.
+void Uav::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
+  planner::UavPilotConfig config = read_pilot_config(builder);
+  config.plans = builder.wants("path", false);
+  pilot_ = std::make_unique<planner::UavPilot>(config);
+  if (pilot_->status() != Status::ok)
+    builder.profile().fail("airframe.mass_kg", "no stable controller could be designed for this vehicle");
+  if (pilot_->set_mission(read_uav_mission(builder)) != Status::ok)
+    builder.profile().fail("mission.goals", "every goal must lie within 8 km of the origin");
+  builder.parameter(group, "flight.reach_m", [this](double value) { return pilot_->set_reach(value); });
+}
+
+void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
+  if (builder.profile().flag("flight.remote", false, "requests over LCM may fly the vehicle"))
+    std::tie(requests_, request_port_) = builder.stream<rt::FlyRequest>(group, "FLY", 16, 8);
+  outlet_ = builder.outlet<rt::RotorCommand>("rotors");
+  pilot_task_ = builder.task<planner::UavPilotOutput>(
+      group, "pilot", 50, [this](rt::JobContext& context, planner::UavPilotOutput& output) {
+        if (requests_ != nullptr) {
+          // A refusal is counted in the output, by its reason.
+          for (const rt::FlyRequest& request : *requests_) static_cast<void>(pilot_->request(request));
+        }
+        const planner::UavWay* way = way_input_ != nullptr ? way_input_->latest() : nullptr;
+        pilot_->update(estimator_->state(), way, context.release_ns);
+        output = pilot_->output();
+        outlet_->put(output.command, context.due_ns);
+      });
+  builder.remembers(pilot_task_, *pilot_);
+  add_pilot_counters(builder);
+}
+
+void Uav::add_pilot_counters(VehicleBuilder& builder) {
+  builder.counter("commands_sent", [this] { return commands_sent_; });
+  builder.counter("commands_refused", [this] { return commands_refused_; });
+  const planner::UavPilotOutput& output = pilot_->output();
+  builder.counter("goals_reached", [&output] { return std::uint64_t{output.reached}; });
+  builder.counter("goals_without_way", [&output] { return std::uint64_t{output.no_way}; });
+  builder.counter("ways_given_up", [&output] { return std::uint64_t{output.replans}; });
+  builder.counter("times_without_fixes", [&output] { return std::uint64_t{output.blinded}; });
+  planner::UavControlCounters::fields(output.control, [&](const char* name, const std::uint64_t& count) {
+    builder.counter(std::string("flight_") + name, [&count] { return count; });
+  });
+  if (requests_ == nullptr) return;
+  planner::RequestCounters::fields(output.requests, [&](const char* name, const std::uint32_t& count) {
+    builder.counter(std::string("fly_requests_") + name, [&count] { return std::uint64_t{count}; });
+  });
+}
+
+void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
+  GuideConfig config = read_guide_config(builder);
+  boxes_ = std::move(config.boxes);
+  rt::Arena& arena = builder.arena();
+  const std::uint32_t bricks = planner::FlightMap::bricks_for(config.map);
+  map_ = std::make_unique<planner::FlightMap>(
+      config.map, arena.make_array<planner::BrickMask>("flight map", bricks),
+      arena.make_array<planner::BrickMask>("flight map", bricks),
+      arena.make_array<std::uint64_t>("flight map", planner::FlightMap::dirty_words_for(config.map)));
+  const planner::CoarseMemory coarse{arena.make_array<planner::PathNode>("path parts", config.parts),
+                                     arena.make_array<std::uint32_t>("path parts", config.parts),
+                                     arena.make_array<std::uint32_t>("path parts", bricks)};
+  const planner::FineMemory fine{arena.make_array<planner::FineVoxel>("path voxels", config.voxels),
+                                 arena.make_array<std::uint32_t>("path voxels", config.voxels),
+                                 arena.make_array<planner::VoxelPoint>("path parts", config.parts),
+                                 arena.make_array<float>("path parts", config.parts)};
+  const planner::CornerMemory corners{arena.make_array<planner::Voxel3>("path corners", config.corners),
+                                      arena.make_array<float>("path corners", config.corners),
+                                      arena.make_array<std::uint32_t>("path corners", config.corners)};
+  if (arena.refused() != 0) builder.profile().fail("limits.path_parts", "the memory is too small");
+  path_ = std::make_unique<planner::UavPath>(planner::UavPathMemory{coarse, fine, corners});
+  guide_ = std::make_unique<planner::UavGuide>(*map_, *path_, boxes_);
+  if (guide_->status() != Status::ok)
+    builder.profile().fail("airframe.radius_m", "the vehicle is too large for voxels of this size");
+  const rt::GroupId group = builder.group("planning", 10);
+  question_input_ = builder.input(group, pilot_task_, 1);
+  const rt::Task<planner::UavWay>* task = builder.task<planner::UavWay>(
+      group, "path", TaskDefaults{5000, rt::Criticality::b, 100'000},
+      [this](rt::JobContext& context, planner::UavWay& output) {
+        const planner::UavPilotOutput* pilot = question_input_->latest();
+        guide_->look(pilot != nullptr ? &pilot->question : nullptr, context.release_ns);
+        while (guide_->works() && context.spend(planner::UavGuide::kSlice)) guide_->step();
+        output = guide_->way();
+      });
+  builder.remembers(task, *guide_);
+  way_input_ = builder.input(control, task, 1);
+}
+
+void Uav::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns) {
+  if (devices.log != nullptr) {
+    std::uint8_t message[drivers::kCanBytes];
+    std::size_t size = 0;
+    if (drivers::encode(frame, message, size) == Status::ok)
+      devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
+  }
+  drivers::CanSample sample;
+  if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
+  // A full stream counts its refusals.
+  if (sample.kind == drivers::CanSampleKind::imu) {
+    sample.imu.flags |= rt::kImuMeanRate;
+    static_cast<void>(imu_port_->push(sample.imu, now_ns));
+  } else if (sample.kind == drivers::CanSampleKind::fix) {
+    static_cast<void>(fix_port_->push(sample.fix, now_ns));
+  }
+}
+
+void Uav::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
+  if (devices.can == nullptr) return;
+  if (devices.device_epoch_ns != device_epoch_ns_) {  // at the first call
+    drivers::CanCodecConfig codec;
+    codec.epoch_ns = device_epoch_ns_ = devices.device_epoch_ns;
+    decoder_ = drivers::CanSampleDecoder(codec);
+  }
+  drivers::CanFrame frame;
+  for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)
+    take_frame(frame, devices, now_ns);
+  rt::RotorCommand command;
+  bool has_command = false;
+  while (outlet_ != nullptr && outlet_->take(now_ns, command)) has_command = true;
+  if (has_command) send_command(*devices.can, command);
+}
+
+/// All of a command or a refusal; the counter rises with every attempt that put something on the bus.
+void Uav::send_command(drivers::CanBus& can, const rt::RotorCommand& command) {
+  drivers::CanFrame frames[drivers::kCanRotorFrames];
+  bool sent = drivers::encode_rotors(command, command_counter_, frames) == Status::ok;
+  if (sent) ++command_counter_;
+  for (std::uint32_t f = 0; sent && 3 * f < command.rotors; ++f) sent = can.send(frames[f]) == Status::ok;
+  ++(sent ? commands_sent_ : commands_refused_);
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hil/canopen/vehicle_drives.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sortie::hil {
+namespace {
+
+constexpr std::size_t kTracks = 2;
+
+// Encoders wrap at 32 bits.
+std::int32_t wrapped(double increments) {
+  const auto whole = static_cast<std::int64_t>(std::floor(increments));
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(whole)));
+}
+
+}  // namespace
+
+VehicleDrives::VehicleDrives(const VehicleDrivesConfig& config, drivers::CanBus& port, bool flippers)
+    : config_(config) {
+  nodes_.reserve(kTracks + rt::kFlippers);
+  if (!config.enabled) return;
+  for (const std::uint8_t node : config.track_nodes) nodes_.emplace_back(node, port);
+  if (!flippers) return;
+  for (const std::uint8_t node : config.flipper_nodes) nodes_.emplace_back(node, port);
+}
+
+void VehicleDrives::show(const VehicleBody& body) noexcept {
+  rt::FlipperSample flippers;
+  static_cast<void>(body.read_flippers(flippers));  // without flippers there are no nodes for them
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    MotorState motor;
+    if (i < kTracks) {
+      motor.position =
+          wrapped((i == 0 ? body.motion().left_m : body.motion().right_m) * config_.increments_per_m);
+    } else {
+      motor.position = wrapped(flippers.angle_rad[i - kTracks] * config_.increments_per_rad);
+      const double share = 1000.0 * flippers.torque_n_m[i - kTracks] / config_.rated_torque_n_m;
+      motor.torque = static_cast<std::int16_t>(std::clamp(share, -32767.0, 32767.0));
+    }
+    motor.velocity = static_cast<std::int32_t>(static_cast<std::uint32_t>(motor.position) -
+                                               static_cast<std::uint32_t>(shown_[i]));
+    shown_[i] = motor.position;
+    nodes_[i].show(motor);
+  }
+}
+
+void VehicleDrives::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
+  for (CanopenNode& node : nodes_) node.hear(frame, now_ns);
+}
+
+void VehicleDrives::step(VehicleBody& body, rt::Nanoseconds now_ns) noexcept {
+  if (nodes_.empty()) return;
+  for (CanopenNode& node : nodes_) node.step(now_ns);
+  const auto speed = [&](const CanopenNode& node) {
+    const MotorCommand& command = node.command();
+    const bool turns = command.on && !command.quick_stop && command.mode == 3;
+    return turns ? command.velocity / config_.increments_per_m : 0.0;
+  };
+  rt::DriveCommand drive;
+  drive.stamp_ns = now_ns;
+  drive.left_m_s = speed(nodes_[0]);
+  drive.right_m_s = speed(nodes_[1]);
+  drive.flags = 1;
+  static_cast<void>(body.set_command(drive, now_ns));  // finite by construction
+  if (nodes_.size() < kTracks + rt::kFlippers) return;
+  // A pair moves while both of its drives do; else its brakes hold it.
+  for (std::size_t pair = 0; pair < 2; ++pair) {
+    const MotorCommand& left = nodes_[kTracks + 2 * pair].command();
+    const MotorCommand& right = nodes_[kTracks + 2 * pair + 1].command();
+    const auto moves = [](const MotorCommand& c) { return c.on && !c.quick_stop && c.mode == 8; };
+    drivers::FlipperPairCommand flippers;
+    flippers.stamp_ns = now_ns;
+    flippers.pair = pair == 0 ? drivers::FlipperPair::front : drivers::FlipperPair::rear;
+    flippers.left_rad = left.position / config_.increments_per_rad;
+    flippers.right_rad = right.position / config_.increments_per_rad;
+    flippers.flags = moves(left) && moves(right) ? 1u : 0u;
+    static_cast<void>(body.set_flippers(flippers));
+  }
+}
+
+}  // namespace sortie::hil

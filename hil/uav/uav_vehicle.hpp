@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole simulated multirotor: commands to its rotors in by CAN; IMU and fixes of its place out; exact
+// truth, and what it hit.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "drivers/can_codec.hpp"
+#include "hil/fault_injection.hpp"
+#include "hil/imu_model.hpp"
+#include "hil/solid.hpp"
+#include "hil/uav/multirotor_plant.hpp"
+#include "hil/uav/pose_source.hpp"
+
+namespace sortie::hil {
+
+/// A solid of the world that is there from a moment on.
+struct TimedSolid {
+  Solid solid;
+  rt::Nanoseconds from_ns{};  ///< since the start
+};
+
+/// All settings.
+struct UavVehicleConfig {
+  std::uint64_t seed{1};
+  rt::Nanoseconds start_ns{0};  ///< plant time before the first step
+  MultirotorConfig airframe = neo11_plant();
+  Vec3 start_m;
+  double start_yaw_rad{};
+  double propeller_radius_m{0.14};
+  ImuConfig imu{};
+  PoseSourceConfig fixes{};
+  rt::Nanoseconds dark_from_ns{};  ///< no fixes from here, since the start ...
+  rt::Nanoseconds dark_to_ns{};    ///< ... to here
+  FaultConfig imu_faults{};
+  FaultConfig command_faults{};
+  std::vector<Gust> gusts;  ///< at most MultirotorPlant::kMaxGusts
+  Vec3 wind_m_s;
+  std::uint32_t lost_rotor{};
+  double lose_at_s{-1.0};  ///< negative: none is lost
+  std::vector<TimedSolid> solids;
+  rt::Nanoseconds command_timeout_ns{100 * rt::kNanosecondsPerMillisecond};  ///< then the rotors stop
+  drivers::CanCodecConfig can{};
+};
+
+/// Counts of the plant.
+struct UavVehicleCounters {
+  std::uint64_t steps{};
+  std::uint64_t frames_sent{};
+  std::uint64_t frames_refused{};
+  std::uint64_t commands_taken{};  ///< thirds of them
+  std::uint64_t commands_repeated{};
+  std::uint64_t commands_malformed{};
+  std::uint64_t
+      command_stale_steps{};   ///< steps with the rotors stopped for want of commands, after the first
+  std::uint64_t collisions{};  ///< times that it came to touch a solid
+  std::uint64_t collision_steps{};
+  std::uint64_t late_steps{};
+};
+
+/// The vehicle. It flies on through what it hits: that is counted, and never right. No heap after
+/// construction. Deterministic: equal config and equal received frames give equal sent frames and truth, on
+/// every compiler and processor.
+class UavVehicle {
+ public:
+  static constexpr rt::Nanoseconds kStepNs = rt::kNanosecondsPerMillisecond;
+  static constexpr int kMaxStepsPerCall = 100;
+  static constexpr int kMaxFramesPerStep = 64;
+  static constexpr int kRimPoints = 12;
+
+  /// `port` is the vehicle's own node on the bus and outlives it. Throws std::runtime_error naming the
+  /// setting if the config is not usable.
+  UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port);
+
+  /// Advances plant time in steps of 1 ms to the last whole one not after `now_ns`. Status as
+  /// UgvPlant::step. About 3 us a step, and 10 ns a solid.
+  Status step(rt::Nanoseconds now_ns);
+
+  rt::TruthSample truth() const;
+  const MultirotorPlant& plant() const { return plant_; }
+  rt::Nanoseconds now_ns() const { return now_ns_; }
+  void set_device_clock(rt::Nanoseconds reading_ns) { config_.can.epoch_ns = -reading_ns; }
+  /// Least distance of the rotors' rims and hubs from all solids so far; 0 once it touched one.
+  double least_gap_m() const { return least_gap_m_; }
+  /// Greatest tilt so far.
+  double most_tilt_rad() const { return most_tilt_rad_; }
+  const UavVehicleCounters& counters() const { return counters_; }
+  const FaultCounters& imu_faults() const { return imu_faults_.counters(); }
+  std::uint64_t fixes_lost() const { return fixes_.lost(); }
+
+ private:
+  void step_once();
+  void take_commands();
+  void send_imu(rt::Nanoseconds since_ns);
+  void send_fixes();
+  void look_for_collisions(rt::Nanoseconds since_ns);
+  void send(std::span<const drivers::CanFrame> frames, bool twice);
+
+  UavVehicleConfig config_;
+  drivers::CanBus* port_;
+  MultirotorPlant plant_;
+  ImuModel imu_;
+  PoseSource fixes_;
+  FaultInjector imu_faults_;
+  FaultInjector command_faults_;
+  rt::Nanoseconds imu_period_ns_;
+  rt::Nanoseconds now_ns_;
+  rt::Nanoseconds heard_ns_{};
+  bool heard_[drivers::kCanRotorFrames]{};
+  std::uint8_t counter_[drivers::kCanRotorFrames]{};
+  double asked_rad_s_[kMaxSimulatedRotors + 1]{};
+  double least_gap_m_{1e9};
+  double most_tilt_rad_{};
+  bool touching_{};
+  Vec3 rim_[kRimPoints];
+  UavVehicleCounters counters_{};
+};
+
+}  // namespace sortie::hil

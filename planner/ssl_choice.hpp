@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Who says which rays a solid-state lidar fires next: the scheduler, or a pattern that knows no map.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "planner/ray_scheduler.hpp"
+#include "planner/ray_stride.hpp"
+#include "rt/archive.hpp"
+#include "rt/ssl_samples.hpp"
+
+namespace sortie::planner {
+
+/// How rays are chosen.
+enum class SslPolicy : std::uint8_t {
+  scheduled,  ///< planner/ray_scheduler.hpp, over a map
+  grid,       ///< the same even grid every time
+  random,     ///< any, all different, by a generator that the command's number seeds
+  stride,     ///< planner/ray_stride.hpp: every direction once before any twice
+};
+
+/// Settings. The sensor is the device's: kSslColumns by kSslRows directions.
+struct SslChoiceConfig {
+  SslPolicy policy{SslPolicy::scheduled};
+  RaySchedulerConfig scheduler;  ///< its `rays` hold for every policy, at most kSslMaxRays
+  std::uint64_t seed{1};         ///< of `random`
+};
+
+/// The next command, whatever the policy. Memory is the caller's, and only the scheduler has some; no heap.
+/// What it does depends on its inputs and on the units spent alone.
+class SslChoice {
+ public:
+  /// Bytes that a config asks for: 0 for every policy but `scheduled`, and for settings out of their range.
+  static std::uint64_t memory_bytes(const SslChoiceConfig& config);
+  SslChoice(const SslChoiceConfig& config, std::span<std::byte> memory);
+  /// False when there is too little memory or a setting is out of its range: then nothing is planned, and
+  /// choose() gives strides.
+  bool usable() const { return usable_; }
+
+  /// The poses of the sensor from which this command and the next ones are fired. `passed`: commands since
+  /// the last begin() (see RayScheduler). Only `scheduled` looks at it. Status: ok; that of
+  /// RayScheduler::begin(), and then choose() gives strides.
+  Status begin(const mapping::OccupancyView& map, std::span<const mapping::SensorPose> poses,
+               std::uint32_t passed);
+  /// Spends at most `units`; returns what was spent. done(): more units change nothing.
+  std::uint64_t step(std::uint64_t units);
+  bool done() const { return !planning_ || scheduler_->done(); }
+  /// The plan for this command; null where none was begun.
+  const RayPlan* plan() const { return planning_ ? &scheduler_->plan() : nullptr; }
+
+  /// min(K, kSslMaxRays) different rays, numbered on. The map may change again afterwards. Where too few
+  /// units were spent for any stage, and no earlier plan reaches here, the scheduler's seed is the same
+  /// pattern each time and would show nothing new: strides are asked for then.
+  void choose(rt::Nanoseconds stamp_ns, rt::SslCommand& command);
+
+  /// Commands that were to be scheduled, but had no plan.
+  std::uint64_t unplanned() const { return unplanned_; }
+  void archive(rt::Archive& archive);
+
+ private:
+  void fill_grid(rt::SslCommand& command) const;
+  void fill_random(rt::SslCommand& command) const;
+
+  SslChoiceConfig config_;
+  std::optional<RayScheduler> scheduler_;
+  RayStride stride_;
+  std::uint32_t rays_{};
+  std::uint32_t number_{};
+  std::uint32_t planned_{};  // positions from the next one on that a stage has planned
+  std::uint64_t unplanned_{};
+  bool usable_{};
+  bool planning_{};
+};
+
+}  // namespace sortie::planner

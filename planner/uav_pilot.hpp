@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Who flies the multirotor: takes off, asks for ways, goes along them, waits, lands; obeys a mission and
+// requests.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "planner/fly_gate.hpp"
+#include "planner/uav_control/uav_control.hpp"
+#include "planner/uav_way.hpp"
+#include "rt/archive.hpp"
+
+namespace sortie::planner {
+
+/// What the pilot is at.
+enum class PilotStep : std::uint32_t {
+  waiting,   ///< rotors stand: no goal yet, or no position
+  take_off,  ///< straight up
+  resting,   ///< comes to rest, to ask for a way from there
+  asking,    ///< hovers until there is a way
+  no_way,    ///< hovers, and asks again after a while
+  under_way,
+  arrived,
+  blinded,  ///< no fixes: hovers by dead reckoning
+  landing,
+  landed,
+  stopped,  ///< rotors stand by request, wherever the vehicle was
+};
+
+/// Settings of the pilot.
+struct UavPilotConfig {
+  UavControlConfig control;
+  bool plans{};          ///< goals are reached by ways that are asked for; else straight
+  double take_off_m{1};  ///< height over the start that comes before everything else
+  double reach_m{0.05};  ///< so near to a goal counts as there
+  rt::Nanoseconds start_wait_ns{};
+  rt::Nanoseconds ask_again_ns{rt::kNanosecondsPerSecond};
+  bool lands{};  ///< after the mission's last goal
+};
+
+/// What the pilot decides. For telemetry, digest, the rotors and the planner.
+struct UavPilotOutput {
+  rt::Nanoseconds stamp_ns{};
+  std::uint32_t step{};     ///< PilotStep
+  std::uint32_t phase{};    ///< UavPhase of the controller
+  std::uint32_t verdict{};  ///< rt::UavVerdict that it flew by
+  std::uint32_t remote{};   ///< 1: requests are in control
+  std::uint32_t mission{};  ///< goals of the mission that are behind it
+  std::uint32_t leg{};      ///< point of the way that it flies to
+  std::uint32_t reached{};  ///< goals reached
+  std::uint32_t no_way{};   ///< questions without a way
+  std::uint32_t replans{};  ///< ways given up because the map changed or the wind was too strong
+  std::uint32_t blinded{};  ///< times without fixes
+  std::int64_t request_counter{};
+  WayQuestion question;
+  double goal_m[3]{};
+  double setpoint_m[3]{};
+  double setpoint_v_m_s[3]{};
+  double setpoint_yaw_rad{};
+  double error_m{};  ///< from the setpoint
+  rt::RotorCommand command;
+  UavControlCounters control;
+  RequestCounters requests;
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("stamp_ns", self.stamp_ns);
+    visit("step", self.step);
+    visit("phase", self.phase);
+    visit("verdict", self.verdict);
+    visit("remote", self.remote);
+    visit("mission", self.mission);
+    visit("leg", self.leg);
+    visit("reached", self.reached);
+    visit("no_way", self.no_way);
+    visit("replans", self.replans);
+    visit("blinded", self.blinded);
+    visit("request_counter", self.request_counter);
+    visit("question", self.question.number);
+    visit("from_m", self.question.from_m);
+    visit("to_m", self.question.to_m);
+    visit("goal_m", self.goal_m);
+    visit("setpoint_m", self.setpoint_m);
+    visit("setpoint_v_m_s", self.setpoint_v_m_s);
+    visit("setpoint_yaw_rad", self.setpoint_yaw_rad);
+    visit("error_m", self.error_m);
+    visit("command_stamp_ns", self.command.stamp_ns);
+    visit("speed_rad_s", self.command.speed_rad_s);
+    visit("rotors", self.command.rotors);
+    visit("command_flags", self.command.flags);
+    UavControlCounters::fields(self.control, visit);
+    visit("requests_taken", self.requests.taken);
+    visit("requests_not_finite", self.requests.not_finite);
+    visit("requests_out_of_range", self.requests.out_of_range);
+    visit("requests_repeated", self.requests.repeated);
+    visit("requests_jumped", self.requests.jumped);
+  }
+};
+
+/// The pilot and its controller. A way is flown from point to point along straight lines, at rest in each:
+/// the reference never leaves the lines that the planner has proved. About 30 kB, no heap, fixed cost.
+class UavPilot {
+ public:
+  static constexpr std::uint32_t kMostGoals = 64;
+  static constexpr std::uint32_t kRotorsEnabled = 1u;
+
+  /// Designs the controller: some ms.
+  explicit UavPilot(const UavPilotConfig& config);
+  /// ok, or why this vehicle cannot fly.
+  Status status() const { return control_.status(); }
+
+  /// Set-up. full beyond kMostGoals; not_finite; out_of_range.
+  [[nodiscard]] Status set_mission(std::span<const UavGoal> goals);
+
+  /// From the next update on. out_of_range: not above 0.
+  Status set_reach(double m);
+
+  /// Takes or refuses what somebody outside asks (FlyGate); refusals are counted in the output.
+  Status request(const rt::FlyRequest& request);
+
+  /// One period. `way`: newest answer of the planner, or null.
+  void update(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
+
+  const UavPilotOutput& output() const { return output_; }
+  double mean_thrust_m_s2() const { return control_.mean_thrust_m_s2(); }
+
+  /// State to bytes and back, into a pilot of the same configuration.
+  void archive(rt::Archive& archive);
+
+ private:
+  void choose_goal(rt::Nanoseconds now_ns);
+  void begin_goal(const UavGoal& goal);
+  void forced();
+  void decide(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
+  void start(const rt::UavState& state);
+  void ask();
+  void take_way(const UavWay& way, rt::Nanoseconds now_ns);
+  void follow(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
+  void next_leg();
+  void stay(const rt::UavState& state, rt::Nanoseconds now_ns);
+  void rest();
+  bool rests_at(const rt::Vector3& p_m) const;
+  bool rests() const;
+  void put_out(const rt::UavState& state, rt::Nanoseconds now_ns);
+
+  UavPilotConfig config_;
+  UavControl control_;
+  double reach_m_;
+  std::array<UavGoal, kMostGoals> mission_{};
+  std::uint32_t goals_{};
+  FlyGate gate_;
+  PilotStep step_{PilotStep::waiting};
+  bool started_{};
+  bool has_goal_{};
+  bool remote_{};
+  bool held_{};  ///< by request: the mission does not go on
+  std::uint32_t next_goal_{};
+  UavGoal goal_;
+  rt::Vector3 target_m_;  ///< end of the present leg
+  std::array<rt::Vector3, UavWay::kMostPoints> points_{};
+  std::uint32_t point_count_{};
+  std::uint32_t leg_{};
+  bool whole_{};
+  bool counted_{};  ///< the goal is among those reached
+  std::uint64_t seen_replanned_{};
+  rt::Nanoseconds start_ns_{};
+  rt::Nanoseconds since_ns_{};  ///< of the present wait
+  UavPilotOutput output_;
+};
+
+}  // namespace sortie::planner
