@@ -206,6 +206,14 @@ struct DriveRequests {
   std::int32_t postures{};              ///< of the flippers, that a request may ask for
 };
 
+/// A voxel of a vehicle's map.
+struct VoxelOnMap {
+  double p_world_m[3]{};     ///< mean of its points
+  std::uint32_t count{};     ///< of points in that mean
+  std::uint32_t segment{};   ///< its segment's id; 0: of none
+  double normal_world[3]{};  ///< unit vector, its sign means nothing; zero: none
+};
+
 /// A vehicle. Build it in the constructor from a VehicleBuilder; the object lives as long as the runtime.
 class Vehicle {
  public:
@@ -226,8 +234,8 @@ class Vehicle {
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
-  /// Calls `put(x, y, z, count)` for every voxel of the map at the end of a run. Without a map: nothing.
-  virtual void for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const {
+  /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
+  virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
     static_cast<void>(put);
   }
   /// Calls `put(x, y, z)` for the middle of every cell that the occupancy map holds for occupied, at the end

@@ -54,8 +54,8 @@ class FragmentGraph {
   /// Node of a block that holds a cell, or kNoNode.
   NodeIndex holder(BlockIndex block, unsigned cell) const;
 
-  /// Fragments and their labels to bytes and back, without their edges. What does not fit the
-  /// blocks is malformed.
+  /// Fragments, their shown labels and edges, and the order in which free ones are taken, to bytes and back.
+  /// What does not fit the blocks is malformed and leaves no fragments.
   void archive(rt::Archive& archive, std::span<const Block> blocks, unsigned shown, std::uint32_t slots);
 
   NodeIndex first(BlockIndex block) const { return first_[block]; }
@@ -78,6 +78,9 @@ class FragmentGraph {
 
  private:
   void give_one(NodeIndex node);
+  bool claim(NodeIndex node, bool in_use);
+  bool is_graph(std::span<const Block> blocks, unsigned shown, std::uint32_t slots);
+  bool are_edges(const FragmentNode& node, std::span<const Block> blocks) const;
 
   std::span<FragmentNode> nodes_;
   std::span<NodeIndex> first_;

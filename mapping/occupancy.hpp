@@ -6,7 +6,7 @@
 #include <span>
 
 #include "mapping/occupancy_view.hpp"
-#include "mapping/voxel_grid.hpp"
+#include "mapping/sensor_pose.hpp"
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
 #include "rt/samples.hpp"

@@ -35,6 +35,15 @@ Status RollingGrid::check(const RollingGridConfig& c) {
   return sizes && numbers ? Status::ok : Status::out_of_range;
 }
 
+Status RollingGrid::set_ranges(double min_m, double max_m) {
+  RollingGridConfig changed = config_;
+  changed.min_range_m = min_m;
+  changed.max_range_m = max_m;
+  if (check(changed) != Status::ok) return Status::out_of_range;
+  config_ = changed;
+  return Status::ok;
+}
+
 std::uint32_t RollingGrid::window_entries(const RollingGridConfig& config) {
   return check(config) == Status::ok ? BlockWindow::entries_for(bits_xy(config), bits_z(config)) : 0;
 }

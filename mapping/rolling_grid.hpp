@@ -42,6 +42,10 @@ class RollingGrid {
   RollingInsert insert(const rt::PointScan& scan, const RigidPose& pose, rt::Tick tick,
                        const EvictionHook& hook);
 
+  /// Other ranges from the next scan on; what is in the map stays. `out_of_range` and no change unless
+  /// 0 <= min < max, both finite.
+  Status set_ranges(double min_m, double max_m);
+
   /// Blocks that the newest scan changed, in no order, and what changed in them.
   std::span<const BlockChange> changes() const { return memory_.changes.first(changed_); }
 
@@ -150,7 +154,7 @@ class RollingGrid {
   std::int64_t squared_distance(const BlockAt& at) const;
   void restore(rt::Archive& archive);
   bool claim(std::uint16_t chunk);
-  bool claimed(std::uint16_t chunk) const;
+  bool are_free_lists();
 
   RollingGridConfig config_;
   RollingGridMemory memory_;

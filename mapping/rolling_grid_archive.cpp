@@ -6,7 +6,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 2;
+constexpr std::uint32_t kFormatVersion = 3;
 }  // namespace
 
 void RollingGrid::archive(rt::Archive& archive) {
@@ -37,17 +37,17 @@ void RollingGrid::archive(rt::Archive& archive) {
     archive.value(memory_.voxels[i]);
     if (holds_normals()) archive.value(memory_.normals[i]);
   }
+  // Which free block or chunk is taken next decides what a full pool lets go: the lists keep their order.
+  archive.value(first_free_);
+  archive.value(first_chunk_);
   if (!reading) return;
   restore(archive);
 }
 
-/// Builds what follows from the blocks: the window, the lists of free ones and the counts. Bytes that make no
-/// map leave an empty one.
+/// Builds what follows from the blocks: the window and the counts. Bytes that make no map leave an empty one.
 void RollingGrid::restore(rt::Archive& archive) {
   window_.clear();
   changed_ = 0;
-  first_free_ = kNoBlock;
-  first_chunk_ = kNoChunk;
   chunks_ = 0;
   output_.voxels = output_.blocks = 0;
   // The scratch of scans marks chunks that are in use; one that is used twice makes no map.
@@ -70,25 +70,32 @@ void RollingGrid::restore(rt::Archive& archive) {
     output_.voxels += voxels;
     ++output_.blocks;
   }
-  if (!good) {
+  if (!good || !are_free_lists()) {
     archive.fail(Status::malformed, "blocks that cannot lie in one grid");
     window_.clear();
     for (Block& block : memory_.blocks) block.key = Block::kFree;
+    first_free_ = kNoBlock;
+    first_chunk_ = kNoChunk;
     block_numbers_ = chunk_numbers_ = chunks_ = 0;
     output_.voxels = output_.blocks = 0;
     return;
   }
   for (std::uint32_t i = block_numbers_; i < memory_.blocks.size(); ++i) memory_.blocks[i].key = Block::kFree;
-  for (std::uint32_t i = block_numbers_; i-- > 0;) {
-    if (memory_.blocks[i].in_use()) continue;
-    memory_.blocks[i].chunks[0] = first_free_;
-    first_free_ = static_cast<BlockIndex>(i);
+}
+
+/// Whether the lists hold every free block and every free chunk once, and no other.
+bool RollingGrid::are_free_lists() {
+  std::uint32_t found = output_.blocks;
+  for (BlockIndex index = first_free_; index != kNoBlock; index = memory_.blocks[index].chunks[0]) {
+    if (index >= block_numbers_ || memory_.blocks[index].in_use() || ++found > block_numbers_) return false;
   }
-  for (std::uint32_t i = chunk_numbers_; i-- > 0;) {
-    if (claimed(static_cast<std::uint16_t>(i))) continue;
-    memory_.voxels[std::size_t{i} * Block::kChunk].x = first_chunk_;
-    first_chunk_ = static_cast<std::uint16_t>(i);
+  if (found != block_numbers_) return false;
+  found = chunks_;
+  for (std::uint16_t chunk = first_chunk_; chunk != kNoChunk;
+       chunk = memory_.voxels[std::size_t{chunk} * Block::kChunk].x) {
+    if (chunk >= chunk_numbers_ || !claim(chunk) || ++found > chunk_numbers_) return false;
   }
+  return found == chunk_numbers_;
 }
 
 /// Marks a chunk as used, one bit each; false when it was. Blocks of the scratch hold 64 of them: there are
@@ -100,11 +107,6 @@ bool RollingGrid::claim(std::uint16_t chunk) {
   if ((memory_.changes[at].moved & bit) != 0) return false;
   memory_.changes[at].moved |= bit;
   return true;
-}
-
-bool RollingGrid::claimed(std::uint16_t chunk) const {
-  const std::size_t at = chunk / 64u;
-  return at < memory_.changes.size() && (memory_.changes[at].moved & cell_bit(chunk % 64u)) != 0;
 }
 
 }  // namespace sortie::mapping

@@ -101,8 +101,8 @@ class Segmenter {
     if constexpr (TakingPolicy<Policy>) return taken_in(grid, block, cell);
     return kNoSegment;
   }
-  /// Segments, ids and fragments to bytes and back, after the grid. What was known of edges is found again by
-  /// the next update, which looks at all blocks.
+  /// Segments, ids, fragments with their edges and the blocks that wait, to bytes and back, after the grid:
+  /// what was read goes on as what was written would have. Only a labelling that is under way begins anew.
   void archive(rt::Archive& archive, const RollingGrid& grid);
 
   const Labelling& labelling() const { return labelling_; }

@@ -1,80 +1,146 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Segments and fragments to bytes and back.
 #include <algorithm>
+#include <bit>
 
 #include "mapping/fragment_graph.hpp"
 #include "mapping/labelling.hpp"
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::uint32_t kFormatVersion = 2;
+constexpr std::uint8_t kUnseen = 0xff;  ///< marks a node that no list has held yet
 }  // namespace
 
 void Labelling::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "segments")
       .fixed(min_voxels_, memory_)
       .scratch(stage_, at_, tick_, nodes_, vote_node_, apart_, fallen_apart_, components_, fresh_, slot_hand_,
-               events_, shown_events_)
-      .by_hand(slot_numbers_, shown_)
+               events_)
+      .by_hand(slot_numbers_, shown_, shown_events_)
       .state(shown_components_, next_id_, counts_);
   archive.expect(kFormatVersion, "the segments have another format version");
   archive.bounded(slot_numbers_, memory_.slots.size());
   archive.bounded(shown_, 1);
+  archive.bounded(shown_events_, half());
   for (SegmentSlot& slot : memory_.slots.first(slot_numbers_)) {
     archive.value(slot.id);
     archive.value(slot.first_tick);
     archive.value(slot.voxels);
   }
+  for (SegmentEvent& event : memory_.events.subspan(shown_ * half(), shown_events_)) {
+    archive.value(event);
+    if (event.change > SegmentChange::gone) archive.fail(Status::malformed, "no event of a segment");
+  }
   if (!archive.is_reading()) return;
   stage_ = Stage::idle;
   apart_ = kNoNode;
-  events_ = shown_events_ = 0;
+  events_ = 0;
 }
 
 void FragmentGraph::archive(rt::Archive& archive, std::span<const Block> blocks, unsigned shown,
                             std::uint32_t slots) {
-  const bool reading = archive.is_reading();
   rt::Members(archive, *this, "fragments")
       .fixed(nodes_, first_)
-      .by_hand(numbers_, in_use_, free_)
-      .scratch(waiting_, last_waiting_, held_)
+      .by_hand(numbers_, in_use_, free_, waiting_)
+      .scratch(last_waiting_, held_)
       .state(most_in_use_, refused_);
-  if (reading) {
-    numbers_ = in_use_ = 0;
-    free_ = waiting_ = last_waiting_ = kNoNode;
-    std::fill(first_.begin(), first_.end(), kNoNode);
-  }
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const auto block = static_cast<BlockIndex>(i);
-    std::uint32_t parts = 0;
-    for (NodeIndex node = first_[block]; node != kNoNode; node = nodes_[node].next) ++parts;
-    archive.bounded(parts, Block::kCells);
-    NodeIndex node = first_[block];
-    NodeIndex last = kNoNode;
-    std::uint64_t seen = 0;
-    for (std::uint32_t k = 0; k < parts; ++k) {
-      std::uint64_t cells = reading ? 0 : nodes_[node].cells;
-      std::uint16_t label = reading ? kNoLabel : nodes_[node].label[shown];
-      archive.value(cells);
-      archive.value(label);
-      if (!reading) {
-        node = nodes_[node].next;
-        continue;
-      }
-      const bool fits = cells != 0 && blocks[i].in_use() && (cells & ~blocks[i].active) == 0 &&
-                        (cells & seen) == 0 && (label == kNoLabel || label < slots);
-      const NodeIndex fresh = fits ? take(block, cells) : kNoNode;
-      if (fresh == kNoNode) return archive.fail(Status::malformed, "fragments that are not of this map");
-      seen |= cells;
-      nodes_[fresh].label[shown] = label;
-      if (last == kNoNode) {
-        first_[block] = fresh;
-      } else {
-        nodes_[last].next = fresh;
-      }
-      last = fresh;
+  archive.bounded(numbers_, nodes_.size());
+  archive.value(free_);
+  archive.value(waiting_);
+  if (archive.is_reading()) std::fill(first_.begin(), first_.end(), kNoNode);
+  for (std::size_t i = 0; i < blocks.size(); ++i) archive.value(first_[i]);
+  for (FragmentNode& node : nodes_.first(numbers_)) {
+    if (archive.is_reading()) node = FragmentNode{};
+    archive.value(node.block);
+    archive.value(node.next);
+    if (node.block == kNoBlock) continue;  // a free one
+    archive.value(node.cells);
+    archive.value(node.label[shown]);
+    archive.value(node.extension);
+    archive.value(node.backward_set);
+    archive.value(node.name);
+    archive.value(node.forward_set);
+    for (unsigned at = 0; at < FragmentNode::kForward; ++at) {
+      if ((node.forward_set >> at & 1) == 0) continue;
+      archive.value(node.forward[at]);
+      archive.value(node.witness[at]);
     }
   }
+  if (!archive.is_reading()) return;
+  if (archive.status() != Status::ok || !is_graph(blocks, shown, slots)) {
+    archive.fail(Status::malformed, "fragments that are not of this map");
+    numbers_ = in_use_ = 0;
+    free_ = waiting_ = kNoNode;
+    std::fill(first_.begin(), first_.end(), kNoNode);
+  }
+  // A labelling that was under way begins anew.
+  hold(false);
+}
+
+/// Takes a node off those that no list has held yet; false when there is no such node.
+bool FragmentGraph::claim(NodeIndex node, bool in_use) {
+  if (node >= numbers_ || nodes_[node].voxels != kUnseen || (!in_use && nodes_[node].cells != 0))
+    return false;
+  nodes_[node].voxels = static_cast<std::uint8_t>(bits_in(nodes_[node].cells));
+  if (in_use) ++in_use_;
+  return true;
+}
+
+/// Whether every node is in one list and only once, and fits the blocks and the nodes that it names. Counts
+/// the nodes.
+bool FragmentGraph::is_graph(std::span<const Block> blocks, unsigned shown, std::uint32_t slots) {
+  for (FragmentNode& node : nodes_.first(numbers_)) node.voxels = kUnseen;
+  in_use_ = 0;
+  std::uint32_t free = 0;
+  last_waiting_ = kNoNode;
+  for (NodeIndex node = free_; node != kNoNode; node = nodes_[node].next, ++free) {
+    if (!claim(node, false)) return false;
+  }
+  for (NodeIndex node = waiting_; node != kNoNode; node = nodes_[node].next, ++free) {
+    if (!claim(node, false)) return false;
+    last_waiting_ = node;
+  }
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    std::uint64_t seen = 0;
+    for (NodeIndex node = first_[i]; node != kNoNode; node = nodes_[node].next) {
+      if (!claim(node, true)) return false;
+      const FragmentNode& n = nodes_[node];
+      if (n.cells == 0 || n.block != i || !blocks[i].in_use() || (n.cells & ~blocks[i].active) != 0 ||
+          (n.cells & seen) != 0 || (n.label[shown] != kNoLabel && n.label[shown] >= slots) ||
+          (n.name != kNoNode && n.name >= numbers_) || n.backward_set >> FragmentNode::kForward != 0)
+        return false;
+      seen |= n.cells;
+      for (NodeIndex part = n.extension; part != kNoNode; part = nodes_[part].extension) {
+        if (!claim(part, true) || nodes_[part].cells != 0 || nodes_[part].block != i) return false;
+      }
+    }
+  }
+  if (in_use_ + free != numbers_) return false;
+  for (const FragmentNode& node : nodes_.first(numbers_)) {
+    if (!are_edges(node, blocks)) return false;
+  }
+  return true;
+}
+
+/// Whether a node's edges lead to fragments where the directions say, between voxels that are there.
+bool FragmentGraph::are_edges(const FragmentNode& node, std::span<const Block> blocks) const {
+  if (node.forward_set == 0) return true;
+  if (node.forward_set >> FragmentNode::kForward != 0 || node.block >= blocks.size()) return false;
+  const Block& own = blocks[node.block];
+  for (unsigned set = node.forward_set; set != 0; set &= set - 1) {
+    const int at = std::countr_zero(set);
+    if (node.forward[at] >= numbers_) return false;
+    const FragmentNode& to = nodes_[node.forward[at]];
+    if (to.cells == 0) return false;
+    const Block& its = blocks[to.block];
+    const unsigned a = node.witness[at] & 63u;
+    const unsigned b = node.witness[at] >> 6;
+    if (its.key != own.key + kKeySteps.step[14 + at] || b > 63 || (own.active >> a & 1) == 0 ||
+        (its.active >> b & 1) == 0)
+      return false;
+  }
+  return true;
 }
 
 }  // namespace sortie::mapping

@@ -8,7 +8,7 @@
 
 #include "mapping/pose_history.hpp"
 #include "mapping/self_filter.hpp"
-#include "mapping/voxel_grid.hpp"
+#include "mapping/sensor_pose.hpp"
 #include "rt/archive.hpp"
 #include "rt/samples.hpp"
 

@@ -32,7 +32,7 @@ Status FlipperPostures::observe(const rt::FlipperSample& sample) {
   for (const double angle : sample.angle_rad) {
     if (!std::isfinite(angle)) return Status::not_finite;
   }
-  std::copy(std::begin(sample.angle_rad), std::end(sample.angle_rad), measured_rad_);
+  std::copy(std::begin(sample.angle_rad), std::end(sample.angle_rad), output_.measured_rad);
   if ((output_.flags & kFlippersMeasured) == 0 && !started_)
     std::copy(std::begin(sample.angle_rad), std::end(sample.angle_rad), output_.angle_rad);
   output_.flags |= kFlippersMeasured;
@@ -58,7 +58,7 @@ Status FlipperPostures::update(std::int32_t wanted, bool hold, rt::Nanoseconds n
   for (std::uint32_t i = 0; i < rt::kFlippers; ++i) {
     const double way = goal[i] - output_.angle_rad[i];
     output_.angle_rad[i] = arrives ? goal[i] : output_.angle_rad[i] + way * (most / longest);
-    off = std::max(off, std::fabs(goal[i] - measured_rad_[i]));
+    off = std::max(off, std::fabs(goal[i] - output_.measured_rad[i]));
   }
   const std::uint32_t measured = output_.flags & kFlippersMeasured;
   output_.flags = measured | kFlippersEnabled | (hold ? kFlippersHeld : 0u);

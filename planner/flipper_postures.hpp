@@ -30,10 +30,11 @@ struct FlipperConfig {
 struct FlipperOutput {
   rt::Nanoseconds stamp_ns{};
   double angle_rad[rt::kFlippers]{};
-  std::int32_t posture{};   ///< that is gone to
-  std::uint32_t flags{};    ///< bits of FlipperFlags
-  std::uint32_t refused{};  ///< postures asked for that do not exist
-  SORTIE_FIELDS(stamp_ns, angle_rad, posture, flags, refused)
+  std::int32_t posture{};                ///< that is gone to
+  std::uint32_t flags{};                 ///< bits of FlipperFlags
+  std::uint32_t refused{};               ///< postures asked for that do not exist
+  double measured_rad[rt::kFlippers]{};  ///< of the newest measurement
+  SORTIE_FIELDS(stamp_ns, angle_rad, posture, flags, refused, measured_rad)
 };
 
 /// Bits of FlipperOutput::flags.
@@ -67,16 +68,13 @@ class FlipperPostures {
   std::int32_t size() const { return static_cast<std::int32_t>(size_); }
 
   void archive(rt::Archive& archive) {
-    rt::Members(archive, *this, "flipper postures")
-        .fixed(config_, postures_, size_)
-        .state(measured_rad_, output_, started_);
+    rt::Members(archive, *this, "flipper postures").fixed(config_, postures_, size_).state(output_, started_);
   }
 
  private:
   FlipperConfig config_;
   std::array<FlipperPosture, kMaxPostures> postures_{};
   std::uint32_t size_{};
-  double measured_rad_[rt::kFlippers]{};
   FlipperOutput output_;
   bool started_{};
 };

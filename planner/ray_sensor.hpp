@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/voxel_grid.hpp"
+#include "mapping/sensor_pose.hpp"
 #include "rt/math.hpp"
 #include "rt/rotation.hpp"
 

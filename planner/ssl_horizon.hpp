@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mapping/voxel_grid.hpp"
+#include "mapping/sensor_pose.hpp"
 #include "rt/math.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"

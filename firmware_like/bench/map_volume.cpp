@@ -36,8 +36,8 @@ std::optional<MapVolume> map_volume(const Runtime& runtime) {
     if (key.path == "map.voxel_m") volume.voxel_m = std::strtod(key.value.c_str(), nullptr);
   }
   if (!(volume.voxel_m > 0)) return std::nullopt;
-  runtime.vehicle().for_each_voxel([&volume](double x, double y, double z, std::uint32_t) {
-    volume.cells.push_back(pack(x, y, z, volume.voxel_m));
+  runtime.vehicle().for_each_voxel([&volume](const VoxelOnMap& voxel) {
+    volume.cells.push_back(pack(voxel.p_world_m[0], voxel.p_world_m[1], voxel.p_world_m[2], volume.voxel_m));
   });
   if (volume.cells.empty()) return std::nullopt;
   std::sort(volume.cells.begin(), volume.cells.end());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/commands/bench_sensors.hpp"
 
-#include "firmware_like/vehicles/ugv_config.hpp"
+#include "firmware_like/vehicles/ugv_map_config.hpp"
 #include "firmware_like/vehicles/ugv_ssl.hpp"
 #include "firmware_like/vehicles/units.hpp"
 

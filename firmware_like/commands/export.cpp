@@ -49,9 +49,8 @@ void export_ply(const CommandContext& context, const ExportOptions& options, con
                 std::ostream& out) {
   const ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
   std::vector<CloudPoint> points;
-  outcome.runtime->vehicle().for_each_voxel([&points](double x, double y, double z, std::uint32_t count) {
-    points.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), count});
-  });
+  outcome.runtime->vehicle().for_each_voxel(
+      [&points](const VoxelOnMap& voxel) { points.push_back(to_cloud_point(voxel)); });
   if (points.empty())
     throw InputError(options.log + ": this scene keeps no map; export ply needs a scene with task map", 2);
   write_ply(out, points);

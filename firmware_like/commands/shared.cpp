@@ -65,6 +65,8 @@ int finish_with_damage(const CommandContext& context, const std::string& damage,
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path) {
   const std::vector<MapPoint> points = map_points(runtime.vehicle());
   if (!points.empty()) report.more_plots.push_back(plot_map(points, path));
+  Plot segments = plot_segments(points);
+  if (!segments.series.empty()) report.more_plots.push_back(std::move(segments));
 }
 
 void add_ray_plot(ReportInput& report, const LogFile& log, const Runtime& runtime, const Trajectory& path) {

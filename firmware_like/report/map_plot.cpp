@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
 #include <utility>
 
 namespace sortie::firmware {
@@ -20,6 +21,10 @@ struct Band {
 };
 constexpr Band kBands[] = {
     {0.2, "floor", 7}, {0.6, "to 0.6 m", 5}, {1.2, "to 1.2 m", 4}, {kHighest, "to 2 m", 6}};
+
+constexpr std::size_t kOwnColours = 6;
+constexpr int kColours[kOwnColours + 1] = {0, 1, 2, 3, 4, 5, 6};
+constexpr int kNoSegmentColour = 7;
 
 /// The value that `share` of the voxels lie below.
 double quantile(std::span<const MapPoint> points, double MapPoint::*member, double share) {
@@ -41,24 +46,39 @@ Span bulk_of(std::span<const MapPoint> points, double MapPoint::*member) {
   return {quantile(points, member, 0.005) - 1.0, quantile(points, member, 0.995) + 1.0};
 }
 
-}  // namespace
-
-std::vector<MapPoint> map_points(const Vehicle& vehicle) {
-  std::vector<MapPoint> points;
-  vehicle.for_each_voxel([&points](double x, double y, double z, std::uint32_t) {
-    points.push_back({x, y, z});
-  });
-  return points;
-}
-
-Plot plot_map(std::span<const MapPoint> points, std::span<const TimedPose> path) {
+Plot empty_plot(const char* title) {
   Plot plot;
-  plot.title = "Map from above";
+  plot.title = title;
   plot.x.label = "x, m";
   plot.y.label = "y, m";
   plot.equal_aspect = true;
   plot.width = kWidth;
-  if (points.empty()) return plot;
+  return plot;
+}
+
+Series dots(std::string name, int colour) {
+  Series series;
+  series.name = std::move(name);
+  series.mark = Mark::dots;
+  series.colour = colour;
+  series.width = 1.5;
+  return series;
+}
+
+/// The highest voxel of a cell of the picture.
+struct Highest {
+  double over_floor_m;
+  std::uint32_t segment;
+};
+
+/// What is seen from above.
+struct View {
+  double cell_m{};
+  std::map<std::pair<long, long>, Highest> highest;
+};
+
+/// Sets the frame of the plot, and finds what is seen in it.
+View view_of(std::span<const MapPoint> points, Plot& plot) {
   const Span x = bulk_of(points, &MapPoint::x_m);
   const Span y = bulk_of(points, &MapPoint::y_m);
   plot.x.low = x.low;
@@ -66,29 +86,42 @@ Plot plot_map(std::span<const MapPoint> points, std::span<const TimedPose> path)
   plot.y.low = y.low;
   plot.y.high = y.high;
   plot.height = std::clamp(kWidth * (y.high - y.low) / (x.high - x.low) + 60.0, 260.0, 700.0);
-  const double cell_m = std::max(x.high - x.low, y.high - y.low) / kCells;
+  View view;
+  view.cell_m = std::max(x.high - x.low, y.high - y.low) / kCells;
   const double floor_m = quantile(points, &MapPoint::z_m, 0.05);
-
-  std::map<std::pair<long, long>, double> highest;
   for (const MapPoint& point : points) {
     const double over_floor = point.z_m - floor_m;
     if (!(over_floor < kHighest)) continue;
     if (point.x_m < x.low || point.x_m > x.high || point.y_m < y.low || point.y_m > y.high) continue;
-    const std::pair cell{std::lround(point.x_m / cell_m), std::lround(point.y_m / cell_m)};
-    const auto [entry, is_new] = highest.try_emplace(cell, over_floor);
-    if (!is_new) entry->second = std::max(entry->second, over_floor);
+    const std::pair cell{std::lround(point.x_m / view.cell_m), std::lround(point.y_m / view.cell_m)};
+    const Highest seen{over_floor, point.segment};
+    const auto [entry, is_new] = view.highest.try_emplace(cell, seen);
+    if (!is_new && seen.over_floor_m > entry->second.over_floor_m) entry->second = seen;
   }
+  return view;
+}
+
+}  // namespace
+
+std::vector<MapPoint> map_points(const Vehicle& vehicle) {
+  std::vector<MapPoint> points;
+  vehicle.for_each_voxel([&points](const VoxelOnMap& voxel) {
+    points.push_back({voxel.p_world_m[0], voxel.p_world_m[1], voxel.p_world_m[2], voxel.segment});
+  });
+  return points;
+}
+
+Plot plot_map(std::span<const MapPoint> points, std::span<const TimedPose> path) {
+  Plot plot = empty_plot("Map from above");
+  if (points.empty()) return plot;
+  const View view = view_of(points, plot);
   double from_m = -1e300;
   for (const Band& band : kBands) {
-    Series series;
-    series.name = band.name;
-    series.mark = Mark::dots;
-    series.colour = band.colour;
-    series.width = 1.5;
-    for (const auto& [cell, over_floor] : highest) {
-      if (over_floor < from_m || over_floor >= band.below_m) continue;
-      series.x.push_back(static_cast<double>(cell.first) * cell_m);
-      series.y.push_back(static_cast<double>(cell.second) * cell_m);
+    Series series = dots(band.name, band.colour);
+    for (const auto& [cell, highest] : view.highest) {
+      if (highest.over_floor_m < from_m || highest.over_floor_m >= band.below_m) continue;
+      series.x.push_back(static_cast<double>(cell.first) * view.cell_m);
+      series.y.push_back(static_cast<double>(cell.second) * view.cell_m);
     }
     from_m = band.below_m;
     plot.series.push_back(std::move(series));
@@ -102,6 +135,41 @@ Plot plot_map(std::span<const MapPoint> points, std::span<const TimedPose> path)
     way.y.push_back(pose.p[1]);
   }
   if (!way.x.empty()) plot.series.push_back(std::move(way));
+  return plot;
+}
+
+Plot plot_segments(std::span<const MapPoint> points) {
+  Plot plot = empty_plot("Segments from above");
+  std::map<std::uint32_t, std::size_t> sizes;
+  for (const MapPoint& point : points) {
+    if (point.segment != 0) ++sizes[point.segment];
+  }
+  if (sizes.empty()) return plot;
+  std::vector<std::pair<std::size_t, std::uint32_t>> order;
+  for (const auto& [id, size] : sizes) order.emplace_back(size, id);
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  std::map<std::uint32_t, std::size_t> series_of;  // by id
+  plot.series.push_back(dots("of none", kNoSegmentColour));
+  for (const auto& [size, id] : order) {
+    if (plot.series.size() <= kOwnColours) {
+      plot.series.push_back(dots("segment " + std::to_string(id) + ", " + std::to_string(size) + " voxels",
+                                 kColours[plot.series.size() - 1]));
+      series_of[id] = plot.series.size() - 1;
+    } else {
+      if (plot.series.size() == kOwnColours + 1)
+        plot.series.push_back(
+            dots(std::to_string(order.size() - kOwnColours) + " smaller ones", kColours[kOwnColours]));
+      series_of[id] = kOwnColours + 1;
+    }
+  }
+  const View view = view_of(points, plot);
+  for (const auto& [cell, highest] : view.highest) {
+    Series& series = plot.series[highest.segment == 0 ? 0 : series_of[highest.segment]];
+    series.x.push_back(static_cast<double>(cell.first) * view.cell_m);
+    series.y.push_back(static_cast<double>(cell.second) * view.cell_m);
+  }
   return plot;
 }
 

@@ -16,6 +16,7 @@ struct MapPoint {
   double x_m{};
   double y_m{};
   double z_m{};
+  std::uint32_t segment{};  ///< id; 0: of none
 };
 
 /// All voxels of a vehicle's map; empty without one. Set-up side: takes heap memory.
@@ -25,5 +26,9 @@ std::vector<MapPoint> map_points(const Vehicle& vehicle);
 /// height that a twentieth of the voxels lie below. A few far voxels at the edges are left out. Without
 /// voxels the plot has no series.
 Plot plot_map(std::span<const MapPoint> points, std::span<const TimedPose> path);
+
+/// The same map coloured by segment: the largest ones each in a colour of their own, the smaller ones in one,
+/// voxels of none in grey. Without segments the plot has no series.
+Plot plot_segments(std::span<const MapPoint> points);
 
 }  // namespace sortie::firmware

@@ -25,11 +25,14 @@ Ugv::Ugv(VehicleBuilder& builder) {
   const bool wants_ssl = builder.wants("ssl", false);
   if (wants_map || wants_ssl) {
     const rt::GroupId mapping = builder.group("mapping", 10);
-    if (wants_map) add_map(builder, mapping);
+    if (wants_map) {
+      add_pose_input(builder, mapping);
+      map_ = std::make_unique<UgvMap>(builder, mapping, UgvMap::Sources{pose_input_, flipper_task_});
+    }
     if (wants_ssl) add_ssl(builder, mapping);
   }
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
-  if (grid_) builder.chain({"scan_to_map", {"SCAN", "map"}});
+  if (map_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();
 }
 
@@ -87,62 +90,6 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   builder.counter("imu_aid_refused", [attitude] { return attitude->counters().aid_refused; });
 }
 
-void Ugv::add_map(VehicleBuilder& builder, rt::GroupId group) {
-  const MapConfig config = read_map_config(builder);
-  std::tie(scans_, scan_port_) = builder.scans(group, "SCAN", config.scan_buffers, config.scan_points);
-  if (odometry_task_ != nullptr) {
-    add_pose_input(builder, group);
-    poses_ = std::make_unique<mapping::PoseHistory>();
-  }
-  p_body_sensor_ = config.p_body_sensor;
-  q_body_sensor_ = config.q_body_sensor;
-  max_pose_age_ns_ = config.max_pose_age_ns;
-  const mapping::VoxelGridMemory memory{builder.arena().make_array<mapping::Voxel>("voxels", config.voxels),
-                                        builder.arena().make_array<mapping::VoxelBucket>(
-                                            "voxel table", mapping::VoxelTable::buckets_for(config.voxels))};
-  grid_ = std::make_unique<mapping::VoxelGrid>(config.grid, memory);
-  // The pool and the size of a voxel are memory; how far the lidar is believed may change.
-  builder.parameter(group, "map.min_range_m",
-                    [this](double value) { return grid_->set_ranges(value, grid_->max_range_m()); });
-  builder.parameter(group, "map.max_range_m",
-                    [this](double value) { return grid_->set_ranges(grid_->min_range_m(), value); });
-  const rt::TaskBase* task = builder.task<mapping::VoxelGridOutput>(
-      group, "map", TaskDefaults{50'000, rt::Criticality::b},
-      [this](rt::JobContext& context, mapping::VoxelGridOutput& output) {
-        if (pose_input_ != nullptr) {
-          // Refusals are poses without news: the odometry puts out at every release, with the stamp of its
-          // last sample.
-          for (const rt::PoseEstimate& pose : *pose_input_) {
-            static_cast<void>(poses_->add(
-                {pose.stamp_ns, rt::to_vector(pose.p_world_body_m), rt::to_quaternion(pose.q_world_body)}));
-          }
-        }
-        for (std::uint32_t i = 0; i < scans_->size(); ++i) {
-          const ScanStream::View view = (*scans_)[i];
-          context.add_units(view.header.points);
-          insert_scan({view.header, view.elements}, context.tick);
-        }
-        output = grid_->output();
-      });
-  builder.remembers(task, *grid_, scans_unplaced_);
-  if (poses_) builder.remembers(task, *poses_);
-  const mapping::VoxelGrid* grid = grid_.get();
-  const std::uint64_t capacity = config.voxels;
-  builder.pool("voxels", [grid, capacity] {
-    return PoolLevel{capacity, grid->output().high_water, grid->output().points.pool_full};
-  });
-  builder.counter("points_in", [grid] { return grid->output().points.in; });
-  builder.counter("points_used", [grid] { return grid->output().points.used; });
-  builder.counter("points_not_finite", [grid] { return grid->output().points.not_finite; });
-  builder.counter("points_too_near", [grid] { return grid->output().points.too_near; });
-  builder.counter("points_too_far", [grid] { return grid->output().points.too_far; });
-  builder.counter("points_out_of_grid", [grid] { return grid->output().points.out_of_grid; });
-  builder.counter("points_pool_full", [grid] { return grid->output().points.pool_full; });
-  builder.counter("points_bad_pose", [grid] { return grid->output().points.bad_pose; });
-  builder.counter("scans", [grid] { return grid->output().scans; });
-  builder.counter("scans_unplaced", [this] { return scans_unplaced_; });
-}
-
 void Ugv::add_pose_input(VehicleBuilder& builder, rt::GroupId group) {
   // All poses that became visible since the job before; at most a second of them.
   if (odometry_task_ != nullptr && pose_input_ == nullptr)
@@ -152,22 +99,7 @@ void Ugv::add_pose_input(VehicleBuilder& builder, rt::GroupId group) {
 void Ugv::add_ssl(VehicleBuilder& builder, rt::GroupId group) {
   ssl_ = std::make_unique<UgvSsl>(builder);
   if (ssl_->schedules()) add_pose_input(builder, group);
-  ssl_->add_tasks(builder, group, {scans_, pose_input_, p_body_sensor_, q_body_sensor_});
-}
-
-void Ugv::insert_scan(const rt::PointScan& scan, rt::Tick tick) {
-  // The result's status and counts are part of the grid's output.
-  if ((scan.header.flags & rt::kScanPosed) != 0) {
-    static_cast<void>(grid_->insert(scan, tick));
-    return;
-  }
-  mapping::StampedPose body;
-  if (poses_ == nullptr || poses_->at(scan.header.stamp_ns, max_pose_age_ns_, body) != Status::ok) {
-    ++scans_unplaced_;
-    return;
-  }
-  const mapping::SensorPose sensor{body.p + rt::rotate(body.q, p_body_sensor_), body.q * q_body_sensor_};
-  static_cast<void>(grid_->insert(scan, sensor, tick));
+  ssl_->add_tasks(builder, group, {map_ ? map_->lidar() : LidarScans{}, pose_input_});
 }
 
 void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns) {
@@ -206,12 +138,14 @@ void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   send_commands(*devices.can, now_ns);
 }
 
-void Ugv::for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const {
-  if (!grid_) return;
-  for (std::uint32_t i = 0; i < grid_->size(); ++i) {
-    const mapping::VoxelView voxel = grid_->voxel(i);
-    put(voxel.centroid_m.x, voxel.centroid_m.y, voxel.centroid_m.z, voxel.count);
-  }
+void Ugv::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
+  if (!map_) return;
+  map_->map().for_each_voxel([&put](const MapVoxel& voxel) {
+    put({{voxel.p_world_m.x, voxel.p_world_m.y, voxel.p_world_m.z},
+         voxel.count,
+         voxel.segment,
+         {voxel.normal_world.x, voxel.normal_world.y, voxel.normal_world.z}});
+  });
 }
 
 }  // namespace sortie::firmware

@@ -10,9 +10,8 @@
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/ugv_map.hpp"
 #include "firmware_like/vehicles/ugv_ssl.hpp"
-#include "mapping/pose_history.hpp"
-#include "mapping/voxel_grid.hpp"
 #include "planner/flipper_postures.hpp"
 #include "planner/ugv_drive.hpp"
 
@@ -25,15 +24,15 @@ class Ugv final : public Vehicle, public UnitTryer {
   explicit Ugv(VehicleBuilder& builder);
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
-  drivers::ScanSink* scan_sink() override { return scan_port_; }
+  drivers::ScanSink* scan_sink() override { return map_ ? map_->port() : nullptr; }
   UnitTrial try_units() const override { return ssl_ ? ssl_->try_units() : UnitTrial{}; }
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
-  void for_each_voxel(const std::function<void(double, double, double, std::uint32_t)>& put) const override;
   void for_each_occupied(const std::function<void(double, double, double)>& put) const override {
     if (ssl_) ssl_->for_each_occupied(put);
   }
+  void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 
  private:
   static constexpr std::uint32_t kImuBatch = 64;
@@ -53,35 +52,31 @@ class Ugv final : public Vehicle, public UnitTryer {
   void send_canopen(drivers::CanBus& can, const rt::DriveCommand* command, const rt::FlipperCommand* flippers,
                     rt::Nanoseconds now_ns);
   bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
-  void add_map(VehicleBuilder& builder, rt::GroupId group);
   void add_pose_input(VehicleBuilder& builder, rt::GroupId group);
   void add_ssl(VehicleBuilder& builder, rt::GroupId group);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
-  void insert_scan(const rt::PointScan& scan, rt::Tick tick);
 
   // Inputs.
   rt::Stream<rt::ImuSample>* imu_{};
   rt::Stream<rt::TrackSample>* tracks_{};
   rt::Stream<rt::DriveRequest>* requests_{};
   rt::Stream<rt::FlipperSample>* flipper_states_{};
-  ScanStream* scans_{};
   InputPort<rt::ImuSample>* imu_port_{};
   InputPort<rt::TrackSample>* track_port_{};
   InputPort<rt::DriveRequest>* request_port_{};
   InputPort<rt::FlipperSample>* flipper_port_{};
-  ScanPort* scan_port_{};
   // Algorithms; null where the scene leaves them out.
   std::unique_ptr<estimators::Attitude> attitude_;
   std::unique_ptr<estimators::TrackOdometry> odometry_;
   std::unique_ptr<planner::UgvDrive> drive_;
   std::unique_ptr<planner::FlipperPostures> flippers_;
-  std::unique_ptr<mapping::VoxelGrid> grid_;
-  std::unique_ptr<mapping::PoseHistory> poses_;
+  std::unique_ptr<UgvMap> map_;
   std::unique_ptr<UgvSsl> ssl_;
   // Tasks and what crosses groups.
   rt::Task<rt::AttitudeEstimate>* attitude_task_{};
   rt::Task<rt::PoseEstimate>* odometry_task_{};
-  rt::Input<rt::PoseEstimate>* pose_input_{};
+  rt::Task<planner::FlipperOutput>* flipper_task_{};
+  rt::Input<rt::PoseEstimate>* pose_input_{};  // of the group `mapping`; null without odometry
   Outlet<rt::DriveCommand>* drive_outlet_{};
   Outlet<rt::FlipperCommand>* flipper_outlet_{};
   std::int32_t postures_{};
@@ -89,11 +84,6 @@ class Ugv final : public Vehicle, public UnitTryer {
   rt::AttitudeEstimate job_attitudes_[kImuBatch]{};
   const rt::ImuSample* job_samples_[kImuBatch]{};  // that led to them
   std::uint32_t job_attitude_count_{};
-  // Scan placement.
-  rt::Vector3 p_body_sensor_;
-  rt::Quaternion q_body_sensor_;
-  rt::Nanoseconds max_pose_age_ns_{};
-  std::uint64_t scans_unplaced_{};
   // Devices.
   drivers::CanSampleDecoder decoder_;
   std::unique_ptr<drivers::canopen::UgvDrives> canopen_;  ///< null: the drives speak the robot's own frames

@@ -102,41 +102,4 @@ estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder) {
   return config;
 }
 
-SensorMount read_lidar_mount(Profile& profile) {
-  return read_mount(profile, "lidar", 0.05, "place of the lidar on the body",
-                    "turn of the lidar on the body");
-}
-
-MapConfig read_map_config(VehicleBuilder& builder) {
-  Profile& profile = builder.profile();
-  MapConfig config;
-  config.grid.voxel_size_m =
-      profile.number("map.voxel_m", {config.grid.voxel_size_m, 0.01, 10, "m", "edge of a voxel"});
-  config.grid.min_range_m =
-      profile.number("map.min_range_m", {config.grid.min_range_m, 0, 100, "m", "nearer returns are refused"});
-  config.grid.max_range_m = profile.number(
-      "map.max_range_m", {config.grid.max_range_m, 0.1, 1000, "m", "farther returns are refused"});
-  if (config.grid.max_range_m <= config.grid.min_range_m)
-    profile.fail("map.max_range_m", "must be above map.min_range_m");
-  config.grid.full_policy =
-      profile.text("map.when_full", "refuse", "what happens to new voxels when the pool is full",
-                   {"refuse", "evict_farthest"}) == "refuse"
-          ? mapping::FullPolicy::refuse
-          : mapping::FullPolicy::evict_farthest;
-  config.voxels = static_cast<std::uint32_t>(
-      profile.integer("limits.voxels", {1 << 17, 1, 1 << 26, "voxels", "pool of the map"}));
-  config.scan_buffers = static_cast<std::uint32_t>(
-      profile.integer("limits.scan_buffers", {4, 2, 64, "scans", "pooled buffers; a job takes up to half"}));
-  config.scan_points = static_cast<std::uint32_t>(profile.integer(
-      "limits.scan_points", {32'768, 1, 1 << 22, "points", "of one scan; a larger one is refused whole"}));
-  const SensorMount mount = read_lidar_mount(profile);
-  config.p_body_sensor = rt::to_vector(mount.place_m);
-  config.q_body_sensor = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                                 mount.yaw_pitch_roll_rad[2]);
-  config.max_pose_age_ns = milliseconds(
-      profile.number("map.max_pose_age_ms",
-                     {100, 0, 1e4, "ms", "a scan taken this long after the newest pose is placed there"}));
-  return config;
-}
-
 }  // namespace sortie::firmware

@@ -117,7 +117,7 @@ void Ugv::add_drive_counters(VehicleBuilder& builder) {
 void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
   listen_to_flippers(builder, group);
   flipper_outlet_ = builder.outlet<rt::FlipperCommand>("flippers");
-  const rt::TaskBase* task = builder.task<planner::FlipperOutput>(
+  flipper_task_ = builder.task<planner::FlipperOutput>(
       group, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
         // What is not finite does not come off the bus; a posture that does not exist is counted in the
         // output.
@@ -133,7 +133,7 @@ void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
         command.flags = output.flags & planner::kFlippersEnabled;
         flipper_outlet_->put(command, context.due_ns);
       });
-  builder.remembers(task, *flippers_);
+  builder.remembers(flipper_task_, *flippers_);
   builder.counter("flipper_commands_sent", [this] { return flipper_commands_sent_; });
   builder.counter("flipper_commands_refused", [this] { return flipper_commands_refused_; });
 }

@@ -68,8 +68,9 @@ void UgvSsl::add_occupancy(VehicleBuilder& builder, rt::GroupId group) {
         take_poses();
         // A place that is none leaves the window where it is; rays from outside are counted.
         if (newest_.stamp_ns != 0) static_cast<void>(map_->centre_on(rt::to_vector(newest_.p_world_body_m)));
-        for (std::uint32_t i = 0; sources_.scans != nullptr && i < sources_.scans->size(); ++i) {
-          const ScanStream::View view = (*sources_.scans)[i];
+        const ScanStream* const scans = sources_.lidar.scans;
+        for (std::uint32_t i = 0; scans != nullptr && i < scans->size(); ++i) {
+          const ScanStream::View view = (*scans)[i];
           context.add_units(view.header.points / map_settings_.scan_stride);
           enter_scan({view.header, view.elements});
         }
@@ -120,11 +121,12 @@ void UgvSsl::enter_scan(const rt::PointScan& scan) {
                              rt::to_quaternion(scan.header.q_world_sensor)};
   if ((scan.header.flags & rt::kScanPosed) == 0) {
     mapping::StampedPose body;
-    if (history_->at(scan.header.stamp_ns, map_settings_.max_pose_age_ns, body) != Status::ok) {
+    const rt::Nanoseconds at = scan.header.stamp_ns + sources_.lidar.time_offset_ns;
+    if (history_->at(at, map_settings_.max_pose_age_ns, body) != Status::ok) {
       ++scans_unplaced_;
       return;
     }
-    sensor = planner::mounted({body.p, body.q}, sources_.p_body_lidar, sources_.q_body_lidar);
+    sensor = planner::mounted({body.p, body.q}, sources_.lidar.p_body_m, sources_.lidar.q_body);
   }
   // What is refused stands in the map's output.
   static_cast<void>(map_->update(scan, sensor, map_settings_.scan_stride));

@@ -8,6 +8,7 @@
 #include "drivers/ssl_port.hpp"
 #include "firmware_like/unit_trial.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/ugv_map.hpp"
 #include "firmware_like/vehicles/ugv_ssl_config.hpp"
 #include "mapping/pose_history.hpp"
 
@@ -42,10 +43,8 @@ struct SslOutput {
 
 /// What the vehicle has that the map is fed with; null where it has none.
 struct SslSources {
-  ScanStream* scans{};
+  LidarScans lidar;
   rt::Input<rt::PoseEstimate>* poses{};
-  rt::Vector3 p_body_lidar;
-  rt::Quaternion q_body_lidar;
 };
 
 /// Tasks of the group `mapping`. `occupancy`, only where rays are scheduled: moves the map's window with the

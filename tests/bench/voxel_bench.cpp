@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The voxel grid against a hash map, a sorted vector and, where it is installed, PCL, on the same simulated
-// scans of a hall; ns per point. The grid also checks, counts and digests each point, which no peer does.
+// scans of a hall; ns per point. The grid also checks and counts each point, which no peer does.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -11,7 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "mapping/voxel_grid.hpp"
+#include "mapping/rolling_grid.hpp"
+#include "mapping/sensor_pose.hpp"
 #include "tests/bench/ratio_table.hpp"
 #ifdef SORTIE_PEER_PCL
 #include <pcl/filters/voxel_grid.h>
@@ -85,23 +86,28 @@ void count_ops(benchmark::State& state) { state.counters["ops"] = 1.0 * kPoints 
 
 void voxel_sortie(benchmark::State& state) {
   constexpr std::uint32_t kCapacity = 1u << 17;
-  std::vector<mapping::Voxel> pool(kCapacity);
-  std::vector<mapping::VoxelBucket> buckets(mapping::VoxelTable::buckets_for(kCapacity));
-  mapping::VoxelGridConfig config;
+  mapping::RollingGridConfig config;
   config.voxel_size_m = kSize;
   config.min_range_m = 0.0001;
+  config.radius_m = 30;
+  std::vector<mapping::Block> blocks(kCapacity / 4);
+  std::vector<mapping::BlockIndex> window(mapping::RollingGrid::window_entries(config));
+  std::vector<mapping::Centroid> voxels(kCapacity);
+  std::vector<mapping::ScanEntry> entries(kPoints);
+  std::vector<mapping::BlockChange> changes(blocks.size());
   for (auto _ : state) {
     state.PauseTiming();
-    std::fill(pool.begin(), pool.end(), mapping::Voxel{});
-    std::fill(buckets.begin(), buckets.end(), mapping::VoxelBucket{});
-    auto grid = std::make_unique<mapping::VoxelGrid>(config, mapping::VoxelGridMemory{pool, buckets});
+    std::fill(blocks.begin(), blocks.end(), mapping::Block{});
+    auto grid = std::make_unique<mapping::RollingGrid>(
+        config, mapping::RollingGridMemory{blocks, window, voxels, {}, entries, changes});
     state.ResumeTiming();
     for (std::uint32_t s = 0; s < kScans; ++s) {
       rt::PointScan scan;
       scan.header.stamp_ns = s;
       scan.header.points = kPoints;
       scan.points = drive().scans[s].data();
-      benchmark::DoNotOptimize(grid->insert(scan, drive().poses[s], s));
+      benchmark::DoNotOptimize(
+          grid->insert(scan, {drive().poses[s].p_world_sensor_m, drive().poses[s].q_world_sensor}, s, {}));
     }
   }
   count_ops(state);

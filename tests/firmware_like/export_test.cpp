@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exported files read back: by our own readers, by a JSON parser, and by the tools themselves where
 // installed.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -53,27 +54,60 @@ TEST_CASE("a trajectory survives TUM bit for bit") {
   CHECK(line.str() == "1432235498.027976000 1.5 0 0 0 0 0 1\n");
 }
 
-TEST_CASE("a cloud is written as PLY, points that are no points left out") {
-  const std::vector<CloudPoint> points{
-      {1.5f, -2.25f, 0.1f, 7}, {std::nanf(""), 0, 0, 1}, {1e-7f, 3e8f, -0.0f, 4294967295u}};
+TEST_CASE("a cloud is written as PLY with its segments' colours, points that are no points left out") {
+  std::vector<CloudPoint> points{
+      {1.5f, -2.25f, 0.1f, 7}, {std::nanf(""), 0, 0, 1}, {1e-7f, 3e8f, -0.0f, 4294967295u, 3}};
+  points[2].red = 255;
+  const std::string head_text =
+      "1.0\ncomment metres, world frame\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
+      "float "
+      "z\nproperty uint hits\nproperty uint segment\nproperty uchar red\nproperty uchar green\nproperty "
+      "uchar "
+      "blue\n";
   std::ostringstream ascii;
   CHECK(write_ply(ascii, points, PlyFormat::ascii) == 2);
-  CHECK(ascii.str() ==
-        "ply\nformat ascii 1.0\ncomment metres, world frame\nelement vertex 2\nproperty float x\nproperty "
-        "float y\n"
-        "property float z\nproperty uint hits\nend_header\n1.5 -2.25 0.1 7\n1e-07 3e+08 -0 4294967295\n");
+  CHECK(ascii.str() == "ply\nformat ascii " + head_text +
+                           "end_header\n1.5 -2.25 0.1 7 0 128 128 128\n1e-07 3e+08 -0 4294967295 3 255 128 "
+                           "128\n");
   std::ostringstream binary;
   CHECK(write_ply(binary, points) == 2);
   const std::string bytes = binary.str();
   const std::size_t head = bytes.find("end_header\n") + 11;
   CHECK(bytes.find("format binary_little_endian 1.0\n") != std::string::npos);
-  REQUIRE(bytes.size() == head + 32);
+  REQUIRE(bytes.size() == head + 46);
   float z = 0.0f;
   std::uint32_t hits = 0;
   std::memcpy(&z, bytes.data() + head + 8, 4);
-  std::memcpy(&hits, bytes.data() + head + 28, 4);
+  std::memcpy(&hits, bytes.data() + head + 35, 4);
   CHECK(z == 0.1f);
   CHECK(hits == 4294967295u);
+  CHECK(bytes[head + 39] == 3);
+  CHECK(static_cast<unsigned char>(bytes[head + 43]) == 255);
+  // One normal, and all points have room for one.
+  points[2].normal[2] = 1.0f;
+  std::ostringstream with_normals;
+  CHECK(write_ply(with_normals, points) == 2);
+  CHECK(with_normals.str().find(
+            "blue\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n") !=
+        std::string::npos);
+  CHECK(with_normals.str().size() - with_normals.str().find("end_header\n") - 11 == 70);
+}
+
+TEST_CASE("voxels of one segment are of one colour, of none grey, and of the next segment another colour") {
+  VoxelOnMap voxel;
+  CHECK(to_cloud_point(voxel).red == 128);
+  CHECK(to_cloud_point(voxel).blue == 128);
+  const auto colour = [&voxel](std::uint32_t segment) {
+    voxel.segment = segment;
+    const CloudPoint p = to_cloud_point(voxel);
+    return std::array<int, 3>{p.red, p.green, p.blue};
+  };
+  for (std::uint32_t id = 1; id < 1000; ++id) {
+    const std::array<int, 3> a = colour(id);
+    const std::array<int, 3> b = colour(id + 1);
+    CHECK(std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) > 200);
+    CHECK(colour(id) == a);
+  }
 }
 
 TEST_CASE("a series of a described struct becomes CSV with time first") {

@@ -53,6 +53,26 @@ TEST_CASE("The map's picture shows each cell in the band of its highest voxel") 
   }
 }
 
+TEST_CASE(
+    "The picture of segments gives the largest ones a colour each, and every cell to its highest voxel") {
+  std::vector<MapPoint> points = room();
+  CHECK(plot_segments(points).series.empty());
+  // The floor is segment 9, the box 4, the wall of none; ten more of one voxel each.
+  for (MapPoint& point : points) point.segment = point.x_m >= 9.95 ? 0 : point.z_m > 0.5 ? 4 : 9;
+  for (std::uint32_t id = 20; id < 30; ++id) points.push_back({0.1 * id, 9.5, 0.5, id});
+  const Plot plot = plot_segments(points);
+  REQUIRE(plot.series.size() == 8);
+  CHECK(plot.series[0].name == "of none");
+  CHECK(plot.series[1].name == "segment 9, 10000 voxels");
+  CHECK(plot.series[2].name == "segment 4, 100 voxels");
+  CHECK(plot.series[3].name == "segment 20, 1 voxels");
+  CHECK(plot.series[7].name == "6 smaller ones");
+  CHECK(plot.series[7].x.size() == 6);
+  for (const double x : plot.series[0].x) CHECK(std::fabs(x - 10.0) < 0.1);
+  for (const double x : plot.series[2].x) CHECK(std::fabs(x - 4.45) < 0.55);
+  CHECK(plot.series[1].x.size() > 5000);
+}
+
 TEST_CASE("A few far voxels do not shrink the map's picture, and the path is drawn on top") {
   std::vector<MapPoint> points = room();
   for (int i = 0; i < 20; ++i) points.push_back({400.0 + i, -300.0, 0});

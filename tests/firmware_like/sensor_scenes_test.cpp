@@ -37,8 +37,10 @@ TEST_CASE("a rolling laser that sees the robot runs, and its log replays to the 
   const firmware::LiveRunOutcome run = run_sensors("ugv_laser", log);
   CHECK(ran(run, "scans") == 14);
   CHECK(ran(run, "points_used") > 5000);
-  CHECK(ran(run, "points_in") ==
-        ran(run, "points_used") + ran(run, "points_too_near") + ran(run, "points_too_far"));
+  CHECK(ran(run, "points_in") == ran(run, "points_used") + ran(run, "points_too_near") +
+                                     ran(run, "points_too_far") + ran(run, "points_on_robot") +
+                                     ran(run, "points_outside") + ran(run, "points_unplaced"));
+  CHECK(ran(run, "points_on_robot") > 500);
   CHECK(ran(run, "bench_lidar_own") > 500);
   CHECK(ran(run, "bench_lidar_mixed") > 100);
   CHECK(ran(run, "bench_lidar_weak") > 100);

@@ -103,7 +103,7 @@ class StandingVehicle final : public firmware::Vehicle {
         });
     builder.remembers(pose);
     const rt::GroupId mapping = builder.group("mapping", 10);
-    ssl_.add_tasks(builder, mapping, {nullptr, builder.input(mapping, pose, 1000), {}, {}});
+    ssl_.add_tasks(builder, mapping, {{}, builder.input(mapping, pose, 1000)});
     builder.check();
   }
   void poll_devices(const firmware::Devices& devices, rt::Nanoseconds now_ns) override {

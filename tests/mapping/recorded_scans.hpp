@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/voxel_grid.hpp"
+#include "mapping/sensor_pose.hpp"
+#include "rt/samples.hpp"
 
 namespace sortie::tests {
 
@@ -67,19 +68,5 @@ inline std::vector<RecordedScan> read_rls(const std::string& path) {
   }
   return result;
 }
-
-/// A grid with memory of its own.
-struct OwnedGrid {
-  std::vector<mapping::Voxel> pool;
-  std::vector<mapping::VoxelBucket> buckets;
-  mapping::VoxelGrid grid;
-
-  OwnedGrid(const mapping::VoxelGridConfig& config, std::uint32_t capacity)
-      : pool(capacity),
-        buckets(mapping::VoxelTable::buckets_for(capacity)),
-        grid(config, mapping::VoxelGridMemory{pool, buckets}) {}
-  OwnedGrid(const OwnedGrid&) = delete;
-  OwnedGrid& operator=(const OwnedGrid&) = delete;
-};
 
 }  // namespace sortie::tests

@@ -167,6 +167,46 @@ TEST_CASE("A recorded drive: counts add up, and a finer look at them finds every
   CHECK(tests::twin_voxels(owned.grid).size() == output.voxels);
 }
 
+TEST_CASE("A full map that was stored and read back lets go of the same blocks as before") {
+  mapping::RollingGridConfig config;
+  config.radius_m = 8;
+  tests::MapSizes sizes;
+  sizes.blocks = 64;
+  sizes.voxels = 256;
+  tests::OwnedRollingGrid one(config, sizes);
+  tests::OwnedRollingGrid other(config, sizes);
+  tests::WorldRandom random(7);
+  const auto stored = [](mapping::RollingGrid& grid) {
+    rt::Archive measure = rt::Archive::measuring();
+    grid.archive(measure);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
+    rt::Archive write = rt::Archive::writing(bytes);
+    grid.archive(write);
+    REQUIRE(write.status() == Status::ok);
+    return bytes;
+  };
+  for (std::uint32_t tick = 0; tick < 40; ++tick) {
+    std::vector<rt::ScanPoint> points;
+    for (int i = 0; i < 60; ++i) {
+      const float x = static_cast<float>(random.below(12'000)) * 1e-3f - 6.0f;
+      const float y = static_cast<float>(random.below(12'000)) * 1e-3f - 6.0f;
+      points.push_back({x, y, 1.0f, 0, 0});
+    }
+    const mapping::RigidPose pose{{0.4 * tick, 0, 0}, {}};
+    (void)one.grid.insert(tests::scan_over(points), pose, tick, {});
+    if (tick > 20) (void)other.grid.insert(tests::scan_over(points), pose, tick, {});
+    if (tick == 20) {
+      const std::vector<std::uint8_t> bytes = stored(one.grid);
+      rt::Archive read = rt::Archive::reading(bytes);
+      other.grid.archive(read);
+      REQUIRE(read.status() == Status::ok);
+    }
+    if (tick >= 20) REQUIRE(stored(one.grid) == stored(other.grid));
+  }
+  CHECK(one.grid.output().points.forced > 20);
+  CHECK(one.grid.output().points.evicted > 100);
+}
+
 TEST_CASE("A map that was stored and read back goes on as if nothing had happened") {
   for (std::uint32_t seed = 0; seed < 10; ++seed) {
     tests::WorldRandom random(seed);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hil/ray_caster.hpp"
-#include "mapping/voxel_grid.hpp"
+#include "mapping/sensor_pose.hpp"
 
 namespace sortie::bench {
 

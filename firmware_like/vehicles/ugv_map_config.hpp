@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The map's part of the ground robot's profile: every key with unit, range, default and meaning.
+#pragma once
+
+#include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/chosen_map.hpp"
+#include "firmware_like/vehicles/sensor_mount.hpp"
+#include "mapping/sweep.hpp"
+
+namespace sortie::firmware {
+
+/// Map, its pools, what sweeps are, and where the lidar sits.
+struct UgvMapConfig {
+  ChosenMapConfig map;
+  mapping::SweepConfig sweep;
+  std::uint32_t scan_buffers{};
+  bool anytime{};  ///< the segmenter stops when the task's units are spent
+};
+
+/// Where the lidar sits on the body: [lidar].
+SensorMount read_lidar_mount(Profile& profile);
+
+/// Reads [map], [lidar], [outline] and the map's [limits]. Throws ProfileError, also for settings that do not
+/// fit one another.
+UgvMapConfig read_map_config(Profile& profile);
+
+}  // namespace sortie::firmware
