@@ -28,6 +28,7 @@ Ugv::Ugv(VehicleBuilder& builder) {
     if (wants_map) add_map(builder, mapping);
     if (wants_ssl) add_ssl(builder, mapping);
   }
+  declare_can(builder);
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (grid_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();
