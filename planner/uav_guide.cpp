@@ -41,12 +41,14 @@ void UavGuide::put_box(const KnownBox& box) {
 
 void UavGuide::begin() {
   slices_ = 0;
-  begun_version_ = map_->version();
+  hoping_ = false;
+  begun_version_ = version();
   way_.points = way_.whole = way_.blocked = 0;
   way_.number = question_.number;
   way_.state = static_cast<std::uint32_t>(
       path_->begin(*map_, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m)));
   searching_ = static_cast<PathState>(way_.state) == PathState::running;
+  if (!searching_ && wants_hope()) begin_hoped();
 }
 
 void UavGuide::look(const WayQuestion* question, rt::Nanoseconds now_ns) {
@@ -68,12 +70,14 @@ void UavGuide::look(const WayQuestion* question, rt::Nanoseconds now_ns) {
 void UavGuide::refreshed() {
   refreshing_ = false;
   way_.map_version = map_->version();
-  if (searching_ && begun_version_ != map_->version()) begin();
+  if (searching_ && begun_version_ != version()) begin();
   if (searching_ || way_.points == 0 || checked_version_ == map_->version()) return;
   checked_version_ = map_->version();
   rt::Vector3 points[UavWay::kMostPoints];
   for (std::uint32_t i = 0; i < way_.points; ++i) points[i] = {way_.x_m[i], way_.y_m[i], way_.z_m[i]};
-  if (!UavPath::is_still_free(*map_, {points, way_.points})) way_.blocked = 1;
+  if (way_.blocked != 0 || UavPath::is_still_free(*map_, {points, way_.points})) return;
+  way_.blocked = 1;
+  ++counts_.blocked;
 }
 
 void UavGuide::note_path() {
@@ -92,33 +96,43 @@ void UavGuide::note_path() {
 
 void UavGuide::step() {
   if (refreshing_) {
-    if (map_->refresh(kBricksPerSlice)) refreshed();
+    const bool known = map_->refresh(kBricksPerSlice);
+    if (known && (hope_ == nullptr || hope_->refresh(kBricksPerSlice))) refreshed();
     return;
   }
   if (!searching_) return;
   ++slices_;
-  const PathState state = path_->step(*map_, kSlice);
+  const PathState state = path_->step(hoping_ ? *hope_ : *map_, kSlice);
   if (state == PathState::running || state == PathState::found) return;
+  way_.state = static_cast<std::uint32_t>(state);
+  if (wants_hope()) {
+    begin_hoped();
+    return;
+  }
   searching_ = false;
   checked_version_ = map_->version();
   note_path();
+  if (hoping_) cut();
 }
 
 void UavGuide::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav guide")
-      .fixed(map_, path_, boxes_)
+      .fixed(map_, path_, boxes_, hope_, cells_)
       .by_hand(known_)
       .state(started_, refreshing_, searching_, start_ns_, begun_version_, slices_, checked_version_,
-             question_, way_);
+             question_, way_, hoping_, counts_);
   archive.bounded(known_, boxes_.size());
   archive.value(*map_);
+  if (hope_ != nullptr) archive.value(*hope_);
+  if (archive.is_reading() && hoping_ && hope_ == nullptr) archive.fail(Status::malformed, "a hoped way");
   if (!archive.is_reading() || archive.status() != Status::ok) return;
   if (way_.points > UavWay::kMostPoints) archive.fail(Status::malformed, "a way of too many points");
   if (!searching_) return;
   // A search in a map that has changed since begins anew anyway, once the change is worked in.
-  PathState state = path_->begin(*map_, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m));
+  const FlightMap& map = hoping_ ? *hope_ : *map_;
+  PathState state = path_->begin(map, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m));
   for (std::uint32_t i = 0; i < slices_ && (state == PathState::running || state == PathState::found); ++i)
-    state = path_->step(*map_, kSlice);
+    state = path_->step(map, kSlice);
 }
 
 }  // namespace sortie::planner

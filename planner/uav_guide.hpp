@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Answers a pilot's questions for ways over a map of boxes, some of which are noticed only later; in small
-// slices of work.
+// Answers a pilot's questions for ways over a map: one of boxes, some of which are noticed only later, or one
+// that a lidar fills; in small slices of work.
 #pragma once
 
 #include <span>
 
+#include "mapping/occupancy_view.hpp"
 #include "planner/uav_path/uav_path.hpp"
 #include "planner/uav_way.hpp"
 #include "rt/archive.hpp"
@@ -16,6 +17,23 @@ struct KnownBox {
   rt::Vector3 lowest_m;
   rt::Vector3 highest_m;
   rt::Nanoseconds from_ns{};  ///< since the first update; 0: from the start
+};
+
+/// How cells of an occupancy map become voxels. Between the two limits a voxel stays what it was, so that a
+/// wall's noise does not make ways come and go.
+struct SensedCells {
+  std::int32_t low[3]{};  ///< number of the flight map's first voxel in the world, as cells are numbered
+  int free_code{};        ///< log-odds of at most this: free
+  int blocked_code{};     ///< above this: blocked
+};
+
+/// What a guide over a sensed map did.
+struct GuideCounts {
+  std::uint64_t voxels_changed{};  ///< voxels that became free or blocked
+  std::uint64_t hoped{};           ///< questions with no way through what is known to be free
+  std::uint64_t begun{};           ///< of those, ways that are flown as far as they are known
+  std::uint64_t blocked{};         ///< ways that the map took away
+  SORTIE_FIELDS(voxels_changed, hoped, begun, blocked)
 };
 
 /// Map, planner and the present question. No heap; memory as given. The answers do not depend on how the
@@ -30,6 +48,16 @@ class UavGuide {
   /// be used.
   UavGuide(FlightMap& map, UavPath& path, std::span<const KnownBox> boxes);
   Status status() const { return map_->usable(); }
+
+  /// Set-up, for a map that is sensed: `map` holds what is known, unknown voxels blocked; `hope`, of the same
+  /// size, has them free. Where there is no way through the known, the way through the hoped is answered as
+  /// far as it is known to be free, and is not whole: who flies it sees more there and asks again.
+  void expect(FlightMap& hope, const SensedCells& cells);
+  /// Takes over what the occupancy map says by now; what it never measured, or forgot, stays as it was. Not
+  /// while a search is under way: the map that a search sees stands still. Cost: 3 ns a voxel of the map, and
+  /// the change.
+  void sense(const mapping::OccupancyView& view);
+  const GuideCounts& counts() const { return counts_; }
 
   /// Takes notice of what is asked and of boxes that have come up by now.
   void look(const WayQuestion* question, rt::Nanoseconds now_ns);
@@ -46,6 +74,10 @@ class UavGuide {
 
  private:
   void begin();
+  void begin_hoped();
+  bool wants_hope() const;
+  void cut();
+  std::uint32_t version() const { return map_->version() + (hope_ != nullptr ? hope_->version() : 0); }
   void put_box(const KnownBox& box);
   void refreshed();
   void note_path();
@@ -53,6 +85,10 @@ class UavGuide {
   FlightMap* map_;
   UavPath* path_;
   std::span<const KnownBox> boxes_;
+  FlightMap* hope_{};  ///< null: the map is given
+  SensedCells cells_;
+  bool hoping_{};  ///< the present search is one through `hope_`
+  GuideCounts counts_;
   std::uint32_t known_{};
   bool started_{};
   bool refreshing_{};

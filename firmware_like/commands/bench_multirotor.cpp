@@ -3,6 +3,7 @@
 
 #include "drivers/can_stub.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
+#include "firmware_like/vehicles/ugv_config.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "firmware_like/vehicles/world_boxes.hpp"
 #include "hil/uav/uav_vehicle.hpp"
@@ -52,6 +53,35 @@ void read_weather(Profile& profile, hil::UavVehicleConfig& config) {
                      profile.number("hil.wind_z_m_s", {0, -30, 30, "m/s", wind})};
 }
 
+// The lidar sits where the vehicle believes it to be.
+void read_uav_lidar(Profile& profile, hil::UavVehicleConfig& config) {
+  hil::LidarConfig& lidar = config.lidar;
+  const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                const char* meaning) {
+    return static_cast<std::uint32_t>(profile.integer(path, {fallback, low, high, unit, meaning}));
+  };
+  lidar.rate_hz = whole("hil.lidar_hz", 0, 0, 100, "Hz", "turns a second; 0: no lidar");
+  lidar.rows = whole("hil.lidar_rows", 16, 1, hil::LidarModel::kMaxRows, "", "rows of the lidar");
+  lidar.columns = whole("hil.lidar_columns", 360, 1, hil::LidarModel::kMaxColumns, "", "firings a turn");
+  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                 const char* meaning) {
+    return profile.number(path, {fallback, low, high, unit, meaning});
+  };
+  lidar.noise.sigma_m = number("hil.lidar_sigma_m", lidar.noise.sigma_m, 0, 1, "m", "noise of a range");
+  const char* rows = "elevation of the lowest and the highest row";
+  lidar.lowest_rad = kDegree * number("hil.lidar_lowest_deg", -45, -89, 89, "deg", rows);
+  lidar.highest_rad = kDegree * number("hil.lidar_highest_deg", 45, -89, 89, "deg", rows);
+  lidar.max_range_m =
+      number("hil.lidar.max_range_m", lidar.max_range_m, 1, 1000, "m", "farther returns are not reported");
+  config.lidar_faults.drop = number("hil.lidar.drop", 0, 0, 1, "", "share of scans that are not delivered");
+  if (lidar.rate_hz == 0) return;
+  const SensorMount mount = read_lidar_mount(profile);
+  for (int i = 0; i < 3; ++i) {
+    lidar.mount_m[i] = mount.place_m[i];
+    lidar.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];
+  }
+}
+
 hil::UavVehicleConfig read_uav_bench(Profile& profile) {
   hil::UavVehicleConfig config;
   config.seed = static_cast<std::uint64_t>(
@@ -85,6 +115,7 @@ hil::UavVehicleConfig read_uav_bench(Profile& profile) {
     if (arm != 0.0) profile.fail("hil.imu_x_m", "the IMU of this vehicle sits in its middle");
   read_fixes(profile, config);
   read_weather(profile, config);
+  read_uav_lidar(profile, config);
   for (const WorldBox& box : read_world_boxes(profile)) {
     hil::BoxShape shape;
     shape.center_x_m = 0.5 * (box.lowest_m[0] + box.highest_m[0]);
@@ -101,10 +132,10 @@ hil::UavVehicleConfig read_uav_bench(Profile& profile) {
 // Plant and runtime are two nodes of one bus; the bus belongs to the plant's thread.
 class BenchUav final : public BenchRobot {
  public:
-  explicit BenchUav(const hil::UavVehicleConfig& config)
+  BenchUav(const hil::UavVehicleConfig& config, drivers::ScanSink* scans)
       : vehicle_(bus_.attach("runtime")),
         plant_port_(bus_.attach("plant")),
-        plant_(config, plant_port_),
+        plant_(config, plant_port_, scans),
         what_(std::string("simulated ") + config.airframe.name + ", seed " + std::to_string(config.seed) +
               ", among " + std::to_string(config.solids.size()) + " boxes"),
         has_solids_(!config.solids.empty()) {}
@@ -128,6 +159,11 @@ class BenchUav final : public BenchRobot {
     counters["bench_late_steps"] = seen.late_steps;
     counters["bench_can_frames"] = bus_.stats().frames;
     counters["bench_fixes_lost"] = plant_.fixes_lost();
+    if (plant_.lidar().rays != 0) {
+      counters["bench_lidar_scans"] = plant_.lidar().scans;
+      counters["bench_lidar_refused"] = plant_.lidar().refused;
+      counters["bench_lidar_points"] = plant_.lidar().points;
+    }
     counters["bench_collisions"] = seen.collisions;
     counters["bench_collision_ms"] = seen.collision_steps;
     if (has_solids_ && plant_.least_gap_m() < 1e6)
@@ -149,10 +185,10 @@ class BenchUav final : public BenchRobot {
 
 }  // namespace
 
-std::unique_ptr<BenchRobot> make_uav_bench(Profile& profile) {
+std::unique_ptr<BenchRobot> make_uav_bench(Profile& profile, drivers::ScanSink* scans) {
   const hil::UavVehicleConfig config = read_uav_bench(profile);
   try {
-    return std::make_unique<BenchUav>(config);
+    return std::make_unique<BenchUav>(config, scans);
   } catch (const ProfileError&) {
     throw;
   } catch (const std::runtime_error& error) {

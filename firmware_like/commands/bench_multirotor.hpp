@@ -6,7 +6,8 @@
 
 namespace sortie::firmware {
 
-/// Makes the multirotor of [hil] for vehicle "uav": plant, sensors, world and CAN bus. Throws ProfileError.
-std::unique_ptr<BenchRobot> make_uav_bench(Profile& profile);
+/// Makes the multirotor of [hil] for vehicle "uav": plant, sensors, world, CAN bus, and a lidar that
+/// delivers to `scans`, which may be null. Throws ProfileError.
+std::unique_ptr<BenchRobot> make_uav_bench(Profile& profile, drivers::ScanSink* scans);
 
 }  // namespace sortie::firmware

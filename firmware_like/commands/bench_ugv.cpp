@@ -150,7 +150,7 @@ rt::Nanoseconds read_contacts_period(Profile& profile, const hil::UgvConfig& con
 
 std::unique_ptr<BenchRobot> make_own_bench(Profile& profile, drivers::ScanSink* scans) {
   if (!profile.has("hil")) return nullptr;
-  if (profile.vehicle() == "uav") return make_uav_bench(profile);
+  if (profile.vehicle() == "uav") return make_uav_bench(profile, scans);
   if (profile.vehicle() != "ugv") return nullptr;
   const hil::UgvConfig config = read_config(profile);
   const rt::Nanoseconds contacts_every_ns = read_contacts_period(profile, config);

@@ -126,15 +126,41 @@ void Uav::add_pilot_counters(VehicleBuilder& builder) {
   });
 }
 
+std::unique_ptr<planner::FlightMap> Uav::make_flight_map(VehicleBuilder& builder,
+                                                         const planner::FlightMapConfig& size) {
+  rt::Arena& arena = builder.arena();
+  const std::uint32_t bricks = planner::FlightMap::bricks_for(size);
+  return std::make_unique<planner::FlightMap>(
+      size, arena.make_array<planner::BrickMask>("flight map", bricks),
+      arena.make_array<planner::BrickMask>("flight map", bricks),
+      arena.make_array<std::uint64_t>("flight map", planner::FlightMap::dirty_words_for(size)));
+}
+
+void Uav::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
+                      double bubble_m) {
+  sensing_ = std::make_unique<UavSensing>(builder);
+  // All poses since the job before; at most five seconds of them.
+  rt::Input<rt::PoseEstimate>* poses = builder.input(group, pose_task_, 1000);
+  const auto asked = [this] {
+    const planner::UavPilotOutput* pilot = question_input_->latest();
+    return pilot != nullptr && pilot->question.number != 0;
+  };
+  sensing_->add_tasks(builder, group, poses, asked, size.radii_m + rt::Vector3{bubble_m, bubble_m, bubble_m});
+  if (sensing_->map().config().voxel_size_m != size.voxel_m)
+    builder.profile().fail("occupancy.voxel_m",
+                           "must be flight_map.voxel_m: voxels are taken from its cells");
+  const planner::GuideCounts& counts = guide_->counts();
+  planner::GuideCounts::fields(counts, [&](const char* name, const std::uint64_t& count) {
+    builder.counter(std::string("ways_") + name, [&count] { return count; });
+  });
+}
+
 void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
   GuideConfig config = read_guide_config(builder);
   boxes_ = std::move(config.boxes);
   rt::Arena& arena = builder.arena();
   const std::uint32_t bricks = planner::FlightMap::bricks_for(config.map);
-  map_ = std::make_unique<planner::FlightMap>(
-      config.map, arena.make_array<planner::BrickMask>("flight map", bricks),
-      arena.make_array<planner::BrickMask>("flight map", bricks),
-      arena.make_array<std::uint64_t>("flight map", planner::FlightMap::dirty_words_for(config.map)));
+  map_ = make_flight_map(builder, config.map);
   const planner::CoarseMemory coarse{arena.make_array<planner::PathNode>("path parts", config.parts),
                                      arena.make_array<std::uint32_t>("path parts", config.parts),
                                      arena.make_array<std::uint32_t>("path parts", bricks)};
@@ -150,12 +176,20 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
   guide_ = std::make_unique<planner::UavGuide>(*map_, *path_, boxes_);
   if (guide_->status() != Status::ok)
     builder.profile().fail("airframe.radius_m", "the vehicle is too large for voxels of this size");
-  const rt::GroupId group = builder.group("planning", 10);
+  const rt::GroupId group = builder.group(config.sensed ? "mapping" : "planning", 10);
   question_input_ = builder.input(group, pilot_task_, 1);
+  if (config.sensed) {
+    planner::FlightMapConfig hope = config.map;
+    hope.unknown_is_blocked = false;
+    hope_ = make_flight_map(builder, hope);
+    guide_->expect(*hope_, config.cells);
+    add_sensing(builder, group, config.map, config.bubble_m);
+  }
   const rt::Task<planner::UavWay>* task = builder.task<planner::UavWay>(
       group, "path", TaskDefaults{5000, rt::Criticality::b, 100'000},
       [this](rt::JobContext& context, planner::UavWay& output) {
         const planner::UavPilotOutput* pilot = question_input_->latest();
+        if (sensing_) guide_->sense(sensing_->map().view());
         guide_->look(pilot != nullptr ? &pilot->question : nullptr, context.release_ns);
         while (guide_->works() && context.spend(planner::UavGuide::kSlice)) guide_->step();
         output = guide_->way();

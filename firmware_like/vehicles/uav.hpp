@@ -9,12 +9,14 @@
 #include "drivers/can_codec.hpp"
 #include "estimators/uav_state/uav_estimator.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/uav_sensing.hpp"
 #include "planner/uav_guide.hpp"
 #include "planner/uav_pilot.hpp"
 
 namespace sortie::firmware {
 
-/// Group `control`: state -> pose -> pilot, hop-free; group `planning`: path. Without the path task the pilot
+/// Group `control`: state -> pose -> pilot, hop-free; group `planning`: path; where the map is sensed, group
+/// `mapping`: occupancy -> path. Without the path task the pilot
 /// flies straight to its goals.
 class Uav final : public Vehicle {
  public:
@@ -22,6 +24,7 @@ class Uav final : public Vehicle {
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   InputPort<rt::FlyRequest>* fly_requests() override { return request_port_; }
+  drivers::ScanSink* scan_sink() override { return sensing_ ? sensing_->scan_sink() : nullptr; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return pose_task_; }
 
  private:
@@ -29,6 +32,10 @@ class Uav final : public Vehicle {
   void make_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_path(VehicleBuilder& builder, rt::GroupId control);
+  void add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
+                   double bubble_m);
+  std::unique_ptr<planner::FlightMap> make_flight_map(VehicleBuilder& builder,
+                                                      const planner::FlightMapConfig& size);
   void add_pilot_counters(VehicleBuilder& builder);
   void put_pose(rt::PoseEstimate& pose);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
@@ -46,6 +53,8 @@ class Uav final : public Vehicle {
   std::unique_ptr<planner::UavPilot> pilot_;
   std::vector<planner::KnownBox> boxes_;
   std::unique_ptr<planner::FlightMap> map_;
+  std::unique_ptr<planner::FlightMap> hope_;  // only where the map is sensed
+  std::unique_ptr<UavSensing> sensing_;       // the same
   std::unique_ptr<planner::UavPath> path_;
   std::unique_ptr<planner::UavGuide> guide_;
   // Tasks and what crosses groups.

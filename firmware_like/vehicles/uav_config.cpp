@@ -5,6 +5,7 @@
 
 #include "firmware_like/vehicles/units.hpp"
 #include "firmware_like/vehicles/world_boxes.hpp"
+#include "mapping/occupancy.hpp"
 
 namespace sortie::firmware {
 
@@ -126,6 +127,31 @@ std::vector<planner::UavGoal> read_uav_mission(VehicleBuilder& builder) {
   return goals;
 }
 
+namespace {
+
+// Voxels are cells of the occupancy map: its corner lies on a corner of a cell.
+void read_sensed(Profile& profile, GuideConfig& config) {
+  const double voxel_m = config.map.voxel_m;
+  double* const origin[3] = {&config.map.origin_m.x, &config.map.origin_m.y, &config.map.origin_m.z};
+  for (int a = 0; a < 3; ++a) {
+    const double cell = std::round(*origin[a] / voxel_m);
+    config.cells.low[a] = static_cast<std::int32_t>(cell);
+    *origin[a] = voxel_m * cell;
+  }
+  config.cells.free_code = mapping::OccupancyMap::code_of(profile.number(
+      "flight_map.free_below", {0.05, 0.001, 0.5, "", "chance of a cell that may be entered"}));
+  config.cells.blocked_code = mapping::OccupancyMap::code_of(
+      profile.number("flight_map.blocked_above",
+                     {0.5, 0.01, 0.999, "", "chance of a cell that is blocked; between: as it was"}));
+  if (config.cells.blocked_code < config.cells.free_code)
+    profile.fail("flight_map.blocked_above", "must not be below flight_map.free_below");
+  config.bubble_m = profile.number(
+      "flight_map.bubble_m",
+      {0.3, 0, 2, "m", "room around the vehicle that is free until its first question, seen or not"});
+}
+
+}  // namespace
+
 GuideConfig read_guide_config(VehicleBuilder& builder) {
   Profile& profile = builder.profile();
   GuideConfig config;
@@ -149,9 +175,17 @@ GuideConfig read_guide_config(VehicleBuilder& builder) {
       number("airframe.radius_m", 0.45, 0.05, 3, "of all of it from above, with propellers");
   const double half = number("airframe.half_height_m", 0.15, 0.02, 3, "of all of it from the side");
   config.map.radii_m = {radius, radius, half};
-  config.map.unknown_is_blocked = false;  // the map is given: what is in no box is air
+  config.sensed = profile.text("flight_map.source", "given",
+                               "given: [[world.boxes]] are known, the rest is air; lidar: what was not seen "
+                               "is not flown through",
+                               {"given", "lidar"}) == "lidar";
+  config.map.unknown_is_blocked = config.sensed;
+  const double margin = number("flight_map.margin_m", 0, 0, 2, "kept beyond the vehicle's own size");
+  config.map.radii_m = config.map.radii_m + rt::Vector3{margin, margin, margin};
+  if (config.sensed) read_sensed(profile, config);
   for (const WorldBox& box : read_world_boxes(profile)) {
-    config.boxes.push_back({rt::to_vector(box.lowest_m), rt::to_vector(box.highest_m), box.from_ns});
+    if (!config.sensed)
+      config.boxes.push_back({rt::to_vector(box.lowest_m), rt::to_vector(box.highest_m), box.from_ns});
   }
   const auto pool = [&profile](const char* path, double fallback, double least, const char* meaning) {
     return static_cast<std::uint32_t>(profile.integer(path, {fallback, least, 1 << 20, "", meaning}));

@@ -14,6 +14,9 @@ namespace sortie::firmware {
 /// The map that ways are planned on, and the planner's pools.
 struct GuideConfig {
   planner::FlightMapConfig map;
+  bool sensed{};  ///< by the lidar; else the boxes are known
+  planner::SensedCells cells;
+  double bubble_m{};  ///< taken for free around the vehicle's own size until the first question
   std::vector<planner::KnownBox> boxes;
   std::uint32_t parts{};
   std::uint32_t voxels{};

@@ -43,7 +43,7 @@ SslSettings read_ssl_settings(Profile& profile) {
   return settings;
 }
 
-OccupancySettings read_occupancy_settings(Profile& profile, SslSettings& ssl) {
+OccupancySettings read_occupancy_settings(Profile& profile) {
   OccupancySettings settings;
   mapping::OccupancyConfig& map = settings.map;
   map.voxel_size_m = profile.number("occupancy.voxel_m", {map.voxel_size_m, 0.02, 2, "m", "edge of a cell"});
@@ -82,9 +82,15 @@ OccupancySettings read_occupancy_settings(Profile& profile, SslSettings& ssl) {
                                           " cells; at most 16777216, and 4096 along an axis");
   if (map.max_range_m <= map.min_range_m)
     profile.fail("occupancy.max_range_m", "must be above occupancy.min_range_m");
+  return settings;
+}
+
+OccupancySettings read_occupancy_settings(Profile& profile, SslSettings& ssl) {
+  OccupancySettings settings = read_occupancy_settings(profile);
+  const mapping::OccupancyConfig& map = settings.map;
   planner::RaySchedulerConfig& scheduler = ssl.choice.scheduler;
   scheduler.voxel_size_m = map.voxel_size_m;
-  scheduler.map_cells = cells;
+  scheduler.map_cells = mapping::OccupancyMap::memory_bytes(map);
   scheduler.model.prior = map.prior;
   if (planner::RayScheduler::memory_bytes(scheduler) == 0)
     profile.fail("ssl.range_m", "too many cells of occupancy.voxel_m along one ray");

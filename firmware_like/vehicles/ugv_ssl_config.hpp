@@ -29,6 +29,9 @@ struct OccupancySettings {
 /// Reader of [ssl]. Throws ProfileError.
 SslSettings read_ssl_settings(Profile& profile);
 
+/// Reader of [occupancy] alone. Throws ProfileError.
+OccupancySettings read_occupancy_settings(Profile& profile);
+
 /// Reader of [occupancy]; completes the scheduler's settings with those of the map. Throws ProfileError. Keys
 /// hold for every policy, so that another one may be tried with a single `--set`.
 OccupancySettings read_occupancy_settings(Profile& profile, SslSettings& ssl);

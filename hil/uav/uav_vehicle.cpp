@@ -32,7 +32,7 @@ double distance_m(const Solid& box, const Vec3& p) {
 
 }  // namespace
 
-UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port)
+UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, drivers::ScanSink* scans)
     : config_(config),
       port_(&port),
       plant_(config.airframe, config.start_m, config.start_yaw_rad),
@@ -40,6 +40,8 @@ UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port)
       fixes_(config.fixes, config.seed),
       imu_faults_(config.imu_faults, config.seed, kImuStream),
       command_faults_(config.command_faults, config.seed, kCommandStream),
+      scans_(config.lidar.rate_hz != 0 ? scans : nullptr),
+      lidar_(config.lidar, config.lidar_faults, config.seed, config.start_ns),
       imu_period_ns_(checked_period(config.imu.rate_hz)),
       now_ns_(config.start_ns) {
   if (config.lose_at_s >= 0.0 && config.lost_rotor >= config.airframe.rotors)
@@ -54,6 +56,10 @@ UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port)
   plant_.set_wind(config_.wind_m_s);
   if (config_.dark_to_ns > config_.dark_from_ns)
     fixes_.black_out(config_.start_ns + config_.dark_from_ns, config_.start_ns + config_.dark_to_ns);
+  if (scans_ != nullptr) {
+    world_ = std::make_unique<World>();
+    build_world(0);
+  }
   for (int i = 0; i < kRimPoints; ++i) {
     const rt::SinCos at = rt::sincos(6.283185307179586 * static_cast<double>(i) / kRimPoints);
     rim_[i] = {config_.propeller_radius_m * at.cos, config_.propeller_radius_m * at.sin, 0.0};
@@ -75,13 +81,46 @@ void UavVehicle::step_once() {
   take_commands();
   if (config_.lose_at_s >= 0.0 && rt::to_seconds(now_ns_ - config_.start_ns) >= config_.lose_at_s)
     plant_.fail_rotor(config_.lost_rotor);
+  const MultirotorState before = plant_.state();
   static_cast<void>(plant_.step(1e-3));  // a step of this length is never refused
   now_ns_ += kStepNs;
   const rt::Nanoseconds since_ns = now_ns_ - config_.start_ns;
   most_tilt_rad_ = std::max(most_tilt_rad_, plant_.tilt_rad());
   look_for_collisions(since_ns);
+  if (scans_ != nullptr) fire_lidar(before, since_ns);
   if (since_ns % imu_period_ns_ == 0) send_imu(since_ns);
   send_fixes();
+}
+
+// Anew, since a world only grows before it is finished. In place: no heap.
+void UavVehicle::build_world(rt::Nanoseconds since_ns) {
+  *world_ = World{};
+  built_ = 0;
+  for (const TimedSolid& timed : config_.solids) {
+    if (timed.from_ns > since_ns) continue;
+    if (world_->add(timed.solid) != Status::ok) throw std::runtime_error("hil: a box that no world can hold");
+    ++built_;
+  }
+  if (world_->finalize() != Status::ok) throw std::runtime_error("hil: too many large boxes");
+}
+
+void UavVehicle::fire_lidar(const MultirotorState& before, rt::Nanoseconds since_ns) {
+  std::size_t there = 0;
+  for (const TimedSolid& timed : config_.solids) there += timed.from_ns <= since_ns ? 1 : 0;
+  if (there != built_) build_world(since_ns);
+  const auto motion = [](const MultirotorState& state, rt::Nanoseconds stamp_ns) {
+    Motion result;
+    result.stamp_ns = stamp_ns;
+    result.p_world_body_m = state.p_world_m;
+    result.q_world_body = state.q_world_body;
+    result.v_world_m_s = state.v_world_m_s;
+    result.w_body_rad_s = state.w_body_rad_s;
+    return result;
+  };
+  SensorStep step;
+  step.before = motion(before, now_ns_ - kStepNs);
+  step.after = motion(plant_.state(), now_ns_);
+  lidar_.advance(RayCaster(*world_), step, *scans_);
 }
 
 void UavVehicle::take_commands() {

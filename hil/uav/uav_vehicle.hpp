@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole simulated multirotor: commands to its rotors in by CAN; IMU and fixes of its place out; exact
-// truth, and what it hit.
+// The whole simulated multirotor: commands to its rotors in by CAN; IMU, fixes of its place and scans out;
+// exact truth, and what it hit.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "drivers/can_codec.hpp"
 #include "hil/fault_injection.hpp"
 #include "hil/imu_model.hpp"
+#include "hil/lidar_model.hpp"
 #include "hil/solid.hpp"
 #include "hil/uav/multirotor_plant.hpp"
 #include "hil/uav/pose_source.hpp"
@@ -41,6 +43,8 @@ struct UavVehicleConfig {
   std::uint32_t lost_rotor{};
   double lose_at_s{-1.0};  ///< negative: none is lost
   std::vector<TimedSolid> solids;
+  LidarConfig lidar{.rate_hz = 0};  ///< sees the solids, not the vehicle itself
+  FaultConfig lidar_faults{};
   rt::Nanoseconds command_timeout_ns{100 * rt::kNanosecondsPerMillisecond};  ///< then the rotors stop
   drivers::CanCodecConfig can{};
 };
@@ -70,9 +74,10 @@ class UavVehicle {
   static constexpr int kMaxFramesPerStep = 64;
   static constexpr int kRimPoints = 12;
 
-  /// `port` is the vehicle's own node on the bus and outlives it. Throws std::runtime_error naming the
+  /// `port` is the vehicle's own node on the bus and outlives it, as `scans` does, where its lidar delivers;
+  /// null: nobody takes scans. Throws std::runtime_error naming the
   /// setting if the config is not usable.
-  UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port);
+  UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, drivers::ScanSink* scans = nullptr);
 
   /// Advances plant time in steps of 1 ms to the last whole one not after `now_ns`. Status as
   /// UgvPlant::step. About 3 us a step, and 10 ns a solid.
@@ -88,6 +93,7 @@ class UavVehicle {
   double most_tilt_rad() const { return most_tilt_rad_; }
   const UavVehicleCounters& counters() const { return counters_; }
   const FaultCounters& imu_faults() const { return imu_faults_.counters(); }
+  const LidarCounters& lidar() const { return lidar_.counters(); }
   std::uint64_t fixes_lost() const { return fixes_.lost(); }
 
  private:
@@ -96,6 +102,8 @@ class UavVehicle {
   void send_imu(rt::Nanoseconds since_ns);
   void send_fixes();
   void look_for_collisions(rt::Nanoseconds since_ns);
+  void build_world(rt::Nanoseconds since_ns);
+  void fire_lidar(const MultirotorState& before, rt::Nanoseconds since_ns);
   void send(std::span<const drivers::CanFrame> frames, bool twice);
 
   UavVehicleConfig config_;
@@ -105,6 +113,10 @@ class UavVehicle {
   PoseSource fixes_;
   FaultInjector imu_faults_;
   FaultInjector command_faults_;
+  drivers::ScanSink* scans_;
+  std::unique_ptr<World> world_;  ///< what the lidar sees; only where somebody takes scans
+  std::size_t built_{};           ///< solids that are in it
+  LidarModel lidar_;
   rt::Nanoseconds imu_period_ns_;
   rt::Nanoseconds now_ns_;
   rt::Nanoseconds heard_ns_{};
