@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
+#include "drivers/wire_segments.hpp"
 #include "drivers/wire_timing.hpp"
 
 namespace sortie::firmware {
@@ -136,6 +138,19 @@ void Telemetry::publish_events() {
   }
 }
 
+void Telemetry::publish_segments() {
+  Outlet<rt::SegmentList>* lists = runtime_.vehicle().segment_lists();
+  if (lists == nullptr) return;
+  // Nobody acts on them, so they need not wait for the deadline.
+  while (lists->take(std::numeric_limits<rt::Nanoseconds>::max(), segments_)) {
+    segments_.stamp_ns += utc_minus_run_ns_;
+    static_cast<void>(publisher_.publish_encoded(
+        drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode(segments_, segments_seq_++, out, size);
+        }));
+  }
+}
+
 void Telemetry::start() {
   if (!publisher_.active()) return;
   thread_ = std::thread([this] {
@@ -145,6 +160,7 @@ void Telemetry::start() {
                              .count();
       publish_outputs(utime);
       publish_events();
+      publish_segments();
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -17,8 +17,8 @@
 namespace sortie::firmware {
 
 /// Publishes from a thread of its own: outputs as fields_t on SORTIE_FIELDS_<task> ten times a second,
-/// statistics and the run-time parameters once a second (parameters also as soon as one changes), the pose as
-/// bot_core.pose_t on POSE_BODY. The real-time workers never wait for
+/// the map's segments after each scan, statistics and the run-time parameters once a second (parameters also
+/// as soon as one changes), the pose as bot_core.pose_t on POSE_BODY. The real-time workers never wait for
 /// it: it reads their mailboxes.
 class Telemetry {
  public:
@@ -40,6 +40,7 @@ class Telemetry {
   void publish_outputs(std::int64_t utime);
   void publish_statistics(std::int64_t utime);
   void publish_events();
+  void publish_segments();
   void note_parameters(const rt::TaskBase& task);
   void publish_parameters(std::int64_t utime, bool anyway);
 
@@ -54,6 +55,8 @@ class Telemetry {
   std::vector<rt::ParameterState> in_force_;  // by group of parameters
   bool parameters_moved_{};
   std::uint64_t desk_version_{};
+  rt::SegmentList segments_;
+  std::int64_t segments_seq_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -11,6 +11,7 @@
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
+#include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_timing.hpp"
 #include "rt/fields.hpp"
@@ -201,6 +202,38 @@ Status read_contacts(Message message, Values& values) {
   return status;
 }
 
+// The list segment by segment, then what happened, by kind: "cut" is born from another.
+Status read_segments(Message message, Values& values) {
+  rt::SegmentList list;
+  std::int64_t seq = 0;
+  const Status status = drivers::decode(message, list, seq);
+  if (status != Status::ok) return status;
+  add(values, "seq", seq);
+  add(values, "stamp_ns", list.stamp_ns);
+  add(values, "segments", list.segments);
+  std::uint32_t changes[4]{};
+  for (const rt::ListedEvent& event : std::span(list.event, list.listed_events)) {
+    const bool cut = event.change == rt::ListedEvent::kBorn && event.other != 0;
+    ++changes[cut ? 3 : event.change];
+  }
+  add(values, "born", changes[rt::ListedEvent::kBorn]);
+  add(values, "cut", changes[3]);
+  add(values, "renamed", changes[rt::ListedEvent::kRenamed]);
+  add(values, "gone", changes[rt::ListedEvent::kGone]);
+  for (const rt::ListedSegment& segment : std::span(list.segment, list.listed)) {
+    const std::string name = "segment " + std::to_string(segment.id) + " ";
+    add(values, name + "voxels", segment.voxels);
+    if (!list.features) continue;
+    const char* const axes[] = {"x_m", "y_m", "z_m"};
+    for (int i = 0; i < 3; ++i)
+      add(values, name + axes[i], list.origin_m[i] + static_cast<double>(segment.centroid_m[i]));
+    add(values, name + "linearity", segment.feature[0]);
+    add(values, name + "planarity", segment.feature[1]);
+    add(values, name + "scattering", segment.feature[2]);
+  }
+  return status;
+}
+
 Status read_request(Message message, Values& values) {
   drivers::SetParameter request;
   const Status status = drivers::decode(message, nullptr, request);
@@ -253,6 +286,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintTrack, read_numbered<rt::TrackSample>},
     {drivers::kFingerprintTruth, read_plain<rt::TruthSample>},
     {drivers::kFingerprintContacts, read_contacts},
+    {drivers::kFingerprintSegments, read_segments},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
     {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},

@@ -25,6 +25,7 @@ class Ugv final : public Vehicle, public UnitTryer {
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   drivers::ScanSink* scan_sink() override { return map_ ? map_->port() : nullptr; }
+  Outlet<rt::SegmentList>* segment_lists() override { return map_ ? map_->segment_lists() : nullptr; }
   UnitTrial try_units() const override { return ssl_ ? ssl_->try_units() : UnitTrial{}; }
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }

@@ -31,6 +31,10 @@ UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& source
         config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", most));
   }
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
+  if (config.publish) {
+    lists_ = builder.outlet<rt::SegmentList>("segments", 4);
+    report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
+  }
   // Pools and the size of a voxel are memory; how far the lidar is believed may change.
   const auto set_ranges = [this](double min_m, double max_m) {
     const Status status = map_->grid().set_ranges(min_m, max_m);
@@ -132,7 +136,11 @@ void UgvMap::count(const mapping::RollingGridCounts& grid) {
 }
 
 void UgvMap::segment(rt::JobContext& context) {
-  while (!map_->current() && (!anytime_ || context.spend(kQuantum))) map_->segment(milliseconds_of(context));
+  while (!map_->current() && (!anytime_ || context.spend(kQuantum))) {
+    map_->segment(milliseconds_of(context));
+    if (report_) report_->note(*map_);
+  }
+  if (report_) report_->send(*map_, output_.stamp_ns, context.due_ns);
   const mapping::RollingGridOutput& grid = map_->grid().output();
   output_.voxels = grid.voxels;
   output_.blocks = grid.blocks;

@@ -6,6 +6,7 @@
 
 #include "firmware_like/vehicle.hpp"
 #include "firmware_like/vehicles/chosen_map.hpp"
+#include "firmware_like/vehicles/segment_report.hpp"
 #include "mapping/sweep.hpp"
 #include "planner/flipper_postures.hpp"
 
@@ -71,6 +72,8 @@ class UgvMap {
 
   ScanPort* port() const { return port_; }
   const LidarScans& lidar() const { return lidar_; }
+  /// Null without segments, or where the profile publishes none.
+  Outlet<rt::SegmentList>* segment_lists() const { return lists_; }
   const ChosenMap& map() const { return *map_; }
   const MapOutput& output() const { return output_; }
 
@@ -91,6 +94,8 @@ class UgvMap {
   ScanPort* port_{};
   std::unique_ptr<ChosenMap> map_;
   std::unique_ptr<mapping::Sweeps> sweeps_;  ///< null without odometry
+  std::unique_ptr<SegmentReport> report_;    ///< null: no list of segments is published
+  Outlet<rt::SegmentList>* lists_{};
   rt::Nanoseconds next_pose_ns_{};
   MapOutput output_;
   bool anytime_{};

@@ -148,6 +148,12 @@ UgvMapConfig read_map_config(Profile& profile) {
   sweep.min_range_m = map.grid.min_range_m;
   sweep.max_range_m = map.grid.max_range_m;
   sweep.robot = read_outline(profile);
+  const std::string publish = profile.text("map.publish", "segments",
+                                           "of segments, over LCM: nothing; ids, sizes and events; or also "
+                                           "places, boxes and features of their eigenvalues",
+                                           {"off", "segments", "features"});
+  config.publish = publish != "off" && map.by != SegmentsBy::off;
+  config.features = config.publish && publish == "features";
   config.anytime = profile.flag("map.anytime", false, "segments wait when the units of task map are spent") &&
                    map.by != SegmentsBy::off;
   return config;

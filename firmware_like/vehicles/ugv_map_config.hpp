@@ -14,7 +14,9 @@ struct UgvMapConfig {
   ChosenMapConfig map;
   mapping::SweepConfig sweep;
   std::uint32_t scan_buffers{};
-  bool anytime{};  ///< the segmenter stops when the task's units are spent
+  bool publish{};   ///< lists of segments
+  bool features{};  ///< in them
+  bool anytime{};   ///< the segmenter stops when the task's units are spent
 };
 
 /// Where the lidar sits on the body: [lidar].

@@ -23,6 +23,7 @@
 #include "sortie/pool_stats_t.hpp"
 #include "sortie/pose_t.hpp"
 #include "sortie/scan_t.hpp"
+#include "sortie/segments_t.hpp"
 #include "sortie/set_parameter_t.hpp"
 #include "sortie/ssl_command_t.hpp"
 #include "sortie/ssl_returns_t.hpp"
@@ -65,6 +66,7 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintSslReturns, ssl_returns_t::getHash()},
       {kFingerprintTruth, truth_t::getHash()},
       {kFingerprintContacts, contacts_t::getHash()},
+      {kFingerprintSegments, segments_t::getHash()},
       {kFingerprintCan, can_t::getHash()},
       {kFingerprintHeader, header_t::getHash()},
       {kFingerprintTick, tick_t::getHash()},

@@ -4,6 +4,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <memory>
+#include <set>
 
 #include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
@@ -119,6 +122,65 @@ TEST_CASE("a map with normals goes on from a keyframe as from its start") {
   CHECK(part.restored_tick == 1000);
   CHECK_FALSE(part.divergence);
   CHECK(part.results.digest == run.results.digest);
+}
+
+TEST_CASE("lists of segments tell every birth and end, and features are those of the voxels") {
+  const TempFolder folder;
+  const std::string log = folder.file("lists.lcm");
+  static_cast<void>(run_map("ugv_hall", 1.5, log,
+                            hall_with({"map.min_voxels=20", "map.radius_m=6", "map.publish=\"features\""})));
+  firmware::ReplayOptions options;
+  std::set<std::uint32_t> living;
+  std::uint64_t lists = 0;
+  std::uint64_t wrong = 0;
+  const auto list = std::make_unique<rt::SegmentList>();
+  options.on_job = [&](const rt::JobRecord&, firmware::Runtime& runtime) {
+    while (runtime.vehicle().segment_lists()->take(std::numeric_limits<rt::Nanoseconds>::max(), *list)) {
+      ++lists;
+      for (const rt::ListedEvent& event : std::span(list->event, list->listed_events)) {
+        const bool born = event.change == rt::ListedEvent::kBorn;
+        const bool fits = born ? living.insert(event.id).second : living.erase(event.id) == 1;
+        wrong += fits ? 0u : 1u;
+      }
+      std::set<std::uint32_t> listed;
+      for (const rt::ListedSegment& segment : std::span(list->segment, list->listed))
+        listed.insert(segment.id);
+      wrong += listed == living ? 0u : 1u;
+    }
+  };
+  const firmware::ReplayOutcome again = replay_log(log, options);
+  CHECK(complaint_of(again).empty());
+  CHECK(wrong == 0);
+  CHECK(lists > 8);
+  REQUIRE(list->listed > 1);
+  CHECK(list->segments == list->listed);
+  const std::vector<firmware::VoxelOnMap> voxels = voxels_of(again);
+  for (const rt::ListedSegment& segment : std::span(list->segment, list->listed)) {
+    INFO("segment " << segment.id);
+    double sum[3]{};
+    std::uint32_t count = 0;
+    for (const firmware::VoxelOnMap& voxel : voxels) {
+      if (voxel.segment != segment.id) continue;
+      ++count;
+      for (int i = 0; i < 3; ++i) sum[i] += voxel.p_world_m[i];
+    }
+    REQUIRE(count == segment.voxels);
+    for (int i = 0; i < 3; ++i) {
+      CHECK(list->origin_m[i] + static_cast<double>(segment.centroid_m[i]) ==
+            Approx(sum[i] / count).margin(1e-3));
+      CHECK(segment.least_m[i] <= segment.centroid_m[i]);
+      CHECK(segment.centroid_m[i] <= segment.most_m[i]);
+    }
+    CHECK(segment.feature[0] + segment.feature[1] + segment.feature[2] == Approx(1.0).margin(1e-5));
+  }
+  // Without features no sums are held, and a map that publishes nothing has no list.
+  const auto bytes_with = [](const char* publish) {
+    const auto run =
+        run_map("ugv_hall", 0.2, "", hall_with({std::string("map.publish=\"") + publish + "\""}));
+    return bytes_of(run.results, "segment sums");
+  };
+  CHECK(bytes_with("features") > 0);
+  CHECK(bytes_with("segments") == 0);
 }
 
 namespace {

@@ -16,6 +16,7 @@
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
+#include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
 #include "drivers/wire_timing.hpp"
@@ -131,6 +132,11 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   contacts.stamp_ns = robot.stamp_ns;
   static_cast<void>(contacts.contacts.push_back({}));
   send(publisher, kChannelContacts, [&](auto out, auto& size) { return encode(contacts, out, size); });
+  rt::SegmentList segments;
+  segments.stamp_ns = robot.stamp_ns;
+  segments.segments = segments.listed = 1;
+  segments.segment[0].id = 7;
+  send(publisher, kChannelSegments, [&](auto out, auto& size) { return encode(segments, step, out, size); });
   send(publisher, kChannelCan, [&](auto out, auto& size) { return encode(frame, out, size); });
 }
 
