@@ -3,7 +3,7 @@
 
 #include "drivers/can_stub.hpp"
 #include "firmware_like/commands/bench_inertial.hpp"
-#include "firmware_like/vehicles/ugv_config.hpp"
+#include "firmware_like/vehicles/sensor_mount.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "firmware_like/vehicles/world_boxes.hpp"
 #include "hil/uav/uav_vehicle.hpp"

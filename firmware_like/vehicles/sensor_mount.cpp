@@ -17,4 +17,9 @@ SensorMount read_mount(Profile& profile, const std::string& table, double usual_
   return mount;
 }
 
+SensorMount read_lidar_mount(Profile& profile) {
+  return read_mount(profile, "lidar", 0.05, "place of the lidar on the body",
+                    "turn of the lidar on the body");
+}
+
 }  // namespace sortie::firmware

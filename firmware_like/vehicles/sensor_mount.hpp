@@ -19,4 +19,7 @@ struct SensorMount {
 SensorMount read_mount(Profile& profile, const std::string& table, double usual_x_m, const char* place,
                        const char* turn);
 
+/// Where the lidar sits on the body: [lidar]. Throws ProfileError.
+SensorMount read_lidar_mount(Profile& profile);
+
 }  // namespace sortie::firmware

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "firmware_like/vehicles/ugv_config.hpp"
+#include "firmware_like/vehicles/sensor_mount.hpp"
 
 namespace sortie::firmware {
 

@@ -114,11 +114,6 @@ mapping::SelfFilterConfig read_outline(Profile& profile) {
 
 }  // namespace
 
-SensorMount read_lidar_mount(Profile& profile) {
-  return read_mount(profile, "lidar", 0.05, "place of the lidar on the body",
-                    "turn of the lidar on the body");
-}
-
 UgvMapConfig read_map_config(Profile& profile) {
   UgvMapConfig config;
   ChosenMapConfig& map = config.map;

@@ -19,9 +19,6 @@ struct UgvMapConfig {
   bool anytime{};   ///< the segmenter stops when the task's units are spent
 };
 
-/// Where the lidar sits on the body: [lidar].
-SensorMount read_lidar_mount(Profile& profile);
-
 /// Reads [map], [lidar], [outline] and the map's [limits]. Throws ProfileError, also for settings that do not
 /// fit one another.
 UgvMapConfig read_map_config(Profile& profile);
