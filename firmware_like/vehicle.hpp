@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "firmware_like/bus_load.hpp"
 #include "firmware_like/chain_declarations.hpp"
 #include "firmware_like/input_port.hpp"
 #include "firmware_like/outlet.hpp"
@@ -146,10 +145,6 @@ class VehicleBuilder {
   /// so. All of its tasks must exist in the scene.
   void chain(const ChainSpec& spec) { chains_.push_back(spec); }
 
-  /// What the vehicle's CAN bus was found to carry, for `scenes`.
-  void bus(BusLoad load) { bus_ = std::move(load); }
-  const BusLoad& bus() const { return bus_; }
-
   /// Throws ProfileError if the executive refused something.
   void check() const;
 
@@ -189,7 +184,6 @@ class VehicleBuilder {
   std::vector<std::unique_ptr<OutletBase>> outlets_;
   std::vector<ChainSpec> chains_;
   std::vector<std::string> auto_units_;
-  BusLoad bus_;
   std::vector<std::pair<const rt::TaskBase*, std::function<void(rt::Archive&)>>> memories_;
   Pools pools_;
   Counters counters_;

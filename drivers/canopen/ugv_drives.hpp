@@ -56,7 +56,6 @@ class UgvDrives {
   [[nodiscard]] Status read(rt::TrackSample& sample) noexcept;
   [[nodiscard]] Status read(rt::FlipperSample& sample) noexcept;
 
-  const UgvDrivesConfig& config() const noexcept { return config_; }
   Master& master() noexcept { return master_; }
   const Master& master() const noexcept { return master_; }
 

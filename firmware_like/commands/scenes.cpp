@@ -23,7 +23,6 @@ struct SceneLine {
   std::string tasks;
   ScheduleResult schedule;
   std::vector<ChainResult> chains;
-  BusLoad bus;
 };
 
 SceneLine measure(const CommandContext& context, const std::string& scene) {
@@ -36,8 +35,7 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
                  0,
                  "",
                  schedule_result(runtime.schedule(), runtime.executive()),
-                 {},
-                 runtime.parts().bus()};
+                 {}};
   for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     const rt::TaskBase& task = runtime.executive().task(i);
@@ -80,7 +78,6 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                       {"schedule", to_json(line.schedule)}});
       rows.back()["chains"] = nlohmann::ordered_json::array();
       for (const ChainResult& chain : line.chains) rows.back()["chains"].push_back(to_json(chain));
-      rows.back()["bus"] = to_json(line.bus);
     } else {
       std::printf("%-14s %-8s %7.2f MB %11.1f us  %-28s %s\n", line.name.c_str(), line.vehicle.c_str(),
                   static_cast<double>(line.bytes) * 1e-6, line.declared_us_per_tick, line.tasks.c_str(),
@@ -89,7 +86,6 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
       more << "\n" << line.name << "\n";
       print_schedule(more, line.schedule);
       print_chains(more, line.chains);
-      print_bus(more, line.bus);
     }
   }
   std::fputs(more.str().c_str(), stdout);
@@ -165,9 +161,9 @@ void add_scenes(CLI::App& app, CommandContext& context) {
       "  sortie scenes ugv_hall own.toml   # with the tables of groups and chains\n"
       "  sortie scenes --keys ugv_hall\n"
       "  sortie scenes --memory ugv_hall");
-  command->add_option("scenes", options->scenes,
-                      "These scenes or .toml files only, each with its groups, their worst responses, its "
-                      "chains, and its CAN bus");
+  command->add_option(
+      "scenes", options->scenes,
+      "These scenes or .toml files only, each with its groups, their worst responses, and its chains");
   command
       ->add_option("--keys", options->keys,
                    "Every key that this scene understands, with unit, range and meaning")

@@ -3,7 +3,6 @@
 
 #include <tuple>
 
-#include "firmware_like/vehicles/can_streams.hpp"
 #include "firmware_like/vehicles/uav_config.hpp"
 
 namespace sortie::firmware {
@@ -18,12 +17,6 @@ Uav::Uav(VehicleBuilder& builder) {
     if (builder.wants("path", false)) add_path(builder, control);
     builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
   }
-  CanStreams can(builder.profile());
-  can.device("imu", drivers::kCanImuGyrId, 2, 8, 200, "samples of the IMU on the bus, two frames each");
-  can.device("fix", drivers::kCanFixAcrossId, 2, 8, 20, "fixes of the place, two frames each");
-  if (flies)
-    can.ours("rotors", drivers::kCanRotorsId, drivers::kCanRotorFrames, 8, can.period_of_group("control"));
-  builder.bus(check_bus(builder.profile(), can.take()));
   builder.check();
 }
 

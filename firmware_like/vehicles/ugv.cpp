@@ -31,7 +31,6 @@ Ugv::Ugv(VehicleBuilder& builder) {
     }
     if (wants_ssl) add_ssl(builder, mapping);
   }
-  declare_can(builder);
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (map_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();

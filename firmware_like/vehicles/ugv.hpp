@@ -49,7 +49,6 @@ class Ugv final : public Vehicle, public UnitTryer {
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
   void add_canopen(VehicleBuilder& builder);
-  void declare_can(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
   void send_canopen(drivers::CanBus& can, const rt::DriveCommand* command, const rt::FlipperCommand* flippers,
                     rt::Nanoseconds now_ns);

@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "firmware_like/vehicles/can_streams.hpp"
 #include "firmware_like/vehicles/canopen_config.hpp"
 #include "firmware_like/vehicles/ugv.hpp"
 #include "firmware_like/vehicles/ugv_drive_config.hpp"
@@ -85,21 +84,6 @@ void Ugv::add_canopen(VehicleBuilder& builder) {
   builder.counter("canopen_running", [master] { return std::uint64_t{master->running() ? 1u : 0u}; });
   builder.counter("canopen_stop_reason",
                   [master] { return static_cast<std::uint64_t>(master->stop_reason()); });
-}
-
-void Ugv::declare_can(VehicleBuilder& builder) {
-  if (imu_ == nullptr) return;
-  CanStreams can(builder.profile());
-  can.device("imu", drivers::kCanImuGyrId, 2, 8, 200, "samples of the IMU on the bus, two frames each");
-  if (canopen_) can.canopen(canopen_->config());
-  if (tracks_ != nullptr && !canopen_)
-    can.device("track", drivers::kCanTrackLeftId, 2, 6, 100, "samples of the encoders, two frames each");
-  if (flipper_states_ != nullptr && !canopen_)
-    can.device("flipper", drivers::kCanFlipperStateId, 4, 6, 100,
-               "samples of the flippers, four frames each");
-  if (drive_ && !canopen_) can.ours("drive", drivers::kCanDriveId, 1, 6, kCommandEvery);
-  if (flippers_ && !canopen_) can.ours("flippers", drivers::kCanFlipperFrontId, 2, 6, kFlippersEvery);
-  builder.bus(check_bus(builder.profile(), can.take()));
 }
 
 void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {
