@@ -161,3 +161,4 @@ class Segmenter {
 
 #include "mapping/segmenter_edges.hpp"   // IWYU pragma: export
 #include "mapping/segmenter_engine.hpp"  // IWYU pragma: export
+#include "mapping/segmenter_state.hpp"   // IWYU pragma: export

@@ -11,9 +11,9 @@
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
-#include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_timing.hpp"
+#include "firmware_like/commands/spy_segments.hpp"
 #include "rt/fields.hpp"
 
 namespace sortie::firmware {
@@ -198,38 +198,6 @@ Status read_contacts(Message message, Values& values) {
     values.push_back({"flipper_asked_rad" + index, truth.flipper_asked_rad[i]});
     values.push_back({"flipper_angle_rad" + index, truth.flipper_angle_rad[i]});
     values.push_back({"flipper_torque_n_m" + index, truth.flipper_torque_n_m[i]});
-  }
-  return status;
-}
-
-// The list segment by segment, then what happened, by kind: "cut" is born from another.
-Status read_segments(Message message, Values& values) {
-  rt::SegmentList list;
-  std::int64_t seq = 0;
-  const Status status = drivers::decode(message, list, seq);
-  if (status != Status::ok) return status;
-  add(values, "seq", seq);
-  add(values, "stamp_ns", list.stamp_ns);
-  add(values, "segments", list.segments);
-  std::uint32_t changes[4]{};
-  for (const rt::ListedEvent& event : std::span(list.event, list.listed_events)) {
-    const bool cut = event.change == rt::ListedEvent::kBorn && event.other != 0;
-    ++changes[cut ? 3 : event.change];
-  }
-  add(values, "born", changes[rt::ListedEvent::kBorn]);
-  add(values, "cut", changes[3]);
-  add(values, "renamed", changes[rt::ListedEvent::kRenamed]);
-  add(values, "gone", changes[rt::ListedEvent::kGone]);
-  for (const rt::ListedSegment& segment : std::span(list.segment, list.listed)) {
-    const std::string name = "segment " + std::to_string(segment.id) + " ";
-    add(values, name + "voxels", segment.voxels);
-    if (!list.features) continue;
-    const char* const axes[] = {"x_m", "y_m", "z_m"};
-    for (int i = 0; i < 3; ++i)
-      add(values, name + axes[i], list.origin_m[i] + static_cast<double>(segment.centroid_m[i]));
-    add(values, name + "linearity", segment.feature[0]);
-    add(values, name + "planarity", segment.feature[1]);
-    add(values, name + "scattering", segment.feature[2]);
   }
   return status;
 }

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The segmenter's state to bytes and back: with the edges that it knows, and what waits. Included by
+// mapping/segmenter.hpp only.
+#pragma once
+
+#include "mapping/segmenter_engine.hpp"
+
+namespace sortie::mapping {
+
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
+  rt::Members(archive, *this, "segmenter")
+      .fixed(config_, policy_, reach_, queue_, work_, status_)
+      .by_hand(graph_, labelling_, queue_size_, left_of_cycle_, changed_)
+      .scratch(queue_first_)
+      .state(cycle_, drained_);
+  if (status_ != Status::ok) return;
+  const bool reading = archive.is_reading();
+  const std::uint32_t blocks = grid.block_numbers();
+  bool changed = changed_ || labelling_.running();
+  archive.value(changed);
+  labelling_.archive(archive);
+  graph_.archive(archive, grid.blocks().first(blocks), labelling_.shown(),
+                 static_cast<std::uint32_t>(labelling_.slots().size()));
+  archive.bounded(queue_size_, blocks);
+  archive.bounded(left_of_cycle_, queue_size_);
+  if (reading) {
+    changed_ = changed;
+    queue_first_ = 0;
+    for (BlockWork& work : work_) work = {};
+  }
+  for (BlockWork& work : work_.first(blocks)) {
+    archive.value(work.moved);
+    archive.value(work.looked);
+    archive.value(work.cycle);
+    archive.value(work.renewed);
+    archive.value(work.settled);
+  }
+  for (std::uint32_t i = 0; i < queue_size_; ++i) {
+    BlockIndex& block = queue_[(queue_first_ + i) % queue_.size()];
+    archive.value(block);
+    std::uint8_t queued = reading ? 0 : work_[block].queued;
+    archive.value(queued);
+    if (!reading) continue;
+    if (block >= blocks || work_[block].queued != 0 || queued == 0 || queued > 2) {
+      archive.fail(Status::malformed, "a queue of blocks that is none");
+      queue_size_ = i;
+      left_of_cycle_ = 0;
+      return;
+    }
+    work_[block].queued = queued;
+  }
+}
+
+}  // namespace sortie::mapping
