@@ -1,69 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A flight on the map of the vehicle's own lidar: to a place behind a wall that it was never told of, with
-// the swept truth judged against the world's boxes; replay and keyframes.
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <map>
-#include <string>
-#include <vector>
+// The first seconds on a sensed map.
+#include "tests/firmware_like/sensed_room.hpp"
 
-#include "rt/convex/query.hpp"
-#include "tests/firmware_like/keyframes_rig.hpp"
-#include "tests/firmware_like/run_support.hpp"
-
-using namespace sortie;
-using namespace sortie::firmware;
-using namespace sortie::testing;
-
-namespace {
-
-// The boxes of scene uav_room_sensed that a flight could meet: middle and half edges.
-struct SensedRoomBox {
-  rt::Vector3 middle_m;
-  rt::Vector3 half_m;
-};
-constexpr SensedRoomBox kSensedRoom[] = {
-    {{5, 0, 3.1}, {7, 4, 0.1}},        {{5, -3.9, 1.5}, {7, 0.1, 1.5}}, {{5, 3.9, 1.5}, {7, 0.1, 1.5}},
-    {{-1.9, 0, 1.5}, {0.1, 4, 1.5}},   {{11.9, 0, 1.5}, {0.1, 4, 1.5}}, {{4.1, -1.3, 1.5}, {0.1, 2.5, 1.5}},
-    {{6.7, 0.4, 1.5}, {0.2, 0.2, 1.5}}};
-
-// Flies the scene, holds the ellipsoid against the true boxes, and replays from the start and from keyframes.
-std::map<std::string, std::uint64_t> fly_sensed_room(double seconds, const std::vector<std::string>& from) {
-  const TempFolder folder;
-  const std::string log = folder.file("room.lcm");
-  LiveRunOptions options;
-  options.scene = "uav_room_sensed";
-  options.seconds = seconds;
-  options.virtual_time = true;
-  options.record = log;
-  options.record_fields = true;
-  options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
-  // The vehicle's own size, without any margin, at each known place of the truth.
-  REQUIRE(static_cast<double>(run.truth.size()) > 50 * seconds);
-  rt::convex::Convex robot = rt::convex::make_swept_ellipsoid({0.45, 0.45, 0.15}, {});
-  for (const auto& truth : run.truth) {
-    robot.p_world_m = {truth.p[0], truth.p[1], truth.p[2]};
-    for (const SensedRoomBox& box : kSensedRoom) {
-      rt::convex::Convex body = rt::convex::make_box(box.half_m);
-      body.p_world_m = box.middle_m;
-      REQUIRE_FALSE(rt::convex::is_collision(rt::convex::query(robot, body).state));
-    }
-  }
-  const Indexed indexed = replay_and_keep(log, own_vehicles(), {}, 250, keyframe_path(log));
-  CHECK(indexed.outcome.results.digest == run.results.digest);
-  for (const std::string& start : from) {
-    INFO(start);
-    ReplayOptions part;
-    part.from = start;
-    const ReplayOutcome outcome = replay_log(log, part);
-    if (outcome.divergence) FAIL_CHECK(describe(*outcome.divergence));
-    CHECK(outcome.results.digest == run.results.digest);
-  }
-  return {run.results.counters.begin(), run.results.counters.end()};
-}
-
-}  // namespace
+namespace sortie::testing {
 
 TEST_CASE("A map of what the lidar saw is the same in a replay and from a keyframe") {
   const auto counters = fly_sensed_room(5, {"2.0", "4.0"});
@@ -71,10 +10,4 @@ TEST_CASE("A map of what the lidar saw is the same in a replay and from a keyfra
   CHECK(counters.at("occupancy_used") > 1000);
 }
 
-TEST_CASE("A place behind a wall that was never told of is reached, and the ellipsoid never meets a box",
-          "[heavy]") {
-  const auto counters = fly_sensed_room(30, {"2.0", "6.0", "12.0"});
-  CHECK(counters.at("goals_reached") == 1);
-  CHECK(counters.at("ways_begun") >= 1);  // part of the way was unknown when it set out
-  CHECK(counters.at("bench_collisions") == 0);
-}
+}  // namespace sortie::testing
