@@ -9,8 +9,8 @@ namespace {
 
 using FlightPart = void (*)(const sortie::bench::UavSettings&, sortie::bench::Report&);
 
-// Flies a part and checks all goals of its figures; at least `goals` of them.
-void check_flight_goals(FlightPart part, int goals) {
+// Flies a part, checks all goals of its figures, and gives how many there were.
+int check_flight_goals(FlightPart part) {
   sortie::bench::UavSettings settings;
   settings.seeds = 1;
   settings.fleet = 5;
@@ -26,25 +26,25 @@ void check_flight_goals(FlightPart part, int goals) {
     INFO(figure.dump());
     CHECK(figure["met"].get<bool>());
   }
-  CHECK(judged >= goals);
   CHECK(report.root()["skipped"].empty());
+  return judged;
 }
 
 }  // namespace
 
 TEST_CASE("Flights beside Lee's: fifteen times better, three times with an integrator, ten times late",
           "[heavy]") {
-  check_flight_goals(sortie::bench::measure_uav_peers, 7);
+  CHECK(check_flight_goals(sortie::bench::measure_uav_peers) >= 7);
 }
 
 TEST_CASE("One stress at a time, goals, lost rotors and drawn vehicles keep their limits", "[heavy]") {
-  check_flight_goals(sortie::bench::measure_uav_stress, 26);
+  CHECK(check_flight_goals(sortie::bench::measure_uav_stress) >= 26);
 }
 
 TEST_CASE("Flights on estimates, without fixes and with late commands keep their limits", "[heavy]") {
-  check_flight_goals(sortie::bench::measure_uav_estimated, 4);
+  CHECK(check_flight_goals(sortie::bench::measure_uav_estimated) >= 4);
 }
 
 TEST_CASE("A planned way is flown in gusts on estimates and nothing is touched", "[heavy]") {
-  check_flight_goals(sortie::bench::measure_uav_pictures, 3);
+  CHECK(check_flight_goals(sortie::bench::measure_uav_pictures) >= 3);
 }

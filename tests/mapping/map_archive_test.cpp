@@ -44,10 +44,16 @@ std::uint64_t events_and_ids(const Map& map) {
   return sum;
 }
 
+/// States that were compared, and fragments that found no room in the map that began with the first scan.
+struct Alike {
+  std::uint32_t states{};
+  std::uint64_t refused{};
+};
+
 /// Three maps see the same scans: one from the start, one that takes over its state at every tick, one that
-/// takes it over once.
+/// takes it over once. Gives what was compared.
 template <class Map>
-void goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units) {
+Alike goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units) {
   tests::WorldRandom random(seed);
   tests::RandomWorld world(random);
   world.segmenter.min_voxels = 1 + random.below(8);
@@ -62,6 +68,7 @@ void goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units)
   const auto one = make();
   const auto once = make();
   std::unique_ptr<Map> each;
+  Alike alike;
   const std::uint32_t begin = 2 + random.below(8);
   for (std::uint32_t tick = 0; tick < 24; ++tick) {
     INFO("seed " << seed << ", tick " << tick << ", taken over at " << begin);
@@ -77,6 +84,7 @@ void goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units)
         REQUIRE(its.segments.current == step.segments.current);
         REQUIRE(events_and_ids(*other) == events_and_ids(*one));
         REQUIRE(first_difference(stored_map(*other), bytes) == -1);
+        ++alike.states;
       }
     }
     if (tick < begin) continue;
@@ -91,6 +99,8 @@ void goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units)
     pass_map(first, *once);
     REQUIRE(first.status() == Status::ok);
   }
+  alike.refused = one->segmenter().graph().refused();
+  return alike;
 }
 
 }  // namespace
@@ -98,14 +108,23 @@ void goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units)
 TEST_CASE("A local map goes on from stored bytes with the same ids, events, work and next bytes") {
   const std::uint32_t seed = std::random_device{}();
   for (std::uint32_t i = 0; i < 12; ++i) {
-    goes_on_alike<tests::EuclideanMap>(seed + i, 2048, 0);
-    goes_on_alike<tests::SmoothMap>(seed + i, 2048, 0);
+    INFO("seed " << seed + i);
+    // Two maps at each tick after the one at which they took the state over, the ninth at the latest.
+    CHECK(goes_on_alike<tests::EuclideanMap>(seed + i, 2048, 0).states >= 2 * 14);
+    CHECK(goes_on_alike<tests::SmoothMap>(seed + i, 2048, 0).states >= 2 * 14);
   }
 }
 
 TEST_CASE("It does so with a pool of fragments that is too small") {
   const std::uint32_t seed = std::random_device{}();
-  for (std::uint32_t i = 0; i < 8; ++i) goes_on_alike<tests::EuclideanMap>(seed + i, 60, 0);
+  INFO("seed " << seed);
+  std::uint64_t refused = 0;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const Alike alike = goes_on_alike<tests::EuclideanMap>(seed + i, 60, 0);
+    CHECK(alike.states >= 2 * 14);
+    refused += alike.refused;
+  }
+  CHECK(refused > 0);
 }
 
 }  // namespace sortie
