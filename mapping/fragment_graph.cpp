@@ -31,7 +31,7 @@ NodeIndex FragmentGraph::take(BlockIndex block, std::uint64_t cells) {
 void FragmentGraph::give_one(NodeIndex node) {
   nodes_[node].cells = 0;
   nodes_[node].block = kNoBlock;
-  nodes_[node].forward_set = 0;
+  nodes_[node].edges = 0;
   --in_use_;
   if (!held_) {
     nodes_[node].next = free_;
@@ -43,39 +43,48 @@ void FragmentGraph::give_one(NodeIndex node) {
   if (last_waiting_ == kNoNode) last_waiting_ = node;
 }
 
-void FragmentGraph::give(BlockIndex block) {
-  drop_forward(block);
+void FragmentGraph::give(NodeIndex node) {
+  while (node != kNoNode) {
+    const NodeIndex extension = nodes_[node].extension;
+    nodes_[node].extension = kNoNode;
+    give_one(node);
+    node = extension;
+  }
+}
+
+void FragmentGraph::give_all(BlockIndex block) {
   for (NodeIndex node = first_[block]; node != kNoNode;) {
     const NodeIndex next = nodes_[node].next;
-    give_one(node);
+    give(node);
     node = next;
   }
   first_[block] = kNoNode;
 }
 
-void FragmentGraph::drop_forward(BlockIndex block) {
-  for (NodeIndex node = first_[block]; node != kNoNode; node = nodes_[node].next) {
-    nodes_[node].forward_set = 0;
-    while (nodes_[node].extension != kNoNode) {
-      const NodeIndex extension = nodes_[node].extension;
-      nodes_[node].extension = nodes_[extension].extension;
-      give_one(extension);
+void FragmentGraph::disconnect(BlockIndex from, int direction) {
+  for (NodeIndex node = first_[from]; node != kNoNode; node = nodes_[node].next) {
+    for (NodeIndex part = node; part != kNoNode; part = nodes_[part].extension) {
+      for (unsigned i = nodes_[part].edges; i-- > 0;) {
+        if (nodes_[part].edge[i].direction() == direction) nodes_[part].take_out(i);
+      }
     }
   }
 }
 
-void FragmentGraph::disconnect(BlockIndex from, int direction) {
-  const auto keep = static_cast<std::uint16_t>(~(1u << (direction - 14)));
+void FragmentGraph::disconnect(BlockIndex from, int direction, NodeIndex to) {
   for (NodeIndex node = first_[from]; node != kNoNode; node = nodes_[node].next) {
-    for (NodeIndex part = node; part != kNoNode; part = nodes_[part].extension)
-      nodes_[part].forward_set &= keep;
+    for (NodeIndex part = node; part != kNoNode; part = nodes_[part].extension) {
+      for (unsigned i = nodes_[part].edges; i-- > 0;) {
+        const FragmentEdge& edge = nodes_[part].edge[i];
+        if (edge.to == to && edge.direction() == direction) nodes_[part].take_out(i);
+      }
+    }
   }
 }
 
-void FragmentGraph::connect(NodeIndex from, int direction, NodeIndex to, std::uint16_t witness) {
-  const unsigned at = static_cast<unsigned>(direction - 14);
+void FragmentGraph::connect(NodeIndex from, const FragmentEdge& edge) {
   NodeIndex part = from;
-  while ((nodes_[part].forward_set >> at & 1) != 0) {
+  while (nodes_[part].edges == FragmentNode::kEdges) {
     if (nodes_[part].extension == kNoNode) {
       const NodeIndex extension = take(nodes_[from].block, 0);
       if (extension == kNoNode) return;
@@ -83,10 +92,9 @@ void FragmentGraph::connect(NodeIndex from, int direction, NodeIndex to, std::ui
     }
     part = nodes_[part].extension;
   }
-  nodes_[part].forward_set = static_cast<std::uint16_t>(nodes_[part].forward_set | 1u << at);
-  nodes_[part].forward[at] = to;
-  nodes_[part].witness[at] = witness;
-  nodes_[to].backward_set = static_cast<std::uint16_t>(nodes_[to].backward_set | 1u << at);
+  nodes_[part].edge[nodes_[part].edges++] = edge;
+  FragmentNode& to = nodes_[edge.to];
+  to.backward_set = static_cast<std::uint16_t>(to.backward_set | 1u << (edge.direction() - 14));
 }
 
 NodeIndex FragmentGraph::holder(BlockIndex block, unsigned cell) const {

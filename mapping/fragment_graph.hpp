@@ -15,25 +15,43 @@ using NodeIndex = std::uint16_t;
 inline constexpr NodeIndex kNoNode = 0xffff;
 inline constexpr std::uint16_t kNoLabel = 0xffff;
 
-/// One fragment. An edge is kept by the fragment whose neighbour lies in one of the 13 forward directions (14
-/// to 26). Two edges in one direction need an extension: a fragment without cells that is only more room. 80
-/// bytes.
+/// An edge to a fragment of the block in one of the 13 forward directions (14 to 26), and the two voxels that
+/// make it. 4 bytes.
+struct FragmentEdge {
+  NodeIndex to{};
+  std::uint16_t made{};  ///< direction - 14, own cell << 4, its cell << 10
+
+  static constexpr FragmentEdge of(NodeIndex to, int direction, unsigned own, unsigned its) {
+    return {to, static_cast<std::uint16_t>(static_cast<unsigned>(direction - 14) | own << 4 | its << 10)};
+  }
+  constexpr int direction() const { return 14 + (made & 15); }
+  constexpr unsigned own() const { return made >> 4 & 63u; }
+  constexpr unsigned its() const { return made >> 10; }
+};
+
+/// One fragment. An edge is kept by the fragment whose neighbour lies in a forward direction. More edges than
+/// fit need an extension: a fragment without cells that is only more room. 48 bytes.
 struct FragmentNode {
+  static constexpr unsigned kEdges = 6;
   static constexpr int kForward = 13;
   std::uint64_t cells{};  ///< empty for an extension and for a free one
   BlockIndex block{kNoBlock};
-  NodeIndex next{kNoNode};                     ///< of the same block; or in the list of free ones
-  std::uint16_t label[2]{kNoLabel, kNoLabel};  ///< one is shown, the other one in the making
-  std::uint16_t forward_set{};                 ///< bit n: forward[n] holds the neighbour in direction 14 + n
+  NodeIndex next{kNoNode};  ///< of the same block; or in the list of free ones
   NodeIndex extension{kNoNode};
-  NodeIndex forward[kForward]{};
-  std::uint16_t witness[kForward]{};  ///< the two voxels that make the edge: own cell, its cell << 6
-  std::uint16_t backward_set{};       ///< bit n: may be a forward neighbour of the block in direction 12 - n
   NodeIndex name{
       kNoNode};  ///< of its component by the newest labelling: a number that its nodes share; or it is fresh
+  std::uint16_t label[2]{kNoLabel, kNoLabel};  ///< one is shown, the other one in the making
+  std::uint16_t backward_set{};  ///< bit n: may be a forward neighbour of the block in direction 12 - n
   std::uint8_t voxels{};
+  std::uint8_t edges{};
+  FragmentEdge edge[kEdges]{};
+
+  /// Edges of this one alone, without its extensions.
+  std::span<const FragmentEdge> known() const { return {edge, edges}; }
+  /// Takes an edge out; the last one moves to its place.
+  void take_out(unsigned i) { edge[i] = edge[--edges]; }
 };
-static_assert(sizeof(FragmentNode) == 80 || sizeof(FragmentNode) == 76);
+static_assert(sizeof(FragmentNode) == 48);
 
 /// The pool of fragments and the lists of them, one a block.
 class FragmentGraph {
@@ -44,13 +62,15 @@ class FragmentGraph {
   /// A node of a block, appended to `list` of it by the caller; kNoNode when there is none left (counted).
   NodeIndex take(BlockIndex block, std::uint64_t cells);
   /// Gives all nodes of a block back. Edges of other blocks to them must be gone, or go next (disconnect()).
-  void give(BlockIndex block);
-  /// Drops all forward edges of a block's nodes.
-  void drop_forward(BlockIndex block);
+  void give_all(BlockIndex block);
+  /// Gives one node back that its block no longer lists.
+  void give(NodeIndex node);
   /// Drops the edges that the nodes of `from` keep in a forward direction.
   void disconnect(BlockIndex from, int direction);
-  /// Joins node `from` with a node in a forward direction. When no room is left the edge is lost and counted.
-  void connect(NodeIndex from, int direction, NodeIndex to, std::uint16_t witness);
+  /// The same, edges to node `to` alone.
+  void disconnect(BlockIndex from, int direction, NodeIndex to);
+  /// Adds an edge to a node. When no room is left it is lost and counted.
+  void connect(NodeIndex from, const FragmentEdge& edge);
   /// Node of a block that holds a cell, or kNoNode.
   NodeIndex holder(BlockIndex block, unsigned cell) const;
 
@@ -59,7 +79,10 @@ class FragmentGraph {
   void archive(rt::Archive& archive, std::span<const Block> blocks, unsigned shown, std::uint32_t slots);
 
   NodeIndex first(BlockIndex block) const { return first_[block]; }
-  void set_first(BlockIndex block, NodeIndex node) { first_[block] = node; }
+  /// Puts a node into a block's list, behind `last` or, where that is kNoNode, first; kNoNode ends the list.
+  void link(BlockIndex block, NodeIndex last, NodeIndex node) {
+    (last == kNoNode ? first_[block] : nodes_[last].next) = node;
+  }
   /// Fetches the list of a block; the first node of it, once the list is there.
   void prefetch(BlockIndex block) const { __builtin_prefetch(&first_[block]); }
   void prefetch_nodes(BlockIndex block) const {

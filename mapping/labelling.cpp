@@ -143,8 +143,7 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
 
 void Labelling::unite_around(const FragmentGraph& graph, NodeIndex node) {
   for (NodeIndex part = node; part != kNoNode; part = graph[part].extension) {
-    for (unsigned set = graph[part].forward_set; set != 0; set &= set - 1)
-      unite(node, graph[part].forward[std::countr_zero(set)]);
+    for (const FragmentEdge& edge : graph[part].known()) unite(node, edge.to);
   }
 }
 

@@ -40,7 +40,8 @@ class LocalMap {
   }
   NormalsStep update_normals() {
     NormalsStep step;
-    for (const BlockChange& change : grid_->changes()) segmenter_->mark(change.block, change.moved);
+    for (const BlockChange& change : grid_->changes())
+      segmenter_->mark(change.block, change.moved, change.drift);
     if (normals_ == nullptr) return step;
     step = normals_->update(*grid_);
     for (const BlockIndex block : normals_->turned_blocks()) segmenter_->mark(block, normals_->turned(block));

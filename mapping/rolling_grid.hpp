@@ -78,20 +78,17 @@ class RollingGrid {
           index != kNoBlock && memory_.blocks[index].key == block.key + kKeySteps.step[d] ? index : kNoBlock;
     }
   }
-  /// The same in two steps, with something else to do while memory answers: first what may be there, then
-  /// what is.
-  void ask_around(const Block& block, BlockIndex (&found)[kDirections]) const {
-    std::uint32_t entries[kDirections];
-    window_.around(BlockAt::from_key(block.key), entries);
-    for (int d = 0; d < kDirections; ++d) {
-      found[d] = window_[entries[d]];
-      if (found[d] != kNoBlock) __builtin_prefetch(&memory_.blocks[found[d]]);
-    }
+  /// The same in two steps, with something else to do while memory answers: first what may be at a place,
+  /// then what is.
+  BlockIndex may_be(const BlockAt& at) const {
+    const BlockIndex index = window_[window_.entry(at)];
+    if (index != kNoBlock) __builtin_prefetch(&memory_.blocks[index]);
+    return index;
   }
   bool is_next(const Block& block, int direction, BlockIndex other) const {
     return memory_.blocks[other].key == block.key + kKeySteps.step[direction];
   }
-  /// Fetches what ask_around() and a look at the voxels of a block will read.
+  /// Fetches what may_be() and a look at the voxels of a block will read.
   void prefetch_around(const Block& block) const {
     std::uint32_t entries[kDirections];
     window_.around(BlockAt::from_key(block.key), entries);

@@ -50,7 +50,11 @@ struct BlockChange {
   std::uint64_t activated{};  ///< voxels that became active
   std::uint32_t first{};      ///< scratch: of the points that fell into it
   BlockIndex block{};
+  std::uint16_t drift{};  ///< no voxel that was active before moved farther: whole kDriftStep, rounded up
 };
+/// Of 1/65536 of a cell.
+inline constexpr std::uint32_t kDriftStep = 16;
+inline constexpr std::uint16_t kAnyDrift = 0xffff;
 
 /// What became of the points. in = used + all others but the last three, which count voxels and blocks.
 struct RollingGridCounts {

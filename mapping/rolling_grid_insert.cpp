@@ -165,7 +165,7 @@ void RollingGrid::locate(const rt::PointScan& scan, const RigidPose& grid_sensor
       Block& block = memory_.blocks[index];
       if (block.touch == Block::kUntouched) {
         block.touch = static_cast<std::uint16_t>(changed_);
-        memory_.changes[changed_++] = {0, 0, kNoEntry, index};
+        memory_.changes[changed_++] = {0, 0, kNoEntry, index, 0};
       }
       BlockChange& change = memory_.changes[block.touch];
       memory_.scan[taken] = found.point;
@@ -226,6 +226,7 @@ void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, con
     output_.voxels += created;
     output_.most_voxels = std::max(output_.most_voxels, output_.voxels);
   }
+  std::uint32_t drift = 0;
   for (; hit != 0; hit = without_lowest(hit)) {
     const unsigned cell = lowest(hit);
     Seen::Sum& sum = seen.cells[cell];
@@ -242,9 +243,17 @@ void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, con
     sum = {};
     const bool active = next.count >= config_.min_points;
     if (active && (c.count < config_.min_points)) change.activated |= cell_bit(cell);
-    if (active && (c.x != next.x || c.y != next.y || c.z != next.z)) change.moved |= cell_bit(cell);
+    if (active && (c.x != next.x || c.y != next.y || c.z != next.z)) {
+      change.moved |= cell_bit(cell);
+      const auto apart = [](std::uint16_t a, std::uint16_t b) {
+        return std::uint32_t(a < b ? b - a : a - b);
+      };
+      if ((block.active & cell_bit(cell)) != 0)
+        drift = std::max(drift, apart(c.x, next.x) + apart(c.y, next.y) + apart(c.z, next.z));
+    }
     c = next;
   }
+  change.drift = static_cast<std::uint16_t>((drift + kDriftStep - 1) / kDriftStep);
   block.active |= change.activated;
   change.moved |= change.activated;
 }

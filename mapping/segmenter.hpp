@@ -24,15 +24,18 @@ struct SegmenterConfig {
   std::uint32_t units{0};         ///< most work a tick; 0: all there is. See Segmenter::kBlockUnits
 };
 
-/// What the segmenter knows of a block besides its fragments.
+/// What the segmenter knows of a block besides its fragments. 24 bytes.
 struct BlockWork {
-  std::uint64_t moved{};   ///< voxels that changed since it was looked at
-  std::uint64_t looked{};  ///< voxels that had changed when it was looked at
-  std::uint8_t queued{};   ///< 0: not; else a tag of the cycle that will look at it
-  std::uint8_t cycle{};    ///< low bits of the cycle that looked at it
-  bool renewed{};          ///< then its fragments were not those of before
-  bool settled{};          ///< its fragments and all those beside it are of one component and not fresh
+  static constexpr std::uint32_t kAllMixed = (1u << kDirections) - 1;
+  std::uint64_t moved{};           ///< voxels that changed since it was looked at
+  std::uint64_t looked{};          ///< voxels that had changed when it was looked at
+  std::uint32_t mixed{kAllMixed};  ///< bit n: it and the block in direction n may hold two components
+  std::uint16_t slack{};           ///< drift until a link within it can break, in kDriftStep; 0: not known
+  std::uint8_t queued : 2 {};      ///< 0: not; else a tag of the cycle that will look at it
+  std::uint8_t renewed : 1 {};     ///< when it was looked at it got fresh fragments
+  std::uint8_t cycle{};            ///< low bits of the cycle that looked at it
 };
+static_assert(sizeof(BlockWork) == 24);
 
 /// Memory of a segmenter: value-initialised arrays.
 struct SegmenterMemory {
@@ -80,12 +83,17 @@ class Segmenter {
   /// ok, or out_of_range: the radius, or arrays too short for one another.
   Status status() const { return status_; }
 
-  /// Active voxels of a block that are new, moved or otherwise changed: it must be looked at again.
-  void mark(BlockIndex block, std::uint64_t moved) {
+  /// Active voxels of a block that are new, moved or otherwise changed: it must be looked at again. `drift`:
+  /// none moved farther, in steps of kDriftStep, rounded up, and nothing else that the policy reads of them
+  /// changed; kAnyDrift where that is not known.
+  void mark(BlockIndex block, std::uint64_t moved, std::uint16_t drift = kAnyDrift) {
     if (status_ != Status::ok || moved == 0) return;
     work_[block].moved |= moved;
+    const std::uint32_t both = 2u * drift;  // ends of a link may move apart
+    work_[block].slack =
+        static_cast<std::uint16_t>(work_[block].slack > both ? work_[block].slack - both : 0);
     if (work_[block].queued != 0) return;
-    work_[block].queued = tag(cycle_ + 1);
+    work_[block].queued = tag(cycle_ + 1) & 3;
     queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
   }
   /// A block that is about to be given back; its voxels and its place can still be read.
@@ -126,17 +134,23 @@ class Segmenter {
                      unsigned cell) const requires TakingPolicy<Policy>;
   static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
   void look_at(const RollingGrid& grid, BlockIndex block);
-  void look_beside(const RollingGrid& grid, BlockIndex block, const Here& here,
-                   const BlockIndex (&around)[kDirections]);
-  void keep_edges(const RollingGrid& grid, BlockIndex block, const Here& here);
+  std::uint16_t slack_of(std::int64_t longest) const;
+  void fragment(const RollingGrid& grid, Here& here);
+  void join_parts(const RollingGrid& grid, Here& here);
+  void find_parts(const RollingGrid& grid, Here& here);
+  void renew_nodes(const RollingGrid& grid, Here& here);
+  void set_cells(NodeIndex node, std::uint64_t cells);
+  void drop(const RollingGrid& grid, BlockIndex block, NodeIndex node);
+  void ask(const RollingGrid& grid, BlockIndex block, std::uint32_t directions,
+           BlockIndex (&around)[kDirections]) const;
+  bool are_mixed(BlockIndex a, BlockIndex b) const;
+  void look_beside(const RollingGrid& grid, const Here& here, const BlockIndex (&around)[kDirections]);
+  void look_from(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
+                 bool renewed);
+  void keep_edges(const RollingGrid& grid, const Here& here);
   void rejoin(const RollingGrid& grid, NodeIndex apart);
-  void load(const RollingGrid& grid, BlockIndex block, Here& here) const;
-  NodeIndex one_name(BlockIndex block) const;
-  void fragment(const RollingGrid& grid, BlockIndex block, Here& here);
-  bool keep_nodes(BlockIndex block, const Here& here);
-  void renew_nodes(BlockIndex block, const Here& here);
   bool test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a, unsigned b) const;
-  void verify(const RollingGrid& grid, BlockIndex block, const Here& here, const Beside& beside);
+  void verify(const RollingGrid& grid, const Here& here, const Beside& beside);
   void search(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
               std::uint64_t open, bool all);
   std::uint64_t joined(const Beside& beside, NodeIndex node) const;
@@ -159,6 +173,7 @@ class Segmenter {
 
 }  // namespace sortie::mapping
 
-#include "mapping/segmenter_edges.hpp"   // IWYU pragma: export
-#include "mapping/segmenter_engine.hpp"  // IWYU pragma: export
-#include "mapping/segmenter_state.hpp"   // IWYU pragma: export
+#include "mapping/segmenter_edges.hpp"      // IWYU pragma: export
+#include "mapping/segmenter_engine.hpp"     // IWYU pragma: export
+#include "mapping/segmenter_fragments.hpp"  // IWYU pragma: export
+#include "mapping/segmenter_state.hpp"      // IWYU pragma: export

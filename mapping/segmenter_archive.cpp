@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 2;
+constexpr std::uint32_t kFormatVersion = 3;
 constexpr std::uint8_t kUnseen = 0xff;  ///< marks a node that no list has held yet
 }  // namespace
 
@@ -60,11 +60,12 @@ void FragmentGraph::archive(rt::Archive& archive, std::span<const Block> blocks,
     archive.value(node.extension);
     archive.value(node.backward_set);
     archive.value(node.name);
-    archive.value(node.forward_set);
-    for (unsigned at = 0; at < FragmentNode::kForward; ++at) {
-      if ((node.forward_set >> at & 1) == 0) continue;
-      archive.value(node.forward[at]);
-      archive.value(node.witness[at]);
+    std::uint32_t edges = node.edges;
+    archive.bounded(edges, FragmentNode::kEdges);
+    node.edges = static_cast<std::uint8_t>(edges);
+    for (unsigned i = 0; i < node.edges; ++i) {
+      archive.value(node.edge[i].to);
+      archive.value(node.edge[i].made);
     }
   }
   if (!archive.is_reading()) return;
@@ -125,19 +126,16 @@ bool FragmentGraph::is_graph(std::span<const Block> blocks, unsigned shown, std:
 
 /// Whether a node's edges lead to fragments where the directions say, between voxels that are there.
 bool FragmentGraph::are_edges(const FragmentNode& node, std::span<const Block> blocks) const {
-  if (node.forward_set == 0) return true;
-  if (node.forward_set >> FragmentNode::kForward != 0 || node.block >= blocks.size()) return false;
+  if (node.edges == 0) return true;
+  if (node.block >= blocks.size()) return false;
   const Block& own = blocks[node.block];
-  for (unsigned set = node.forward_set; set != 0; set &= set - 1) {
-    const int at = std::countr_zero(set);
-    if (node.forward[at] >= numbers_) return false;
-    const FragmentNode& to = nodes_[node.forward[at]];
+  for (const FragmentEdge& edge : node.known()) {
+    if (edge.direction() >= kDirections || edge.to >= numbers_) return false;
+    const FragmentNode& to = nodes_[edge.to];
     if (to.cells == 0) return false;
     const Block& its = blocks[to.block];
-    const unsigned a = node.witness[at] & 63u;
-    const unsigned b = node.witness[at] >> 6;
-    if (its.key != own.key + kKeySteps.step[14 + at] || b > 63 || (own.active >> a & 1) == 0 ||
-        (its.active >> b & 1) == 0)
+    if (its.key != own.key + kKeySteps.step[edge.direction()] || (own.active >> edge.own() & 1) == 0 ||
+        (its.active >> edge.its() & 1) == 0)
       return false;
   }
   return true;

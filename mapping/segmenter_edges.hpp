@@ -14,64 +14,61 @@ bool Segmenter<Policy>::test(const RollingGrid& grid, const Here& here, const Be
   const Block& block = grid.block(beside.index);
   const std::uint32_t slot = block.slot(block.rank(b));
   const UnitPoint p = unit_point(grid.voxels()[slot], b);
-  if (!reach_.near(here.at[a], {p.x + beside.shift.x, p.y + beside.shift.y, p.z + beside.shift.z}))
-    return false;
+  const Block& from = grid.block(here.index);
+  const std::uint32_t own = from.slot(from.rank(a));
+  const UnitPoint at = unit_point(grid.voxels()[own], a);
+  if (!reach_.near(at, {p.x + beside.shift.x, p.y + beside.shift.y, p.z + beside.shift.z})) return false;
   const typename Policy::Voxel its = policy_.load(grid, slot);
-  return policy_.core(its) && policy_.join(here.voxel[a], its);
+  return policy_.core(its) && policy_.join(policy_.load(grid, own), its);
 }
 
 /// Edges that a moved voxel made: they hold, or others are looked for, or they go.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::verify(const RollingGrid& grid, BlockIndex block, const Here& here,
-                               const Beside& beside) {
-  const unsigned at = static_cast<unsigned>(beside.kept() - 14);
-  for (NodeIndex keeper = graph_.first(beside.forward() ? block : beside.index); keeper != kNoNode;
+void Segmenter<Policy>::verify(const RollingGrid& grid, const Here& here, const Beside& beside) {
+  const bool forward = beside.forward();
+  for (NodeIndex keeper = graph_.first(forward ? here.index : beside.index); keeper != kNoNode;
        keeper = graph_[keeper].next) {
     for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
-      FragmentNode& edges = graph_[part];
-      if ((edges.forward_set >> at & 1) == 0) continue;
-      const unsigned own = edges.witness[at] & 63;
-      const unsigned its = edges.witness[at] >> 6;
-      const unsigned a = beside.forward() ? own : its;
-      const unsigned b = beside.forward() ? its : own;
-      if (((here.moved >> a | beside.moved >> b) & 1) == 0 ||
-          ((here.cores >> a & 1) != 0 && test(grid, here, beside, a, b)))
-        continue;
-      edges.forward_set = static_cast<std::uint16_t>(edges.forward_set & ~(1u << at));
-      const NodeIndex other = edges.forward[at];
-      const NodeIndex node = beside.forward() ? keeper : other;
-      search(grid, here, beside, node, graph_[beside.forward() ? other : keeper].cells & beside.there, true);
+      // From the last one on: what is found meanwhile comes behind it.
+      for (unsigned i = graph_[part].edges; i-- > 0;) {
+        const FragmentEdge edge = graph_[part].edge[i];
+        if (edge.direction() != beside.kept()) continue;
+        const unsigned a = forward ? edge.own() : edge.its();
+        const unsigned b = forward ? edge.its() : edge.own();
+        if (((here.moved >> a | beside.moved >> b) & 1) == 0 ||
+            ((here.cores >> a & 1) != 0 && test(grid, here, beside, a, b)))
+          continue;
+        graph_[part].take_out(i);
+        const std::uint64_t open =
+            graph_[forward ? edge.to : keeper].cells & reach_.rim(26 - beside.direction);
+        search(grid, here, beside, forward ? keeper : edge.to, open, true);
+      }
     }
   }
 }
 
-/// Edges that moved voxels of a block make, where nothing else can change: all around is of one component.
+/// Edges that moved voxels of a block make, in directions in which nothing else can change: all there is of
+/// one component.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::keep_edges(const RollingGrid& grid, BlockIndex block, const Here& here) {
+void Segmenter<Policy>::keep_edges(const RollingGrid& grid, const Here& here) {
   std::uint32_t directions = 0;
-  for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
+  for (NodeIndex node = graph_.first(here.index); node != kNoNode; node = graph_[node].next) {
     for (unsigned set = graph_[node].backward_set; set != 0; set &= set - 1) {
       const int direction = 12 - std::countr_zero(set);
       if ((here.moved & reach_.rim(direction)) != 0) directions |= 1u << direction;
     }
     for (NodeIndex part = node; part != kNoNode; part = graph_[part].extension) {
-      for (unsigned set = graph_[part].forward_set; set != 0; set &= set - 1) {
-        const int at = std::countr_zero(set);
-        directions |= static_cast<std::uint32_t>(here.moved >> (graph_[part].witness[at] & 63) & 1)
-                      << (14 + at);
-      }
+      for (const FragmentEdge& edge : graph_[part].known())
+        directions |= static_cast<std::uint32_t>(here.moved >> edge.own() & 1) << edge.direction();
     }
   }
-  const BlockAt at = BlockAt::from_key(grid.block(block).key);
+  directions &= ~work_[here.index].mixed;
+  const BlockAt at = BlockAt::from_key(grid.block(here.index).key);
   for (; directions != 0; directions &= directions - 1) {
     const int direction = std::countr_zero(directions);
     const BlockIndex index = grid.find(at.next(direction));
     if (index == kNoBlock) continue;
-    Beside beside{index, direction, 0, 0, from_next({}, direction)};
-    for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next)
-      beside.there |= graph_[node].cells;
-    beside.there &= reach_.rim(26 - direction);
-    verify(grid, block, here, beside);
+    verify(grid, here, {index, direction, 0, from_next({}, direction)});
   }
 }
 
@@ -79,39 +76,38 @@ void Segmenter<Policy>::keep_edges(const RollingGrid& grid, BlockIndex block, co
 template <SegmentationPolicy Policy>
 void Segmenter<Policy>::rejoin(const RollingGrid& grid, NodeIndex apart) {
   const BlockIndex block = graph_[apart].block;
-  Here here;
-  load(grid, block, here);
+  const Here here(block);
   BlockIndex around[kDirections];
   grid.around(grid.block(block), around);
   for (int direction = 0; direction < kDirections; ++direction) {
     const BlockIndex index = around[direction];
     if (index == kNoBlock) continue;
-    work_[index].settled = false;
+    work_[index].mixed |= direction == kHere ? BlockWork::kAllMixed : 1u << (26 - direction);
     if (direction == kHere) continue;
-    Beside beside{index, direction, 0, 0, from_next({}, direction)};
+    std::uint64_t there = 0;
     for (NodeIndex node = graph_.first(index); node != kNoNode; node = graph_[node].next) {
-      if (!labelling_.together(node, apart)) beside.there |= graph_[node].cells;
+      if (!labelling_.together(node, apart)) there |= graph_[node].cells;
     }
-    beside.there &= reach_.rim(26 - direction);
-    if (beside.there != 0) search(grid, here, beside, apart, beside.there, true);
+    there &= reach_.rim(26 - direction);
+    if (there != 0) search(grid, here, {index, direction, 0, from_next({}, direction)}, apart, there, true);
   }
 }
 
 /// Cells beside whose fragments a node of this block touches.
 template <SegmentationPolicy Policy>
 std::uint64_t Segmenter<Policy>::joined(const Beside& beside, NodeIndex node) const {
-  const unsigned at = static_cast<unsigned>(beside.kept() - 14);
   std::uint64_t cells = 0;
   if (beside.forward()) {
     for (NodeIndex part = node; part != kNoNode; part = graph_[part].extension) {
-      if ((graph_[part].forward_set >> at & 1) != 0) cells |= graph_[graph_[part].forward[at]].cells;
+      for (const FragmentEdge& edge : graph_[part].known())
+        if (edge.direction() == beside.direction) cells |= graph_[edge.to].cells;
     }
     return cells;
   }
   for (NodeIndex keeper = graph_.first(beside.index); keeper != kNoNode; keeper = graph_[keeper].next) {
     for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
-      if ((graph_[part].forward_set >> at & 1) != 0 && graph_[part].forward[at] == node)
-        cells |= graph_[keeper].cells;
+      for (const FragmentEdge& edge : graph_[part].known())
+        if (edge.to == node && edge.direction() == beside.kept()) cells |= graph_[keeper].cells;
     }
   }
   return cells;
@@ -135,9 +131,9 @@ void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const 
       open &= ~graph_[found].cells;
       near &= open | cell_bit(b);
       if (beside.forward()) {
-        graph_.connect(node, beside.direction, found, static_cast<std::uint16_t>(a | b << 6));
+        graph_.connect(node, FragmentEdge::of(found, beside.direction, a, b));
       } else {
-        graph_.connect(found, 26 - beside.direction, node, static_cast<std::uint16_t>(b | a << 6));
+        graph_.connect(found, FragmentEdge::of(node, beside.kept(), b, a));
       }
       if (labelling_.running()) labelling_.joined(node, found);
     }

@@ -33,8 +33,11 @@ void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
     archive.value(work.moved);
     archive.value(work.looked);
     archive.value(work.cycle);
-    archive.value(work.renewed);
-    archive.value(work.settled);
+    archive.value(work.slack);
+    archive.bounded(work.mixed, BlockWork::kAllMixed);
+    bool renewed = work.renewed != 0;
+    archive.value(renewed);
+    work.renewed = renewed ? 1 : 0;
   }
   for (std::uint32_t i = 0; i < queue_size_; ++i) {
     BlockIndex& block = queue_[(queue_first_ + i) % queue_.size()];
@@ -48,7 +51,7 @@ void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
       left_of_cycle_ = 0;
       return;
     }
-    work_[block].queued = queued;
+    work_[block].queued = queued & 3;
   }
 }
 
