@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/plane_solve.hpp"
+#include "mapping/plane_batch.hpp"
 
 namespace sortie::mapping {
 namespace {
@@ -43,14 +43,21 @@ inline Steps held(std::uint32_t contributed, unsigned cell) {
           static_cast<std::int32_t>((cell >> 4) * kCell + in_cell(2))};
 }
 
+inline std::int32_t squared(const Steps& a, const Steps& b) {
+  const std::int32_t x = a.x - b.x;
+  const std::int32_t y = a.y - b.y;
+  const std::int32_t z = a.z - b.z;
+  return x * x + y * y + z * z;
+}
+
 std::uint32_t contribution(const Centroid& c) {
-  return NormalRecord::kAdded | c.x >> 7 | static_cast<std::uint32_t>(c.y >> 7) << 9 |
+  return NormalSums::kAdded | c.x >> 7 | static_cast<std::uint32_t>(c.y >> 7) << 9 |
          static_cast<std::uint32_t>(c.z >> 7) << 18;
 }
 
 /// Adds a position, relative to the centre of the record's own cell, or takes it away.
 template <bool kAdd>
-inline void put(NormalRecord& r, std::int32_t x, std::int32_t y, std::int32_t z) {
+inline void put(NormalSums& r, std::int32_t x, std::int32_t y, std::int32_t z) {
   const std::int32_t s = kAdd ? 1 : -1;
   r.square[0] += static_cast<std::uint32_t>(s * x * x);
   r.square[1] += static_cast<std::uint32_t>(s * y * y);
@@ -58,25 +65,12 @@ inline void put(NormalRecord& r, std::int32_t x, std::int32_t y, std::int32_t z)
   r.product[0] += s * x * y;
   r.product[1] += s * x * z;
   r.product[2] += s * y * z;
-  r.sum[0] += s * x;
-  r.sum[1] += s * y;
-  r.sum[2] += s * z;
-  r.count = static_cast<std::uint16_t>(r.count + s);
-}
-
-/// Adds what another record sums up.
-void put_all(NormalRecord& r, const NormalRecord& sums) {
-  for (int i = 0; i < 3; ++i) {
-    r.square[i] += sums.square[i];
-    r.product[i] += sums.product[i];
-    r.sum[i] += sums.sum[i];
+  if (kAdd) {
+    r.sum += PackedSum::of(x, y, z);
+  } else {
+    r.sum -= PackedSum::of(x, y, z);
   }
-  r.count = static_cast<std::uint16_t>(r.count + sums.count);
-}
-
-/// A number in 1/32767, rounded.
-std::int16_t short_of(double part) {
-  return static_cast<std::int16_t>(static_cast<std::int32_t>(part * 32767.0 + 32768.5) - 32768);
+  r.count = static_cast<std::uint16_t>(r.count + s);
 }
 
 /// Centre of a cell, relative to the corner of its block.
@@ -115,17 +109,18 @@ void Normals::mark(BlockIndex block, std::uint64_t cells) {
   memory_.queue[queued_++] = block;
 }
 
-/// Goes over the voxels within the radius of one: its position into their sums or out of them, and theirs
-/// into its own. `all`: those of its own block and of blocks that are leaving, too.
-template <bool kAdd>
-void Normals::visit(RollingGrid& grid, const Around& around, unsigned cell, bool all) {
-  const Block& here = grid.block(around.index);
-  NormalRecord& own = grid.normal(here, cell);
-  const Steps at = held(own.contributed, cell);
+/// Goes over the voxels that are, or were, within the radius of one: takes its old position out of their sums
+/// and puts the new one in, and theirs into its own sums. A voxel that leaves has none new; then those of its
+/// own block and of blocks that are leaving, too, are left out.
+template <bool kWas, bool kIs>
+void Normals::visit(RollingGrid& grid, const Around& around, unsigned cell, std::uint32_t was,
+                    std::uint32_t is, NormalSums& own) {
+  const Steps before = held(was, cell);
+  const Steps now = held(is, cell);
   const Steps middle = centre(cell);
   // First all that may be near, so that memory can answer for all of them at a time.
   struct Near {
-    NormalRecord* record;
+    NormalSums* record;
     std::uint8_t direction;
     std::uint8_t cell;
   };
@@ -136,39 +131,40 @@ void Normals::visit(RollingGrid& grid, const Around& around, unsigned cell, bool
     const std::uint64_t reach = reach_.from(cell, direction);
     if (index == kNoBlock || reach == 0) continue;
     const Block& block = grid.block(index);
-    if (!all && (direction == kHere || block.leaving != 0)) continue;
+    if (!kIs && (direction == kHere || block.leaving != 0)) continue;
     for (std::uint64_t rest = reach & block.active; rest != 0; rest = without_lowest(rest)) {
       const unsigned b = lowest(rest);
-      NormalRecord& record = grid.normal(block, b);
+      NormalSums& record = grid.sums(block, b);
       __builtin_prefetch(&record, 1);
-      __builtin_prefetch(&record.normal[2], 1);
+      __builtin_prefetch(&record.count, 1);
       near[found++] = {&record, static_cast<std::uint8_t>(direction), static_cast<std::uint8_t>(b)};
     }
   }
-  NormalRecord sums;  // by itself, so that it may stay in registers
+  NormalSums sums;  // by itself, so that it may stay in registers
   std::uint64_t hit[kDirections] = {};
   for (unsigned i = 0; i < found; ++i) {
-    NormalRecord& other = *near[i].record;
+    NormalSums& other = *near[i].record;
     if (!other.added()) continue;
     const int direction = near[i].direction;
     const unsigned b = near[i].cell;
     const Steps shift{kShift.x[direction], kShift.y[direction], kShift.z[direction]};
-    const Steps p = held(other.contributed, b);
-    // As the block beside sees it.
-    const Steps from{at.x - shift.x, at.y - shift.y, at.z - shift.z};
-    const std::int32_t dx = p.x - from.x;
-    const std::int32_t dy = p.y - from.y;
-    const std::int32_t dz = p.z - from.z;
-    if (dx * dx + dy * dy + dz * dz > squared_radius_) continue;
+    const Steps there = held(other.contributed, b);
+    const Steps p{there.x + shift.x, there.y + shift.y, there.z + shift.z};
     const Steps c = centre(b);
-    put<kAdd>(other, from.x - c.x, from.y - c.y, from.z - c.z);
-    if (kAdd) put<true>(sums, p.x + shift.x - middle.x, p.y + shift.y - middle.y, p.z + shift.z - middle.z);
-    hit[direction] |= cell_bit(b);
+    const Steps origin{c.x + shift.x, c.y + shift.y, c.z + shift.z};
+    const bool had = kWas && squared(p, before) <= squared_radius_;
+    const bool has = kIs && squared(p, now) <= squared_radius_;
+    if (had) put<false>(other, before.x - origin.x, before.y - origin.y, before.z - origin.z);
+    if (has) {
+      put<true>(other, now.x - origin.x, now.y - origin.y, now.z - origin.z);
+      put<true>(sums, p.x - middle.x, p.y - middle.y, p.z - middle.z);
+    }
+    if (had || has) hit[direction] |= cell_bit(b);
   }
   for (int direction = 0; direction < kDirections; ++direction) {
     if (hit[direction] != 0) mark(around.found[direction], hit[direction]);
   }
-  if (kAdd) put_all(own, sums);
+  if (kIs) own = sums;
 }
 
 /// Voxels of a change that are new, or farther than allowed from where they were when they were added.
@@ -177,7 +173,7 @@ std::uint64_t Normals::far_off(const RollingGrid& grid, const BlockChange& chang
   std::uint64_t far = 0;
   for (std::uint64_t rest = change.moved; rest != 0; rest = without_lowest(rest)) {
     const unsigned cell = lowest(rest);
-    const NormalRecord& own = grid.normal(block, cell);
+    const NormalSums& own = grid.sums(block, cell);
     const Steps is = held(contribution(grid.voxel(block, cell)), cell);
     const Steps was = held(own.contributed, cell);
     if (!own.added() || std::abs(is.x - was.x) > restate_ || std::abs(is.y - was.y) > restate_ ||
@@ -189,23 +185,20 @@ std::uint64_t Normals::far_off(const RollingGrid& grid, const BlockChange& chang
 
 void Normals::add(RollingGrid& grid, const Around& around, unsigned cell, NormalsStep& step) {
   const Block& block = grid.block(around.index);
-  NormalRecord& own = grid.normal(block, cell);
-  if (own.added()) {
+  NormalSums& own = grid.sums(block, cell);
+  const std::uint32_t is = contribution(grid.voxel(block, cell));
+  const std::uint32_t was = own.contributed;
+  own.contributed = 0;  // not its own neighbour
+  if ((was & NormalSums::kAdded) != 0) {
     ++step.restated;
-    visit<false>(grid, around, cell, true);
+    visit<true, true>(grid, around, cell, was, is, own);
+  } else {
+    visit<false, true>(grid, around, cell, 0, is, own);
   }
-  const std::int16_t normal[3] = {own.normal[0], own.normal[1], own.normal[2]};
-  const std::uint16_t curvature = own.curvature;
-  own = NormalRecord{};
-  std::copy(normal, normal + 3, own.normal);
-  own.curvature = curvature;
-  own.contributed = contribution(grid.voxel(block, cell));
-  const Steps at = held(own.contributed, cell);
+  own.contributed = is;
+  const Steps at = held(is, cell);
   const Steps c = centre(cell);
-  own.contributed &= ~NormalRecord::kAdded;
-  visit<true>(grid, around, cell, true);
   put<true>(own, at.x - c.x, at.y - c.y, at.z - c.z);
-  own.contributed |= NormalRecord::kAdded;
   mark(around.index, cell_bit(cell));
   ++step.added;
 }
@@ -218,7 +211,8 @@ void Normals::forget(RollingGrid& grid, BlockIndex index) {
   grid.around(block, around.found);
   for (std::uint64_t rest = block.active; rest != 0; rest = without_lowest(rest)) {
     const unsigned cell = lowest(rest);
-    if (grid.normal(block, cell).added()) visit<false>(grid, around, cell, false);
+    NormalSums& own = grid.sums(block, cell);
+    if (own.added()) visit<true, false>(grid, around, cell, own.contributed, 0, own);
   }
   memory_.work[index].stale = 0;
   memory_.work[index].turned = 0;
@@ -234,7 +228,7 @@ NormalsStep Normals::update(RollingGrid& grid) {
   done_ = 0;
   const std::span<const BlockChange> changes = grid.changes();
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    if (i + 1 < changes.size()) grid.prefetch_normals(grid.block(changes[i + 1].block), changes[i + 1].moved);
+    if (i + 1 < changes.size()) grid.prefetch_sums(grid.block(changes[i + 1].block), changes[i + 1].moved);
     if (i + 2 < changes.size()) __builtin_prefetch(&grid.block(changes[i + 2].block));
     const BlockChange& change = changes[i];
     if (change.moved == 0) continue;
@@ -256,7 +250,7 @@ NormalsStep Normals::update(RollingGrid& grid) {
     if (cells == 0 || !grid.block(block).in_use()) continue;
     if (done_ < queued_) {
       const BlockIndex next = memory_.queue[done_];
-      grid.prefetch_normals(grid.block(next), memory_.work[next].stale);
+      grid.prefetch_sums(grid.block(next), memory_.work[next].stale);
     }
     if (done_ + 1 < queued_) {
       __builtin_prefetch(&grid.block(memory_.queue[done_ + 1]));
@@ -271,20 +265,24 @@ NormalsStep Normals::update(RollingGrid& grid) {
 
 void Normals::solve(RollingGrid& grid, BlockIndex index, std::uint64_t cells) {
   const Block& block = grid.block(index);
-  std::uint64_t turned = 0;
+  PlaneBatch batch;
+  std::uint64_t fitted = 0;
   for (std::uint64_t rest = cells & block.active; rest != 0; rest = without_lowest(rest)) {
     const unsigned cell = lowest(rest);
-    NormalRecord& r = grid.normal(block, cell);
-    std::int16_t normal[3] = {0, 0, 0};
-    std::uint16_t curvature = 0;
-    PlaneFit fit;
-    if (r.count >= config_.min_neighbours && fit_plane(scaled_covariance(r), fit)) {
-      for (int axis = 0; axis < 3; ++axis) normal[axis] = short_of(fit.normal[axis]);
-      curvature = static_cast<std::uint16_t>(fit.curvature * (3.0 * 65535.0));
-    }
-    if (coarse(normal, curvature) != coarse(r.normal, r.curvature)) turned |= cell_bit(cell);
-    std::copy(normal, normal + 3, r.normal);
-    r.curvature = curvature;
+    const NormalSums& r = grid.sums(block, cell);
+    if (r.count < config_.min_neighbours) continue;
+    batch.add(scaled_covariance(r));
+    fitted |= cell_bit(cell);
+  }
+  batch.solve();
+  std::uint64_t turned = 0;
+  unsigned n = 0;
+  for (std::uint64_t rest = cells & block.active; rest != 0; rest = without_lowest(rest)) {
+    const unsigned cell = lowest(rest);
+    const SurfaceNormal is = (fitted & cell_bit(cell)) != 0 ? batch.plane(n++) : SurfaceNormal{};
+    SurfaceNormal& was = grid.normal(block, cell);
+    if (coarse(is) != coarse(was)) turned |= cell_bit(cell);
+    was = is;
   }
   memory_.work[index].turned = turned;
 }

@@ -65,8 +65,9 @@ class Normals {
   struct Around;
   std::uint64_t far_off(const RollingGrid& grid, const BlockChange& change) const;
   void add(RollingGrid& grid, const Around& around, unsigned cell, NormalsStep& step);
-  template <bool kAdd>
-  void visit(RollingGrid& grid, const Around& around, unsigned cell, bool all);
+  template <bool kWas, bool kIs>
+  void visit(RollingGrid& grid, const Around& around, unsigned cell, std::uint32_t was, std::uint32_t is,
+             NormalSums& own);
   void mark(BlockIndex block, std::uint64_t cells);
   void solve(RollingGrid& grid, BlockIndex block, std::uint64_t cells);
 

@@ -54,8 +54,8 @@ RollingGrid::RollingGrid(const RollingGridConfig& config, const RollingGridMemor
       usable_(check(config) == Status::ok && !memory.blocks.empty() && memory.blocks.size() <= kMostBlocks &&
               memory.voxels.size() >= Block::kChunk && memory.voxels.size() <= kMostVoxels &&
               (memory.normals.empty() || memory.normals.size() == memory.voxels.size()) &&
-              memory.window.size() >= window_entries(config) && !memory.scan.empty() &&
-              memory.changes.size() >= memory.blocks.size()),
+              memory.sums.size() == memory.normals.size() && memory.window.size() >= window_entries(config) &&
+              !memory.scan.empty() && memory.changes.size() >= memory.blocks.size()),
       window_(usable_ ? memory.window : std::span<BlockIndex>{}, usable_ ? bits_xy(config) : 1,
               usable_ ? bits_z(config) : 1) {
   for (Block& block : memory_.blocks) block.key = Block::kFree;
@@ -81,7 +81,8 @@ rt::Vector3 RollingGrid::centroid_m(const Block& block, unsigned cell) const {
 }
 
 std::uint64_t RollingGrid::most_bytes() const {
-  const std::uint64_t voxel = sizeof(Centroid) + (holds_normals() ? sizeof(NormalRecord) : 0);
+  const std::uint64_t voxel =
+      sizeof(Centroid) + (holds_normals() ? sizeof(SurfaceNormal) + sizeof(NormalSums) : 0);
   return std::uint64_t{output_.most_blocks} * sizeof(Block) +
          std::uint64_t{output_.most_chunks} * Block::kChunk * voxel;
 }

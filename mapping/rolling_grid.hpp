@@ -97,27 +97,38 @@ class RollingGrid {
     for (unsigned i = 0; i < chunks; ++i)
       __builtin_prefetch(&memory_.voxels[std::size_t{block.chunks[i]} * Block::kChunk]);
   }
-  /// Fetches the normal records of some of a block's voxels.
-  void prefetch_normals(const Block& block, std::uint64_t cells) const {
+  /// Fetches the sums of some of a block's voxels.
+  void prefetch_sums(const Block& block, std::uint64_t cells) const {
     if (!holds_normals()) return;
     for (std::uint64_t rest = cells & block.occupied; rest != 0; rest = without_lowest(rest)) {
-      const NormalRecord& record = normal(block, lowest(rest));
+      const NormalSums& record = sums(block, lowest(rest));
       __builtin_prefetch(&record);
-      __builtin_prefetch(&record.normal[2]);
+      __builtin_prefetch(&record.count);
     }
+  }
+  /// Fetches the normals of a block's voxels.
+  void prefetch_normals(const Block& block) const {
+    if (!holds_normals()) return;
+    const unsigned chunks = (bits_in(block.occupied) + Block::kChunk - 1) / Block::kChunk;
+    for (unsigned i = 0; i < chunks; ++i)
+      __builtin_prefetch(&memory_.normals[std::size_t{block.chunks[i]} * Block::kChunk]);
   }
   const Centroid& voxel(const Block& block, unsigned cell) const {
     return memory_.voxels[block.slot(block.rank(cell))];
   }
   bool holds_normals() const { return !memory_.normals.empty(); }
-  NormalRecord& normal(const Block& block, unsigned cell) {
+  SurfaceNormal& normal(const Block& block, unsigned cell) {
     return memory_.normals[block.slot(block.rank(cell))];
   }
-  const NormalRecord& normal(const Block& block, unsigned cell) const {
+  const SurfaceNormal& normal(const Block& block, unsigned cell) const {
     return memory_.normals[block.slot(block.rank(cell))];
+  }
+  NormalSums& sums(const Block& block, unsigned cell) { return memory_.sums[block.slot(block.rank(cell))]; }
+  const NormalSums& sums(const Block& block, unsigned cell) const {
+    return memory_.sums[block.slot(block.rank(cell))];
   }
   std::span<Centroid> voxels() const { return memory_.voxels; }
-  std::span<NormalRecord> normals() const { return memory_.normals; }
+  std::span<const SurfaceNormal> normals() const { return memory_.normals; }
 
   /// Mean of a voxel's points in the grid's frame, m; offsets were cut down to whole steps, so half a step is
   /// added.

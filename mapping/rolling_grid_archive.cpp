@@ -6,7 +6,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 3;
+constexpr std::uint32_t kFormatVersion = 4;
 }  // namespace
 
 void RollingGrid::archive(rt::Archive& archive) {
@@ -35,7 +35,9 @@ void RollingGrid::archive(rt::Archive& archive) {
   }
   for (std::uint32_t i = 0; i < chunk_numbers_ * Block::kChunk; ++i) {
     archive.value(memory_.voxels[i]);
-    if (holds_normals()) archive.value(memory_.normals[i]);
+    if (!holds_normals()) continue;
+    archive.value(memory_.normals[i]);
+    archive.value(memory_.sums[i]);
   }
   // Which free block or chunk is taken next decides what a full pool lets go: the lists keep their order.
   archive.value(first_free_);

@@ -32,7 +32,8 @@ struct RollingGridMemory {
   std::span<Block> blocks;                ///< at most 65,534
   std::span<BlockIndex> window;           ///< RollingGrid::window_entries(config)
   std::span<Centroid> voxels;             ///< a multiple of 4, at most 262,136
-  std::span<NormalRecord> normals;        ///< as long as `voxels`, or empty: no normals
+  std::span<SurfaceNormal> normals;       ///< as long as `voxels`, or empty: no normals
+  std::span<NormalSums> sums;             ///< as long as `normals`
   std::span<struct ScanEntry> scan;       ///< most points of one scan
   std::span<struct BlockChange> changes;  ///< as long as `blocks`
 };

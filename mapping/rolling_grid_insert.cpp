@@ -186,11 +186,15 @@ void RollingGrid::make_room(Block& block, std::uint64_t fresh) {
     const std::uint32_t target = block.slot(--to);
     if ((fresh & cell_bit(cell)) != 0) {
       memory_.voxels[target] = Centroid{};
-      if (holds_normals()) memory_.normals[target] = NormalRecord{};
+      if (!holds_normals()) continue;
+      memory_.normals[target] = SurfaceNormal{};
+      memory_.sums[target] = NormalSums{};
     } else {
       const std::uint32_t source = block.slot(--from);
       memory_.voxels[target] = memory_.voxels[source];
-      if (holds_normals()) memory_.normals[target] = memory_.normals[source];
+      if (!holds_normals()) continue;
+      memory_.normals[target] = memory_.normals[source];
+      memory_.sums[target] = memory_.sums[source];
     }
   }
   block.occupied = all;

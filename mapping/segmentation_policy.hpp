@@ -52,10 +52,7 @@ class SmoothnessPolicy {
       : least_square_(static_cast<std::int64_t>(rt::cos(most_angle_rad) * rt::cos(most_angle_rad) * kOne)),
         most_level_(static_cast<std::uint16_t>(most_curvature * 192.0)) {}
 
-  Voxel load(const RollingGrid& grid, std::uint32_t slot) const {
-    const NormalRecord& r = grid.normals()[slot];
-    return coarse(r.normal, r.curvature);
-  }
+  Voxel load(const RollingGrid& grid, std::uint32_t slot) const { return coarse(grid.normals()[slot]); }
   bool core(const Voxel& v) const { return square(v) != 0 && v.level <= most_level_; }
   bool join(const Voxel& a, const Voxel& b) const {
     const std::int64_t d = dot(a, b);

@@ -120,6 +120,8 @@ class Segmenter {
  private:
   struct Here;
   struct Beside;
+  struct Pairs;
+  struct Own;
   static Status check(const SegmenterConfig& config, double voxel_size_m, const SegmenterMemory& memory) {
     const double cells = config.radius_m / voxel_size_m;
     const bool radius = cells > 0 && cells <= Reach::kMostCells;
@@ -144,13 +146,16 @@ class Segmenter {
   void ask(const RollingGrid& grid, BlockIndex block, std::uint32_t directions,
            BlockIndex (&around)[kDirections]) const;
   bool are_mixed(BlockIndex a, BlockIndex b) const;
-  void look_beside(const RollingGrid& grid, const Here& here, const BlockIndex (&around)[kDirections]);
+  void survey(const RollingGrid& grid, const Here& here, const BlockIndex (&around)[kDirections],
+              Pairs& pairs);
   void look_from(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
                  bool renewed);
-  void keep_edges(const RollingGrid& grid, const Here& here);
+  void keep_edges(const RollingGrid& grid, const Here& here, const Pairs& pairs);
   void rejoin(const RollingGrid& grid, NodeIndex apart);
-  bool test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a, unsigned b) const;
-  void verify(const RollingGrid& grid, const Here& here, const Beside& beside);
+  Own own_voxel(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned cell) const;
+  bool test(const RollingGrid& grid, const Beside& beside, const Own& own, unsigned b) const;
+  void verify(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex keeper,
+              NodeIndex part, unsigned i);
   void search(const RollingGrid& grid, const Here& here, const Beside& beside, NodeIndex node,
               std::uint64_t open, bool all);
   std::uint64_t joined(const Beside& beside, NodeIndex node) const;

@@ -7,68 +7,87 @@
 
 namespace sortie::mapping {
 
-/// Whether voxel `a` of the block that is looked at and voxel `b` of the one beside it make an edge.
+/// A voxel of the block that is looked at, as the block beside sees it.
 template <SegmentationPolicy Policy>
-bool Segmenter<Policy>::test(const RollingGrid& grid, const Here& here, const Beside& beside, unsigned a,
+struct Segmenter<Policy>::Own {
+  UnitPoint at;
+  typename Policy::Voxel voxel;
+};
+
+template <SegmentationPolicy Policy>
+typename Segmenter<Policy>::Own Segmenter<Policy>::own_voxel(const RollingGrid& grid, const Here& here,
+                                                             const Beside& beside, unsigned cell) const {
+  const Block& block = grid.block(here.index);
+  const std::uint32_t slot = block.slot(block.rank(cell));
+  const UnitPoint p = unit_point(grid.voxels()[slot], cell);
+  return {{p.x - beside.shift.x, p.y - beside.shift.y, p.z - beside.shift.z}, policy_.load(grid, slot)};
+}
+
+/// Whether it and a core of the block beside make an edge.
+template <SegmentationPolicy Policy>
+bool Segmenter<Policy>::test(const RollingGrid& grid, const Beside& beside, const Own& own,
                              unsigned b) const {
   const Block& block = grid.block(beside.index);
   const std::uint32_t slot = block.slot(block.rank(b));
-  const UnitPoint p = unit_point(grid.voxels()[slot], b);
-  const Block& from = grid.block(here.index);
-  const std::uint32_t own = from.slot(from.rank(a));
-  const UnitPoint at = unit_point(grid.voxels()[own], a);
-  if (!reach_.near(at, {p.x + beside.shift.x, p.y + beside.shift.y, p.z + beside.shift.z})) return false;
+  if (!reach_.near(own.at, unit_point(grid.voxels()[slot], b))) return false;
   const typename Policy::Voxel its = policy_.load(grid, slot);
-  return policy_.core(its) && policy_.join(policy_.load(grid, own), its);
+  return policy_.core(its) && policy_.join(own.voxel, its);
 }
 
-/// Edges that a moved voxel made: they hold, or others are looked for, or they go.
+/// An edge that a moved voxel makes, the i-th of a part of its keeper: it holds, or another one between the
+/// two fragments is looked for, or it goes.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::verify(const RollingGrid& grid, const Here& here, const Beside& beside) {
+void Segmenter<Policy>::verify(const RollingGrid& grid, const Here& here, const Beside& beside,
+                               NodeIndex keeper, NodeIndex part, unsigned i) {
+  const FragmentEdge edge = graph_[part].edge[i];
   const bool forward = beside.forward();
-  for (NodeIndex keeper = graph_.first(forward ? here.index : beside.index); keeper != kNoNode;
-       keeper = graph_[keeper].next) {
-    for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
-      // From the last one on: what is found meanwhile comes behind it.
-      for (unsigned i = graph_[part].edges; i-- > 0;) {
-        const FragmentEdge edge = graph_[part].edge[i];
-        if (edge.direction() != beside.kept()) continue;
-        const unsigned a = forward ? edge.own() : edge.its();
-        const unsigned b = forward ? edge.its() : edge.own();
-        if (((here.moved >> a | beside.moved >> b) & 1) == 0 ||
-            ((here.cores >> a & 1) != 0 && test(grid, here, beside, a, b)))
-          continue;
-        graph_[part].take_out(i);
-        const std::uint64_t open =
-            graph_[forward ? edge.to : keeper].cells & reach_.rim(26 - beside.direction);
-        search(grid, here, beside, forward ? keeper : edge.to, open, true);
-      }
-    }
-  }
+  const unsigned a = forward ? edge.own() : edge.its();
+  const unsigned b = forward ? edge.its() : edge.own();
+  if ((here.cores >> a & 1) != 0 && test(grid, beside, own_voxel(grid, here, beside, a), b)) return;
+  graph_[part].take_out(i);
+  const std::uint64_t open = graph_[forward ? edge.to : keeper].cells & reach_.rim(26 - beside.direction);
+  search(grid, here, beside, forward ? keeper : edge.to, open, true);
 }
 
-/// Edges that moved voxels of a block make, in directions in which nothing else can change: all there is of
-/// one component.
+/// Edges that moved voxels make, but in directions in which somebody else will look at them.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::keep_edges(const RollingGrid& grid, const Here& here) {
-  std::uint32_t directions = 0;
+void Segmenter<Policy>::keep_edges(const RollingGrid& grid, const Here& here, const Pairs& pairs) {
+  std::uint32_t backward = 0;
   for (NodeIndex node = graph_.first(here.index); node != kNoNode; node = graph_[node].next) {
     for (unsigned set = graph_[node].backward_set; set != 0; set &= set - 1) {
       const int direction = 12 - std::countr_zero(set);
-      if ((here.moved & reach_.rim(direction)) != 0) directions |= 1u << direction;
+      if ((here.moved & reach_.rim(direction)) != 0) backward |= 1u << direction;
     }
     for (NodeIndex part = node; part != kNoNode; part = graph_[part].extension) {
-      for (const FragmentEdge& edge : graph_[part].known())
-        directions |= static_cast<std::uint32_t>(here.moved >> edge.own() & 1) << edge.direction();
+      // From the last one on: what is found meanwhile comes behind it.
+      for (unsigned i = graph_[part].edges; i-- > 0;) {
+        const FragmentEdge edge = graph_[part].edge[i];
+        const int direction = edge.direction();
+        if (((pairs.moved_at(direction) >> edge.its() | here.moved >> edge.own()) & 1) == 0 ||
+            (pairs.waiting >> direction & 1) != 0)
+          continue;
+        const BlockIndex index = graph_[edge.to].block;
+        verify(grid, here, {index, direction, 0, from_next({}, direction)}, node, part, i);
+      }
     }
   }
-  directions &= ~work_[here.index].mixed;
+  backward = (backward | (pairs.looked & ((1u << kHere) - 1))) & ~pairs.waiting;
   const BlockAt at = BlockAt::from_key(grid.block(here.index).key);
-  for (; directions != 0; directions &= directions - 1) {
-    const int direction = std::countr_zero(directions);
+  for (; backward != 0; backward &= backward - 1) {
+    const int direction = std::countr_zero(backward);
     const BlockIndex index = grid.find(at.next(direction));
     if (index == kNoBlock) continue;
-    verify(grid, here, {index, direction, 0, from_next({}, direction)});
+    const Beside beside{index, direction, 0, from_next({}, direction)};
+    const std::uint64_t its = pairs.moved_at(direction);
+    for (NodeIndex keeper = graph_.first(index); keeper != kNoNode; keeper = graph_[keeper].next) {
+      for (NodeIndex part = keeper; part != kNoNode; part = graph_[part].extension) {
+        for (unsigned i = graph_[part].edges; i-- > 0;) {
+          const FragmentEdge edge = graph_[part].edge[i];
+          if (edge.direction() == 26 - direction && ((here.moved >> edge.its() | its >> edge.own()) & 1) != 0)
+            verify(grid, here, beside, keeper, part, i);
+        }
+      }
+    }
   }
 }
 
@@ -124,9 +143,11 @@ void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const 
     const unsigned a = lowest(mine);
     std::uint64_t near = open & reach_.from(a, beside.direction);
     if (!all && (here.moved >> a & 1) == 0) near &= beside.moved;
+    if (near == 0) continue;
+    const Own own = own_voxel(grid, here, beside, a);
     for (; near != 0; near = without_lowest(near)) {
       const unsigned b = lowest(near);
-      if (!test(grid, here, beside, a, b)) continue;
+      if (!test(grid, beside, own, b)) continue;
       const NodeIndex found = graph_.holder(beside.index, b);
       open &= ~graph_[found].cells;
       near &= open | cell_bit(b);

@@ -29,7 +29,7 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       if (left_of_cycle_ > 1) {
         const BlockIndex next = queue_[queue_first_];
         grid.prefetch_around(grid.block(next));
-        grid.prefetch_normals(grid.block(next), grid.block(next).active);
+        grid.prefetch_normals(grid.block(next));
         graph_.prefetch_nodes(next);
         __builtin_prefetch(&grid.block(queue_[(queue_first_ + 1) % queue_.size()]));
       }
@@ -83,11 +83,21 @@ void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   fragment(grid, here);
   renew_nodes(grid, here);
   own.renewed = here.fresh != 0;
-  if (own.renewed) own.mixed = BlockWork::kAllMixed;
-  if (own.mixed != BlockWork::kAllMixed) keep_edges(grid, here);
-  if (own.mixed == 0) return;
-  ask(grid, block, own.mixed & ~asked, around);
-  look_beside(grid, here, around);
+  if (own.renewed) {
+    own.mixed = BlockWork::kAllMixed;
+    ask(grid, block, own.mixed & ~asked, around);
+  }
+  Pairs pairs;
+  if (own.mixed != 0) survey(grid, here, around, pairs);
+  keep_edges(grid, here, pairs);
+  for (std::uint32_t rest = pairs.open; rest != 0; rest &= rest - 1) {
+    const int direction = std::countr_zero(rest);
+    const BlockIndex index = around[direction];
+    const Beside beside{index, direction, pairs.moved[direction], from_next({}, direction)};
+    const bool renewed = work_[index].cycle == own.cycle && work_[index].renewed != 0;
+    for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next)
+      look_from(grid, here, beside, node, renewed);
+  }
 }
 
 /// What may be in some of the directions around a block; fetches what is needed of it next.
@@ -106,9 +116,11 @@ void Segmenter<Policy>::ask(const RollingGrid& grid, BlockIndex block, std::uint
 }
 
 /// Whether two blocks hold fragments of two components, or fresh ones: then edges between them may matter.
+/// Not where one of them holds none.
 template <SegmentationPolicy Policy>
 bool Segmenter<Policy>::are_mixed(BlockIndex a, BlockIndex b) const {
   NodeIndex name = kNoNode;
+  if (graph_.first(a) == kNoNode || graph_.first(b) == kNoNode) return false;
   for (const BlockIndex block : {a, b}) {
     for (NodeIndex node = graph_.first(block); node != kNoNode; node = graph_[node].next) {
       const NodeIndex its = graph_[node].name;
@@ -119,39 +131,43 @@ bool Segmenter<Policy>::are_mixed(BlockIndex a, BlockIndex b) const {
   return false;
 }
 
-/// Edges to the blocks around in directions in which there is more than one component.
+/// In which directions there is more than one component, and in which of these an edge may have come.
 template <SegmentationPolicy Policy>
-void Segmenter<Policy>::look_beside(const RollingGrid& grid, const Here& here,
-                                    const BlockIndex (&around)[kDirections]) {
+void Segmenter<Policy>::survey(const RollingGrid& grid, const Here& here,
+                               const BlockIndex (&around)[kDirections], Pairs& pairs) {
   BlockWork& own = work_[here.index];
-  const std::uint32_t directions = own.mixed;
+  const Block& block = grid.block(here.index);
+  const std::uint32_t directions = own.mixed & ~(1u << kHere);
+  own.mixed = 0;
   for (std::uint32_t rest = directions; rest != 0; rest &= rest - 1) {
     const int direction = std::countr_zero(rest);
     const BlockIndex index = around[direction];
+    if (index == kNoBlock || !grid.is_next(block, direction, index)) continue;
     const std::uint32_t bit = 1u << direction;
-    own.mixed &= ~bit;
-    if (index == kNoBlock || direction == kHere || !grid.is_next(grid.block(here.index), direction, index) ||
-        graph_.first(index) == kNoNode)
-      continue;
     BlockWork& other = work_[index];
     const bool mixed = are_mixed(here.index, index);
     if (mixed) {
       own.mixed |= bit;
       other.mixed |= 1u << (26 - direction);
+      // One that is still to be looked at before the labelling tests the pair itself.
+      if (other.queued == tag(cycle_)) {
+        pairs.waiting |= bit;
+        continue;
+      }
     }
-    // Where nothing within reach of the border moved, nothing changes.
+    // Where it was looked at first it left the pair to this one.
     const bool looked = other.cycle == own.cycle;
     const std::uint64_t its = looked ? other.looked & reach_.rim(26 - direction) : 0;
-    if ((here.fresh & reach_.rim(direction)) == 0 && !(looked && other.renewed) && its == 0 &&
-        (here.moved & reach_.rim(direction)) == 0)
+    if (its != 0) {
+      pairs.looked |= bit;
+      pairs.moved[direction] = its;
+    }
+    // Where nothing within reach of the border moved, nothing changes.
+    if (!mixed ||
+        (((here.fresh | here.moved) & reach_.rim(direction)) == 0 && !(looked && other.renewed) && its == 0))
       continue;
-    // One that is still to be looked at before the labelling tests the pair itself.
-    if (mixed && other.queued == tag(cycle_)) continue;
-    const Beside beside{index, direction, its, from_next({}, direction)};
-    verify(grid, here, beside);
-    if (!mixed) continue;
-    for (NodeIndex node = graph_.first(here.index); node != kNoNode; node = graph_[node].next)
-      look_from(grid, here, beside, node, looked && other.renewed);
+    pairs.open |= bit;
+    pairs.moved[direction] = its;
   }
 }
 

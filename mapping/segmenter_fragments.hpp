@@ -38,6 +38,20 @@ struct Segmenter<Policy>::Beside {
   int kept() const { return forward() ? direction : 26 - direction; }
 };
 
+/// The blocks around in directions in which there is more than one component.
+template <SegmentationPolicy Policy>
+struct Segmenter<Policy>::Pairs {
+  std::uint32_t open{};              ///< an edge may have come
+  std::uint32_t waiting{};           ///< the other block will be looked at, and then the pair
+  std::uint32_t looked{};            ///< voxels of the other block moved, and it was looked at before
+  std::uint64_t moved[kDirections];  ///< these voxels, where a bit of `open` or `looked` is set
+
+  Pairs() {}  // `moved` is filled where it is needed
+  std::uint64_t moved_at(int direction) const {
+    return (looked >> direction & 1) != 0 ? moved[direction] : 0;
+  }
+};
+
 /// How far voxels may drift in all until a link as long as the longest one can break.
 template <SegmentationPolicy Policy>
 std::uint16_t Segmenter<Policy>::slack_of(std::int64_t longest) const {

@@ -13,7 +13,8 @@ mapping::RollingGridMemory grid_memory(const ChosenMapConfig& c, rt::Arena& aren
   return {arena.make_array<mapping::Block>("map blocks", c.blocks),
           arena.make_array<mapping::BlockIndex>("map window", mapping::RollingGrid::window_entries(c.grid)),
           arena.make_array<mapping::Centroid>("voxels", c.voxels),
-          arena.make_array<mapping::NormalRecord>("normals", normals ? c.voxels : 0),
+          arena.make_array<mapping::SurfaceNormal>("normals", normals ? c.voxels : 0),
+          arena.make_array<mapping::NormalSums>("sums for normals", normals ? c.voxels : 0),
           arena.make_array<mapping::ScanEntry>("map scan", c.scan_points),
           arena.make_array<mapping::BlockChange>("map changes", c.blocks)};
 }
@@ -108,7 +109,7 @@ void ChosenMap::digest_changes() {
       for (std::uint64_t cells = normals_->turned(index); cells != 0;
            cells = mapping::without_lowest(cells)) {
         const unsigned cell = mapping::lowest(cells);
-        const mapping::NormalRecord& n = grid_.normal(block, cell);
+        const mapping::SurfaceNormal& n = grid_.normal(block, cell);
         std::uint64_t held = n.curvature;
         for (const std::int16_t part : n.normal) held = held << 16 | static_cast<std::uint16_t>(part);
         sum += mapping::mix64(~voxel_name(block, cell) ^ held);
@@ -174,7 +175,7 @@ MapVoxel ChosenMap::voxel(mapping::BlockIndex index, unsigned cell) const {
   with_segmenter(*this,
                  [&](const auto& segmenter) { voxel.segment = segmenter.segment_of(grid_, index, cell); });
   if (normals_) {
-    const mapping::NormalRecord& n = grid_.normal(block, cell);
+    const mapping::SurfaceNormal& n = grid_.normal(block, cell);
     const rt::Vector3 normal{n.normal[0] / 32767.0, n.normal[1] / 32767.0, n.normal[2] / 32767.0};
     voxel.normal_world = rt::rotate(grid_.world_from_grid().q, normal);
   }

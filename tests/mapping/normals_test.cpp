@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
-#include "mapping/plane_solve.hpp"
+#include "mapping/plane_batch.hpp"
 #include "tests/mapping/random_worlds.hpp"
 
 namespace {
@@ -29,12 +29,14 @@ void judge_normals(const tests::SmoothMap& map, const std::vector<tests::TwinVox
   };
   std::vector<Held> held;
   for (const tests::TwinVoxel& v : voxels) {
-    const mapping::NormalRecord& r = map.grid().normal(map.grid().block(v.block), v.cell);
+    const mapping::NormalSums& r = map.grid().sums(map.grid().block(v.block), v.cell);
     held.push_back(
         {{v.cell_at[0] * 512 + r.at(0), v.cell_at[1] * 512 + r.at(1), v.cell_at[2] * 512 + r.at(2)}});
   }
   for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const mapping::NormalRecord& r = map.grid().normal(map.grid().block(voxels[i].block), voxels[i].cell);
+    const mapping::Block& block = map.grid().block(voxels[i].block);
+    const mapping::NormalSums& r = map.grid().sums(block, voxels[i].cell);
+    const mapping::SurfaceNormal& n = map.grid().normal(block, voxels[i].cell);
     std::int64_t sums[9] = {};
     std::vector<Eigen::Vector3d> positions;
     for (const Held& other : held) {
@@ -52,11 +54,11 @@ void judge_normals(const tests::SmoothMap& map, const std::vector<tests::TwinVox
     }
     ++verdict.voxels;
     bool good = r.count == positions.size();
-    for (int k = 0; k < 3; ++k)
-      good = good && r.square[k] == sums[k] && r.product[k] == sums[3 + k] && r.sum[k] == sums[6 + k];
+    for (int k = 0; k < 3; ++k) good = good && r.square[k] == sums[k] && r.product[k] == sums[3 + k];
+    good = good && r.sum.x() == sums[6] && r.sum.y() == sums[7] && r.sum.z() == sums[8];
     if (!good) ++verdict.wrong_sums;
     if (positions.size() < 3) {
-      CHECK_FALSE(r.has_normal());
+      CHECK_FALSE(n.has_normal());
       continue;
     }
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -66,7 +68,7 @@ void judge_normals(const tests::SmoothMap& map, const std::vector<tests::TwinVox
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
     const Eigen::Vector3d l = solver.eigenvalues();
     if (!((l[1] - l[0]) / l[2] > 0.05)) continue;
-    const Eigen::Vector3d normal = Eigen::Vector3d(r.normal[0], r.normal[1], r.normal[2]).normalized();
+    const Eigen::Vector3d normal = Eigen::Vector3d(n.normal[0], n.normal[1], n.normal[2]).normalized();
     const double sine = normal.cross(solver.eigenvectors().col(0)).norm();
     verdict.worst_deg = std::max(verdict.worst_deg, std::asin(std::min(1.0, sine)) * kDegrees);
     ++verdict.judged;
@@ -80,7 +82,7 @@ std::vector<std::size_t> smooth_cores(const tests::SmoothMap& map,
   std::vector<std::size_t> cores;
   const auto load = [&](const tests::TwinVoxel& v) {
     // Segments look at normals in steps of 1/128, and at curvature in steps of 1/192.
-    const mapping::NormalRecord& r = map.grid().normal(map.grid().block(v.block), v.cell);
+    const mapping::SurfaceNormal& r = map.grid().normal(map.grid().block(v.block), v.cell);
     Eigen::Vector4d coarse;
     for (int axis = 0; axis < 3; ++axis) coarse[axis] = std::floor((r.normal[axis] + 128.0) / 256.0);
     coarse[3] = std::floor(r.curvature / 1024.0);
@@ -158,7 +160,7 @@ TEST_CASE("Normals are as good 10 km out as at the origin, and the grid moves wi
     CHECK(verdict.judged > 500);
     CHECK(verdict.worst_deg <= 0.1);
     // A thousand moves: the records do not change, and the grid's pose stays a rotation.
-    const std::vector<mapping::NormalRecord> before = map.owned.normals;
+    const std::vector<mapping::SurfaceNormal> before = map.owned.normals;
     rt::Quaternion q;
     for (int i = 0; i < 1000; ++i) {
       const mapping::RigidPose move{{random.between(-1, 1), 0.1, 0},
@@ -175,16 +177,66 @@ TEST_CASE("Normals are as good 10 km out as at the origin, and the grid moves wi
 }
 
 TEST_CASE("A plane fit is finite for points in one place, on a line and on a plane") {
-  mapping::PlaneFit fit;
-  CHECK_FALSE(mapping::fit_plane({}, fit));
-  REQUIRE(mapping::fit_plane({4, 0, 0, 0, 0, 0}, fit));  // along x
-  CHECK(fit.normal[0] == Approx(0).margin(1e-12));
-  CHECK(fit.curvature == Approx(0).margin(1e-6));
-  REQUIRE(mapping::fit_plane({1, 1, 1, 1, 1, 1}, fit));  // along the diagonal
-  CHECK(fit.normal[0] + fit.normal[1] + fit.normal[2] == Approx(0).margin(1e-6));
-  REQUIRE(mapping::fit_plane({2, 1, 0, 0, 0, 0}, fit));
-  CHECK(fit.normal[2] == Approx(1));
-  REQUIRE(mapping::fit_plane({1, 1, 1, 0, 0, 0}, fit));    // the same in all directions
-  CHECK(fit.curvature == Approx(1.0 / 3.0).margin(1e-4));  // a triple root is reached slowly
-  CHECK(std::isfinite(fit.normal[0] + fit.normal[1] + fit.normal[2]));
+  mapping::PlaneBatch batch;
+  batch.add({});
+  batch.add({4, 0, 0, 0, 0, 0});  // along x
+  batch.add({1, 1, 1, 1, 1, 1});  // along the diagonal
+  batch.add({2, 1, 0, 0, 0, 0});
+  batch.add({1, 1, 1, 0, 0, 0});  // the same in all directions
+  batch.solve();
+  CHECK_FALSE(batch.plane(0).has_normal());
+  CHECK(batch.plane(1).has_normal());
+  CHECK(double{batch.normal(0, 1)} == Approx(0).margin(1e-12));
+  CHECK(double{batch.curvature(1)} == Approx(0).margin(1e-6));
+  CHECK(double{batch.normal(0, 2) + batch.normal(1, 2) + batch.normal(2, 2)} == Approx(0).margin(1e-6));
+  CHECK(double{batch.normal(2, 3)} == Approx(1));
+  CHECK(double{batch.curvature(4)} == Approx(1.0 / 3.0).margin(1e-3));
+  CHECK(std::isfinite(batch.normal(0, 4) + batch.normal(1, 4) + batch.normal(2, 4)));
+}
+
+TEST_CASE("Planes solved together are those of a double solver, wherever two of them are") {
+  const std::uint32_t seed = 20260801;
+  INFO("seed " << seed);
+  tests::WorldRandom random(seed);
+  double worst_deg = 0;
+  double worst_curvature = 0;
+  double worst_of_balls = 0;  // where no direction stands out three roots are nearly one
+  std::uint32_t judged = 0;
+  for (int round = 0; round < 2000; ++round) {
+    mapping::PlaneBatch batch;
+    std::vector<Eigen::Matrix3d> all;
+    const auto planes = static_cast<unsigned>(random.between(1.0, 64.99));
+    for (unsigned n = 0; n < planes; ++n) {
+      Eigen::Vector3d spread;
+      for (double& s : spread) s = std::exp(random.between(-14.0, 0.0));
+      const Eigen::Vector3d axis(random.between(-1.0, 1.0), random.between(-1.0, 1.0),
+                                 random.between(-1.0, 1.0));
+      const Eigen::Matrix3d turn =
+          Eigen::AngleAxisd(random.between(-3.0, 3.0), axis.normalized()).toRotationMatrix();
+      const Eigen::Matrix3d c =
+          std::exp(random.between(0.0, 30.0)) * turn * spread.asDiagonal() * turn.transpose();
+      batch.add({c(0, 0), c(1, 1), c(2, 2), c(0, 1), c(0, 2), c(1, 2)});
+      all.push_back(c);
+    }
+    REQUIRE(batch.size() == planes);
+    batch.solve();
+    for (unsigned n = 0; n < planes; ++n) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(all[n]);
+      const Eigen::Vector3d l = solver.eigenvalues() / all[n].trace();
+      const double off = std::fabs(double{batch.curvature(n)} - l[0]);
+      worst_of_balls = std::max(worst_of_balls, off);
+      if (!((l[1] - l[0]) / l[2] > 0.05)) continue;
+      worst_curvature = std::max(worst_curvature, off);
+      const Eigen::Vector3d normal(double{batch.normal(0, n)}, double{batch.normal(1, n)},
+                                   double{batch.normal(2, n)});
+      CHECK(std::fabs(normal.norm() - 1) < 1e-6);
+      worst_deg = std::max(
+          worst_deg, kDegrees * std::asin(std::min(1.0, normal.cross(solver.eigenvectors().col(0)).norm())));
+      ++judged;
+    }
+  }
+  CHECK(judged > 1000);
+  CHECK(worst_deg < 0.01);
+  CHECK(worst_curvature < 1e-4);
+  CHECK(worst_of_balls < 0.02);
 }

@@ -26,7 +26,8 @@ struct OwnedRollingGrid {
   std::vector<mapping::Block> blocks;
   std::vector<mapping::BlockIndex> window;
   std::vector<mapping::Centroid> voxels;
-  std::vector<mapping::NormalRecord> normals;
+  std::vector<mapping::SurfaceNormal> normals;
+  std::vector<mapping::NormalSums> sums;
   std::vector<mapping::ScanEntry> scan;
   std::vector<mapping::BlockChange> changes;
   mapping::RollingGrid grid;
@@ -36,9 +37,10 @@ struct OwnedRollingGrid {
         window(mapping::RollingGrid::window_entries(config)),
         voxels(sizes.voxels),
         normals(with_normals ? sizes.voxels : 0),
+        sums(with_normals ? sizes.voxels : 0),
         scan(sizes.points),
         changes(sizes.blocks),
-        grid(config, {blocks, window, voxels, normals, scan, changes}) {}
+        grid(config, {blocks, window, voxels, normals, sums, scan, changes}) {}
   OwnedRollingGrid(const OwnedRollingGrid&) = delete;
   OwnedRollingGrid& operator=(const OwnedRollingGrid&) = delete;
 };
