@@ -266,10 +266,12 @@ NormalsStep Normals::update(RollingGrid& grid) {
 void Normals::solve(RollingGrid& grid, BlockIndex index, std::uint64_t cells) {
   const Block& block = grid.block(index);
   PlaneBatch batch;
+  std::uint32_t slots[Block::kCells];
   std::uint64_t fitted = 0;
   for (std::uint64_t rest = cells & block.active; rest != 0; rest = without_lowest(rest)) {
     const unsigned cell = lowest(rest);
-    const NormalSums& r = grid.sums(block, cell);
+    slots[cell] = block.slot(block.rank(cell));
+    const NormalSums& r = grid.sums()[slots[cell]];
     if (r.count < config_.min_neighbours) continue;
     batch.add(scaled_covariance(r));
     fitted |= cell_bit(cell);
@@ -280,7 +282,7 @@ void Normals::solve(RollingGrid& grid, BlockIndex index, std::uint64_t cells) {
   for (std::uint64_t rest = cells & block.active; rest != 0; rest = without_lowest(rest)) {
     const unsigned cell = lowest(rest);
     const SurfaceNormal is = (fitted & cell_bit(cell)) != 0 ? batch.plane(n++) : SurfaceNormal{};
-    SurfaceNormal& was = grid.normal(block, cell);
+    SurfaceNormal& was = grid.normals()[slots[cell]];
     if (coarse(is) != coarse(was)) turned |= cell_bit(cell);
     was = is;
   }

@@ -48,32 +48,36 @@ class PlaneBatch {
   /// such that the first of z, y, x that is not 0 is positive.
   SurfaceNormal plane(unsigned n) const;
   /// The same normal before it was rounded.
-  float normal(int axis, unsigned n) const { return normal_[axis][n]; }
+  float normal(int axis, unsigned n) const { return normal_[axis][n / kLanes][n % kLanes]; }
   /// Smallest eigenvalue over the trace, [0, 1/3].
-  float curvature(unsigned n) const { return least_[n]; }
+  float curvature(unsigned n) const { return least_[n / kLanes][n % kLanes]; }
   void clear() { size_ = 0; }
 
  private:
+  /// Four numbers that every operation is done on at once, where the processor can; the same bits where not.
   static constexpr unsigned kLanes = 4;
-  unsigned lanes() const { return (size_ + kLanes - 1) / kLanes * kLanes; }
+  using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+  static constexpr unsigned kMostLanes = kMost / kLanes;
+
+  unsigned lanes() const { return (size_ + kLanes - 1) / kLanes; }
   void find_least();
   void find_normals();
   void mend(unsigned n);
 
   unsigned size_{};
   std::uint64_t empty_{};
-  float xx_[kMost];
-  float yy_[kMost];
-  float zz_[kMost];
-  float xy_[kMost];
-  float xz_[kMost];
-  float yz_[kMost];
-  float minors_[kMost];  ///< sum of the three principal minors
-  float determinant_[kMost];
-  float most_[kMost];  ///< what the smallest eigenvalue cannot exceed
-  float least_[kMost];
-  float longest_[kMost];
-  float normal_[3][kMost];
+  Lanes xx_[kMostLanes];
+  Lanes yy_[kMostLanes];
+  Lanes zz_[kMostLanes];
+  Lanes xy_[kMostLanes];
+  Lanes xz_[kMostLanes];
+  Lanes yz_[kMostLanes];
+  Lanes minors_[kMostLanes];  ///< sum of the three principal minors
+  Lanes determinant_[kMostLanes];
+  Lanes most_[kMostLanes];  ///< what the smallest eigenvalue cannot exceed
+  Lanes least_[kMostLanes];
+  Lanes longest_[kMostLanes];
+  Lanes normal_[3][kMostLanes];
 };
 
 }  // namespace sortie::mapping

@@ -2,6 +2,7 @@
 #include "mapping/reach.hpp"
 
 #include <cmath>
+#include <cstdlib>
 
 namespace sortie::mapping {
 
@@ -27,7 +28,10 @@ Reach::Reach(double radius_cells) {
         const int y = gap(delta(2, step.y));
         const int z = gap(delta(4, step.z));
         if (x * x + y * y + z * z <= radius_cells * radius_cells) mask |= cell_bit(b);
-        if (direction == kHere && x + y + z == 0) close_[a] |= mask & cell_bit(b);
+        if (direction != kHere || x + y + z != 0) continue;
+        close_[a] |= mask & cell_bit(b);
+        const int steps = std::abs(delta(0, 0)) + std::abs(delta(2, 0)) + std::abs(delta(4, 0));
+        if (steps == 1) beside_[a] |= mask & cell_bit(b);
       }
       cells_[direction][a] = mask;
       if (mask != 0) rim_[direction] |= cell_bit(a);

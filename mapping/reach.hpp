@@ -25,8 +25,8 @@ constexpr UnitPoint unit_point(const Centroid& c, unsigned cell) {
 /// The same point of the block in `direction`, relative to the corner of the block in the middle.
 constexpr UnitPoint from_next(const UnitPoint& p, int direction) {
   constexpr std::int32_t kBlock = 4 << 16;
-  return {p.x + (direction % 3 - 1) * kBlock, p.y + (direction / 3 % 3 - 1) * kBlock,
-          p.z + (direction / 9 - 1) * kBlock};
+  const BlockAt& step = kDirectionSteps.to[direction];
+  return {p.x + step.x * kBlock, p.y + step.y * kBlock, p.z + step.z * kBlock};
 }
 
 constexpr std::int64_t squared_distance(const UnitPoint& a, const UnitPoint& b) {
@@ -47,8 +47,10 @@ class Reach {
   /// Cells of the block in `direction` that can hold a point within the radius of one in `cell`; for the
   /// block itself without `cell`.
   std::uint64_t from(unsigned cell, int direction) const { return cells_[direction][cell]; }
-  /// Of those in the block itself the cells that touch, where most that is near is found.
+  /// Of those in the block itself the cells that touch, where most that is near is found, and those that
+  /// share a face.
   std::uint64_t close(unsigned cell) const { return close_[cell]; }
+  std::uint64_t beside(unsigned cell) const { return beside_[cell]; }
   /// Cells from which anything in that direction can be reached.
   std::uint64_t rim(int direction) const { return rim_[direction]; }
   /// Greatest squared distance that counts as near, exactly: whole numbers on both sides.
@@ -60,6 +62,7 @@ class Reach {
  private:
   std::uint64_t cells_[kDirections][Block::kCells]{};
   std::uint64_t close_[Block::kCells]{};
+  std::uint64_t beside_[Block::kCells]{};
   std::uint64_t rim_[kDirections]{};
   std::int64_t squared_radius_{-1};
 };

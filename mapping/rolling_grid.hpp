@@ -128,7 +128,9 @@ class RollingGrid {
     return memory_.sums[block.slot(block.rank(cell))];
   }
   std::span<Centroid> voxels() const { return memory_.voxels; }
+  std::span<SurfaceNormal> normals() { return memory_.normals; }
   std::span<const SurfaceNormal> normals() const { return memory_.normals; }
+  std::span<NormalSums> sums() { return memory_.sums; }
 
   /// Mean of a voxel's points in the grid's frame, m; offsets were cut down to whole steps, so half a step is
   /// added.

@@ -51,7 +51,7 @@ struct BlockChange {
   std::uint64_t activated{};  ///< voxels that became active
   std::uint32_t first{};      ///< scratch: of the points that fell into it
   BlockIndex block{};
-  std::uint16_t drift{};  ///< no voxel that was active before moved farther: whole kDriftStep, rounded up
+  std::uint16_t drift{};  ///< two voxels that were active before came apart by less, in kDriftStep
 };
 /// Of 1/65536 of a cell.
 inline constexpr std::uint32_t kDriftStep = 16;

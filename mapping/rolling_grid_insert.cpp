@@ -230,7 +230,8 @@ void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, con
     output_.voxels += created;
     output_.most_voxels = std::max(output_.most_voxels, output_.voxels);
   }
-  std::uint32_t drift = 0;
+  std::uint64_t first = 0;  // squared, of the two voxels that move farthest
+  std::uint64_t second = 0;
   for (; hit != 0; hit = without_lowest(hit)) {
     const unsigned cell = lowest(hit);
     Seen::Sum& sum = seen.cells[cell];
@@ -249,15 +250,20 @@ void RollingGrid::merge(BlockChange& change, Seen& seen, std::uint32_t tick, con
     if (active && (c.count < config_.min_points)) change.activated |= cell_bit(cell);
     if (active && (c.x != next.x || c.y != next.y || c.z != next.z)) {
       change.moved |= cell_bit(cell);
-      const auto apart = [](std::uint16_t a, std::uint16_t b) {
-        return std::uint32_t(a < b ? b - a : a - b);
+      const auto square = [](std::uint16_t a, std::uint16_t b) {
+        const std::int64_t d = a - b;
+        return static_cast<std::uint64_t>(d * d);
       };
-      if ((block.active & cell_bit(cell)) != 0)
-        drift = std::max(drift, apart(c.x, next.x) + apart(c.y, next.y) + apart(c.z, next.z));
+      if ((block.active & cell_bit(cell)) != 0) {
+        const std::uint64_t d = square(c.x, next.x) + square(c.y, next.y) + square(c.z, next.z);
+        second = std::max(second, std::min(first, d));
+        first = std::max(first, d);
+      }
     }
     c = next;
   }
-  change.drift = static_cast<std::uint16_t>((drift + kDriftStep - 1) / kDriftStep);
+  const double apart = std::sqrt(static_cast<double>(first)) + std::sqrt(static_cast<double>(second));
+  change.drift = static_cast<std::uint16_t>(static_cast<std::uint32_t>(apart) / kDriftStep + 1);
   block.active |= change.activated;
   change.moved |= change.activated;
 }

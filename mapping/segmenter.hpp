@@ -84,14 +84,13 @@ class Segmenter {
   Status status() const { return status_; }
 
   /// Active voxels of a block that are new, moved or otherwise changed: it must be looked at again. `drift`:
-  /// none moved farther, in steps of kDriftStep, rounded up, and nothing else that the policy reads of them
-  /// changed; kAnyDrift where that is not known.
+  /// no two of them came apart by more, in steps of kDriftStep, and nothing else that the policy reads of
+  /// them changed; kAnyDrift where that is not known.
   void mark(BlockIndex block, std::uint64_t moved, std::uint16_t drift = kAnyDrift) {
     if (status_ != Status::ok || moved == 0) return;
     work_[block].moved |= moved;
-    const std::uint32_t both = 2u * drift;  // ends of a link may move apart
-    work_[block].slack =
-        static_cast<std::uint16_t>(work_[block].slack > both ? work_[block].slack - both : 0);
+    std::uint16_t& slack = work_[block].slack;
+    slack = static_cast<std::uint16_t>(slack > drift ? slack - drift : 0);
     if (work_[block].queued != 0) return;
     work_[block].queued = tag(cycle_ + 1) & 3;
     queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;

@@ -101,9 +101,9 @@ void Segmenter<Policy>::join_parts(const RollingGrid& grid, Here& here) {
     const UnitPoint at = unit_point(grid.voxels()[slot], a);
     const typename Policy::Voxel voxel = policy_.load(grid, slot);
     while (open != 0) {
-      // Short links last longer.
+      const std::uint64_t beside = open & reach_.beside(a);
       const std::uint64_t close = open & reach_.close(a);
-      const unsigned b = lowest(close != 0 ? close : open);
+      const unsigned b = lowest(beside != 0 ? beside : close != 0 ? close : open);
       open &= ~cell_bit(b);
       const std::uint32_t its = block.slot(block.rank(b));
       const std::int64_t distance = squared_distance(at, unit_point(grid.voxels()[its], b));
@@ -134,29 +134,31 @@ void Segmenter<Policy>::find_parts(const RollingGrid& grid, Here& here) {
     voxel[cell] = policy_.load(grid, slot);
     if (policy_.core(voxel[cell])) here.cores |= cell_bit(cell);
   }
-  // Cells that touch come first: there nearly every test finds something, and what is found is not asked for
-  // again.
+  // Cells that share a face come first, then those that touch: there nearly every test finds something, what
+  // is found is not asked for again, and short links last longer.
   std::uint64_t left = here.cores;
   while (left != 0) {
     std::uint64_t part = left & (~left + 1);
-    std::uint64_t pending = part;
-    std::uint64_t wide = part;
+    std::uint64_t pending[3] = {part, part, part};
     left ^= part;
-    while (left != 0 && (pending | wide) != 0) {
-      const bool narrow = pending != 0;
-      const unsigned a = lowest(narrow ? pending : wide);
-      (narrow ? pending : wide) &= ~cell_bit(a);
-      for (std::uint64_t near = left & (narrow ? reach_.close(a) : reach_.from(a, kHere)); near != 0;
-           near = without_lowest(near)) {
+    while (left != 0 && (pending[0] | pending[1] | pending[2]) != 0) {
+      const unsigned far = pending[0] != 0 ? 0 : pending[1] != 0 ? 1 : 2;
+      const unsigned a = lowest(pending[far]);
+      pending[far] = without_lowest(pending[far]);
+      const std::uint64_t reach = far == 0   ? reach_.beside(a)
+                                  : far == 1 ? reach_.close(a)
+                                             : reach_.from(a, kHere);
+      std::uint64_t found = 0;
+      for (std::uint64_t near = left & reach; near != 0; near = without_lowest(near)) {
         const unsigned b = lowest(near);
         const std::int64_t distance = squared_distance(at[a], at[b]);
         if (distance > reach_.squared_radius() || !policy_.join(voxel[a], voxel[b])) continue;
         here.longest = std::max(here.longest, distance);
-        part |= cell_bit(b);
-        pending |= cell_bit(b);
-        wide |= cell_bit(b);
-        left &= ~cell_bit(b);
+        found |= cell_bit(b);
       }
+      part |= found;
+      left &= ~found;
+      for (std::uint64_t& more : pending) more |= found;
     }
     here.part[here.parts++] = part;
   }

@@ -16,7 +16,7 @@ namespace {
 template <class Map>
 Rounds errors_deg(const Map& map, double voxel_m, double radius_m) {
   std::vector<TwinPoint> points;
-  std::vector<const mapping::NormalRecord*> records;
+  std::vector<const mapping::SurfaceNormal*> normals;
   const mapping::BlockAt centre = map.grid().centre();
   for (std::uint32_t i = 0; i < map.grid().block_numbers(); ++i) {
     const mapping::Block& block = map.grid().block(static_cast<mapping::BlockIndex>(i));
@@ -24,7 +24,7 @@ Rounds errors_deg(const Map& map, double voxel_m, double radius_m) {
     const mapping::BlockAt at = mapping::BlockAt::from_key(block.key);
     for (std::uint64_t rest = block.active; rest != 0; rest = mapping::without_lowest(rest)) {
       const unsigned cell = mapping::lowest(rest);
-      const mapping::NormalRecord& record = map.grid().normal(block, cell);
+      const mapping::NormalSums& record = map.grid().sums(block, cell);
       if (!record.added()) continue;
       const auto step = [](std::int32_t blocks, unsigned cell_at, std::int32_t in_cell) {
         return 512.0 * (4.0 * blocks + cell_at) + in_cell;
@@ -32,7 +32,7 @@ Rounds errors_deg(const Map& map, double voxel_m, double radius_m) {
       points.push_back({step(at.x - centre.x, cell & 3, record.at(0)),
                         step(at.y - centre.y, cell >> 2 & 3, record.at(1)),
                         step(at.z - centre.z, cell >> 4, record.at(2))});
-      records.push_back(&record);
+      normals.push_back(&map.grid().normal(block, cell));
     }
   }
   const std::vector<TwinNormal> right = twin_normals(points, std::floor(512.0 * radius_m / voxel_m + 0.5));
@@ -40,8 +40,8 @@ Rounds errors_deg(const Map& map, double voxel_m, double radius_m) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (right[i].count < 3 || right[i].gap <= 0.05) continue;
     // Of a small angle the sine is exact where the cosine is not.
-    const double n[3] = {1.0 * records[i]->normal[0], 1.0 * records[i]->normal[1],
-                         1.0 * records[i]->normal[2]};
+    const double n[3] = {1.0 * normals[i]->normal[0], 1.0 * normals[i]->normal[1],
+                         1.0 * normals[i]->normal[2]};
     const TwinPoint& m = right[i].normal;
     const double x = n[1] * m[2] - n[2] * m[1];
     const double y = n[2] * m[0] - n[0] * m[2];
