@@ -10,6 +10,7 @@ namespace sortie::mapping {
 namespace {
 constexpr std::uint16_t kNoComponent = 0xffff;
 constexpr std::uint32_t kResetAtOnce = 16;  ///< nodes that a step forgets
+constexpr std::uint32_t kAhead = 8;         ///< nodes whose blocks are fetched before they are needed
 }  // namespace
 
 Labelling::Labelling(std::uint32_t min_voxels, const LabellingMemory& memory)
@@ -96,6 +97,10 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
     case Stage::group:
       for (; at_ < nodes; ++at_) {
         const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
+        if (at_ + kAhead < nodes_) {
+          const BlockIndex ahead = graph[static_cast<NodeIndex>(at_ + kAhead)].block;
+          if (ahead != kNoBlock) __builtin_prefetch(&blocks[ahead]);
+        }
         // Roots have smaller numbers and come first, so that a parent's parent is the root by now.
         memory_.work[at_].parent = memory_.work[memory_.work[at_].parent].parent;
         if (memory_.work[at_].parent == at_) memory_.work[at_].component = kNoComponent;

@@ -93,6 +93,10 @@ class RollingGrid {
     std::uint32_t entries[kDirections];
     window_.around(BlockAt::from_key(block.key), entries);
     for (int d = 9; d < 18; ++d) window_.prefetch(entries[d]);  // a column along z lies together
+    prefetch_voxels(block);
+  }
+  /// Fetches the voxels of a block.
+  void prefetch_voxels(const Block& block) const {
     const unsigned chunks = (bits_in(block.occupied) + Block::kChunk - 1) / Block::kChunk;
     for (unsigned i = 0; i < chunks; ++i)
       __builtin_prefetch(&memory_.voxels[std::size_t{block.chunks[i]} * Block::kChunk]);

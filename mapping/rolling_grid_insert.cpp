@@ -64,6 +64,7 @@ RollingInsert RollingGrid::insert(const rt::PointScan& scan, const RigidPose& po
   for (Seen::Sum& sum : seen.cells) sum = {};
   for (std::uint32_t i = 0; i < changed_; ++i) {
     if (i + 2 < changed_) __builtin_prefetch(&memory_.blocks[memory_.changes[i + 2].block]);
+    if (i + 1 < changed_) prefetch_voxels(memory_.blocks[memory_.changes[i + 1].block]);
     merge(memory_.changes[i], seen, tick32, hook, counts);
   }
   for (std::uint32_t i = 0; i < changed_; ++i) {

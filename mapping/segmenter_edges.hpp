@@ -72,11 +72,13 @@ void Segmenter<Policy>::keep_edges(const RollingGrid& grid, const Here& here, co
     }
   }
   backward = (backward | (pairs.looked & ((1u << kHere) - 1))) & ~pairs.waiting;
-  const BlockAt at = BlockAt::from_key(grid.block(here.index).key);
+  if (backward == 0) return;
+  BlockIndex around[kDirections];
+  ask(grid, here.index, backward, around);
   for (; backward != 0; backward &= backward - 1) {
     const int direction = std::countr_zero(backward);
-    const BlockIndex index = grid.find(at.next(direction));
-    if (index == kNoBlock) continue;
+    const BlockIndex index = around[direction];
+    if (index == kNoBlock || !grid.is_next(grid.block(here.index), direction, index)) continue;
     const Beside beside{index, direction, 0, from_next({}, direction)};
     const std::uint64_t its = pairs.moved_at(direction);
     for (NodeIndex keeper = graph_.first(index); keeper != kNoNode; keeper = graph_[keeper].next) {

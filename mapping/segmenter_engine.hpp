@@ -81,6 +81,10 @@ void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   const std::uint32_t asked = own.mixed;
   ask(grid, block, asked, around);
   fragment(grid, here);
+  for (std::uint32_t rest = asked; rest != 0; rest &= rest - 1) {
+    const BlockIndex index = around[std::countr_zero(rest)];
+    if (index != kNoBlock) graph_.prefetch_nodes(index);
+  }
   renew_nodes(grid, here);
   own.renewed = here.fresh != 0;
   if (own.renewed) {
