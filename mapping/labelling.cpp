@@ -83,8 +83,7 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
         const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
         if (node.cells != 0 && node.name != kNoNode) survey(static_cast<NodeIndex>(at_), node.name);
       }
-      if (nodes == nodes_) next(fallen_apart_ ? Stage::repair : Stage::reset_slots);
-      return nodes;
+      return nodes == nodes_ ? next(fallen_apart_ ? Stage::repair : Stage::reset_slots) : nodes;
     case Stage::repair:
       while (at_ < nodes) {
         const auto node = static_cast<NodeIndex>(at_++);
@@ -97,10 +96,8 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
     case Stage::group:
       for (; at_ < nodes; ++at_) {
         const FragmentNode& node = graph[static_cast<NodeIndex>(at_)];
-        if (at_ + kAhead < nodes_) {
-          const BlockIndex ahead = graph[static_cast<NodeIndex>(at_ + kAhead)].block;
-          if (ahead != kNoBlock) __builtin_prefetch(&blocks[ahead]);
-        }
+        const BlockIndex ahead = graph[static_cast<NodeIndex>(std::min(at_ + kAhead, nodes_ - 1))].block;
+        if (ahead != kNoBlock) __builtin_prefetch(&blocks[ahead]);
         // Roots have smaller numbers and come first, so that a parent's parent is the root by now.
         memory_.work[at_].parent = memory_.work[memory_.work[at_].parent].parent;
         if (memory_.work[at_].parent == at_) memory_.work[at_].component = kNoComponent;

@@ -186,11 +186,12 @@ TEST_CASE("A plane fit is finite for points in one place, on a line and on a pla
   batch.solve();
   CHECK_FALSE(batch.plane(0).has_normal());
   CHECK(batch.plane(1).has_normal());
-  CHECK(double{batch.normal(0, 1)} == Approx(0).margin(1e-12));
-  CHECK(double{batch.curvature(1)} == Approx(0).margin(1e-6));
-  CHECK(double{batch.normal(0, 2) + batch.normal(1, 2) + batch.normal(2, 2)} == Approx(0).margin(1e-6));
-  CHECK(double{batch.normal(2, 3)} == Approx(1));
-  CHECK(double{batch.curvature(4)} == Approx(1.0 / 3.0).margin(1e-3));
+  CHECK(static_cast<double>(batch.normal(0, 1)) == Approx(0).margin(1e-12));
+  CHECK(static_cast<double>(batch.curvature(1)) == Approx(0).margin(1e-6));
+  CHECK(static_cast<double>(batch.normal(0, 2) + batch.normal(1, 2) + batch.normal(2, 2)) ==
+        Approx(0).margin(1e-6));
+  CHECK(static_cast<double>(batch.normal(2, 3)) == Approx(1));
+  CHECK(static_cast<double>(batch.curvature(4)) == Approx(1.0 / 3.0).margin(1e-3));
   CHECK(std::isfinite(batch.normal(0, 4) + batch.normal(1, 4) + batch.normal(2, 4)));
 }
 
@@ -223,12 +224,13 @@ TEST_CASE("Planes solved together are those of a double solver, wherever two of 
     for (unsigned n = 0; n < planes; ++n) {
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(all[n]);
       const Eigen::Vector3d l = solver.eigenvalues() / all[n].trace();
-      const double off = std::fabs(double{batch.curvature(n)} - l[0]);
+      const double off = std::fabs(static_cast<double>(batch.curvature(n)) - l[0]);
       worst_of_balls = std::max(worst_of_balls, off);
       if (!((l[1] - l[0]) / l[2] > 0.05)) continue;
       worst_curvature = std::max(worst_curvature, off);
-      const Eigen::Vector3d normal(double{batch.normal(0, n)}, double{batch.normal(1, n)},
-                                   double{batch.normal(2, n)});
+      const Eigen::Vector3d normal(static_cast<double>(batch.normal(0, n)),
+                                   static_cast<double>(batch.normal(1, n)),
+                                   static_cast<double>(batch.normal(2, n)));
       CHECK(std::fabs(normal.norm() - 1) < 1e-6);
       worst_deg = std::max(
           worst_deg, kDegrees * std::asin(std::min(1.0, normal.cross(solver.eigenvectors().col(0)).norm())));
