@@ -147,7 +147,6 @@ class RayScheduler {
   std::uint32_t trace(std::uint32_t position, std::uint32_t ray, bool beside, float& worth);
   std::uint32_t evaluate(std::uint32_t node, float& worth);
   std::uint32_t cover(std::uint32_t position, std::uint32_t ray, RayWorth& worth, bool& entered);
-  std::uint32_t path_of(std::uint32_t index) const { return bit(traced_, index) ? path_[index] : 0; }
   std::uint32_t take(std::uint32_t node);
   std::uint32_t explore_next();
   std::uint32_t refine(std::uint32_t node);

@@ -38,14 +38,15 @@ std::uint32_t RayScheduler::trace(std::uint32_t position, std::uint32_t ray, boo
   return ray_units::kRay + found.cells * (beside ? ray_units::kCellBeside : ray_units::kCell);
 }
 
-// A ray's worth beside those of the table.
+// A ray's worth beside those of the table. It was traced in this task, as all rays that are looked at, chosen
+// or weighed: so its path is of this task, too.
 std::uint32_t RayScheduler::evaluate(std::uint32_t node, float& worth) {
   const std::uint32_t index = node & kIndexMask;
   const std::uint32_t position = index / all_rays_;
   worth = 0.0f;
   ++plan_.evaluations;
   if (!views_[position].inside) return ray_units::kRay;
-  const std::uint32_t path = path_of(index);
+  const std::uint32_t path = path_[index];
   const RayWorth found =
       path > 0 ? model_.current(paths_.path(path, views_[position].cell), map_.cells, table_)
                : model_.current(walk(position, index - position * all_rays_), map_.cells, table_);
@@ -55,7 +56,7 @@ std::uint32_t RayScheduler::evaluate(std::uint32_t node, float& worth) {
 
 // Enters a ray in the table, if that takes it.
 std::uint32_t RayScheduler::cover(std::uint32_t position, std::uint32_t ray, RayWorth& worth, bool& entered) {
-  const std::uint32_t path = path_of(position * all_rays_ + ray);
+  const std::uint32_t path = path_[position * all_rays_ + ray];
   entered = path > 0
                 ? model_.cover(paths_.path(path, views_[position].cell), map_.cells, table_, scratch_, worth)
                 : model_.cover(walk(position, ray), map_.cells, table_, scratch_, worth);
