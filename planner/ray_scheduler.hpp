@@ -33,7 +33,7 @@ struct RaySchedulerConfig {
   double optimism{1.0};      ///< what a direction's neighbours may be worth, as its multiple
   double slack{0.02};        ///< a guided stage takes a ray this near to the best bound
   std::uint32_t tries{
-      150};  ///< evaluations for one ray of the joint stage, then the best; a third for a position
+      150};  ///< evaluations for one ray of the joint stage, then the best; a sixth for a position
   bool position_first{true};  ///< stages
   bool joint{true};
   bool exact{true};

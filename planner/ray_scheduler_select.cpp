@@ -138,7 +138,7 @@ std::uint32_t RayScheduler::select_next() {
   }
   if (level == 0 && top == tried_) return take(node) + ray_units::kHeap;  // evaluated for this very choice
   const bool guided = stage_ != RayStage::exact;
-  const std::uint32_t tries = stage_ == RayStage::position ? config_.tries / 3 : config_.tries;
+  const std::uint32_t tries = stage_ == RayStage::position ? (config_.tries + 5) / 6 : config_.tries;
   if (guided && tries_ >= tries && tried_ != 0) return take(RayKey::node(tried_));
   // A chosen corner says nothing any more about the rest of its cell.
   if (level > 0 && bit(chosen_, index)) return refine(node);
