@@ -26,11 +26,17 @@ struct VoxelWalk {
   std::uint32_t end;        ///< the walk is over at the first face at or beyond
   std::uint32_t index;      ///< of the cell, in the window
 
-  /// Goes to the next cell; false at the end. `length` [2^-22 voxels] is where the face was.
+  /// Goes to the next cell; false at the end.
   bool step() {
+    std::uint32_t axis;
+    return step(axis);
+  }
+  /// The same; `axis` is the one whose face was crossed.
+  bool step(std::uint32_t& axis) {
     const std::uint32_t xy = next[0] < next[1] ? next[0] : next[1];
     const std::uint32_t nearest = xy < next[2] ? xy : next[2];
     if (nearest >= end) return false;
+    axis = nearest & 3u;
     if (nearest == next[0]) {
       next[0] += delta[0];
       index += stride[0];

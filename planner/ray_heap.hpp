@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The most promising first: a binary heap of keys in memory that is given.
+// The most promising first: a heap of keys in memory that is given.
 #pragma once
 
 #include <bit>
@@ -34,15 +34,17 @@ class RayHeap {
   std::uint64_t top() const { return keys_[0]; }
   /// The greatest but the top; 0 without one.
   std::uint64_t second() const {
-    if (size_ < 2) return 0;
-    return size_ > 2 && keys_[2] > keys_[1] ? keys_[2] : keys_[1];
+    std::uint64_t second = 0;
+    for (std::uint32_t at = 1; at < size_ && at <= kChildren; ++at)
+      second = keys_[at] > second ? keys_[at] : second;
+    return second;
   }
   bool push(std::uint64_t key) {
     if (size_ >= keys_.size()) return false;
     std::uint32_t at = size_++;
-    while (at > 0 && keys_[(at - 1) / 2] < key) {
-      keys_[at] = keys_[(at - 1) / 2];
-      at = (at - 1) / 2;
+    while (at > 0 && keys_[(at - 1) / kChildren] < key) {
+      keys_[at] = keys_[(at - 1) / kChildren];
+      at = (at - 1) / kChildren;
     }
     keys_[at] = key;
     return true;
@@ -54,13 +56,24 @@ class RayHeap {
   void replace_top(std::uint64_t key) { sink(key); }
 
  private:
+  // Four: half as many levels as with two, and their keys lie side by side.
+  static constexpr std::uint32_t kChildren = 4;
+
   // Puts `key` where the top was.
   void sink(std::uint64_t key) {
     std::uint32_t at = 0;
-    for (std::uint32_t child = 1; child < size_; child = 2 * at + 1) {
-      if (child + 1 < size_ && keys_[child + 1] > keys_[child]) ++child;
-      if (keys_[child] <= key) break;
-      keys_[at] = keys_[child];
+    for (;;) {
+      const std::uint32_t first = kChildren * at + 1;
+      if (first >= size_) break;
+      const std::uint32_t end = size_ - first < kChildren ? size_ : first + kChildren;
+      std::uint32_t child = first;
+      std::uint64_t greatest = keys_[first];
+      for (std::uint32_t i = first + 1; i < end; ++i) {
+        child = keys_[i] > greatest ? i : child;
+        greatest = keys_[i] > greatest ? keys_[i] : greatest;
+      }
+      if (greatest <= key) break;
+      keys_[at] = greatest;
       at = child;
     }
     keys_[at] = key;

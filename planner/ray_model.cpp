@@ -26,8 +26,24 @@ RayModel::RayModel(const RayModelConfig& config) : config_(config), cells_{} {
   }
 }
 
-template <bool kFresh, bool kCurrent>
-RayWorth RayModel::stream(VoxelWalk walk, const std::int8_t* cells, const CoverageTable* table) const {
+namespace {
+
+// A walk whose steps are noted.
+struct NotedWalk : VoxelWalk {
+  NotedWalk(const VoxelWalk& walk, RayPaths& to) : VoxelWalk(walk), paths(to) {}
+  bool step() {
+    std::uint32_t axis;
+    if (!VoxelWalk::step(axis)) return false;
+    paths.put(axis);
+    return true;
+  }
+  RayPaths paths;
+};
+
+}  // namespace
+
+template <bool kFresh, bool kCurrent, class Walk>
+RayWorth RayModel::stream(Walk& walk, const std::int8_t* cells, const CoverageTable* table) const {
   const double least = config_.least_visible;
   double visible = 1.0;
   double fresh_entropy = 0.0;
@@ -60,14 +76,34 @@ RayWorth RayModel::both(VoxelWalk walk, const std::int8_t* cells, const Coverage
   return stream<true, true>(walk, cells, &table);
 }
 
-RayWorth RayModel::current(VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table) const {
+RayWorth RayModel::fresh(VoxelWalk walk, const std::int8_t* cells, RayPaths& paths) const {
+  NotedWalk noted(walk, paths);
+  RayWorth worth = stream<true, false>(noted, cells, nullptr);
+  paths = noted.paths;
+  worth.current = worth.fresh;
+  return worth;
+}
+
+RayWorth RayModel::both(VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table,
+                        RayPaths& paths) const {
+  NotedWalk noted(walk, paths);
+  const RayWorth worth = stream<true, true>(noted, cells, &table);
+  paths = noted.paths;
+  return worth;
+}
+
+template <class Walk>
+RayWorth RayModel::current(Walk walk, const std::int8_t* cells, const CoverageTable& table) const {
   RayWorth worth = stream<false, true>(walk, cells, &table);
   worth.fresh = worth.current;
   return worth;
 }
+template RayWorth RayModel::current(VoxelWalk, const std::int8_t*, const CoverageTable&) const;
+template RayWorth RayModel::current(RayPath, const std::int8_t*, const CoverageTable&) const;
 
-bool RayModel::cover(VoxelWalk walk, const std::int8_t* cells, CoverageTable& table,
-                     std::span<Passed> scratch, RayWorth& worth) const {
+template <class Walk>
+bool RayModel::cover(Walk walk, const std::int8_t* cells, CoverageTable& table, std::span<Passed> scratch,
+                     RayWorth& worth) const {
   double visible = 1.0;
   double entropy = 0.0;
   worth = {};
@@ -102,5 +138,9 @@ bool RayModel::cover(VoxelWalk walk, const std::int8_t* cells, CoverageTable& ta
   }
   return true;
 }
+template bool RayModel::cover(VoxelWalk, const std::int8_t*, CoverageTable&, std::span<Passed>,
+                              RayWorth&) const;
+template bool RayModel::cover(RayPath, const std::int8_t*, CoverageTable&, std::span<Passed>,
+                              RayWorth&) const;
 
 }  // namespace sortie::planner

@@ -9,6 +9,7 @@
 #include "mapping/occupancy_view.hpp"
 #include "mapping/voxel_walk.hpp"
 #include "planner/coverage_table.hpp"
+#include "planner/ray_path.hpp"
 
 namespace sortie::planner {
 
@@ -47,8 +48,13 @@ class RayModel {
   RayWorth fresh(mapping::VoxelWalk walk, const std::int8_t* cells) const;
   /// Both worths in one pass.
   RayWorth both(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table) const;
-  /// Worth beside the rays of the table, twice.
-  RayWorth current(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table) const;
+  /// The same two; each step goes to a path that was begun.
+  RayWorth fresh(mapping::VoxelWalk walk, const std::int8_t* cells, RayPaths& paths) const;
+  RayWorth both(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table,
+                RayPaths& paths) const;
+  /// Worth beside the rays of the table, twice. `Walk`: VoxelWalk or RayPath.
+  template <class Walk>
+  RayWorth current(Walk walk, const std::int8_t* cells, const CoverageTable& table) const;
   /// A cell of a ray under way, and the probability that the ray ends in it; later that it shows the cell.
   struct Passed {
     std::uint32_t cell;
@@ -56,8 +62,9 @@ class RayModel {
   };
   /// Enters a ray in the table. `scratch` holds as many cells as a walk has at most. False, and nothing is
   /// changed, when the table might not take it.
-  bool cover(mapping::VoxelWalk walk, const std::int8_t* cells, CoverageTable& table,
-             std::span<Passed> scratch, RayWorth& worth) const;
+  template <class Walk>
+  bool cover(Walk walk, const std::int8_t* cells, CoverageTable& table, std::span<Passed> scratch,
+             RayWorth& worth) const;
 
   /// Probability and entropy [nats] of a cell's code, 0..255.
   double probability(std::uint32_t code) const { return cells_[code].occupied; }
@@ -74,8 +81,8 @@ class RayModel {
     double passes;  ///< 1 - occupied, or 0 where rays end
     double entropy;
   };
-  template <bool kFresh, bool kCurrent>
-  RayWorth stream(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable* table) const;
+  template <bool kFresh, bool kCurrent, class Walk>
+  RayWorth stream(Walk& walk, const std::int8_t* cells, const CoverageTable* table) const;
 
   RayModelConfig config_;
   std::array<Cell, 256> cells_;

@@ -51,7 +51,14 @@ std::uint32_t table_lines(const RaySchedulerConfig& config) {
   if (config.table_lines > 0) return config.table_lines + 1;
   const std::uint64_t rays = std::uint64_t{per_position(config)} * config.positions;
   const std::uint64_t most = CoverageTable::directory_size(config.map_cells);
-  return static_cast<std::uint32_t>(std::min({rays * 60, most, std::uint64_t{65535}})) + 1;
+  return static_cast<std::uint32_t>(std::min({rays * 52, most, std::uint64_t{32768}})) + 1;
+}
+
+// Enough for all directions of a street, or, for one position, for those that the guided stages look at.
+std::uint32_t path_words(const RaySchedulerConfig& config) {
+  if (config.path_words > 0) return config.path_words;
+  const std::uint32_t all = config.positions * config.sensor.rays();
+  return config.positions == 1 ? all * 3 / 2 : all * 7 / 2;
 }
 
 std::uint32_t bit_words(std::uint64_t bits) { return static_cast<std::uint32_t>((bits + 31) / 32); }
@@ -65,15 +72,17 @@ std::uint64_t RayScheduler::memory_bytes(const RaySchedulerConfig& config) {
       2 * std::uint64_t{config.positions} * per_position(config) * sizeof(std::uint16_t);
   return sizeof(RayAngle) * (config.sensor.columns + config.sensor.rows) +
          sizeof(rt::Vector3) * config.positions * config.sensor.columns +
-         all * (sizeof(float) + sizeof(std::uint64_t)) + 2 * sizeof(std::uint32_t) * bit_words(all) + plans +
+         all * (sizeof(float) + sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
+         2 * sizeof(std::uint32_t) * bit_words(all) + plans +
          sizeof(RayModel::Passed) * cells_of_a_ray(config) +
          (sizeof(CoverageLine) + sizeof(std::uint32_t)) * table_lines(config) +
          sizeof(std::uint16_t) * CoverageTable::directory_size(config.map_cells) + sizeof(CoverageLine) +
-         13 * alignof(std::max_align_t);
+         sizeof(std::uint32_t) * path_words(config) + 15 * alignof(std::max_align_t);
 }
 
 RayScheduler::RayScheduler(const RaySchedulerConfig& config, std::span<std::byte> memory)
     : config_(config), model_(config.model) {
+  if (config_.explored == 0) config_.explored = config.positions == 1 ? 4000 : 7000;
   const std::uint64_t needed = memory_bytes(config);
   if (needed == 0 || memory.size() < needed) return;
   all_rays_ = config.sensor.rays();
@@ -113,6 +122,8 @@ void RayScheduler::lay_out(std::span<std::byte> memory) {
   chosen_ = arena.make_array<std::uint32_t>("chosen", bit_words(all));
   best_rays_ = arena.make_array<std::uint16_t>("best plan", plan);
   work_rays_ = arena.make_array<std::uint16_t>("candidate plan", plan);
+  path_ = arena.make_array<std::uint32_t>("paths of directions", all);
+  paths_ = RayPaths(arena.make_array<std::uint32_t>("paths", path_words(config_)));
   scratch_ = arena.make_array<RayModel::Passed>("one ray", most_cells_);
 }
 
@@ -135,6 +146,7 @@ Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const ma
   make_seed(passed, previous);
   std::fill(traced_.begin(), traced_.end(), 0u);
   (void)table_.clear_some(UINT32_MAX);
+  paths_.clear(map.size);
   credit_ = 0;
   best_ = {0.0, kUnknownBound, false};
   work_ = {};
@@ -160,6 +172,7 @@ void RayScheduler::make_views(std::span<const mapping::SensorPose> poses) {
     View& view = views_[p];
     view.u = map_.to_window(poses[p].p_world_sensor_m);
     view.inside = map_.contains(view.u);
+    if (view.inside) view.cell = make_walk(map_, view.u, {1, 0, 0}, 0.0).index;
     view.up = rotate(q, {0, 0, 1});
     const rt::Vector3 forward = rotate(q, {1, 0, 0});
     const rt::Vector3 left = rotate(q, {0, 1, 0});

@@ -10,6 +10,7 @@
 #include "planner/coverage_table.hpp"
 #include "planner/ray_heap.hpp"
 #include "planner/ray_model.hpp"
+#include "planner/ray_path.hpp"
 #include "planner/ray_plan.hpp"
 #include "planner/ray_sensor.hpp"
 #include "rt/archive.hpp"
@@ -25,12 +26,14 @@ struct RaySchedulerConfig {
   std::uint32_t positions{5};                  ///< L at most, 1..16
   double voxel_size_m{0.2};                    ///< of the maps to come, at least
   std::uint64_t map_cells{320u * 320u * 32u};  ///< of the maps to come, at most; 2^24 at most
-  std::uint32_t table_lines{};                 ///< of coverage, at most 65535; 0: 60 a ray
-  std::uint32_t coarse_log2{3};                ///< first, one direction of each 2^n by 2^n is looked at
-  std::uint32_t explored{3000};                ///< directions a position that the joint stage chooses from
-  double optimism{1.0};       ///< what a direction's neighbours may be worth, as its multiple
-  double slack{0.02};         ///< a guided stage takes a ray this near to the best bound
-  std::uint32_t tries{64};    ///< evaluations for one ray of a guided stage; then the best of them
+  std::uint32_t table_lines{};                 ///< of coverage, at most 65535; 0: 52 a ray, 32768 at most
+  std::uint32_t path_words{};                  ///< of paths, 16 cells each; 0: 3.5 a direction, 1.5 for L = 1
+  std::uint32_t coarse_log2{2};                ///< first, one direction of each 2^n by 2^n is looked at
+  std::uint32_t explored{};  ///< directions a position for the joint stage; 0: 7000, 4000 for L = 1
+  double optimism{1.0};      ///< what a direction's neighbours may be worth, as its multiple
+  double slack{0.02};        ///< a guided stage takes a ray this near to the best bound
+  std::uint32_t tries{
+      150};  ///< evaluations for one ray of the joint stage, then the best; a sixth for a position
   bool position_first{true};  ///< stages
   bool joint{true};
   bool exact{true};
@@ -114,6 +117,7 @@ class RayScheduler {
   struct View {
     rt::Vector3 u;
     rt::Vector3 up;
+    std::uint32_t cell{};  // where it is
     bool inside{};
   };
 
@@ -142,6 +146,7 @@ class RayScheduler {
 
   std::uint32_t trace(std::uint32_t position, std::uint32_t ray, bool beside, float& worth);
   std::uint32_t evaluate(std::uint32_t node, float& worth);
+  std::uint32_t cover(std::uint32_t position, std::uint32_t ray, RayWorth& worth, bool& entered);
   std::uint32_t take(std::uint32_t node);
   std::uint32_t explore_next();
   std::uint32_t refine(std::uint32_t node);
@@ -170,11 +175,13 @@ class RayScheduler {
   std::span<float> fresh_;           // worth of each traced direction beside no other
   std::span<std::uint32_t> traced_;  // bits
   std::span<std::uint32_t> chosen_;  // bits of the selection under way
+  std::span<std::uint32_t> path_;    // number of the path of each traced direction; 0: it was not kept
   std::span<std::uint16_t> best_rays_;
   std::span<std::uint16_t> work_rays_;
   std::span<RayModel::Passed> scratch_;
   RayHeap heap_;
   CoverageTable table_;
+  RayPaths paths_;
 
   mapping::OccupancyView map_;
   View views_[kMostPositions];

@@ -22,25 +22,45 @@ std::uint32_t RayScheduler::trace(std::uint32_t position, std::uint32_t ray, boo
   ++plan_.traced;
   set_bit(traced_, index);
   fresh_[index] = 0.0f;
+  path_[index] = 0;
   worth = 0.0f;
   if (!views_[position].inside) return ray_units::kRay;
   const mapping::VoxelWalk way = walk(position, ray);
-  const RayWorth found = beside ? model_.both(way, map_.cells, table_) : model_.fresh(way, map_.cells);
+  RayWorth found;
+  if (paths_.begin(most_cells_)) {
+    found = beside ? model_.both(way, map_.cells, table_, paths_) : model_.fresh(way, map_.cells, paths_);
+    path_[index] = paths_.end(way);
+  } else {
+    found = beside ? model_.both(way, map_.cells, table_) : model_.fresh(way, map_.cells);
+  }
   fresh_[index] = static_cast<float>(found.fresh);
   worth = static_cast<float>(found.current);
   return ray_units::kRay + found.cells * (beside ? ray_units::kCellBeside : ray_units::kCell);
 }
 
-// A ray's worth beside those of the table.
+// A ray's worth beside those of the table. It was traced in this task, as all rays that are looked at, chosen
+// or weighed: so its path is of this task, too.
 std::uint32_t RayScheduler::evaluate(std::uint32_t node, float& worth) {
   const std::uint32_t index = node & kIndexMask;
   const std::uint32_t position = index / all_rays_;
   worth = 0.0f;
   ++plan_.evaluations;
   if (!views_[position].inside) return ray_units::kRay;
-  const RayWorth found = model_.current(walk(position, index - position * all_rays_), map_.cells, table_);
+  const std::uint32_t path = path_[index];
+  const RayWorth found =
+      path > 0 ? model_.current(paths_.path(path, views_[position].cell), map_.cells, table_)
+               : model_.current(walk(position, index - position * all_rays_), map_.cells, table_);
   worth = static_cast<float>(found.current);
-  return ray_units::kRay + found.cells * ray_units::kCellBeside;
+  return ray_units::kRay + found.cells * (path > 0 ? ray_units::kCellAgain : ray_units::kCellBeside);
+}
+
+// Enters a ray in the table, if that takes it.
+std::uint32_t RayScheduler::cover(std::uint32_t position, std::uint32_t ray, RayWorth& worth, bool& entered) {
+  const std::uint32_t path = path_[position * all_rays_ + ray];
+  entered = path > 0
+                ? model_.cover(paths_.path(path, views_[position].cell), map_.cells, table_, scratch_, worth)
+                : model_.cover(walk(position, ray), map_.cells, table_, scratch_, worth);
+  return ray_units::kRay + worth.cells * ray_units::kCellTaken;
 }
 
 std::uint32_t RayScheduler::push_ray(std::uint32_t position, std::uint32_t ray, std::uint32_t level,
@@ -118,7 +138,8 @@ std::uint32_t RayScheduler::select_next() {
   }
   if (level == 0 && top == tried_) return take(node) + ray_units::kHeap;  // evaluated for this very choice
   const bool guided = stage_ != RayStage::exact;
-  if (guided && tries_ >= config_.tries && tried_ != 0) return take(RayKey::node(tried_));
+  const std::uint32_t tries = stage_ == RayStage::position ? (config_.tries + 5) / 6 : config_.tries;
+  if (guided && tries_ >= tries && tried_ != 0) return take(RayKey::node(tried_));
   // A chosen corner says nothing any more about the rest of its cell.
   if (level > 0 && bit(chosen_, index)) return refine(node);
   float worth{};
@@ -148,12 +169,13 @@ std::uint32_t RayScheduler::take(std::uint32_t node) {
   const std::uint32_t position = index / all_rays_;
   const std::uint32_t ray = index - position * all_rays_;
   RayWorth worth;
-  const bool entered = model_.cover(walk(position, ray), map_.cells, table_, scratch_, worth);
+  bool entered{};
+  const std::uint32_t cost = cover(position, ray, worth, entered);
   if (!entered) {
     plan_.table_full = true;
     phase_ = Phase::complete;
     cursor_ = first_;
-    return ray_units::kRay + worth.cells * ray_units::kCellBeside;
+    return cost;
   }
   if (RayKey::node(heap_.top()) == node) heap_.pop();
   set_bit(chosen_, index);
@@ -166,7 +188,7 @@ std::uint32_t RayScheduler::take(std::uint32_t node) {
     phase_ = Phase::complete;
     cursor_ = first_;
   }
-  return ray_units::kRay + worth.cells * ray_units::kCellTaken;
+  return cost;
 }
 
 // Splits the cell on top: three directions are looked at, and four smaller cells take its place.

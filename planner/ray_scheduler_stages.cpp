@@ -210,12 +210,13 @@ std::uint32_t RayScheduler::weigh_next() {
   RayWorth worth;
   const std::size_t place = std::size_t{position} * per_position_ + i % per_position_;
   const std::uint16_t ray = candidate_weighed_ ? work_rays_[place] : best_rays_[place];
-  const bool entered = model_.cover(walk(position, ray), map_.cells, table_, scratch_, worth);
+  bool entered{};
+  const std::uint32_t cost = cover(position, ray, worth, entered);
   if (entered) bounds.lower += worth.current;
   plan_.table_full = plan_.table_full || !entered;
   bounds.upper += worth.current;
   plan_.table_used = std::max(plan_.table_used, table_.used());
-  return ray_units::kRay + worth.cells * ray_units::kCellTaken;
+  return cost;
 }
 
 // The table again as it was: the candidate's positions up to here.
@@ -228,11 +229,13 @@ std::uint32_t RayScheduler::reload_next() {
   const std::uint32_t position = i / per_position_;
   if (!views_[position].inside) return 1;
   RayWorth worth;
-  if (model_.cover(walk(position, work_rays_[i]), map_.cells, table_, scratch_, worth)) {
+  bool entered{};
+  const std::uint32_t cost = cover(position, work_rays_[i], worth, entered);
+  if (entered) {
     chosen_worth_ += worth.current;
     set_bit(chosen_, position * all_rays_ + work_rays_[i]);
   }
-  return ray_units::kRay + worth.cells * ray_units::kCellTaken;
+  return cost;
 }
 
 std::uint32_t RayScheduler::next_stage() {
@@ -265,7 +268,7 @@ std::uint32_t RayScheduler::next_stage() {
     start_selection(RayStage::position, 0, 1);
   } else if (stage_ == RayStage::position && last_ < positions) {
     start_selection(RayStage::position, last_, last_ + 1);
-  } else if (stage_ < RayStage::joint && config_.joint && (positions > 1 || !config_.position_first)) {
+  } else if (stage_ < RayStage::joint && config_.joint) {
     heap_.clear();
     phase_ = Phase::explore;
   } else if (stage_ < RayStage::exact && config_.exact) {

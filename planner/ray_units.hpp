@@ -7,10 +7,12 @@
 
 namespace sortie::planner::ray_units {
 
-/// A ray begun; a cell of it, traced alone, beside others, or entered in the table; a turn of the heap.
+/// A ray begun; a cell of it, traced alone, beside others, along a path that was kept, or entered in the
+/// table; a turn of the heap.
 inline constexpr std::uint32_t kRay = 10;
 inline constexpr std::uint32_t kCell = 1;
 inline constexpr std::uint32_t kCellBeside = 2;
+inline constexpr std::uint32_t kCellAgain = 1;
 inline constexpr std::uint32_t kCellTaken = 5;
 inline constexpr std::uint32_t kHeap = 6;
 /// Lines of the table emptied in one step, at a unit each.
