@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A segmenter that kept up with a drive says what one says that sees the map for the first time: larger
-// worlds than brute force can judge, with surfaces whose normals waver.
-#include <catch2/catch.hpp>
+// A segmenter that kept up with a drive beside one that sees the map for the first time: larger worlds than
+// brute force can judge, with surfaces whose normals waver.
+#pragma once
+
 #include <map>
+#include <vector>
 
 #include "tests/mapping/owned_map.hpp"
 #include "tests/mapping/random_worlds.hpp"
 
 namespace sortie::tests {
 
-const MapSizes kFreshSizes{4096, 65536, 8192, 8192, 8192, 16384};
+inline const MapSizes kFreshSizes{4096, 65536, 8192, 8192, 8192, 16384};
 
 /// Floor, walls and clutter about a sensor that goes to and fro.
 inline std::vector<rt::ScanPoint> wavering_scan(WorldRandom& random, const rt::Vector3& sensor) {
