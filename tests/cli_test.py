@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench rays", "bench uav"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench rays", "bench uav", "bench stability"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
@@ -376,6 +376,22 @@ elif result.returncode == 0:
 else:
     check(result.returncode == 4 and "is not built" in result.stderr, "bench plant says what is missing", result)
     print("left out: the plant's benchmark is not built")
+
+# The stiff and extreme cases: exact at each run.
+expect(4, "bench", "stability", "--program", "absent/sortie-bench-stability", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "stability", "--only", "nothing")
+result = run("bench", "stability", "--only", "planner", "--json", "--out", "stability")
+if len(PROGRAM) > 1:
+    print("left out: the stability benchmark under an emulator")
+elif result.returncode == 0:
+    answer = parsed(result)
+    figures = answer.get("figures", [])
+    check(figures and all(figure["met"] and figure["group"] == "planner" for figure in figures), "every bound of the planner lies between ours and the naive method", result)
+    check(answer.get("summary", {}).get("cases") == len(figures), "bench stability counts its cases", result)
+    check("| ties between rays |" in pathlib.Path("stability/bench-stability.md").read_text(), "bench stability --out writes a page", result)
+else:
+    check(result.returncode == 4 and "is not built" in result.stderr, "bench stability says what is missing", result)
+    print("left out: the stability benchmark is not built")
 
 # Imports.
 expect(2, "import", "sheep", "x", "-o", "x.lcm")
