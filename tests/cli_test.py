@@ -123,6 +123,15 @@ for extra in ([], ["--threads"]):
     check(again.get("digest") == first.get("digest"), f"replay {extra} gives another digest")
 verdict = parsed(expect(0, "check", "hall.lcm", "--json"))
 check(verdict.get("passed") is True and verdict.get("digest") == first.get("digest"), f"check --json: {verdict}")
+# A release gate: the digest and a bound are kept, then broken, each with its line.
+pathlib.Path("gate.toml").write_text(f'[max]\ncounters.heap_calls = 0\nall.missed = 0\n[equal]\ndigest = "{first.get("digest")}"\n')
+expect(0, "check", "hall.lcm", "--gate", "gate.toml")
+pathlib.Path("gate.toml").write_text('[max]\nticks = 1\n[equal]\ndigest = "none"\n')
+result = expect(1, "check", "hall.lcm", "--gate", "gate.toml")
+check(result.stdout.splitlines() == ["FAILED  gate.toml:4: digest = " + first.get("digest", "") + ", wanted none",
+                                     f"FAILED  gate.toml:2: ticks = {first.get('ticks')}, at most 1"], "a gate names what is broken", result)
+pathlib.Path("gate.toml").write_text("[max]\nall.mised = 0\n")
+expect(2, "check", "hall.lcm", "--gate", "gate.toml", says=["gate.toml:2: ", "all.mised"], only_line=True)
 wrong = expect(1, "check", "hall.lcm", "--fault", "odometry.8@1200", "--json")
 where = parsed(wrong).get("divergence", {})
 check((where.get("tick"), where.get("task"), where.get("field")) == (1200, "odometry", "p_world_body_m[0]"),
