@@ -7,6 +7,7 @@
 
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/figures.hpp"
+#include "tests/bench/stability/kernels.hpp"
 #include "tests/bench/stability/stability.hpp"
 
 namespace sortie::bench {
@@ -60,6 +61,8 @@ int run_stability(int argc, char** argv) {
   if (rows.empty()) throw std::invalid_argument("--only takes rt, estimators, mapping, planner or hil");
   root["summary"] = {{"cases", rows.size()}, {"ours_within", kept}, {"naive_outside", caught}};
   root["figures"] = rows;
+  root["tables"] = Json::array();
+  if (only.empty()) root["tables"].push_back(kernel_table());
   std::cout << root.dump() << std::endl;
   return 0;
 }
