@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench rays", "bench uav"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench rays", "bench uav", "bench stability"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
@@ -123,6 +123,15 @@ for extra in ([], ["--threads"]):
     check(again.get("digest") == first.get("digest"), f"replay {extra} gives another digest")
 verdict = parsed(expect(0, "check", "hall.lcm", "--json"))
 check(verdict.get("passed") is True and verdict.get("digest") == first.get("digest"), f"check --json: {verdict}")
+# A release gate: the digest and a bound are kept, then broken, each with its line.
+pathlib.Path("gate.toml").write_text(f'[max]\ncounters.heap_calls = 0\nall.missed = 0\n[equal]\ndigest = "{first.get("digest")}"\n')
+expect(0, "check", "hall.lcm", "--gate", "gate.toml")
+pathlib.Path("gate.toml").write_text('[max]\nticks = 1\n[equal]\ndigest = "none"\n')
+result = expect(1, "check", "hall.lcm", "--gate", "gate.toml")
+check(result.stdout.splitlines() == ["FAILED  gate.toml:4: digest = " + first.get("digest", "") + ", wanted none",
+                                     f"FAILED  gate.toml:2: ticks = {first.get('ticks')}, at most 1"], "a gate names what is broken", result)
+pathlib.Path("gate.toml").write_text("[max]\nall.mised = 0\n")
+expect(2, "check", "hall.lcm", "--gate", "gate.toml", says=["gate.toml:2: ", "all.mised"], only_line=True)
 wrong = expect(1, "check", "hall.lcm", "--fault", "odometry.8@1200", "--json")
 where = parsed(wrong).get("divergence", {})
 check((where.get("tick"), where.get("task"), where.get("field")) == (1200, "odometry", "p_world_body_m[0]"),
@@ -376,6 +385,22 @@ elif result.returncode == 0:
 else:
     check(result.returncode == 4 and "is not built" in result.stderr, "bench plant says what is missing", result)
     print("left out: the plant's benchmark is not built")
+
+# The stiff and extreme cases: exact at each run.
+expect(4, "bench", "stability", "--program", "absent/sortie-bench-stability", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "stability", "--only", "nothing")
+result = run("bench", "stability", "--only", "planner", "--json", "--out", "stability")
+if len(PROGRAM) > 1:
+    print("left out: the stability benchmark under an emulator")
+elif result.returncode == 0:
+    answer = parsed(result)
+    figures = answer.get("figures", [])
+    check(figures and all(figure["met"] and figure["group"] == "planner" for figure in figures), "every bound of the planner lies between ours and the naive method", result)
+    check(answer.get("summary", {}).get("cases") == len(figures), "bench stability counts its cases", result)
+    check("| ties between rays |" in pathlib.Path("stability/bench-stability.md").read_text(), "bench stability --out writes a page", result)
+else:
+    check(result.returncode == 4 and "is not built" in result.stderr, "bench stability says what is missing", result)
+    print("left out: the stability benchmark is not built")
 
 # Imports.
 expect(2, "import", "sheep", "x", "-o", "x.lcm")

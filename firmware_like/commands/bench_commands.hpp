@@ -18,6 +18,8 @@ void add_bench_rays(CLI::App& bench, CommandContext& context);
 void add_bench_uav(CLI::App& bench, CommandContext& context);
 /// `bench odometry`: attitude and odometry, error against run time.
 void add_bench_odometry(CLI::App& bench, CommandContext& context);
+/// `bench stability`: stiff and extreme cases beside the naive method.
+void add_bench_stability(CLI::App& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
 void add_bench_wcet(CLI::App& bench, CommandContext& context);
 

@@ -91,6 +91,22 @@ int run(const CommandContext& context, const DiffOptions& options) {
       row(task.name + " max_us", task.max_us, other.max_us);
     }
   }
+  for (const GroupResult& group : a.groups) {
+    for (const GroupResult& other : b.groups) {
+      if (group.name != other.name) continue;
+      row(group.name + " missed", static_cast<double>(group.missed), static_cast<double>(other.missed));
+    }
+  }
+  for (const PoolResult& pool : a.pools) {
+    for (const PoolResult& other : b.pools) {
+      if (pool.name != other.name) continue;
+      if (pool.high_water != other.high_water)
+        row(pool.name + " high_water", static_cast<double>(pool.high_water),
+            static_cast<double>(other.high_water));
+      if (pool.refused != other.refused)
+        row(pool.name + " refused", static_cast<double>(pool.refused), static_cast<double>(other.refused));
+    }
+  }
   for (const auto& [name, value] : a.counters) {
     if (b.counters.count(name) != 0 && b.counters.at(name) != value)
       row(name, static_cast<double>(value), static_cast<double>(b.counters.at(name)));

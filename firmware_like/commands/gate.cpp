@@ -12,6 +12,35 @@ namespace sortie::firmware {
 
 namespace {
 
+// The larger of both; what is no number stays, and breaks every bound.
+double larger(double a, double b) { return std::isnan(a) || b <= a ? a : b; }
+
+// What holds for all tasks, groups and pools together, so that a gate need not name each of them.
+void add_whole(const Results& results, std::map<std::string, double>& figures) {
+  double missed = 0;
+  double refused = 0;
+  double longest = 0;
+  double latest = 0;
+  for (const TaskResult& task : results.tasks) longest = larger(longest, task.max_us);
+  for (const GroupResult& group : results.groups) {
+    missed += static_cast<double>(group.missed);
+    latest = larger(latest, group.response_max_us);
+  }
+  for (const PoolResult& pool : results.pools) refused += static_cast<double>(pool.refused);
+  figures["all.missed"] = missed;
+  figures["all.refused"] = refused;
+  figures["all.max_us"] = longest;
+  figures["all.response_max_us"] = latest;
+}
+
+void add_measured(const std::string& prefix, const ChainFigures& measured,
+                  std::map<std::string, double>& figures) {
+  if (measured.count == 0) return;  // nothing was measured: a bound on it is an error, not kept
+  figures[prefix + ".p50_us"] = measured.p50_us;
+  figures[prefix + ".p99_us"] = measured.p99_us;
+  figures[prefix + ".max_us"] = measured.max_us;
+}
+
 std::map<std::string, double> figures_of(const Results& results) {
   std::map<std::string, double> figures;
   for (const auto& [name, value] : results.errors) figures["errors." + name] = value;
@@ -30,6 +59,23 @@ std::map<std::string, double> figures_of(const Results& results) {
     figures[prefix + "high_water"] = static_cast<double>(pool.high_water);
     figures[prefix + "refused"] = static_cast<double>(pool.refused);
   }
+  for (const GroupResult& group : results.groups) {
+    const std::string prefix = "groups." + group.name + ".";
+    figures[prefix + "missed"] = static_cast<double>(group.missed);
+    figures[prefix + "skipped"] = static_cast<double>(group.skipped);
+    figures[prefix + "worst_in_row"] = static_cast<double>(group.worst_in_row);
+    figures[prefix + "late_max_us"] = group.late_max_us;
+    figures[prefix + "response_max_us"] = group.response_max_us;
+  }
+  for (const ChainResult& chain : results.chains) {
+    const std::string prefix = "chains." + chain.name + ".";
+    figures[prefix + "reaction_us"] = chain.reaction_us;
+    figures[prefix + "age_us"] = chain.age_us;
+    add_measured(prefix + "measured_reaction", chain.reaction, figures);
+    add_measured(prefix + "measured_age", chain.age, figures);
+    add_measured(prefix + "measured_finished", chain.finished, figures);
+  }
+  add_whole(results, figures);
   figures["speed"] = results.speed;
   figures["ticks"] = static_cast<double>(results.ticks);
   return figures;
@@ -60,6 +106,25 @@ void check_table(const toml::table& table, const std::string& prefix, bool is_ma
   }
 }
 
+// [equal]: what must be as it was, text for text.
+void check_equal(const toml::table& table, const std::string& path, const Results& results,
+                 std::vector<std::string>& broken) {
+  const std::map<std::string, std::string> words{
+      {"digest", results.digest}, {"scene", results.scene}, {"vehicle", results.vehicle}};
+  for (const auto& [key, node] : table) {
+    const std::string name(key.str());
+    const std::string place = path + ":" + std::to_string(node.source().begin.line) + ": ";
+    const auto wanted = node.value<std::string>();
+    const auto word = words.find(name);
+    if (word == words.end()) throw ProfileError(place + name + ": [equal] takes digest, scene and vehicle");
+    if (!wanted || !node.is_string()) throw ProfileError(place + name + " must be a text");
+    if (*wanted != word->second)
+      broken.push_back(place + name + " = " + word->second + ", wanted " + *wanted);
+  }
+}
+
+constexpr const char* kGateTables = "a gate file has tables [max], [min] and [equal]";
+
 }  // namespace
 
 std::vector<std::string> check_gate(const std::string& path, const Results& results) {
@@ -68,16 +133,20 @@ std::vector<std::string> check_gate(const std::string& path, const Results& resu
     gate = toml::parse_file(path);
   } catch (const toml::parse_error& error) {
     throw ProfileError(path + ":" + std::to_string(error.source().begin.line) + ": " +
-                       std::string(error.description()) + "; a gate file has tables [max] and [min]");
+                       std::string(error.description()) + "; " + kGateTables);
   }
   const auto figures = figures_of(results);
   std::vector<std::string> broken;
   for (const auto& [key, node] : gate) {
     const std::string name(key.str());
     const toml::table* table = node.as_table();
-    if (table == nullptr || (name != "max" && name != "min")) {
+    if (table == nullptr || (name != "max" && name != "min" && name != "equal")) {
       throw ProfileError(path + ":" + std::to_string(node.source().begin.line) + ": unknown key " + name +
-                         "; a gate file has tables [max] and [min]");
+                         "; " + kGateTables);
+    }
+    if (name == "equal") {
+      check_equal(*table, path, results, broken);
+      continue;
     }
     check_table(*table, "", name == "max", path, figures, broken);
   }

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/bench/stability_bench.hpp"
+
+#include <cstdio>
+#include <ostream>
+
+#include "firmware_like/bench/figure_table.hpp"
+#include "firmware_like/bench/peer_program.hpp"
+#include "firmware_like/text_format.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+using StabilityJson = nlohmann::ordered_json;
+
+// A figure is a number, or a word for what is none.
+std::string stability_figure(const StabilityJson& row, const char* key) {
+  const auto found = row.find(key);
+  if (found == row.end()) return "?";
+  if (found->is_string()) return found->get<std::string>();
+  if (!found->is_number()) return "?";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", found->get<double>());
+  return text;
+}
+
+std::string stability_verdict(const StabilityJson& row) {
+  if (!row.value("ours_within", false)) return "OUTSIDE";
+  return row.value("naive_outside", false) ? "kept" : "NOT TOLD APART";
+}
+
+std::string stability_summary(const StabilityJson& result) {
+  const StabilityJson counts = result.value("summary", StabilityJson::object());
+  return std::to_string(counts.value("cases", 0)) + " cases: ours within the bound in " +
+         std::to_string(counts.value("ours_within", 0)) + ", the naive method outside in " +
+         std::to_string(counts.value("naive_outside", 0));
+}
+
+}  // namespace
+
+StabilityJson run_stability_bench(const StabilityBenchOptions& options) {
+  PeerProgram program{"sortie-bench-stability", options.program, {}, -1};
+  if (!options.only.empty()) program.arguments = {"--only", options.only};
+  return run_peer_program(program);
+}
+
+bool is_stable(const StabilityJson& result) {
+  const StabilityJson figures = result.value("figures", StabilityJson::array());
+  for (const StabilityJson& row : figures) {
+    if (!row.value("met", false)) return false;
+  }
+  return !figures.empty();
+}
+
+void print_stability_bench(std::ostream& out, const StabilityJson& result) {
+  std::string group;
+  for (const StabilityJson& row : result.value("figures", StabilityJson::array())) {
+    if (row.value("group", "") != group) {
+      group = row.value("group", "");
+      out << "\n"
+          << pad_right(group, 48) << pad_left("bound", 11) << pad_left("ours", 11) << pad_left("naive", 14)
+          << "\n";
+    }
+    out << pad_right(shorten(row.value("what", ""), 47), 48) << pad_left(stability_figure(row, "bound"), 11)
+        << pad_left(stability_figure(row, "ours"), 11) << pad_left(stability_figure(row, "naive"), 14) << "  "
+        << stability_verdict(row) << "\n";
+  }
+  print_tables(out, result, "kernels");
+  out << "\n" << stability_summary(result) << "\n";
+}
+
+std::string stability_bench_page(const StabilityJson& result, const std::string& command) {
+  std::string text = "# Stiff and extreme cases\n\nWritten by `" + command +
+                     "`. Each case was run by the code of this repository and by the naive method; the bound "
+                     "must lie between them. [What each case is](../stability.md).\n\n```\nmachine   " +
+                     result.value("machine", "") + "; " + result.value("compiler", "") + "\n```\n\n" +
+                     stability_summary(result) + ".\n";
+  std::string group;
+  for (const StabilityJson& row : result.value("figures", StabilityJson::array())) {
+    if (row.value("group", "") != group) {
+      group = row.value("group", "");
+      text += "\n## " + group +
+              "\n\n| case | measured | bound | ours | naive | |\n|---|---|---:|---:|---:|---|\n";
+    }
+    text += "| " + row.value("what", "") + " | " + row.value("measured", "");
+    for (const char* key : {"bound", "ours", "naive"}) text += " | " + stability_figure(row, key);
+    text += " | " + stability_verdict(row) + " |\n";
+  }
+  if (const std::string kernels = tables_page(result, "kernels"); !kernels.empty()) {
+    text +=
+        "\n## Kernels in float and double\n\nLargest error against quad precision, relative to the result's "
+        "largest number, over 4096 random inputs (seed 7), and processor time of a call, best of seven "
+        "rounds. "
+        "A float's last half step is 6.0e-8, a double's 1.1e-16.\n" +
+        kernels;
+  }
+  return text;
+}
+
+}  // namespace sortie::firmware

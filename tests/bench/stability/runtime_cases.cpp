@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stamps, counters and numbers at their ends.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "rt/histogram.hpp"
+#include "rt/math.hpp"
+#include "rt/saturating_count.hpp"
+#include "rt/spsc_ring.hpp"
+#include "rt/stamp_gate.hpp"
+#include "tests/bench/stability/cases.hpp"
+
+namespace sortie::bench {
+
+namespace {
+
+constexpr rt::Nanoseconds kSecond = rt::kNanosecondsPerSecond;
+
+// Takes what is newer than all before.
+struct NewestGate {
+  rt::Nanoseconds last{std::numeric_limits<rt::Nanoseconds>::min()};
+  Status take(rt::Nanoseconds stamp) {
+    if (stamp <= last) return Status::time_backwards;
+    last = stamp;
+    return Status::ok;
+  }
+};
+
+// Compares positions as plain numbers.
+struct PlainRing {
+  std::uint32_t written;
+  std::uint32_t read;
+  bool push() {
+    if (written >= read + 8u) return false;
+    ++written;
+    return true;
+  }
+  bool pop() {
+    if (read >= written) return false;
+    ++read;
+    return true;
+  }
+};
+
+template <class Gate>
+double refused_of_a_thousand(Gate gate, rt::Nanoseconds wild, rt::Nanoseconds from) {
+  static_cast<void>(gate.take(0));
+  static_cast<void>(gate.take(wild));
+  int refused = 0;
+  for (int i = 1; i <= 1000; ++i) refused += gate.take(from + i * kSecond / 100) == Status::ok ? 0 : 1;
+  return refused;
+}
+
+}  // namespace
+
+StabilityFigures wrapped_ring() {
+  constexpr std::uint32_t kFirst = 0xfffffffau;
+  constexpr int kElements = 20;
+  rt::SpscRing<int, 8> ring(kFirst);
+  PlainRing plain{kFirst, kFirst};
+  int lost = 0;
+  int plainly_lost = 0;
+  for (int i = 0; i < kElements; ++i) {
+    int got = -1;
+    if (!ring.try_push(i) || !ring.try_pop(got) || got != i) ++lost;
+    if (!plain.push() || !plain.pop()) ++plainly_lost;
+  }
+  return {static_cast<double>(lost), static_cast<double>(plainly_lost)};
+}
+
+StabilityFigures wild_stamp() {
+  constexpr rt::Nanoseconds kYear = 31'557'600 * kSecond;
+  return {refused_of_a_thousand(rt::StampGate(10 * kSecond), kYear, 0),
+          refused_of_a_thousand(NewestGate{}, kYear, 0)};
+}
+
+StabilityFigures clock_set_back() {
+  constexpr rt::Nanoseconds kHour = 3600 * kSecond;
+  return {refused_of_a_thousand(rt::StampGate(10 * kSecond), kSecond, -kHour),
+          refused_of_a_thousand(NewestGate{}, kSecond, -kHour)};
+}
+
+StabilityFigures extreme_stamps() {
+  constexpr rt::Nanoseconds kLow = std::numeric_limits<rt::Nanoseconds>::min();
+  constexpr rt::Nanoseconds kHigh = std::numeric_limits<rt::Nanoseconds>::max();
+  rt::StampGate gate(10 * kSecond);
+  static_cast<void>(gate.take(0));
+  int taken = 0;
+  int naively_taken = 0;
+  rt::Nanoseconds last = kHigh - 1;
+  for (const rt::Nanoseconds stamp : {kLow, kHigh, kLow + 5, kHigh - 7}) {
+    taken += gate.take(stamp) == Status::ok ? 1 : 0;
+    // The difference as hardware makes it: it wraps.
+    const auto step =
+        static_cast<rt::Nanoseconds>(static_cast<std::uint64_t>(stamp) - static_cast<std::uint64_t>(last));
+    if (step <= 0 || step > 10 * kSecond) continue;
+    last = stamp;
+    ++naively_taken;
+  }
+  return {static_cast<double>(taken), static_cast<double>(naively_taken)};
+}
+
+StabilityFigures full_counter() {
+  rt::SaturatingCount count;
+  count.set(rt::SaturatingCount::kTop - 1);
+  std::uint32_t plain = rt::SaturatingCount::kTop - 1;
+  for (int i = 0; i < 4; ++i) {
+    count.add();
+    ++plain;
+  }
+  constexpr double kTop = rt::SaturatingCount::kTop;
+  return {kTop - count.value(), kTop - plain};
+}
+
+StabilityFigures rank_of_share() {
+  rt::LatencyHistogram histogram;
+  for (std::uint64_t ns = 1; ns <= 50; ++ns) histogram.record_many(ns, 2);
+  // Share k / 100 of 100 durations is the k-th one, (k + 1) / 2 ns.
+  int wrong = 0;
+  int naively_wrong = 0;
+  for (std::uint64_t k = 1; k <= 100; ++k) {
+    const double share = static_cast<double>(k) * 0.01;
+    const double rank = std::ceil(share * 100.0);
+    wrong += histogram.percentile(share) == (k + 1) / 2 ? 0 : 1;
+    naively_wrong += static_cast<std::uint64_t>(rank) == k ? 0 : 1;
+  }
+  return {static_cast<double>(wrong), static_cast<double>(naively_wrong)};
+}
+
+StabilityFigures denormal_length() {
+  constexpr double kUnit = 5e-324;
+  const double x = 3e4 * kUnit;
+  const double y = 4e4 * kUnit;
+  const double truth = 5e4 * kUnit;
+  return {std::fabs(rt::hypot(x, y) / truth - 1), std::fabs(std::sqrt(x * x + y * y) / truth - 1)};
+}
+
+StabilityFigures long_length() {
+  const double x = 0x3p800;
+  const double y = 0x4p800;
+  const double truth = 0x5p800;
+  return {std::fabs(rt::hypot(x, y) / truth - 1), std::fabs(std::sqrt(x * x + y * y) / truth - 1)};
+}
+
+StabilityFigures sine_of_large() {
+  constexpr double kAngle = 1e22;
+  constexpr double kTruth = -0.8522008497671888;  // of the double 1e22, exact to the last digit
+  const double reduced = std::fmod(kAngle, 6.283185307179586);
+  return {std::fabs(rt::sin(kAngle) - kTruth), std::fabs(rt::sin(reduced) - kTruth)};
+}
+
+}  // namespace sortie::bench
