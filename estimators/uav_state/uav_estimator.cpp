@@ -47,6 +47,7 @@ Status UavEstimator::imu(const rt::ImuSample& sample, double thrust_m_s2) {
     return Status::ok;
   }
   if (reading.dt_s > config_.max_gap_s) ++counters_.imu_gaps;
+  move_to_origin(reading);
   if (count_ == kHistory) advance_base();
   const std::uint32_t slot = (first_ + count_) % kHistory;
   readings_[slot] = reading;
@@ -64,6 +65,22 @@ Status UavEstimator::imu(const rt::ImuSample& sample, double thrust_m_s2) {
   judge();
   publish(reading.gyr_rad_s - now_.gyr_bias_rad_s);
   return Status::ok;
+}
+
+// The force at the body's origin from the one where the sensor sits: less the centripetal and the tangential
+// acceleration. The change of rate is that since the reading before, half an interval late; what it adds to
+// the velocity adds up to the swing itself, so its noise does not grow.
+void UavEstimator::move_to_origin(InertialReading& reading) const {
+  const Vector3& arm = config_.p_body_imu_m;
+  if (arm.x == 0.0 && arm.y == 0.0 && arm.z == 0.0) return;
+  const Vector3 w = reading.gyr_rad_s - now_.gyr_bias_rad_s;
+  reading.acc_m_s2 = reading.acc_m_s2 - rt::cross(w, rt::cross(w, arm));
+  // The slot before the next one keeps the last reading also when all have been used up.
+  const InertialReading& before = readings_[(first_ + count_ + kHistory - 1) % kHistory];
+  if (!(before.dt_s > 0.0) || reading.dt_s > config_.max_gap_s) return;
+  const double between_s = 0.5 * (before.dt_s + reading.dt_s);
+  reading.acc_m_s2 =
+      reading.acc_m_s2 - rt::cross((1.0 / between_s) * (reading.gyr_rad_s - before.gyr_rad_s), arm);
 }
 
 void UavEstimator::level(const InertialReading& reading) {

@@ -18,6 +18,7 @@ namespace sortie::estimators {
 struct UavEstimatorConfig {
   InertialNoise noise;
   double gravity_m_s2{9.81};
+  rt::Vector3 p_body_imu_m;   ///< where the sensor sits, from the body's origin; its axes are the body's
   double fix_sigma_m{0.012};  ///< of a fix, each axis
   double fix_yaw_sigma_rad{0.012};
   double start_velocity_sigma_m_s{0.05};
@@ -84,6 +85,7 @@ class UavEstimator {
  private:
   Status check(const rt::ImuSample& sample) const;
   void level(const InertialReading& reading);
+  void move_to_origin(InertialReading& reading) const;
   void advance_base();
   void restart_now();
   void begin(const rt::UavFix& fix);

@@ -32,7 +32,7 @@ void read_imu(Profile& profile, hil::ImuConfig& imu) {
                                  const char* meaning) {
     value = profile.number(path, {value, low, high, unit, meaning});
   };
-  const char* place = "where the IMU sits, from the ground point between the tracks";
+  const char* place = "where the IMU sits, from the body's origin (tracks: the ground point between them)";
   number("hil.imu_x_m", imu.lever_arm_m[0], -10, 10, "m", place);
   number("hil.imu_y_m", imu.lever_arm_m[1], -10, 10, "m", place);
   number("hil.imu_z_m", imu.lever_arm_m[2], -10, 10, "m", place);

@@ -111,8 +111,6 @@ hil::UavVehicleConfig read_uav_bench(Profile& profile) {
   config.command_faults.drop =
       number("hil.command_loss", 0, 0, 1, "", "share of frames to the rotors that are not heard");
   read_imu_alone(profile, config.imu, config.imu_faults);
-  for (const double arm : config.imu.lever_arm_m)
-    if (arm != 0.0) profile.fail("hil.imu_x_m", "the IMU of this vehicle sits in its middle");
   read_fixes(profile, config);
   read_weather(profile, config);
   read_uav_lidar(profile, config);

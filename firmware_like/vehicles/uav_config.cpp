@@ -97,6 +97,9 @@ estimators::UavEstimatorConfig read_uav_estimator_config(VehicleBuilder& builder
                                         "rad/s/rtHz", "density that the filter reckons with");
   config.noise.acc_m_s2_rt_hz = number("state.acc_noise_m_s2_rt_hz", config.noise.acc_m_s2_rt_hz, 1e-5, 10,
                                        "m/s2/rtHz", "density that the filter reckons with");
+  const char* arm = "where the IMU sits, from the body's origin";
+  config.p_body_imu_m = {number("imu.x_m", 0, -10, 10, "m", arm), number("imu.y_m", 0, -10, 10, "m", arm),
+                         number("imu.z_m", 0, -10, 10, "m", arm)};
   config.dead_after_s = number("state.dead_after_s", config.dead_after_s, 0.05, 10, "s",
                                "without a fix: dead reckoning, it hovers");
   config.lost_after_s =

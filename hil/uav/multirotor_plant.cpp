@@ -89,8 +89,11 @@ void MultirotorPlant::meet_ground() {
 }
 
 void MultirotorPlant::integrate_inertial(const MultirotorState& before, double dt_s) {
-  const Vec3 dv =
-      state_.v_world_m_s - before.v_world_m_s + Vec3{0, 0, dynamics_.config().gravity_m_s2 * dt_s};
+  const auto swing = [this](const MultirotorState& s) {  // of the sensor about the origin, world frame
+    return rotate(s.q_world_body, cross(s.w_body_rad_s, imu_arm_m_));
+  };
+  const Vec3 dv = state_.v_world_m_s - before.v_world_m_s +
+                  Vec3{0, 0, dynamics_.config().gravity_m_s2 * dt_s} + (swing(state_) - swing(before));
   const Quat middle = blend(before.q_world_body, state_.q_world_body, 0.5);
   dv_body_m_s_ = dv_body_m_s_ + rotate(conjugate(middle), dv);
   turn_rad_ = turn_rad_ + rotation_vector(conjugate(before.q_world_body) * state_.q_world_body);

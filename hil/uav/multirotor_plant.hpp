@@ -75,8 +75,10 @@ class MultirotorPlant {
   double voltage_share() const { return voltage_share_; }
   std::uint64_t commands_changed() const { return commands_changed_; }
 
-  /// Mean turn rate and mean specific force since the last call: what a perfect inertial sensor at the origin
-  /// measures.
+  /// Where the inertial sensor sits, from the origin, body frame; at the origin unless told.
+  void set_imu_arm(const Vec3& arm_m) { imu_arm_m_ = arm_m; }
+  /// Mean turn rate and mean specific force since the last call: what a perfect inertial sensor there
+  /// measures, with the axes of the body.
   InertialTruth take_inertial();
 
  private:
@@ -94,6 +96,7 @@ class MultirotorPlant {
   std::uint32_t gust_count_{};
   Vec3 wind_;
   Vec3 torque_;
+  Vec3 imu_arm_m_;
   double time_s_{};
   double charge_;
   double voltage_share_{1.0};

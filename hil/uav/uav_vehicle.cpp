@@ -54,6 +54,7 @@ UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, dr
     if (plant_.add_gust(gust) != Status::ok) throw std::runtime_error("hil gusts: at most 8 fit");
   }
   plant_.set_wind(config_.wind_m_s);
+  plant_.set_imu_arm({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]});
   if (config_.dark_to_ns > config_.dark_from_ns)
     fixes_.black_out(config_.start_ns + config_.dark_from_ns, config_.start_ns + config_.dark_to_ns);
   if (scans_ != nullptr) {
