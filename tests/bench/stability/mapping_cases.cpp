@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapping/occupancy.hpp"
-#include "mapping/plane_solve.hpp"
+#include "mapping/plane_batch.hpp"
 #include "tests/bench/stability/cases.hpp"
 #include "tests/mapping/owned_map.hpp"
 
@@ -46,8 +46,12 @@ Vector3 naive_normal(const Symmetric3& m) {
 }
 
 Vector3 own_normal(const Symmetric3& m) {
-  mapping::PlaneFit fit;
-  return mapping::fit_plane(m, fit) ? rt::to_vector(fit.normal) : Vector3{std::nan(""), 0, 0};
+  mapping::PlaneBatch batch;
+  batch.add(m);
+  batch.solve();
+  if (!batch.plane(0).has_normal()) return {std::nan(""), 0, 0};
+  const auto part = [&batch](int axis) { return static_cast<double>(batch.normal(axis, 0)); };
+  return {part(0), part(1), part(2)};
 }
 
 Symmetric3 spread_along(const Vector3& a) {
@@ -129,7 +133,7 @@ StabilityFigures far_from_origin() {
 StabilityFigures far_normals() {
   const Vector3 normal = (1.0 / norm(Vector3{0.1, 0.2, 1})) * Vector3{0.1, 0.2, 1};
   constexpr double kStep = 0.1 / mapping::kContributionSteps;
-  mapping::NormalRecord record;
+  mapping::NormalSums record;
   float sum[3] = {0, 0, 0};
   float square[6] = {0, 0, 0, 0, 0, 0};
   constexpr int kSide = 7;
@@ -143,7 +147,6 @@ StabilityFigures far_normals() {
     for (int a = 0; a < 3; ++a) {
       s[a] = static_cast<std::int32_t>(std::lround(at[a] / kStep));
       far[a] = static_cast<float>(10'000 + at[a]);
-      record.sum[a] += s[a];
       record.square[a] += static_cast<std::uint32_t>(s[a] * s[a]);
       sum[a] += far[a];
       square[a] += far[a] * far[a];
@@ -153,6 +156,7 @@ StabilityFigures far_normals() {
       record.product[k] += s[kPairs[k][0]] * s[kPairs[k][1]];
       square[3 + k] += far[kPairs[k][0]] * far[kPairs[k][1]];
     }
+    record.sum += mapping::PackedSum::of(s[0], s[1], s[2]);
     ++record.count;
   }
   constexpr float kCount = kSide * kSide;
@@ -196,19 +200,21 @@ StabilityFigures coplanar_points() {
 }
 
 StabilityFigures duplicate_points() {
-  mapping::NormalRecord record;
+  mapping::NormalSums record;
   for (int i = 0; i < 10; ++i) {
     for (int a = 0; a < 3; ++a) {
       record.square[a] += 100 * 100;
       record.product[a] += 100 * 100;
-      record.sum[a] += 100;
     }
+    record.sum += mapping::PackedSum::of(100, 100, 100);
     ++record.count;
   }
   const Symmetric3 m = mapping::scaled_covariance(record);
-  mapping::PlaneFit fit;
-  const double claimed = mapping::fit_plane(m, fit) ? 1.0 : 0.0;
-  return {claimed + fit.curvature, m.xx / (m.xx + m.yy + m.zz)};
+  mapping::PlaneBatch batch;
+  batch.add(m);
+  batch.solve();
+  const double claimed = batch.plane(0).has_normal() ? 1.0 : 0.0;
+  return {claimed + static_cast<double>(batch.curvature(0)), m.xx / (m.xx + m.yy + m.zz)};
 }
 
 StabilityFigures billion_insertions() {
