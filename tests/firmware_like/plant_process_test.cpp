@@ -194,7 +194,9 @@ TEST_CASE("rays go out to a plant and what comes back is mapped, and the log rep
     CHECK(ran("ssl_frames") > 20);
     CHECK(ran("ssl_unasked") == 0);
     CHECK(ran("occupancy_known") > 1000);
-    CHECK(fired("rays_commands") == fired("bench_ssl_rays") / 200);
+    // What the last command asks for may be left over when the run ends.
+    CHECK(fired("rays_commands") >= fired("bench_ssl_rays") / 200);
+    CHECK(fired("rays_commands") <= fired("bench_ssl_rays") / 200 + 1);
     CHECK(fired("rays_frames") <= fired("rays_commands"));
   }
   const ReplayOutcome replayed = replay_log(folder.file("run.lcm"));
