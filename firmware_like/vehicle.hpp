@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "firmware_like/outlet.hpp"
 #include "firmware_like/parameters.hpp"
 #include "firmware_like/profile.hpp"
+#include "mapping/occupancy_view.hpp"
 #include "rt/archive.hpp"
 #include "rt/executive.hpp"
 #include "rt/segment_list.hpp"
@@ -241,11 +243,8 @@ class Vehicle {
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
     static_cast<void>(put);
   }
-  /// Calls `put(x, y, z)` for the middle of every cell that the occupancy map holds for occupied, at the end
-  /// of a run. Without such a map: nothing.
-  virtual void for_each_occupied(const std::function<void(double, double, double)>& put) const {
-    static_cast<void>(put);
-  }
+  /// The occupancy map as it is when no job runs; nothing without one.
+  virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
 };
 
 /// Makes a vehicle. Throws ProfileError.

@@ -12,6 +12,7 @@
 #include "firmware_like/exporters/contacts_csv.hpp"
 #include "firmware_like/exporters/csv.hpp"
 #include "firmware_like/exporters/flight_jobs.hpp"
+#include "firmware_like/exporters/flight_map.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/ply.hpp"
 #include "firmware_like/exporters/sensor_truth_csv.hpp"
@@ -32,6 +33,7 @@ struct ExportOptions {
   std::string path;
   std::string task;
   ReplayOptions replay;
+  std::string for_scene;
   bool accept_damage{};
   std::size_t last{20};
 };
@@ -54,6 +56,50 @@ void export_ply(const CommandContext& context, const ExportOptions& options, con
   if (points.empty())
     throw InputError(options.log + ": this scene keeps no map; export ply needs a scene with task map", 2);
   write_ply(out, points);
+}
+
+// A scene for another robot, with what this one came to know of its flight map.
+void export_flight_map(const CommandContext& context, ExportOptions& options, const LogFile& log,
+                       std::ostream& out) {
+  if (options.for_scene.empty()) {
+    throw InputError("flight_map needs --for SCENE: the scene of the multirotor that is to fly by the map",
+                     2);
+  }
+  Profile profile = load_scene(options.for_scene);
+  if (!profile.has("flight_map"))
+    throw InputError(options.for_scene + ": has no [flight_map]; choose a scene that plans its ways", 2);
+  FlightMapGatherer gatherer(read_flight_voxels(profile));
+  bool has_map = false;
+  const auto take = [&](const Runtime& runtime) {
+    const std::optional<mapping::OccupancyView> view = runtime.vehicle().occupancy();
+    if (!view) return;
+    has_map = true;
+    gatherer.take(*view);
+  };
+  constexpr rt::Tick kEvery = 1000;  // ticks of 1 ms: no window moves on by much in that time
+  options.replay.on_tick = [&take](rt::Tick tick, Runtime& runtime, LogFeed&) {
+    if (tick % kEvery == 0) take(runtime);
+  };
+  const ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
+  take(*outcome.runtime);
+  if (!has_map) {
+    throw InputError(options.log +
+                         ": this scene keeps no occupancy map; record one with [tasks.occupancy] and "
+                         "[tasks.ssl], as ugv_rescue has them",
+                     2);
+  }
+  const std::size_t free = gatherer.count(CellState::free);
+  if (free == 0) {
+    throw InputError(options.log + ": the robot saw nothing of the flight map of " + options.for_scene +
+                         "; does flight_map.x_m begin where it drove?",
+                     2);
+  }
+  const std::string from = options.log + " (" + log.header().scene + ", digest " + outcome.results.digest +
+                           "): " + std::to_string(free) + " voxels are free, " +
+                           std::to_string(gatherer.count(CellState::blocked)) + " blocked, " +
+                           std::to_string(gatherer.count(CellState::unknown)) + " unknown";
+  write_flight_map(out, options.for_scene, profile.name(), from, gatherer.cells());
+  std::cerr << "flight map of " << from << "\n";
 }
 
 // One row a job of the chosen task, all its fields.
@@ -183,6 +229,7 @@ int run(const CommandContext& context, ExportOptions& options) {
   write_file(options.path, [&](std::ostream& out) {
     if (options.kind == "tum") export_tum(context, options, log, out);
     if (options.kind == "ply") export_ply(context, options, log, out);
+    if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
     if (options.kind == "candump") export_candump(log, out);
     if (options.kind == "trace") export_trace(log, out);
@@ -201,18 +248,20 @@ void add_export(CLI::App& app, CommandContext& context) {
   CLI::App* command = app.add_subcommand("export", "Write what a log holds in a form that other tools open");
   command->footer(
       "Kinds: tum (evo), ply (MeshLab, CloudCompare), csv (PlotJuggler, pandas), candump (can-utils), trace "
-      "(ui.perfetto.dev), latency (SVG), jobs (text)\n"
+      "(ui.perfetto.dev), latency (SVG), jobs (text),\n"
+      "flight_map (a scene with the map that the robot made, for a multirotor)\n"
       "trace, latency and jobs also read the flight ring of a run that died.\n"
       "Examples:\n"
       "  sortie export tum hall.lcm -o hall.tum\n"
       "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
       "  sortie export csv pallet.lcm --task truth_contacts -o contacts.csv\n"
+      "  sortie export flight_map ugv.lcm --for uav_rescue -o uav.toml\n"
       "  sortie export trace hall.lcm -o hall.trace.json\n"
       "  sortie export latency hall.lcm -o latency.svg\n"
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
   command->add_option("kind", options->kind, "What to write")
       ->required()
-      ->check(CLI::IsMember({"tum", "ply", "csv", "candump", "trace", "latency", "jobs"}));
+      ->check(CLI::IsMember({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "flight_map"}));
   command->add_option("log", options->log, "LCM log, or a flight ring")->required();
   command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
   command->add_option("-o,--output", options->path, "File; - is standard output")
@@ -223,6 +272,8 @@ void add_export(CLI::App& app, CommandContext& context) {
                    "csv: whose output, or truth_contacts, truth_flippers, truth_sensors; tum: `truth` writes "
                    "the reference")
       ->capture_default_str();
+  command->add_option("--for", options->for_scene, "flight_map: the scene that is to fly by it")
+      ->type_name("SCENE");
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")

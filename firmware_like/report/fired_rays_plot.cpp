@@ -141,7 +141,18 @@ void add_returns(const std::vector<FiredRay>& rays, const Ages& ages, const RayR
 
 std::vector<MapPoint> occupied_cells(const Vehicle& vehicle) {
   std::vector<MapPoint> cells;
-  vehicle.for_each_occupied([&cells](double x, double y, double z) { cells.push_back({x, y, z}); });
+  const std::optional<mapping::OccupancyView> view = vehicle.occupancy();
+  if (!view) return cells;
+  const auto middle = [&view](int axis, std::int32_t cell) {
+    return view->voxel_size_m * (view->low[axis] + cell + 0.5);
+  };
+  const std::int8_t* cell = view->cells;
+  for (std::int32_t z = 0; z < view->size[2]; ++z) {
+    for (std::int32_t y = 0; y < view->size[1]; ++y) {
+      for (std::int32_t x = 0; x < view->size[0]; ++x, ++cell)
+        if (*cell > 0) cells.push_back({middle(0, x), middle(1, y), middle(2, z)});
+    }
+  }
   return cells;
 }
 

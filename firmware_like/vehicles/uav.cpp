@@ -3,9 +3,26 @@
 
 #include <tuple>
 
-#include "firmware_like/vehicles/uav_config.hpp"
-
 namespace sortie::firmware {
+
+namespace {
+
+// What another run found out; what it did not stays as the map has it.
+void put_known(const GuideConfig& config, planner::FlightMap& map) {
+  std::size_t index = 0;
+  if (config.known.empty()) return;
+  for (std::int32_t z = 0; z < config.map.nz; ++z) {
+    for (std::int32_t y = 0; y < config.map.ny; ++y) {
+      for (std::int32_t x = 0; x < config.map.nx; ++x) {
+        const CellState state = config.known[index++];
+        if (state != CellState::unknown)
+          static_cast<void>(map.set_blocked({x, y, z}, state == CellState::blocked));  // it lies inside
+      }
+    }
+  }
+}
+
+}  // namespace
 
 Uav::Uav(VehicleBuilder& builder) {
   const rt::GroupId control = builder.group("control", 200);
@@ -148,12 +165,33 @@ void Uav::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner:
   });
 }
 
+// On a stored map the vehicle takes off from where it was set down, seen or not: with a lidar, UavSensing
+// does this as it flies.
+void Uav::clear_start(const VehicleBuilder& builder, const GuideConfig& config) {
+  const rt::Vector3 start = rt::to_vector(builder.initial_pose().p_world_body_m);
+  const double more = config.bubble_m;
+  const rt::Vector3 r = config.map.radii_m + rt::Vector3{more, more, more};
+  for (std::int32_t z = 0; z < config.map.nz; ++z) {
+    for (std::int32_t y = 0; y < config.map.ny; ++y) {
+      for (std::int32_t x = 0; x < config.map.nx; ++x) {
+        const rt::Vector3 d = map_->middle_m({x, y, z}) - start;
+        const rt::Vector3 s{d.x / r.x, d.y / r.y, d.z / r.z};
+        const auto index = static_cast<std::size_t>((z * config.map.ny + y) * config.map.nx + x);
+        if (rt::norm(s) <= 1.0 && (config.known.empty() || config.known[index] == CellState::unknown))
+          static_cast<void>(map_->set_blocked({x, y, z}, false));  // it lies inside
+      }
+    }
+  }
+}
+
 void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
   GuideConfig config = read_guide_config(builder);
   boxes_ = std::move(config.boxes);
   rt::Arena& arena = builder.arena();
   const std::uint32_t bricks = planner::FlightMap::bricks_for(config.map);
   map_ = make_flight_map(builder, config.map);
+  put_known(config, *map_);
+  if (!config.sensed && config.map.unknown_is_blocked) clear_start(builder, config);
   const planner::CoarseMemory coarse{arena.make_array<planner::PathNode>("path parts", config.parts),
                                      arena.make_array<std::uint32_t>("path parts", config.parts),
                                      arena.make_array<std::uint32_t>("path parts", bricks)};
@@ -175,6 +213,7 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
     planner::FlightMapConfig hope = config.map;
     hope.unknown_is_blocked = false;
     hope_ = make_flight_map(builder, hope);
+    put_known(config, *hope_);
     guide_->expect(*hope_, config.cells);
     add_sensing(builder, group, config.map, config.bubble_m);
   }

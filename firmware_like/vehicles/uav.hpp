@@ -9,6 +9,7 @@
 #include "drivers/can_codec.hpp"
 #include "estimators/uav_state/uav_estimator.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/uav_config.hpp"
 #include "firmware_like/vehicles/uav_sensing.hpp"
 #include "planner/uav_guide.hpp"
 #include "planner/uav_pilot.hpp"
@@ -26,12 +27,16 @@ class Uav final : public Vehicle {
   InputPort<rt::FlyRequest>* fly_requests() override { return request_port_; }
   drivers::ScanSink* scan_sink() override { return sensing_ ? sensing_->scan_sink() : nullptr; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return pose_task_; }
+  std::optional<mapping::OccupancyView> occupancy() const override {
+    return sensing_ ? std::optional(sensing_->map().view()) : std::nullopt;
+  }
 
  private:
   void add_state(VehicleBuilder& builder, rt::GroupId group);
   void make_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_path(VehicleBuilder& builder, rt::GroupId control);
+  void clear_start(const VehicleBuilder& builder, const GuideConfig& config);
   void add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
                    double bubble_m);
   std::unique_ptr<planner::FlightMap> make_flight_map(VehicleBuilder& builder,

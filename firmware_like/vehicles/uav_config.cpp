@@ -2,6 +2,7 @@
 #include "firmware_like/vehicles/uav_config.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "firmware_like/vehicles/units.hpp"
 #include "firmware_like/vehicles/world_boxes.hpp"
@@ -132,8 +133,8 @@ std::vector<planner::UavGoal> read_uav_mission(VehicleBuilder& builder) {
 
 namespace {
 
-// Voxels are cells of the occupancy map: its corner lies on a corner of a cell.
-void read_sensed(Profile& profile, GuideConfig& config) {
+// Voxels are cells of an occupancy map: its corner lies on a corner of a cell.
+void align(GuideConfig& config) {
   const double voxel_m = config.map.voxel_m;
   double* const origin[3] = {&config.map.origin_m.x, &config.map.origin_m.y, &config.map.origin_m.z};
   for (int a = 0; a < 3; ++a) {
@@ -141,6 +142,9 @@ void read_sensed(Profile& profile, GuideConfig& config) {
     config.cells.low[a] = static_cast<std::int32_t>(cell);
     *origin[a] = voxel_m * cell;
   }
+}
+
+void read_limits(Profile& profile, GuideConfig& config) {
   config.cells.free_code = mapping::OccupancyMap::code_of(profile.number(
       "flight_map.free_below", {0.05, 0.001, 0.5, "", "chance of a cell that may be entered"}));
   config.cells.blocked_code = mapping::OccupancyMap::code_of(
@@ -148,15 +152,28 @@ void read_sensed(Profile& profile, GuideConfig& config) {
                      {0.5, 0.01, 0.999, "", "chance of a cell that is blocked; between: as it was"}));
   if (config.cells.blocked_code < config.cells.free_code)
     profile.fail("flight_map.blocked_above", "must not be below flight_map.free_below");
-  config.bubble_m = profile.number(
-      "flight_map.bubble_m",
-      {0.3, 0, 2, "m", "room around the vehicle that is free until its first question, seen or not"});
 }
 
-}  // namespace
+void read_known(Profile& profile, bool stored, GuideConfig& config) {
+  const std::string text = profile.text("flight_map.cells", "",
+                                        "what another run knows of the map, from `sortie export flight_map`");
+  if (text.empty() && stored) {
+    profile.fail("flight_map.source",
+                 "\"stored\" needs flight_map.cells; `sortie export flight_map LOG --for " + profile.name() +
+                     " -o FILE` writes a scene that has them");
+  }
+  if (text.empty()) return;
+  const planner::FlightMapConfig& map = config.map;
+  const auto voxels = std::size_t(map.nx) * std::size_t(map.ny) * std::size_t(map.nz);
+  try {
+    config.known = unpack_cells(text, voxels);
+  } catch (const std::invalid_argument& error) {
+    profile.fail("flight_map.cells", error.what());
+  }
+}
 
-GuideConfig read_guide_config(VehicleBuilder& builder) {
-  Profile& profile = builder.profile();
+// Where the map's voxels are.
+GuideConfig read_voxels(Profile& profile) {
   GuideConfig config;
   const auto number = [&profile](const char* path, double fallback, double low, double high,
                                  const char* meaning) {
@@ -174,20 +191,49 @@ GuideConfig read_guide_config(VehicleBuilder& builder) {
   config.map.nx = voxels("flight_map.length_m", 24);
   config.map.ny = voxels("flight_map.width_m", 8);
   config.map.nz = voxels("flight_map.height_m", 3.2);
+  return config;
+}
+
+}  // namespace
+
+GuideConfig read_flight_voxels(Profile& profile) {
+  GuideConfig config = read_voxels(profile);
+  align(config);
+  read_limits(profile, config);
+  return config;
+}
+
+GuideConfig read_guide_config(VehicleBuilder& builder) {
+  Profile& profile = builder.profile();
+  GuideConfig config = read_voxels(profile);
+  const auto number = [&profile](const char* path, double fallback, double low, double high,
+                                 const char* meaning) {
+    return profile.number(path, {fallback, low, high, "m", meaning});
+  };
   const double radius =
       number("airframe.radius_m", 0.45, 0.05, 3, "of all of it from above, with propellers");
   const double half = number("airframe.half_height_m", 0.15, 0.02, 3, "of all of it from the side");
   config.map.radii_m = {radius, radius, half};
-  config.sensed = profile.text("flight_map.source", "given",
-                               "given: [[world.boxes]] are known, the rest is air; lidar: what was not seen "
-                               "is not flown through",
-                               {"given", "lidar"}) == "lidar";
-  config.map.unknown_is_blocked = config.sensed;
+  const std::string source =
+      profile.text("flight_map.source", "given",
+                   "given: [[world.boxes]] are known, the rest is air; lidar: what was not seen is not flown "
+                   "through; stored: what flight_map.cells does not call free is not",
+                   {"given", "lidar", "stored"});
+  const bool given = source == "given";
+  config.sensed = source == "lidar";
+  config.map.unknown_is_blocked = !given;
   const double margin = number("flight_map.margin_m", 0, 0, 2, "kept beyond the vehicle's own size");
   config.map.radii_m = config.map.radii_m + rt::Vector3{margin, margin, margin};
-  if (config.sensed) read_sensed(profile, config);
+  if (!given) {
+    align(config);
+    read_limits(profile, config);
+    config.bubble_m = profile.number(
+        "flight_map.bubble_m",
+        {0.3, 0, 2, "m", "room around the vehicle that is free until its first question, seen or not"});
+    if (planner::FlightMap::bricks_for(config.map) != 0) read_known(profile, source == "stored", config);
+  }
   for (const WorldBox& box : read_world_boxes(profile)) {
-    if (!config.sensed)
+    if (given)
       config.boxes.push_back({rt::to_vector(box.lowest_m), rt::to_vector(box.highest_m), box.from_ns});
   }
   const auto pool = [&profile](const char* path, double fallback, double least, const char* meaning) {

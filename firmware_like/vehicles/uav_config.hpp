@@ -6,6 +6,7 @@
 
 #include "estimators/uav_state/uav_estimator.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/stored_cells.hpp"
 #include "planner/uav_guide.hpp"
 #include "planner/uav_pilot.hpp"
 
@@ -14,7 +15,8 @@ namespace sortie::firmware {
 /// The map that ways are planned on, and the planner's pools.
 struct GuideConfig {
   planner::FlightMapConfig map;
-  bool sensed{};  ///< by the lidar; else the boxes are known
+  bool sensed{};                 ///< by the lidar
+  std::vector<CellState> known;  ///< what another run found out, a state a voxel; empty: nothing
   planner::SensedCells cells;
   double bubble_m{};  ///< taken for free around the vehicle's own size until the first question
   std::vector<planner::KnownBox> boxes;
@@ -29,5 +31,7 @@ planner::UavPilotConfig read_pilot_config(VehicleBuilder& builder);
 estimators::UavEstimatorConfig read_uav_estimator_config(VehicleBuilder& builder);
 std::vector<planner::UavGoal> read_uav_mission(VehicleBuilder& builder);
 GuideConfig read_guide_config(VehicleBuilder& builder);
+/// Of [flight_map] its voxels and what chances mean alone, as a map has them that is sensed or stored.
+GuideConfig read_flight_voxels(Profile& profile);
 
 }  // namespace sortie::firmware

@@ -30,8 +30,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
-  void for_each_occupied(const std::function<void(double, double, double)>& put) const override {
-    if (ssl_) ssl_->for_each_occupied(put);
+  std::optional<mapping::OccupancyView> occupancy() const override {
+    return ssl_ ? ssl_->occupancy() : std::nullopt;
   }
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 

@@ -207,21 +207,6 @@ void UgvSsl::plan(rt::JobContext& context, SslOutput& output) {
   output.certificate = plan->certificate;
 }
 
-void UgvSsl::for_each_occupied(const std::function<void(double, double, double)>& put) const {
-  if (!map_) return;
-  const mapping::OccupancyView view = map_->view();
-  const auto middle = [&view](int axis, std::int32_t cell) {
-    return view.voxel_size_m * (view.low[axis] + cell + 0.5);
-  };
-  const std::int8_t* cell = view.cells;
-  for (std::int32_t z = 0; z < view.size[2]; ++z) {
-    for (std::int32_t y = 0; y < view.size[1]; ++y) {
-      for (std::int32_t x = 0; x < view.size[0]; ++x, ++cell)
-        if (*cell > 0) put(middle(0, x), middle(1, y), middle(2, z));
-    }
-  }
-}
-
 void UgvSsl::poll(const Devices& devices, rt::Nanoseconds now_ns) {
   rt::SslCommand command;
   while (outlet_->take(now_ns, command)) {

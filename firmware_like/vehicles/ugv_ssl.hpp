@@ -63,8 +63,10 @@ class UgvSsl {
   /// Times a unit of the scheduler on this machine; nothing where rays are not scheduled.
   UnitTrial try_units() const;
 
-  /// Middles of the map's cells with log-odds above 0; without a map nothing. When no job runs.
-  void for_each_occupied(const std::function<void(double, double, double)>& put) const;
+  /// The map; nothing where rays are not scheduled. When no job runs.
+  std::optional<mapping::OccupancyView> occupancy() const {
+    return map_ ? std::optional(map_->view()) : std::nullopt;
+  }
 
   /// I/O thread: commands that are due go to the device and into the log, frames come in.
   void poll(const Devices& devices, rt::Nanoseconds now_ns);
