@@ -158,6 +158,8 @@ Json to_json(const Results& results) {
               {"speed", json_number(results.speed)},
               {"machine", results.machine},
               {"compiler", results.compiler},
+              {"profile_hash", results.profile_hash},
+              {"left_out", results.left_out},
               {"warnings", results.warnings}};
   if (results.doctor.present) object["doctor"] = to_json(results.doctor);
   return object;
@@ -203,6 +205,8 @@ Results results_from_json(const Json& object) {
           in.check(value.is_number_unsigned(), name.c_str(), value, "a count").get<std::uint64_t>();
     }
   }
+  in.read("profile_hash", results.profile_hash);
+  in.read("left_out", results.left_out);
   in.read("warnings", results.warnings);
   if (const Json* doctor = in.find("doctor")) results.doctor = doctor_from_json(*doctor);
   return results;

@@ -236,6 +236,8 @@ Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
   results.vehicle = runtime.profile().vehicle();
   results.machine = machine_description();
   results.compiler = compiler_description();
+  results.profile_hash = hex(runtime.profile().hash());
+  results.left_out = runtime.parts().left_out();
   for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
     const rt::TaskBase& task = executive.task(i);
     const rt::Group& group = executive.group(task.group());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/vehicle.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -105,7 +106,11 @@ rt::StaleRule VehicleBuilder::stale_rule(const std::string& name) {
 }
 
 bool VehicleBuilder::wants(const std::string& task, bool fallback) {
-  return profile_.flag("tasks." + task + ".enabled", fallback, "false: not scheduled, and no memory for it");
+  const bool wanted =
+      profile_.flag("tasks." + task + ".enabled", fallback, "false: not scheduled, and no memory for it");
+  if (!wanted && std::find(left_out_.begin(), left_out_.end(), task) == left_out_.end())
+    left_out_.push_back(task);
+  return wanted;
 }
 
 ParameterGroup& VehicleBuilder::parameter_group(rt::GroupId group, const std::string& path) {

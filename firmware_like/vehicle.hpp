@@ -68,6 +68,8 @@ class VehicleBuilder {
 
   /// True unless [tasks.NAME] enabled = false: what a scene does not need is not built at all.
   bool wants(const std::string& task, bool fallback = true);
+  /// Tasks that were asked for and are not wanted, in the order of asking, each once.
+  const std::vector<std::string>& left_out() const { return left_out_; }
 
   /// A task with what [tasks.NAME] says: budget_us, criticality, units. `function(rt::JobContext&, T&
   /// output)`.
@@ -186,6 +188,7 @@ class VehicleBuilder {
   std::vector<std::unique_ptr<OutletBase>> outlets_;
   std::vector<ChainSpec> chains_;
   std::vector<std::string> auto_units_;
+  std::vector<std::string> left_out_;
   std::vector<std::pair<const rt::TaskBase*, std::function<void(rt::Archive&)>>> memories_;
   Pools pools_;
   Counters counters_;

@@ -148,6 +148,18 @@ check("schedulable" in hall.stdout and "imu_to_drive" in hall.stdout, "scenes NA
 expect(0, "replay", "hall.lcm", "--out", "out")
 for name in ("results.json", "report.html", "trajectory.tum", "truth.tum"):
     check(pathlib.Path("out", name).exists(), f"--out writes {name}")
+# Two logs on one page, and a map that one robot hands to another.
+expect(0, "run", "--scene", "ugv_rescue", "--virtual", "--seconds", "3", "--record", "ugv.lcm", "--set", "hil.lidar_columns=64")
+made = expect(0, "export", "flight_map", "ugv.lcm", "--for", "uav_rescue", "-o", "uav.toml")
+check("voxels are free" in made.stderr, "what the flight map holds", made)
+expect(0, "run", "--scene", "uav.toml", "--virtual", "--seconds", "2", "--record", "uav.lcm")
+expect(0, "report", "ugv.lcm", "uav.lcm", "--out", "both")
+both = json.loads(pathlib.Path("both/results.json").read_text())["runs"]
+check([r["scene"] for r in both] == ["ugv_rescue", "uav_rescue"], f"results of two logs: {both}")
+check(all(r["digest"] in pathlib.Path("both/report.html").read_text() for r in both), "the page of two logs has both digests")
+expect(2, "export", "flight_map", "ugv.lcm", says=["--for"], only_line=True)
+expect(2, "export", "flight_map", "ugv.lcm", "--for", "uav_neo11", says=["uav_neo11", "no [flight_map]"], only_line=True)
+expect(2, "export", "flight_map", "hall.lcm", "--for", "uav_rescue", says=["hall.lcm", "no occupancy map"], only_line=True)
 result = expect(0, "run", "--scene", "ugv_hall", "--seconds", "0.5", "--record", "live.lcm", "--no-rt", "--lcm-url", "none",
                 "--json", *small)
 check(parsed(result).get("counters", {}).get("heap_calls", 0) == 0, "heap calls in a live run", result)

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
+#include <mutex>
 
 #include "firmware_like/commands/replay_report.hpp"
+#include "firmware_like/report/map_plot.hpp"
+#include "firmware_like/report/timeline_plot.hpp"
 
 namespace sortie::firmware {
 
 void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) {
-  command.add_option("log", options.log, "LCM log from `run --record` or `import`")->required();
   command.add_option("--scene", options.replay.scene,
                      "Another scene than the log's own; needed for imported logs");
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
@@ -23,24 +25,30 @@ void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) 
   add_damage_option(command, options.accept_damage);
 }
 
-int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
-                    const OutputOptions& output) {
-  const LogFile log(options.log);
+ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions& options,
+                              const OutputOptions& output, const std::string& path) {
+  const LogFile log(path);
   options.replay.from = options.span.from;
   options.replay.to = options.span.to;
   options.replay.keyframes = options.span.keyframes;
   options.replay.evaluation.align = parse_alignment(options.align);
   options.replay.progress = progress_bar(output, "replay");
   RayFigures figures;
-  options.replay.on_job = [&figures](const rt::JobRecord& record, Runtime& runtime) {
+  JobTimeline timeline;
+  std::mutex one_at_a_time;  // with --threads each group has a thread
+  options.replay.on_job = [&](const rt::JobRecord& record, Runtime& runtime) {
+    const std::lock_guard guard(one_at_a_time);
     figures.job(record, runtime);
+    timeline.job(record, runtime);
   };
   ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
-  ReportInput report;
+  ReplayedLog replayed;
+  ReportInput& report = replayed.report;
   report.results = std::move(outcome.results);
   report.command = context.command_line;
-  report.source = options.log;
+  report.source = path;
   report.alignment = options.align;
+  report.timeline = plot_timeline(timeline);
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
@@ -49,8 +57,16 @@ int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
                                                               : std::move(outcome.evaluation.pairs.estimate);
   report.truth = std::move(outcome.evaluation.pairs.truth);
   report.errors = std::move(outcome.evaluation.series);
-  show_results(output, report);
-  return finish_with_damage(context, outcome.damage, options.accept_damage, 0);
+  replayed.ground = plot_map(map_points(outcome.runtime->vehicle()), {});
+  replayed.damage = outcome.damage;
+  return replayed;
+}
+
+int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
+                    const OutputOptions& output) {
+  const ReplayedLog replayed = replay_for_report(context, options, output, options.log);
+  show_results(output, replayed.report);
+  return finish_with_damage(context, replayed.damage, options.accept_damage, 0);
 }
 
 void add_replay(CLI::App& app, CommandContext& context) {
@@ -68,6 +84,7 @@ void add_replay(CLI::App& app, CommandContext& context) {
       "  sortie replay drive.lcm --truth plant.lcm\n"
       "  sortie replay hall.lcm --from 60 --to 70\n"
       "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
+  command->add_option("log", options->replay.log, "LCM log from `run --record` or `import`")->required();
   add_replay_report_options(*command, options->replay);
   command->add_option("--record", options->replay.replay.record, "Write a log of this replay")
       ->type_name("LOG");

@@ -18,8 +18,19 @@ struct ReplayReportOptions {
   std::string align{"none"};
 };
 
-/// Declares log, --scene, --set, --from, --to, --keyframes, --align and --accept-damage.
+/// Declares all but the log: --scene, --set, --from, --to, --keyframes, --align and --accept-damage.
 void add_replay_report_options(CLI::App& command, ReplayReportOptions& options);
+
+/// A replay and what a page tells about it.
+struct ReplayedLog {
+  ReportInput report;
+  Plot ground;  ///< the map from above, without the path's frame; without series where there is none
+  std::string damage;
+};
+
+/// Replays `log`. Throws InputError, ProfileError.
+ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions& options,
+                              const OutputOptions& output, const std::string& log);
 
 /// Replays, shows the table or JSON, writes the folder. Returns the exit code. Throws InputError,
 /// ProfileError.

@@ -112,7 +112,7 @@ void show_results(const OutputOptions& options, const ReportInput& report) {
   };
   write_trajectory("/trajectory.tum", report.estimate);
   write_trajectory("/truth.tum", report.truth);
-  write_report(options.out + "/report.html", report);
+  write_report(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";
 }
 

@@ -9,20 +9,18 @@
 
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/report/doctor_section.hpp"
+#include "firmware_like/report/overview_section.hpp"
 #include "firmware_like/report/page_style.hpp"
 #include "firmware_like/report/plots.hpp"
 #include "firmware_like/report/release_plots.hpp"
 #include "firmware_like/report/schedule_section.hpp"
+#include "firmware_like/report/table_cell.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 namespace {
 
 std::string esc(std::string_view text) { return escape_xml(text); }
-
-std::string cell(const std::string& text, const char* kind = "n") {
-  return std::string("<td class=\"") + kind + "\">" + esc(text) + "</td>";
-}
 
 std::string tile(const std::string& value, const std::string& unit, const std::string& name,
                  bool bad = false) {
@@ -83,15 +81,16 @@ std::string task_table(const Results& r) {
       "<th>max of budget</th><th class=\"n\">jobs</th><th class=\"n\">missed</th></tr></thead>\n<tbody>";
   for (const TaskResult& t : r.tasks) {
     const double share = share_of(t.max_us, t.budget_us);
-    out += "<tr>" + cell(t.name, "t") + cell(t.group, "t") + cell(format_short(t.period_us)) +
-           cell(t.budget_us > 0.0 ? format_short(t.budget_us) : "-") + cell(format_short(t.p50_us)) +
-           cell(format_short(t.p99_us)) + cell(format_short(t.p999_us)) + cell(format_short(t.max_us)) +
-           "<td class=\"bar\">" +
+    out += "<tr>" + table_cell(t.name, "t") + table_cell(t.group, "t") +
+           table_cell(format_short(t.period_us)) +
+           table_cell(t.budget_us > 0.0 ? format_short(t.budget_us) : "-") +
+           table_cell(format_short(t.p50_us)) + table_cell(format_short(t.p99_us)) +
+           table_cell(format_short(t.p999_us)) + table_cell(format_short(t.max_us)) + "<td class=\"bar\">" +
            (t.budget_us > 0.0 ? render_bar(share, share > 1.0 ? kVermilion : kBlue, 90, 9) + "<small>" +
                                     format_fixed(100.0 * share, share < 0.1 ? 1 : 0) + " %</small>"
                               : std::string()) +
-           "</td>" + cell(group_digits(t.count)) +
-           cell(group_digits(t.missed), t.missed > 0 ? "n bad" : "n") + "</tr>\n";
+           "</td>" + table_cell(group_digits(t.count)) +
+           table_cell(group_digits(t.missed), t.missed > 0 ? "n bad" : "n") + "</tr>\n";
   }
   return out + "</tbody></table>\n<p class=\"note\">Times in microseconds.</p>\n";
 }
@@ -117,7 +116,8 @@ std::string trajectory_section(const ReportInput& input) {
         "<table class=\"side\"><thead><tr><th>error</th><th class=\"n\"></th><th></th></tr></thead><tbody>";
     for (const auto& [name, value] : input.results.errors) {
       const Unit unit = split_unit(name);
-      out += "<tr>" + cell(unit.name, "t") + cell(format_short(value)) + cell(unit.unit, "u") + "</tr>";
+      out += "<tr>" + table_cell(unit.name, "t") + table_cell(format_short(value)) +
+             table_cell(unit.unit, "u") + "</tr>";
     }
     out += "</tbody></table>";
     if (!input.alignment.empty())
@@ -126,7 +126,7 @@ std::string trajectory_section(const ReportInput& input) {
   return out + "</div></div>\n";
 }
 
-std::string latency_section(const Results& r) {
+std::string latency_section(const Results& r, const Plot& timeline) {
   std::string plots;
   for (const TaskResult& task : r.tasks) {
     if (!task.histogram.empty()) plots += render(plot_latency(task));
@@ -138,7 +138,9 @@ std::string latency_section(const Results& r) {
            "\u00b5s on at "
            "most 1.6 %.</p>\n";
   }
-  return plots.empty() ? out : out + "<h2>Latency</h2>\n<div class=\"grid\">" + plots + "</div>\n";
+  if (plots.empty() && timeline.series.empty()) return out;
+  out += "<h2>Latency</h2>\n" + (timeline.series.empty() ? std::string() : render(timeline));
+  return out + "<div class=\"grid\">" + plots + "</div>\n";
 }
 
 std::string pool_section(const Results& r) {
@@ -150,11 +152,11 @@ std::string pool_section(const Results& r) {
       "class=\"n\">refused</th></tr></thead>\n<tbody>";
   for (const PoolResult& p : r.pools) {
     const double share = share_of(static_cast<double>(p.high_water), static_cast<double>(p.capacity));
-    out += "<tr>" + cell(p.name, "t") + "<td class=\"bar\">" +
+    out += "<tr>" + table_cell(p.name, "t") + "<td class=\"bar\">" +
            render_bar(share, p.refused > 0 ? kVermilion : kBlue, 220, 9) + "</td>" +
-           cell(format_fixed(100.0 * share, 0) + " %") + cell(group_digits(p.high_water)) +
-           cell(group_digits(p.capacity)) + cell(group_digits(p.bytes)) +
-           cell(group_digits(p.refused), p.refused > 0 ? "n bad" : "n") + "</tr>\n";
+           table_cell(format_fixed(100.0 * share, 0) + " %") + table_cell(group_digits(p.high_water)) +
+           table_cell(group_digits(p.capacity)) + table_cell(group_digits(p.bytes)) +
+           table_cell(group_digits(p.refused), p.refused > 0 ? "n bad" : "n") + "</tr>\n";
   }
   return out + "</tbody></table>\n";
 }
@@ -175,7 +177,7 @@ std::string figure_tables(const std::vector<FigureTable>& tables) {
     if (table.rows.empty()) continue;
     out += "<h2>" + esc(table.title) + "</h2>\n<table class=\"side\"><tbody>";
     for (const FigureRow& row : table.rows)
-      out += "<tr>" + cell(row.name, "t") + cell(row.value) + cell(row.unit, "u") + "</tr>";
+      out += "<tr>" + table_cell(row.name, "t") + table_cell(row.value) + table_cell(row.unit, "u") + "</tr>";
     out += "</tbody></table>\n";
   }
   return out;
@@ -195,33 +197,72 @@ std::string fact(const char* name, const std::string& value) {
   return value.empty() ? std::string() : std::string("<dt>") + name + "</dt><dd>" + esc(value) + "</dd>";
 }
 
-}  // namespace
+std::string left_out_section(const Results& r) {
+  if (r.left_out.empty()) return {};
+  std::string names;
+  for (const std::string& task : r.left_out) names += (names.empty() ? "" : ", ") + task;
+  return "<h2>Left out</h2>\n<p class=\"note\">This scene does without these tasks, which its vehicle could "
+         "have: " +
+         esc(names) + ". They are not scheduled and have no memory.</p>\n";
+}
 
-std::string render_report(const ReportInput& input) {
+std::string scene_name(const ReportInput& input) {
+  return input.results.scene.empty() ? "run" : input.results.scene;
+}
+
+std::string subtitle(const ReportInput& input) {
+  const std::string& vehicle = input.results.vehicle;
+  return vehicle + (vehicle.empty() || input.source.empty() ? "" : " \u00b7 ") + input.source;
+}
+
+std::string page_head(const std::string& title) {
+  return "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\"><head><meta "
+         "charset=\"utf-8\"/>"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/><title>Sortie: " +
+         esc(title) + "</title>\n<style>" + kPageStyle + "</style></head>\n<body><main>\n";
+}
+
+std::string page_end() { return "</main></body></html>\n"; }
+
+// One run, from its tiles to its footer.
+std::string body(const ReportInput& input) {
   const Results& r = input.results;
-  const std::string scene = r.scene.empty() ? "run" : r.scene;
-  std::string out =
-      "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\"><head><meta "
-      "charset=\"utf-8\"/>"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/><title>Sortie: " +
-      esc(scene) + "</title>\n<style>" + kPageStyle + "</style></head>\n<body><main>\n";
-  out += "<header><h1>" + esc(scene) + "</h1><p>" + esc(r.vehicle) +
-         (r.vehicle.empty() || input.source.empty() ? "" : " \u00b7 ") + esc(input.source) +
-         "</p></header>\n";
-  out += tiles(input);
+  std::string out = tiles(input);
   for (const std::string& warning : r.warnings) out += "<p class=\"warning\">" + esc(warning) + "</p>\n";
   if (!r.tasks.empty()) out += task_table(r);
   out += schedule_section(r);
-  out += trajectory_section(input) + latency_section(r) + pool_section(r) + counter_section(r);
+  out +=
+      trajectory_section(input) + latency_section(r, input.timeline) + pool_section(r) + counter_section(r);
+  out += left_out_section(r);
   out += figure_tables(input.tables) + more_section(input.more_plots) + doctor_section(r.doctor);
-  out += "<footer><dl>" + fact("digest", r.digest) + fact("command", input.command) +
-         fact("machine", r.machine) + fact("compiler", r.compiler) +
-         "</dl></footer>\n</main></body></html>\n";
-  return out;
+  return out + "<footer><dl>" + fact("digest", r.digest) + fact("profile", r.profile_hash) +
+         fact("command", input.command) + fact("machine", r.machine) + fact("compiler", r.compiler) +
+         "</dl></footer>\n";
 }
 
-void write_report(const std::string& path, const ReportInput& input) {
-  const std::string page = render_report(input);
+}  // namespace
+
+std::string render_report(const ReportInput& input) {
+  const std::string scene = scene_name(input);
+  return page_head(scene) + "<header><h1>" + esc(scene) + "</h1><p>" + esc(subtitle(input)) +
+         "</p></header>\n" + body(input) + page_end();
+}
+
+std::string render_report(const std::vector<ReportInput>& inputs, const Plot& ground) {
+  if (inputs.size() == 1) return render_report(inputs.front());
+  std::string names;
+  for (const ReportInput& input : inputs) names += (names.empty() ? "" : " + ") + scene_name(input);
+  std::string out = page_head(names) + "<header><h1>" + esc(names) + "</h1><p>" +
+                    std::to_string(inputs.size()) + " runs</p></header>\n";
+  out += overview(inputs) + render(plot_ways(inputs, ground));
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    out += "<header class=\"run\" id=\"run" + std::to_string(i + 1) + "\"><h1>" + esc(scene_name(inputs[i])) +
+           "</h1><p>" + esc(subtitle(inputs[i])) + "</p></header>\n" + body(inputs[i]);
+  }
+  return out + page_end();
+}
+
+void write_report(const std::string& path, const std::string& page) {
   write_file(path, [&page](std::ostream& out) { out << page; });
 }
 

@@ -28,13 +28,18 @@ struct ReportInput {
   std::vector<TimedPose> truth;
   std::vector<ErrorSample> errors;
   std::vector<FigureTable> tables;  ///< before the plots
+  Plot timeline;                    ///< run time over time; without series: not shown
   std::vector<Plot> more_plots;     ///< of any task output; shown at the end
 };
 
 /// The page, as XHTML-conforming HTML 5. Cost: linear in the input; size bounded by the number of plots.
 std::string render_report(const ReportInput& input);
 
-/// Writes render_report() to `path`. Throws InputError if it cannot be written.
-void write_report(const std::string& path, const ReportInput& input);
+/// The same of several runs on one page: a table of them all, one picture of where they went, then each run.
+/// The picture's ground is `ground`, a map that any of them made; it may be empty.
+std::string render_report(const std::vector<ReportInput>& inputs, const Plot& ground);
+
+/// Writes a page to `path`. Throws InputError if it cannot be written.
+void write_report(const std::string& path, const std::string& page);
 
 }  // namespace sortie::firmware

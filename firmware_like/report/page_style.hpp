@@ -11,6 +11,7 @@ inline constexpr const char* kPageStyle = R"css(
 body{margin:0;background:#f3f5f7;color:var(--ink);font:14px/1.45 system-ui,"DejaVu Sans",Arial,sans-serif}
 main{max-width:1060px;margin:0 auto;padding:28px 34px 20px;background:#fff;min-height:100vh}
 header{border-bottom:3px solid var(--blue);padding-bottom:8px;margin-bottom:18px;display:flex;align-items:baseline;gap:18px;flex-wrap:wrap}
+header.run{margin-top:56px;break-before:page}a{color:var(--blue)}
 h1{font-size:26px;margin:0;letter-spacing:-.01em}
 header p{margin:0;color:var(--soft)}
 h2{font-size:17px;margin:30px 0 10px}

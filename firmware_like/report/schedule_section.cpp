@@ -3,16 +3,12 @@
 
 #include <cmath>
 
-#include "firmware_like/report/svg.hpp"
+#include "firmware_like/report/table_cell.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 
 namespace {
-
-std::string table_cell(const std::string& text, const char* kind = "n") {
-  return std::string("<td class=\"") + kind + "\">" + escape_xml(text) + "</td>";
-}
 
 std::string head(const char* title, const char* first, std::initializer_list<const char*> columns) {
   std::string out = std::string("<h2>") + title + "</h2>\n<table><thead><tr><th>" + first + "</th>";

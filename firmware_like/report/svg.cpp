@@ -162,7 +162,10 @@ std::string draw_legend(const std::vector<LegendEntry>& entries) {
   for (const LegendEntry& entry : entries) {
     const Series& s = *entry.series;
     const std::string colour = palette(s.colour);
-    if (s.mark == Mark::bars || s.mark == Mark::dots) {
+    if (s.mark == Mark::bands) {
+      out += "<rect x=\"" + number(entry.x) + "\" y=\"" + number(entry.y - 6.0) +
+             "\" width=\"20\" height=\"12\" fill=\"" + colour + "\" fill-opacity=\"0.3\"/>";
+    } else if (s.mark == Mark::bars || s.mark == Mark::dots) {
       const double size = s.mark == Mark::bars ? 10.0 : 6.0;
       out += "<rect x=\"" + number(entry.x + 10.0 - size / 2.0) + "\" y=\"" + number(entry.y - size / 2.0) +
              "\" width=\"" + number(size) + "\" height=\"" + number(size) + "\" rx=\"" +

@@ -22,7 +22,8 @@ enum class Mark {
   line,   ///< points joined; a NaN breaks the line
   steps,  ///< horizontal to the next x, then up or down
   dots,
-  bars,  ///< from the axis to y, each from x to x_end
+  bars,   ///< from the axis to y, each from x to x_end
+  bands,  ///< the whole height, each from x to x_end, faint; they have no y and move no axis
 };
 
 /// Points of one colour and one legend entry.

@@ -137,6 +137,19 @@ std::string draw_bars(const Series& s, const Mapping& map, std::size_t n) {
   return out + "</g>\n";
 }
 
+std::string draw_bands(const Series& series, const Mapping& map) {
+  std::string out;
+  for (std::size_t i = 0; i < std::min(series.x.size(), series.x_end.size()); ++i) {
+    const double left = std::max(map.px(series.x[i]), map.frame.left);
+    const double right = std::min(map.px(series.x_end[i]), map.frame.left + map.frame.width);
+    if (!(right > left)) continue;  // also if NaN
+    out += "<rect x=\"" + clamped_number(left) + "\" y=\"" + clamped_number(map.frame.top) + "\" width=\"" +
+           clamped_number(right - left) + "\" height=\"" + clamped_number(map.frame.height) + "\" fill=\"" +
+           palette(series.colour) + "\" fill-opacity=\"0.16\"/>";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string draw_series(const Series& series, const Mapping& map) {
@@ -149,6 +162,8 @@ std::string draw_series(const Series& series, const Mapping& map) {
       return draw_dots(series, map, n);
     case Mark::bars:
       return draw_bars(series, map, n);
+    case Mark::bands:
+      return draw_bands(series, map);
   }
   return {};
 }

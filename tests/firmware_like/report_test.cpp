@@ -271,6 +271,6 @@ TEST_CASE("a report of almost nothing is still a page") {
   in.estimate = circle(1, 1, 0);
   CHECK(xml_fault(render_report(in)) == "");
   const sortie::testing::TempFolder folder;
-  write_report(folder.file("report.html"), in);
+  write_report(folder.file("report.html"), render_report(in));
   CHECK(sortie::testing::read_all(folder.file("report.html")) == render_report(in));
 }

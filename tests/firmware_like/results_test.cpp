@@ -19,6 +19,8 @@ Results example() {
   r.scene = "skid_outdoor";
   r.vehicle = "ugv";
   r.duration_s = 199.97;
+  r.profile_hash = "0123456789abcdef";
+  r.left_out = {"map", "ssl"};
   r.speed = 85.2;
   r.errors = {
       {"ate_rmse_m", 3.2176}, {"ate_n", 500.0}, {"rpe_rmse_m", std::numeric_limits<double>::quiet_NaN()}};
