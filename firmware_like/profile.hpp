@@ -17,7 +17,12 @@ namespace sortie::firmware {
 /// A profile that cannot be used. what() is one line: file, line, fault, cure. Commands end with exit code 2.
 class ProfileError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// What a profile or a caller wrote may stand in `words`: control characters in it become spaces, so that
+  /// it stays one line and cannot command a terminal.
+  explicit ProfileError(std::string words) : std::runtime_error(one_line(std::move(words))) {}
+
+ private:
+  static std::string one_line(std::string words);
 };
 
 /// One declared key, for help texts and docs.

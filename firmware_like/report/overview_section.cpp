@@ -49,7 +49,7 @@ std::string overview(const std::vector<ReportInput>& inputs) {
 
 // Where they all went, over the map that one of them made.
 Plot plot_ways(const std::vector<ReportInput>& inputs, const Plot& ground) {
-  constexpr int kColours[] = {1, 0, 2, 3, 4};
+  constexpr int kWayColours[] = {1, 0, 2, 3, 4};
   Plot plot = ground;
   plot.title = "Where they went, from above";
   plot.x.label = "x, m";
@@ -63,7 +63,7 @@ Plot plot_ways(const std::vector<ReportInput>& inputs, const Plot& ground) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     Series way;
     way.name = scene_of(inputs[i]);
-    way.colour = kColours[i % std::size(kColours)];
+    way.colour = kWayColours[i % std::size(kWayColours)];
     way.width = 2.4;
     for (const TimedPose& pose : inputs[i].estimate) {
       way.x.push_back(pose.p[0]);
