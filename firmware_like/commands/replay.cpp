@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "firmware_like/commands/replay_report.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -32,9 +33,10 @@ int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
   options.replay.evaluation.align = parse_alignment(options.align);
   options.replay.progress = progress_bar(output, "replay");
   RayFigures figures;
-  options.replay.on_job = [&figures](const rt::JobRecord& record, Runtime& runtime) {
-    figures.job(record, runtime);
-  };
+  if (rt::kBuilt<rt::Part::ssl>)
+    options.replay.on_job = [&figures](const rt::JobRecord& record, Runtime& runtime) {
+      figures.job(record, runtime);
+    };
   ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
   ReportInput report;
   report.results = std::move(outcome.results);
@@ -44,7 +46,8 @@ int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
-  report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
+  if (rt::kBuilt<rt::Part::ssl>)
+    report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
   report.estimate = outcome.evaluation.pairs.estimate.empty() ? std::move(outcome.estimate)
                                                               : std::move(outcome.evaluation.pairs.estimate);
   report.truth = std::move(outcome.evaluation.pairs.truth);
