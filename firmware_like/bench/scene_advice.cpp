@@ -157,6 +157,11 @@ class Adviser {
                         std::to_string(advice_.ticks) + " ticks";
         return;
       }
+      // Where all change, the table of groups did, and samples come a tick earlier or later.
+      if (changed.size() < common) {
+        for (const std::string& task : changed) judged.figure += (judged.figure.empty() ? "" : ", ") + task;
+        if (!changed.empty()) judged.figure += " put out something else; ";
+      }
       compare(judged, other, "without");
       if (!judged.error || !judged.changed) {
         if (estimates && judged.pose_moved_m < kUnseen_m) judged.verdict = PartVerdict::never_mattered;

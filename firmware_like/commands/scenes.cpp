@@ -10,6 +10,7 @@
 #include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/scene_parts.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
@@ -26,6 +27,7 @@ struct SceneLine {
   std::size_t bytes{};
   double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
   std::string tasks;
+  std::vector<std::string> parts;
   ScheduleResult schedule;
   std::vector<ChainResult> chains;
 };
@@ -41,8 +43,10 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
                  runtime.memory_bytes(),
                  0,
                  "",
+                 {},
                  schedule_result(runtime.schedule(), runtime.executive()),
                  {}};
+  for (const ScenePart* part : parts_of(runtime.profile())) line.parts.emplace_back(part->name);
   for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     const rt::TaskBase& task = runtime.executive().task(i);
@@ -83,6 +87,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                       {"bytes", line.bytes},
                       {"budget_us_per_tick", line.declared_us_per_tick},
                       {"tasks", line.tasks},
+                      {"parts", line.parts},
                       {"about", line.about},
                       {"schedule", to_json(line.schedule)}});
       rows.back()["chains"] = nlohmann::ordered_json::array();

@@ -110,8 +110,11 @@ TEST_CASE("advice names a map that nobody read, and keeps quiet about what acts"
   CHECK(advice.judged_by == "ate_rmse_m");
   const AdviceLine& map = advice_on(advice, "map");
   CHECK(map.verdict == PartVerdict::never_mattered);
-  CHECK(map.figure.find("0 of the ") == 0);
+  CHECK(map.figure.find("the pose moves by up to 0 m") != std::string::npos);
+  CHECK(map.pose_moved_m == 0.0);
   CHECK(map.bytes > 1'000'000);
+  CHECK(advice_on(advice, "segment_lists").figure.find("0 of the ") == 0);
+  CHECK(advice_on(advice, "segments").figure.find("map put out something else; ") == 0);
   CHECK(advice_on(advice, "drive").verdict == PartVerdict::not_judged);
   CHECK(advice_text(advice).find("never mattered") != std::string::npos);
   CHECK(to_json(advice)["parts"].size() == advice.lines.size());
