@@ -9,7 +9,6 @@
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/keyframe_state.hpp"
 #include "firmware_like/log_time.hpp"
-#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -69,14 +68,6 @@ void refuse_unknown_vehicle(const LogFile& log, const VehicleRegistry& vehicles)
   for (const auto& [name, factory] : vehicles) {
     if (name == log.header().vehicle) return;
     known += (known.empty() ? "" : ", ") + name;
-  }
-  const std::string only = rt::kOnlyScene;
-  if (!only.empty()) {
-    throw InputError(
-        log.path() + ": recorded by vehicle " + log.header().vehicle + " in the scene " + log.header().scene +
-            "; this program was built for the scene " + only +
-            " alone; take the program with all scenes, or build with -DSORTIE_SCENE=" + log.header().scene,
-        2);
   }
   throw InputError(log.path() + ": recorded by vehicle " + log.header().vehicle + ", which this program (" +
                        known + ") does not have; replay it with the program of that robot, or give --scene",

@@ -8,7 +8,6 @@
 #include <new>
 #include <sstream>
 
-#include "rt/built_parts.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::firmware {
@@ -113,11 +112,6 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
   if (factory == vehicles.end()) {
     std::string known;
     for (const auto& [name, unused] : vehicles) known += (known.empty() ? "" : ", ") + name;
-    if (*rt::kOnlyScene != '\0')
-      profile_.fail("scene.vehicle", "this program was built for the scene " + std::string(rt::kOnlyScene) +
-                                         " alone and has no vehicle " + profile_.vehicle() +
-                                         "; take the program with all scenes, or build with -DSORTIE_SCENE=" +
-                                         profile_.name());
     profile_.fail("scene.vehicle", "unknown vehicle \"" + profile_.vehicle() + "\"; known: " + known);
   }
   vehicle_ = factory->second(*builder_);

@@ -140,14 +140,18 @@ rt::PartMask code_of(const Profile& profile) {
   return mask;
 }
 
+std::string whole_program() {
+  if (*rt::kOnlyScene == '\0') return "";
+  return "; this program was built for the scene " + std::string(rt::kOnlyScene) +
+         " alone: take the program with all scenes, or build with -DSORTIE_SCENE=name";
+}
+
 void refuse_unbuilt_parts(const Profile& profile) {
   if (*rt::kOnlyScene == '\0') return;
   for (const ScenePart* part : parts_of(profile)) {
     if (part->code == Part::count || rt::is_built(part->code)) continue;
     profile.fail(part->key,
-                 "this program was built for the scene " + std::string(rt::kOnlyScene) +
-                     " alone and has no " + part->name + " (" + part->what +
-                     "); take the program with all scenes, or build with -DSORTIE_SCENE=" + profile.name());
+                 not_in_this_build(std::string(part->name) + " (" + part->what + ")", profile.name()));
   }
 }
 

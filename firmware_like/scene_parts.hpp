@@ -46,6 +46,9 @@ std::string why_needed(const ScenePart& part, const std::vector<const ScenePart*
 /// The code that a build of that profile alone must have.
 rt::PartMask code_of(const Profile& profile);
 
+/// One line for a build of one scene: that it has no `what`, and which build has it.
+std::string not_in_this_build(const std::string& what, const std::string& scene);
+
 /// ProfileError, with the cure, when this build lacks the code of a part that `profile` has.
 void refuse_unbuilt_parts(const Profile& profile);
 

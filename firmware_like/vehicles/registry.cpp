@@ -15,12 +15,26 @@ std::unique_ptr<Vehicle> make(VehicleBuilder& builder) {
   return std::make_unique<Own>(builder);
 }
 
+[[maybe_unused]] std::unique_ptr<Vehicle> refuse(VehicleBuilder& builder) {
+  const Profile& profile = builder.profile();
+  profile.fail("scene.vehicle", not_in_this_build("vehicle " + profile.vehicle(), profile.name()));
+}
+
 }  // namespace
 
 VehicleRegistry own_vehicles() {
   VehicleRegistry vehicles;
-  if constexpr (rt::kBuilt<rt::Part::ugv>) vehicles.emplace_back("ugv", make<Ugv>);
-  if constexpr (rt::kBuilt<rt::Part::uav>) vehicles.emplace_back("uav", make<Uav>);
+  // A vehicle that is not in this build is known by its name, so that its scenes and logs get the cure.
+  if constexpr (rt::kBuilt<rt::Part::ugv>) {
+    vehicles.emplace_back("ugv", make<Ugv>);
+  } else {
+    vehicles.emplace_back("ugv", refuse);
+  }
+  if constexpr (rt::kBuilt<rt::Part::uav>) {
+    vehicles.emplace_back("uav", make<Uav>);
+  } else {
+    vehicles.emplace_back("uav", refuse);
+  }
   return vehicles;
 }
 
