@@ -50,19 +50,19 @@ TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
       steering_(with_width(config.steering, config.track_width_m)),
       q_world_attitude_(rt::from_yaw_pitch_roll(config.heading_offset_rad, 0, 0)),
       p_world_body_(rt::to_vector(config.p_world_body_m)) {
-  if (config.obstacles) obstacle_.make(config.obstacle);
+  if (kHasObstacles && config.obstacles) obstacle_.make(config.obstacle);
   store(p_world_body_, estimate_.p_world_body_m);
   store(q_world_attitude_, estimate_.q_world_body);
   covariance_.write(estimate_.covariance);
 }
 
 void TrackOdometry::feel(const rt::ImuSample& sample) {
-  if (!obstacle_ || history_.size() == 0) return;
+  if (!kHasObstacles || !obstacle_ || history_.size() == 0) return;
   obstacle_->feel(sample, history_.at(sample.stamp_ns).q_world_body);
 }
 
 void TrackOdometry::set_flippers(const FlipperAngles& flippers) {
-  if (obstacle_ && std::isfinite(flippers.front_rad) && std::isfinite(flippers.rear_rad))
+  if (kHasObstacles && obstacle_ && std::isfinite(flippers.front_rad) && std::isfinite(flippers.rear_rad))
     obstacle_->set_flippers(flippers);
 }
 
@@ -139,7 +139,7 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   const AttitudeHistory::Answer begin = history_.at(from.stamp_ns);
   const AttitudeHistory::Answer end = history_.at(to.stamp_ns);
   TrackMotion motion;
-  if (obstacle_) {
+  if (kHasObstacles && obstacle_) {
     motion = obstacle_->advance({dt_s, travel_m, begin.q_world_body, end.q_world_body});
   } else {
     motion.travel_world_m = travel_m * mean_forward(history_, from.stamp_ns, to.stamp_ns);
@@ -227,7 +227,7 @@ void TrackOdometry::archive(rt::Archive& archive) {
       .state(distance_m_, last_speed_m_s_, counters_, estimate_)
       .by_hand(obstacle_, steering_);
   if (config_.learn_steering) steering_.archive(archive);
-  if (obstacle_) obstacle_->archive(archive);
+  if (kHasObstacles && obstacle_) obstacle_->archive(archive);
 }
 
 }  // namespace sortie::estimators

@@ -9,6 +9,7 @@
 #include "estimators/optional_part.hpp"
 #include "estimators/pose_covariance.hpp"
 #include "estimators/steering_efficiency.hpp"
+#include "rt/built_parts.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"
 #include "rt/stamp_gate.hpp"
@@ -112,7 +113,7 @@ class TrackOdometry {
   const rt::PoseEstimate& estimate() const { return estimate_; }
   const TrackOdometryCounters& counters() const { return counters_; }
   /// Mode, confidence and step height; planar without config.obstacles.
-  ObstacleState obstacle() const { return obstacle_ ? obstacle_->state() : ObstacleState{}; }
+  ObstacleState obstacle() const { return kHasObstacles && obstacle_ ? obstacle_->state() : ObstacleState{}; }
   /// What is known about the tracks' turning.
   const SteeringEfficiency& steering() const { return steering_; }
 
@@ -120,6 +121,7 @@ class TrackOdometry {
   void archive(rt::Archive& archive);
 
  private:
+  static constexpr bool kHasObstacles = rt::kBuilt<rt::Part::obstacles>;
   Status check(const rt::TrackSample& sample);
   bool plausible(const rt::TrackSample& from, const rt::TrackSample& to) const;
   Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);

@@ -132,6 +132,8 @@ std::vector<DeclaredChain> read_chains(Profile& profile, VehicleBuilder& builder
   for (const ChainSpec& declared : specs) {
     DeclaredChain result;
     result.spec = read_spec(profile, declared);
+    // Of a part that a what-if leaves out: its bounds are there, its path is not.
+    if (result.spec.path.empty() && profile.text("scene.unknown_keys", "refuse", "") == "ignore") continue;
     std::vector<const char*> steps;
     for (const std::string& step : result.spec.path) steps.push_back(step.c_str());
     const rt::FoundPath found =

@@ -15,6 +15,7 @@
 #include "firmware_like/log_clock.hpp"
 #include "firmware_like/parameter_desk.hpp"
 #include "firmware_like/telemetry.hpp"
+#include "rt/built_parts.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
@@ -146,7 +147,11 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   LiveMeasured live;
   if (options.virtual_time) {
     if (!bench)
-      throw ProfileError(options.scene + ": --virtual needs a scene with a simulated robot ([hil])");
+      throw ProfileError(options.scene +
+                         (*rt::kOnlyScene == '\0'
+                              ? ": --virtual needs a scene with a simulated robot ([hil])"
+                              : ": this program was built for one scene and has no simulated robot; "
+                                "take the program with all scenes, or give --can or --plant"));
     ticks = run_in_virtual_time(runtime, surroundings, recorder, parameters, options, last);
   } else {
     if (const std::string note = parameters.open(options.lcm_url); !note.empty()) warnings.push_back(note);

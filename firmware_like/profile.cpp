@@ -57,6 +57,11 @@ Profile::Profile(std::unique_ptr<Tree> tree, const std::string& source,
   name_ = text("scene.name", "", "name of the scene");
   vehicle_ = text("scene.vehicle", "", "which vehicle the scene builds");
   about_ = text("scene.about", "", "one sentence for lists");
+  use_ = text("scene.use", "", "what robots do in such a scene, if it is there for a real use");
+  leaves_out_ = text("scene.leaves_out", "", "what the scene does without, and why");
+  static_cast<void>(text("scene.unknown_keys", "refuse",
+                         "ignore: keys of parts that a what-if leaves out stay where they are",
+                         {"refuse", "ignore"}));
   if (name_.empty()) fail("scene.name", "a profile needs [scene] name = \"...\"");
   if (vehicle_.empty()) fail("scene.vehicle", "a profile needs [scene] vehicle = \"...\"");
 }
@@ -247,6 +252,7 @@ std::vector<std::string> Profile::tables(const std::string& path) const {
 }
 
 void Profile::refuse_unknown_keys(const std::string& below, const std::string& except) const {
+  if (tree_->root.at_path("scene.unknown_keys").value_or(std::string()) == "ignore") return;
   std::set<std::string> known;
   for (const ProfileKey& key : keys_) known.insert(key.path);
   const auto walk = [&](const auto& self, const toml::table& table, const std::string& prefix) -> void {

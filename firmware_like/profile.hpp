@@ -123,6 +123,10 @@ class Profile {
   const std::string& vehicle() const { return vehicle_; }
   /// One sentence for lists.
   const std::string& about() const { return about_; }
+  /// What robots do in such a scene; empty: it is there for tests or as an example.
+  const std::string& use() const { return use_; }
+  /// One line: what the scene does without, and why. Empty where nobody has said it.
+  const std::string& leaves_out() const { return leaves_out_; }
   /// The scene that this one only changes, or nothing.
   const std::string& base() const { return base_; }
   /// The whole profile with overrides applied, as canonical TOML: what a log's header stores.
@@ -146,6 +150,8 @@ class Profile {
   std::string name_;
   std::string vehicle_;
   std::string about_;
+  std::string use_;
+  std::string leaves_out_;
   std::string base_;
   std::vector<ProfileKey> keys_;
 };

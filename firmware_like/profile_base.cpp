@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "firmware_like/profile_tree.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -66,6 +67,10 @@ SceneText read_scene(const std::string& scene) {
   for (const BuiltInScene& built_in : built_in_scenes()) {
     if (scene == built_in.name) return {built_in.toml, scene + ".toml"};
     names.append(names.empty() ? "" : ", ").append(built_in.name);
+  }
+  if (*rt::kOnlyScene != '\0') {
+    throw ProfileError("unknown scene \"" + scene + "\": this program was built for " + names +
+                       " alone; take the program with all scenes, or build with -DSORTIE_SCENE=" + scene);
   }
   throw ProfileError("unknown scene \"" + scene + "\"; known: " + names + "; or give a .toml file");
 }

@@ -40,22 +40,7 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   app.set_version_flag("--version", parts.name + " " + version() + ", " + compiler_description());
   app.set_help_all_flag("--help-all", "Help of all commands");
   app.require_subcommand(1);
-  add_run(app, context);
-  add_plant(app, context);
-  add_replay(app, context);
-  add_check(app, context);
-  add_diff(app, context);
-  add_index(app, context);
-  add_import(app, context);
-  add_export(app, context);
-  add_report(app, context);
-  add_bench(app, context);
-  add_spy(app, context);
-  add_set(app, context);
-  add_drive(app, context);
-  add_fly(app, context);
-  add_scenes(app, context);
-  add_doctor(app, context);
+  add_commands(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

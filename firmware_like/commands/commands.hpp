@@ -73,6 +73,9 @@ int finish_with_damage(const CommandContext& context, const std::string& damage,
 /// Adds --accept-damage.
 void add_damage_option(CLI::App& command, bool& accept_damage);
 
+/// The commands of this program, each by its own function from here on. The library's definition has all of
+/// them; a program that defines it again has those that it names.
+void add_commands(CLI::App& app, CommandContext& context);
 void add_run(CLI::App& app, CommandContext& context);
 void add_plant(CLI::App& app, CommandContext& context);
 void add_replay(CLI::App& app, CommandContext& context);

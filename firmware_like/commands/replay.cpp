@@ -5,6 +5,7 @@
 #include "firmware_like/commands/replay_report.hpp"
 #include "firmware_like/report/map_plot.hpp"
 #include "firmware_like/report/timeline_plot.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -38,7 +39,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   std::mutex one_at_a_time;  // with --threads each group has a thread
   options.replay.on_job = [&](const rt::JobRecord& record, Runtime& runtime) {
     const std::lock_guard guard(one_at_a_time);
-    figures.job(record, runtime);
+    if (rt::kBuilt<rt::Part::ssl>) figures.job(record, runtime);
     timeline.job(record, runtime);
   };
   ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
@@ -52,7 +53,8 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
-  report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
+  if (rt::kBuilt<rt::Part::ssl>)
+    report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
   report.estimate = outcome.evaluation.pairs.estimate.empty() ? std::move(outcome.estimate)
                                                               : std::move(outcome.evaluation.pairs.estimate);
   report.truth = std::move(outcome.evaluation.pairs.truth);

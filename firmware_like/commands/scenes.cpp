@@ -6,8 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "firmware_like/bench/scene_advice.hpp"
+#include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/scene_parts.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -18,9 +22,12 @@ struct SceneLine {
   std::string vehicle;
   std::string about;
   std::string base;
+  std::string use;
+  std::string leaves_out;
   std::size_t bytes{};
   double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
   std::string tasks;
+  std::vector<std::string> parts;
   ScheduleResult schedule;
   std::vector<ChainResult> chains;
 };
@@ -31,11 +38,15 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
                  runtime.profile().vehicle(),
                  runtime.profile().about(),
                  runtime.profile().base(),
+                 runtime.profile().use(),
+                 runtime.profile().leaves_out(),
                  runtime.memory_bytes(),
                  0,
                  "",
+                 {},
                  schedule_result(runtime.schedule(), runtime.executive()),
                  {}};
+  for (const ScenePart* part : parts_of(runtime.profile())) line.parts.emplace_back(part->name);
   for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     const rt::TaskBase& task = runtime.executive().task(i);
@@ -71,9 +82,12 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
       rows.push_back({{"scene", line.name},
                       {"vehicle", line.vehicle},
                       {"base", line.base},
+                      {"use", line.use},
+                      {"leaves_out", line.leaves_out},
                       {"bytes", line.bytes},
                       {"budget_us_per_tick", line.declared_us_per_tick},
                       {"tasks", line.tasks},
+                      {"parts", line.parts},
                       {"about", line.about},
                       {"schedule", to_json(line.schedule)}});
       rows.back()["chains"] = nlohmann::ordered_json::array();
@@ -84,6 +98,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                   line.about.c_str());
       if (!tables) continue;
       more << "\n" << line.name << "\n";
+      if (!line.leaves_out.empty()) more << "for " << line.use << "; without " << line.leaves_out << "\n";
       print_schedule(more, line.schedule);
       print_chains(more, line.chains);
     }
@@ -143,6 +158,69 @@ int show_memory(const CommandContext& context, const std::string& scene, bool js
   return 0;
 }
 
+struct CostLine {
+  SceneCostOptions cost;
+  std::string log;  ///< to advise on
+  bool asked{};
+};
+
+// One object or table for each scene; without names, the scenes for real uses that have a simulated robot.
+int show_costs(const CommandContext& context, std::vector<std::string> scenes, const CostLine& line,
+               bool json) {
+  if (scenes.empty()) {
+    for (const std::string& name : runnable_scenes(context)) {
+      const Profile profile = load_scene(name);
+      if (!profile.use().empty() && profile.has("hil")) scenes.push_back(name);
+    }
+  }
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const std::string& scene : scenes) {
+    SceneCostOptions options = line.cost;
+    options.scene = scene;
+    const SceneCosts costs = measure_scene_cost(context.parts.vehicles, context.parts.bench, options);
+    if (json) {
+      rows.push_back(to_json(costs));
+    } else {
+      std::cout << scene_cost_table(costs) << "\n";
+    }
+  }
+  if (json) std::cout << nlohmann::ordered_json{{"costs", rows}}.dump(2) << "\n";
+  return 0;
+}
+
+int show_advice(const CommandContext& context, const std::vector<std::string>& scenes, const CostLine& line,
+                bool json) {
+  if (scenes.size() > 1) throw ProfileError("--advise replays one log with one scene; name one at most");
+  ReplayOptions options;
+  if (!scenes.empty()) options.scene = scenes.front();
+  options.overrides = line.cost.overrides;
+  const Advice advice = advise(LogFile(line.log), context.parts.vehicles, options);
+  std::cout << (json ? to_json(advice).dump(2) + "\n" : advice_text(advice));
+  return 0;
+}
+
+// What runs scenes with parts left out, where there are all parts to leave out.
+void add_costs(CLI::App& command, CostLine& line) {
+  command.add_flag(
+      "--cost", line.asked,
+      "Run each scene with one part left out at a time: what that saves, and what it costs in error");
+  command
+      .add_option("--advise", line.log,
+                  "Which parts of this log's scene never mattered, and which would have")
+      ->type_name("LOG");
+  command.add_option("--log", line.cost.log, "With --cost: over this recorded log, not a simulated drive")
+      ->type_name("LOG");
+  command.add_option("--set", line.cost.overrides, "With --cost or --advise: key=value of the whole scene")
+      ->take_all();
+  command.add_option("--seconds", line.cost.seconds, "With --cost: length of the simulated drive")
+      ->check(CLI::Range(0.1, 1e5))
+      ->capture_default_str();
+  command.add_option("--runs", line.cost.runs, "With --cost: replays of each; times are the median's")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_flag("--instructions", line.cost.instructions, "With --cost: count them under callgrind, too");
+}
+
 }  // namespace
 
 void add_scenes(CLI::App& app, CommandContext& context) {
@@ -150,6 +228,7 @@ void add_scenes(CLI::App& app, CommandContext& context) {
     std::vector<std::string> scenes;
     std::string keys;
     std::string memory;
+    CostLine cost;
     bool json{};
   };
   auto options = std::make_shared<Options>();
@@ -160,7 +239,10 @@ void add_scenes(CLI::App& app, CommandContext& context) {
       "  sortie scenes\n"
       "  sortie scenes ugv_hall own.toml   # with the tables of groups and chains\n"
       "  sortie scenes --keys ugv_hall\n"
-      "  sortie scenes --memory ugv_hall");
+      "  sortie scenes --memory ugv_hall\n"
+      "  sortie scenes --cost ugv_stairs --seconds 20\n"
+      "  sortie scenes --cost imu_bench --log slow.lcm --json\n"
+      "  sortie scenes --advise stairs.lcm");
   command->add_option(
       "scenes", options->scenes,
       "These scenes or .toml files only, each with its groups, their worst responses, and its chains");
@@ -171,8 +253,14 @@ void add_scenes(CLI::App& app, CommandContext& context) {
   command->add_option("--memory", options->memory, "The memory plan of this scene, pool by pool")
       ->type_name("SCENE");
   command->add_flag("--json", options->json, "Print one JSON object");
+  constexpr bool kHasAll = *rt::kOnlyScene == '\0';
+  if (kHasAll) add_costs(*command, options->cost);
   command->callback([&context, options] {
     context.chosen = [&context, options] {
+      if (kHasAll && options->cost.asked)
+        return show_costs(context, options->scenes, options->cost, options->json);
+      if (kHasAll && !options->cost.log.empty())
+        return show_advice(context, options->scenes, options->cost, options->json);
       if (!options->keys.empty()) return show_keys(context, options->keys, options->json);
       if (!options->memory.empty()) return show_memory(context, options->memory, options->json);
       const bool named = !options->scenes.empty();

@@ -13,6 +13,7 @@
 #include "firmware_like/report/contact_plots.hpp"
 #include "firmware_like/report/fired_rays_plot.hpp"
 #include "firmware_like/report/map_plot.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -70,6 +71,7 @@ void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory&
 }
 
 void add_ray_plot(ReportInput& report, const LogFile& log, const Runtime& runtime, const Trajectory& path) {
+  if (!rt::kBuilt<rt::Part::ssl>) return;
   Profile profile(runtime.profile().canonical(), log.path());
   if (profile.vehicle() != "ugv" || log.channel(std::string(drivers::kChannelSsl)).empty()) return;
   const FiredRays fired = fired_rays(log, std::move(profile), path);

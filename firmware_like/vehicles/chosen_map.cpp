@@ -48,7 +48,7 @@ ChosenMap::ChosenMap(const ChosenMapConfig& config, rt::Arena& arena)
     : config_(config), grid_(config.grid, grid_memory(config, arena)) {
   const double edge_m = config.grid.voxel_size_m;
   fragment_capacity_ = config.by == SegmentsBy::off ? 0 : nodes_for(config.blocks);
-  if (config.by == SegmentsBy::smoothness) {
+  if (kHasSmooth && config.by == SegmentsBy::smoothness) {
     const mapping::NormalsMemory memory{
         arena.make_array<mapping::NormalWork>("normal work", config.blocks),
         arena.make_array<mapping::BlockIndex>("normal queue", std::size_t{2} * config.blocks)};
@@ -57,7 +57,7 @@ ChosenMap::ChosenMap(const ChosenMapConfig& config, rt::Arena& arena)
                     mapping::SmoothnessPolicy(config.most_angle_rad, config.most_curvature),
                     segmenter_memory(config, arena));
     smooth_map_.emplace(grid_, &*normals_, *smooth_);
-  } else if (config.by == SegmentsBy::euclidean) {
+  } else if (kHasEuclidean && config.by == SegmentsBy::euclidean) {
     euclidean_.emplace(config.segments, edge_m, mapping::EuclideanPolicy{}, segmenter_memory(config, arena));
     euclidean_map_.emplace(grid_, nullptr, *euclidean_);
   }
@@ -74,9 +74,9 @@ mapping::RollingInsert ChosenMap::insert(const rt::PointScan& scan, const mappin
     }
     return result;
   };
-  const mapping::RollingInsert result = euclidean_map_ ? all(*euclidean_map_)
-                                        : smooth_map_  ? all(*smooth_map_)
-                                                       : grid_.insert(scan, pose, tick, {});
+  const mapping::RollingInsert result = kHasEuclidean && euclidean_map_ ? all(*euclidean_map_)
+                                        : kHasSmooth && smooth_map_     ? all(*smooth_map_)
+                                                                        : grid_.insert(scan, pose, tick, {});
   if (result.points.used > 0 || result.points.evicted > 0) digest_changes();
   return result;
 }
@@ -103,7 +103,7 @@ void ChosenMap::digest_changes() {
       sum += mapping::mix64(voxel_name(block, cell) ^ held);
     }
   }
-  if (normals_) {
+  if (kHasSmooth && normals_) {
     for (const mapping::BlockIndex index : normals_->turned_blocks()) {
       const mapping::Block& block = grid_.block(index);
       for (std::uint64_t cells = normals_->turned(index); cells != 0;
@@ -174,7 +174,7 @@ MapVoxel ChosenMap::voxel(mapping::BlockIndex index, unsigned cell) const {
   voxel.count = grid_.voxel(block, cell).count;
   with_segmenter(*this,
                  [&](const auto& segmenter) { voxel.segment = segmenter.segment_of(grid_, index, cell); });
-  if (normals_) {
+  if (kHasSmooth && normals_) {
     const mapping::SurfaceNormal& n = grid_.normal(block, cell);
     const rt::Vector3 normal{n.normal[0] / 32767.0, n.normal[1] / 32767.0, n.normal[2] / 32767.0};
     voxel.normal_world = rt::rotate(grid_.world_from_grid().q, normal);

@@ -8,6 +8,7 @@
 #include "mapping/normals.hpp"
 #include "mapping/segment_features.hpp"
 #include "rt/arena.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -98,10 +99,18 @@ class ChosenMap {
   void archive(rt::Archive& archive);
 
  private:
+  // A build of one scene has one kind of segmenter at most.
+  static constexpr bool kHasSmooth = rt::kBuilt<rt::Part::normals>;
+  static constexpr bool kHasEuclidean =
+      rt::kBuilt<rt::Part::segments> && (*rt::kOnlyScene == '\0' || !kHasSmooth);
   template <class Self, class Use>
   static void with_segmenter(Self& self, Use use) {
-    if (self.euclidean_) use(*self.euclidean_);
-    if (self.smooth_) use(*self.smooth_);
+    if constexpr (kHasEuclidean) {
+      if (self.euclidean_) use(*self.euclidean_);
+    }
+    if constexpr (kHasSmooth) {
+      if (self.smooth_) use(*self.smooth_);
+    }
   }
   MapVoxel voxel(mapping::BlockIndex block, unsigned cell) const;
   void digest_changes();

@@ -1,17 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/vehicles/registry.hpp"
 
+#include "firmware_like/scene_parts.hpp"
 #include "firmware_like/vehicles/uav.hpp"
 #include "firmware_like/vehicles/ugv.hpp"
 
 namespace sortie::firmware {
 
+namespace {
+
+template <class Own>
+std::unique_ptr<Vehicle> make(VehicleBuilder& builder) {
+  refuse_unbuilt_parts(builder.profile());
+  return std::make_unique<Own>(builder);
+}
+
+[[maybe_unused]] std::unique_ptr<Vehicle> refuse(VehicleBuilder& builder) {
+  const Profile& profile = builder.profile();
+  profile.fail("scene.vehicle", not_in_this_build("vehicle " + profile.vehicle(), profile.name()));
+}
+
+}  // namespace
+
 VehicleRegistry own_vehicles() {
-  return {
-      {"ugv",
-       [](VehicleBuilder& builder) -> std::unique_ptr<Vehicle> { return std::make_unique<Ugv>(builder); }},
-      {"uav",
-       [](VehicleBuilder& builder) -> std::unique_ptr<Vehicle> { return std::make_unique<Uav>(builder); }}};
+  VehicleRegistry vehicles;
+  // A vehicle that is not in this build is known by its name, so that its scenes and logs get the cure.
+  if constexpr (rt::kBuilt<rt::Part::ugv>) {
+    vehicles.emplace_back("ugv", make<Ugv>);
+  } else {
+    vehicles.emplace_back("ugv", refuse);
+  }
+  if constexpr (rt::kBuilt<rt::Part::uav>) {
+    vehicles.emplace_back("uav", make<Uav>);
+  } else {
+    vehicles.emplace_back("uav", refuse);
+  }
+  return vehicles;
 }
 
 }  // namespace sortie::firmware

@@ -6,7 +6,7 @@
 
 namespace sortie::firmware {
 
-/// Vehicles of the program itself: "ugv" and "uav".
+/// Vehicles of the program itself: "ugv" and "uav", or the one of the scene that it was built for.
 VehicleRegistry own_vehicles();
 
 }  // namespace sortie::firmware

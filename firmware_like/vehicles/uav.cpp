@@ -26,12 +26,15 @@ void put_known(const GuideConfig& config, planner::FlightMap& map) {
 
 Uav::Uav(VehicleBuilder& builder) {
   const rt::GroupId control = builder.group("control", 200);
-  const bool flies = builder.wants("pilot");
-  if (flies) make_pilot(builder, control);
+  // What is asked for and not built was refused before.
+  const bool wants_pilot = builder.wants("pilot");
+  const bool flies = rt::kBuilt<rt::Part::pilot> && wants_pilot;
+  if (rt::kBuilt<rt::Part::pilot> && flies) make_pilot(builder, control);
   add_state(builder, control);
-  if (flies) {
+  if (rt::kBuilt<rt::Part::pilot> && flies) {
     add_pilot(builder, control);
-    if (builder.wants("path", false)) add_path(builder, control);
+    const bool wants_path = builder.wants("path", false);
+    if (rt::kBuilt<rt::Part::path> && wants_path) add_path(builder, control);
     builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
   }
   builder.check();
@@ -44,7 +47,7 @@ void Uav::add_state(VehicleBuilder& builder, rt::GroupId group) {
   const rt::TaskBase* task =
       builder.task<rt::UavState>(group, "state", 200, [this](rt::JobContext&, rt::UavState& output) {
         // A backward read: what the pilot's last command makes of the rotors. Refusals are counted.
-        const double thrust_m_s2 = pilot_ ? pilot_->mean_thrust_m_s2() : 9.81;
+        const double thrust_m_s2 = rt::kBuilt<rt::Part::pilot> && pilot_ ? pilot_->mean_thrust_m_s2() : 9.81;
         for (const rt::ImuSample& sample : *imu_) static_cast<void>(estimator_->imu(sample, thrust_m_s2));
         for (const rt::UavFix& fix : *fixes_) static_cast<void>(estimator_->fix(fix));
         output = estimator_->state();
@@ -209,7 +212,7 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
     builder.profile().fail("airframe.radius_m", "the vehicle is too large for voxels of this size");
   const rt::GroupId group = builder.group(config.sensed ? "mapping" : "planning", 10);
   question_input_ = builder.input(group, pilot_task_, 1);
-  if (config.sensed) {
+  if (rt::kBuilt<rt::Part::sensed_map> && config.sensed) {
     planner::FlightMapConfig hope = config.map;
     hope.unknown_is_blocked = false;
     hope_ = make_flight_map(builder, hope);
@@ -221,7 +224,7 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
       group, "path", TaskDefaults{5000, rt::Criticality::b, 100'000},
       [this](rt::JobContext& context, planner::UavWay& output) {
         const planner::UavPilotOutput* pilot = question_input_->latest();
-        if (sensing_) guide_->sense(sensing_->map().view());
+        if (rt::kBuilt<rt::Part::sensed_map> && sensing_) guide_->sense(sensing_->map().view());
         guide_->look(pilot != nullptr ? &pilot->question : nullptr, context.release_ns);
         while (guide_->works() && context.spend(planner::UavGuide::kSlice)) guide_->step();
         output = guide_->way();

@@ -9,6 +9,7 @@
 #include "drivers/can_codec.hpp"
 #include "estimators/uav_state/uav_estimator.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/owned_part.hpp"
 #include "firmware_like/vehicles/uav_config.hpp"
 #include "firmware_like/vehicles/uav_sensing.hpp"
 #include "planner/uav_guide.hpp"
@@ -25,10 +26,13 @@ class Uav final : public Vehicle {
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   InputPort<rt::FlyRequest>* fly_requests() override { return request_port_; }
-  drivers::ScanSink* scan_sink() override { return sensing_ ? sensing_->scan_sink() : nullptr; }
+  drivers::ScanSink* scan_sink() override {
+    return rt::kBuilt<rt::Part::sensed_map> && sensing_ ? sensing_->scan_sink() : nullptr;
+  }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return pose_task_; }
   std::optional<mapping::OccupancyView> occupancy() const override {
-    return sensing_ ? std::optional(sensing_->map().view()) : std::nullopt;
+    return rt::kBuilt<rt::Part::sensed_map> && sensing_ ? std::optional(sensing_->map().view())
+                                                        : std::nullopt;
   }
 
  private:
@@ -58,8 +62,8 @@ class Uav final : public Vehicle {
   std::unique_ptr<planner::UavPilot> pilot_;
   std::vector<planner::KnownBox> boxes_;
   std::unique_ptr<planner::FlightMap> map_;
-  std::unique_ptr<planner::FlightMap> hope_;  // only where the map is sensed
-  std::unique_ptr<UavSensing> sensing_;       // the same
+  std::unique_ptr<planner::FlightMap> hope_;             // only where the map is sensed
+  OwnedPart<UavSensing, rt::Part::sensed_map> sensing_;  // the same
   std::unique_ptr<planner::UavPath> path_;
   std::unique_ptr<planner::UavGuide> guide_;
   // Tasks and what crosses groups.

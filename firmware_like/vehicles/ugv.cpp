@@ -13,23 +13,27 @@ constexpr double kMovingSpeed_m_s = 0.01;
 
 Ugv::Ugv(VehicleBuilder& builder) {
   // A scene without any estimator has no control group: a recorded walk with posed scans needs only the map.
-  if (builder.wants("attitude")) {
+  // What is asked for and not built was refused before.
+  const bool wants_attitude = builder.wants("attitude");
+  if (rt::kBuilt<rt::Part::attitude> && wants_attitude) {
     const rt::GroupId control = builder.group("control", 1000);
     add_attitude(builder, control);
-    if (builder.wants("odometry")) {
+    const bool wants_odometry = builder.wants("odometry");
+    if (rt::kBuilt<rt::Part::odometry> && wants_odometry) {
       add_odometry(builder, control);
-      if (builder.wants("drive", false)) add_drive(builder, control);
+      const bool wants_drive = builder.wants("drive", false);
+      if (rt::kBuilt<rt::Part::drive> && wants_drive) add_drive(builder, control);
     }
   }
   const bool wants_map = builder.wants("map", false);
   const bool wants_ssl = builder.wants("ssl", false);
   if (wants_map || wants_ssl) {
     const rt::GroupId mapping = builder.group("mapping", 10);
-    if (wants_map) {
+    if (rt::kBuilt<rt::Part::map> && wants_map) {
       add_pose_input(builder, mapping);
       map_ = std::make_unique<UgvMap>(builder, mapping, UgvMap::Sources{pose_input_, flipper_task_});
     }
-    if (wants_ssl) add_ssl(builder, mapping);
+    if (rt::kBuilt<rt::Part::ssl> && wants_ssl) add_ssl(builder, mapping);
   }
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (map_) builder.chain({"scan_to_map", {"SCAN", "map"}});
@@ -60,7 +64,7 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
       group, "attitude", 50, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
         job_attitude_count_ = 0;
         // A backward read: the tracks' velocity of the job before.
-        if (odometry_) {
+        if (rt::kBuilt<rt::Part::odometry> && odometry_) {
           const rt::PoseEstimate& pose = odometry_->estimate();
           const double speed = pose.v_body_m_s[0];
           attitude_->set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
@@ -110,7 +114,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
       devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
     }
   }
-  if (canopen_ && canopen_->take(frame, now_ns)) return;
+  if (rt::kBuilt<rt::Part::canopen> && canopen_ && canopen_->take(frame, now_ns)) return;
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
   // A full stream counts its refusals.
@@ -125,7 +129,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
 }
 
 void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
-  if (ssl_) ssl_->poll(devices, now_ns);
+  if (rt::kBuilt<rt::Part::ssl> && ssl_) ssl_->poll(devices, now_ns);
   if (devices.can == nullptr) return;
   if (devices.device_epoch_ns != device_epoch_ns_) {  // at the first call
     drivers::CanCodecConfig codec;
@@ -135,11 +139,11 @@ void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   drivers::CanFrame frame;
   for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)
     take_frame(frame, devices, now_ns);
-  send_commands(*devices.can, now_ns);
+  if (rt::kBuilt<rt::Part::drive>) send_commands(*devices.can, now_ns);
 }
 
 void Ugv::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
-  if (!map_) return;
+  if (!rt::kBuilt<rt::Part::map> || !map_) return;
   map_->map().for_each_voxel([&put](const MapVoxel& voxel) {
     put({{voxel.p_world_m.x, voxel.p_world_m.y, voxel.p_world_m.z},
          voxel.count,

@@ -10,6 +10,7 @@
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/owned_part.hpp"
 #include "firmware_like/vehicles/ugv_map.hpp"
 #include "firmware_like/vehicles/ugv_ssl.hpp"
 #include "planner/flipper_postures.hpp"
@@ -24,14 +25,20 @@ class Ugv final : public Vehicle, public UnitTryer {
   explicit Ugv(VehicleBuilder& builder);
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
-  drivers::ScanSink* scan_sink() override { return map_ ? map_->port() : nullptr; }
-  Outlet<rt::SegmentList>* segment_lists() override { return map_ ? map_->segment_lists() : nullptr; }
-  UnitTrial try_units() const override { return ssl_ ? ssl_->try_units() : UnitTrial{}; }
+  drivers::ScanSink* scan_sink() override {
+    return rt::kBuilt<rt::Part::map> && map_ ? map_->port() : nullptr;
+  }
+  Outlet<rt::SegmentList>* segment_lists() override {
+    return rt::kBuilt<rt::Part::map> && map_ ? map_->segment_lists() : nullptr;
+  }
+  UnitTrial try_units() const override {
+    return rt::kBuilt<rt::Part::ssl> && ssl_ ? ssl_->try_units() : UnitTrial{};
+  }
   DriveRequests drive_requests() override { return {request_port_, postures_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
   std::optional<mapping::OccupancyView> occupancy() const override {
-    return ssl_ ? ssl_->occupancy() : std::nullopt;
+    return rt::kBuilt<rt::Part::ssl> && ssl_ ? ssl_->occupancy() : std::nullopt;
   }
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 
@@ -71,8 +78,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   std::unique_ptr<estimators::TrackOdometry> odometry_;
   std::unique_ptr<planner::UgvDrive> drive_;
   std::unique_ptr<planner::FlipperPostures> flippers_;
-  std::unique_ptr<UgvMap> map_;
-  std::unique_ptr<UgvSsl> ssl_;
+  OwnedPart<UgvMap, rt::Part::map> map_;
+  OwnedPart<UgvSsl, rt::Part::ssl> ssl_;
   // Tasks and what crosses groups.
   rt::Task<rt::AttitudeEstimate>* attitude_task_{};
   rt::Task<rt::PoseEstimate>* odometry_task_{};
@@ -87,7 +94,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   std::uint32_t job_attitude_count_{};
   // Devices.
   drivers::CanSampleDecoder decoder_;
-  std::unique_ptr<drivers::canopen::UgvDrives> canopen_;  ///< null: the drives speak the robot's own frames
+  OwnedPart<drivers::canopen::UgvDrives, rt::Part::canopen>
+      canopen_;  ///< null: the drives speak the robot's own frames
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};

@@ -18,7 +18,8 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   Profile& profile = builder.profile();
   DriveSetup setup = read_drive_setup(builder);
   std::vector<std::string> postures;
-  if (builder.wants("flippers", false)) {
+  const bool wants_flippers = builder.wants("flippers", false);
+  if (rt::kBuilt<rt::Part::flippers> && wants_flippers) {
     const FlipperSetup flippers = read_flipper_setup(builder);
     postures = flippers.names;
     flippers_ = std::make_unique<planner::FlipperPostures>();
@@ -49,8 +50,12 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
       });
   builder.remembers(task, *drive_);
   add_drive_counters(builder);
-  if (flippers_) add_flippers(builder, group);
-  add_canopen(builder);
+  if (rt::kBuilt<rt::Part::flippers> && flippers_) add_flippers(builder, group);
+  if (rt::kBuilt<rt::Part::canopen>) {
+    add_canopen(builder);
+  } else {
+    static_cast<void>(read_canopen(builder.profile(), flippers_ != nullptr));  // declares its keys
+  }
 }
 
 void Ugv::add_canopen(VehicleBuilder& builder) {
@@ -145,7 +150,7 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
   rt::FlipperCommand flippers;
   bool has_flippers = false;
   while (flipper_outlet_ != nullptr && flipper_outlet_->take(now_ns, flippers)) has_flippers = true;
-  if (canopen_) {
+  if (rt::kBuilt<rt::Part::canopen> && canopen_) {
     send_canopen(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
     return;
   }

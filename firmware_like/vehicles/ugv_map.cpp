@@ -31,7 +31,7 @@ UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& source
         config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", most));
   }
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
-  if (config.publish) {
+  if (rt::kBuilt<rt::Part::segment_lists> && config.publish) {
     lists_ = builder.outlet<rt::SegmentList>("segments", 4);
     report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
   }
@@ -138,9 +138,9 @@ void UgvMap::count(const mapping::RollingGridCounts& grid) {
 void UgvMap::segment(rt::JobContext& context) {
   while (!map_->current() && (!anytime_ || context.spend(kQuantum))) {
     map_->segment(milliseconds_of(context));
-    if (report_) report_->note(*map_);
+    if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->note(*map_);
   }
-  if (report_) report_->send(*map_, output_.stamp_ns, context.due_ns);
+  if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->send(*map_, output_.stamp_ns, context.due_ns);
   const mapping::RollingGridOutput& grid = map_->grid().output();
   output_.voxels = grid.voxels;
   output_.blocks = grid.blocks;

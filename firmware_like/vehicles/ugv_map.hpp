@@ -6,6 +6,7 @@
 
 #include "firmware_like/vehicle.hpp"
 #include "firmware_like/vehicles/chosen_map.hpp"
+#include "firmware_like/vehicles/owned_part.hpp"
 #include "firmware_like/vehicles/segment_report.hpp"
 #include "mapping/sweep.hpp"
 #include "planner/flipper_postures.hpp"
@@ -93,8 +94,8 @@ class UgvMap {
   LidarScans lidar_;
   ScanPort* port_{};
   std::unique_ptr<ChosenMap> map_;
-  std::unique_ptr<mapping::Sweeps> sweeps_;  ///< null without odometry
-  std::unique_ptr<SegmentReport> report_;    ///< null: no list of segments is published
+  std::unique_ptr<mapping::Sweeps> sweeps_;                   ///< null without odometry
+  OwnedPart<SegmentReport, rt::Part::segment_lists> report_;  ///< null: no list of segments is published
   Outlet<rt::SegmentList>* lists_{};
   rt::Nanoseconds next_pose_ns_{};
   MapOutput output_;

@@ -13,7 +13,7 @@ void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {
   const estimators::TrackOdometryConfig config = read_odometry_config(builder);
   obstacles_ = config.obstacles;
   obstacle_flippers_ = obstacles_ && config.obstacle.modes.profile.flippers;
-  if (obstacle_flippers_) listen_to_flippers(builder, group);
+  if (rt::kBuilt<rt::Part::obstacles> && obstacle_flippers_) listen_to_flippers(builder, group);
   odometry_ = std::make_unique<estimators::TrackOdometry>(config);
   builder.parameter(group, "odometry.scale", [this](double value) {
     odometry_->set_scale(value);

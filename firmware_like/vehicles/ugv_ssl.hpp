@@ -11,6 +11,7 @@
 #include "firmware_like/vehicles/ugv_map.hpp"
 #include "firmware_like/vehicles/ugv_ssl_config.hpp"
 #include "mapping/pose_history.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -56,7 +57,9 @@ class UgvSsl {
   /// What [ssl] says; before the tasks of the group are declared.
   explicit UgvSsl(VehicleBuilder& builder);
   /// True when the map needs poses and scans.
-  bool schedules() const { return settings_.choice.policy == planner::SslPolicy::scheduled; }
+  bool schedules() const {
+    return rt::kBuilt<rt::Part::ray_scheduler> && settings_.choice.policy == planner::SslPolicy::scheduled;
+  }
   /// Declares stream, tasks and outlet. Throws ProfileError.
   void add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSources& sources);
 

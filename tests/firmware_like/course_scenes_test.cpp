@@ -90,6 +90,14 @@ TEST_CASE("scenes with one obstacle end at its height, level", "[model]") {
   CHECK(stairs.last.p[0] > 1.0 + 5 * 0.28);
 }
 
+TEST_CASE("the rubble scene leads through the rubble and beyond it", "[model]") {
+  const Ended rubble("ugv_rubble", 22);
+  CHECK(rubble.last.p[0] > 1.0 + 2.4 + 0.4);  // the whole robot has left the field
+  CHECK(rubble.highest_m > 0.05);             // and it was over blocks, not beside them
+  CHECK(std::fabs(rubble.last.p[2]) < 1e-3);
+  CHECK(std::fabs(rubble.pitch_deg()) < 0.05);
+}
+
 TEST_CASE("a robot that stands on stairs stays where it is", "[model]") {
   const Ended stand("ugv_stand", 22);
   CHECK(stand.last.p[2] > 0.2);

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/bench/scene_cost.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "firmware_like/bench/temporary_log.hpp"
+#include "firmware_like/bench/wcet.hpp"
+#include "firmware_like/live_run.hpp"
+#include "firmware_like/replay.hpp"
+#include "firmware_like/scene_parts.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+using Overrides = std::vector<std::string>;
+
+struct Drive {
+  LiveRunOutcome outcome;
+  double us_per_tick{};
+};
+
+class Measurement {
+ public:
+  Measurement(const VehicleRegistry& vehicles, const BenchFactory& bench, const SceneCostOptions& options)
+      : vehicles_(vehicles), bench_(bench), options_(options), log_(options.log) {}
+
+  SceneCosts run() {
+    Profile profile = load_scene(options_.scene, options_.overrides);
+    SceneCosts costs;
+    costs.scene = profile.name();
+    costs.machine = machine_description();
+    const bool simulated = log_.empty();
+    if (simulated) {
+      if (!bench_ || bench_(profile, nullptr) == nullptr)
+        throw ProfileError(costs.scene +
+                           " has no simulated robot: give --log LOG (`sortie import` makes one)");
+      log_ = folder_.file("drive.lcm");
+      const Drive recorded = drive(options_.overrides, log_);
+      costs.recorded_us = recorded.us_per_tick;
+      costs.drive_us = drive(options_.overrides, "").us_per_tick;
+      if (!recorded.outcome.truth.empty()) end_ = recorded.outcome.truth.back();
+    }
+    ticks_ = &costs.ticks;
+    costs.whole = replays({});
+    const auto parts = parts_of(profile);
+    for (const ScenePart* part : parts) {
+      PartCost& line = costs.without.emplace_back();
+      line.part = part->name;
+      line.what = part->what;
+      line.refused = why_needed(*part, parts);
+      if (!line.refused.empty()) continue;
+      try {
+        const Overrides without = overrides_without(*part);
+        line.cost = replays(without);
+        if (simulated) drive_without(without, line.cost);
+      } catch (const ProfileError& error) {
+        line.refused = error.what();
+      }
+    }
+    return costs;
+  }
+
+ private:
+  Drive drive(const Overrides& overrides, const std::string& record) const {
+    LiveRunOptions run;
+    run.scene = options_.scene;
+    run.overrides = overrides;
+    run.seconds = options_.seconds;
+    run.virtual_time = true;
+    run.lcm_url = "none";
+    run.record = record;
+    const auto begin = std::chrono::steady_clock::now();
+    Drive drive{run_live(vehicles_, bench_, run)};
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begin;
+    drive.us_per_tick =
+        took.count() / static_cast<double>(std::max<std::uint64_t>(drive.outcome.results.ticks, 1));
+    return drive;
+  }
+
+  void drive_without(const Overrides& without, SceneCost& cost) const {
+    Overrides all = options_.overrides;
+    all.insert(all.end(), without.begin(), without.end());
+    const LiveRunOutcome outcome = drive(all, "").outcome;
+    cost.driven = outcome.results.errors;
+    if (outcome.truth.empty()) return;
+    const double* p = outcome.truth.back().p;
+    cost.end_off_m = std::hypot(p[0] - end_.p[0], p[1] - end_.p[1], p[2] - end_.p[2]);
+  }
+
+  // The same inputs again, by the profile that stands in the log where a drive was made.
+  SceneCost replays(const Overrides& without) const {
+    ReplayOptions replay_options;
+    replay_options.overrides = without;
+    if (!options_.log.empty()) {
+      replay_options.scene = options_.scene;
+      replay_options.overrides.insert(replay_options.overrides.begin(), options_.overrides.begin(),
+                                      options_.overrides.end());
+    }
+    SceneCost cost;
+    std::vector<double> times;
+    const LogFile log(log_);
+    for (unsigned i = 0; i < std::max(options_.runs, 1u); ++i) {
+      const ReplayOutcome outcome = replay(log, vehicles_, replay_options);
+      const rt::Executive& executive = outcome.runtime->executive();
+      double ns = 0;
+      for (std::uint32_t t = 0; t < executive.task_count(); ++t)
+        ns += static_cast<double>(executive.task(t).wall_time().sum());
+      times.push_back(1e-3 * ns / static_cast<double>(std::max<std::uint64_t>(outcome.results.ticks, 1)));
+      cost.bytes = outcome.runtime->memory_bytes();
+      cost.errors = outcome.results.errors;
+      if (without.empty()) *ticks_ = outcome.results.ticks;
+    }
+    std::sort(times.begin(), times.end());
+    cost.least_us = times.front();
+    cost.us_per_tick = times[times.size() / 2];
+    cost.most_us = times.back();
+    if (options_.instructions) {
+      std::uint64_t sum = 0;
+      for (const WcetTask& task :
+           measure_wcet({log_, replay_options.scene, replay_options.overrides, ""}).tasks) {
+        for (const CountedJob& job : task.jobs) sum += job.instructions;
+      }
+      cost.instructions_per_tick =
+          static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(*ticks_, 1));
+    }
+    return cost;
+  }
+
+  const VehicleRegistry& vehicles_;
+  const BenchFactory& bench_;
+  const SceneCostOptions& options_;
+  TemporaryFolder folder_;
+  std::string log_;
+  TimedPose end_{};
+  std::uint64_t* ticks_{};
+};
+
+}  // namespace
+
+SceneCosts measure_scene_cost(const VehicleRegistry& vehicles, const BenchFactory& bench,
+                              const SceneCostOptions& options) {
+  return Measurement(vehicles, bench, options).run();
+}
+
+}  // namespace sortie::firmware

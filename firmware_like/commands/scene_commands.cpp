@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commands of a program that was built for one scene: what a robot needs, and what proves it. Sweeps,
+// simulated robots and clients stay with the program that has all scenes.
+#include "firmware_like/commands/commands.hpp"
+
+namespace sortie::firmware {
+
+void add_commands(CLI::App& app, CommandContext& context) {
+  add_run(app, context);
+  add_replay(app, context);
+  add_check(app, context);
+  add_index(app, context);
+  add_export(app, context);
+  add_set(app, context);
+  add_scenes(app, context);
+  add_doctor(app, context);
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a scene can leave out, part by part: how a profile says so, what needs the part, and which code it is.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware_like/profile.hpp"
+#include "rt/built_parts.hpp"
+
+namespace sortie::firmware {
+
+/// One part. A part is there when its vehicle is the scene's, its parent is there, and its key says so.
+struct ScenePart {
+  const char* name;
+  const char* what;     ///< half a sentence
+  const char* vehicle;  ///< empty: of both
+  const char* parent;   ///< what it works on; empty: nothing
+  const char* key;      ///< a flag, a text or a number; a number is there unless it is 0
+  const char* there;    ///< of a text: the values that mean "there", between spaces; otherwise empty
+  const char* usual;    ///< without the key: "yes", "no", or the name of the part that it goes with
+  const char* without;  ///< overrides that leave it out, between spaces
+  const char* with;     ///< overrides that put it in; empty: more has to be said than that
+  const char* input;    ///< channel of a log that it works on; empty: of none by itself
+  rt::Part code;        ///< Part::count: its code is not separate from its parent's
+};
+
+/// Every part, parents before children. Set-up only.
+std::span<const ScenePart> scene_parts();
+
+/// The part of that name, or null.
+const ScenePart* find_scene_part(const std::string& name);
+
+/// The parts that `profile` has, in the order of scene_parts(). Reads a copy: nothing is declared.
+std::vector<const ScenePart*> parts_of(const Profile& profile);
+
+/// Overrides that leave `part` out, and that put it in.
+std::vector<std::string> overrides_without(const ScenePart& part);
+std::vector<std::string> overrides_with(const ScenePart& part);
+
+/// Empty, or one line: which of `present` needs `part`, and what to leave out first.
+std::string why_needed(const ScenePart& part, const std::vector<const ScenePart*>& present);
+
+/// The code that a build of that profile alone must have.
+rt::PartMask code_of(const Profile& profile);
+
+/// One line for a build of one scene: that it has no `what`, and which build has it.
+std::string not_in_this_build(const std::string& what, const std::string& scene);
+
+/// ProfileError, with the cure, when this build lacks the code of a part that `profile` has.
+void refuse_unbuilt_parts(const Profile& profile);
+
+}  // namespace sortie::firmware
