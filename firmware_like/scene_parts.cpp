@@ -146,6 +146,11 @@ std::string whole_program() {
          " alone: take the program with all scenes, or build with -DSORTIE_SCENE=name";
 }
 
+std::string not_in_this_build(const std::string& what, const std::string& scene) {
+  return "this program was built for the scene " + std::string(rt::kOnlyScene) + " alone and has no " + what +
+         "; take the program with all scenes, or build with -DSORTIE_SCENE=" + scene;
+}
+
 void refuse_unbuilt_parts(const Profile& profile) {
   if (*rt::kOnlyScene == '\0') return;
   for (const ScenePart* part : parts_of(profile)) {

@@ -54,6 +54,10 @@ class Measurement {
       if (!line.refused.empty()) continue;
       try {
         const Overrides without = overrides_without(*part);
+        // First by itself: what cannot be left out is told with the place in the scene's own file.
+        Overrides all = options_.overrides;
+        all.insert(all.end(), without.begin(), without.end());
+        static_cast<void>(Runtime(load_scene(options_.scene, all), vehicles_, RuntimeStart{}));
         line.cost = replays(without);
         if (simulated) drive_without(without, line.cost);
       } catch (const ProfileError& error) {
