@@ -50,6 +50,7 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   add_export(app, context);
   add_report(app, context);
   add_bench(app, context);
+  add_merge(app, context);
   add_spy(app, context);
   add_set(app, context);
   add_drive(app, context);
