@@ -6,7 +6,7 @@ namespace sortie::firmware {
 void add_bench(CLI::App& app, CommandContext& context) {
   CLI::App* command =
       app.add_subcommand("bench",
-                         "Measure: sweep a profile's keys over logs; rt: the real-time "
+                         "Measure: sweep a profile's keys over logs; all: every part; rt: the real-time "
                          "ground; plant: the tracked plant; rays: the ray scheduler; uav: "
                          "the multirotor; odometry: attitude and odometry; wcet: "
                          "instructions of every job");
@@ -22,6 +22,7 @@ void add_bench(CLI::App& app, CommandContext& context) {
       "  sortie bench a.lcm b.lcm --sweep map.voxel_m=0.1,0.2 --slurm sweep.sh --out /shared/sweep");
   add_bench_sweep(*command, context);
   command->require_subcommand(0, 1);
+  add_bench_all(*command, context);
   add_bench_rt(*command, context);
   add_bench_plant(*command, context);
   add_bench_mapping(*command, context);
