@@ -17,8 +17,7 @@ struct BenchPart {
   std::string json_file;
 };
 
-/// All parts, in the order in which they run, with arguments that keep the whole within 20 minutes on a quiet
-/// machine of two cores.
+/// All parts, in the order in which they run: the short ones first.
 const std::vector<BenchPart>& bench_parts();
 
 /// What to run.
