@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "firmware_like/profile_tree.hpp"
+#include "firmware_like/text_format.hpp"
 #include "rt/digest.hpp"
 
 namespace sortie::firmware {
@@ -19,22 +20,6 @@ std::string as_text(double value) {
   out.precision(12);
   out << value;
   return out.str();
-}
-
-// Edits that turn one word into the other: the nearest known key is the likeliest meaning of a misspelt one.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
 }
 
 // Where a value stands: its own file, which may be that of a base, and line. What came by --set has neither.

@@ -2,9 +2,11 @@
 // Formatting on std::to_chars, which knows no locale.
 #include "firmware_like/text_format.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 namespace sortie::firmware {
 namespace {
@@ -75,6 +77,36 @@ std::string pad_right(std::string_view text, std::size_t width) {
 
 std::string shorten(const std::string& text, std::size_t width) {
   return text.size() <= width ? text : text.substr(0, width - 1) + "~";
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& known,
+                                       std::size_t most) {
+  const std::size_t allowed = std::max<std::size_t>(3, word.size() / 4);
+  std::vector<std::pair<std::size_t, std::string>> close;
+  for (const std::string& other : known) {
+    const std::size_t edits = edit_distance(other, word);
+    if (edits <= allowed) close.emplace_back(edits, other);
+  }
+  std::sort(close.begin(), close.end());
+  std::vector<std::string> names;
+  for (auto& [edits, name] : close)
+    if (names.size() < most) names.push_back(std::move(name));
+  return names;
 }
 
 }  // namespace sortie::firmware

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sortie::firmware {
 
@@ -28,6 +29,14 @@ std::string format_seconds(std::int64_t nanoseconds);
 /// Filled with blanks to `width`.
 std::string pad_left(std::string_view text, std::size_t width);
 std::string pad_right(std::string_view text, std::size_t width);
+
+/// Edits of one character that turn one word into the other. Cost: the product of their lengths.
+std::size_t edit_distance(const std::string& a, const std::string& b);
+
+/// The known words that are likeliest meant by a misspelt one, at most `most`, nearest first; none that needs
+/// more edits than a quarter of the word, or three.
+std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& known,
+                                       std::size_t most);
 
 /// Cut to `width`, the last character then '~'.
 std::string shorten(const std::string& text, std::size_t width);

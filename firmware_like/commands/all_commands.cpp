@@ -16,6 +16,7 @@ void add_commands(CLI::App& app, CommandContext& context) {
   add_export(app, context);
   add_report(app, context);
   add_bench(app, context);
+  add_merge(app, context);
   add_spy(app, context);
   add_set(app, context);
   add_drive(app, context);

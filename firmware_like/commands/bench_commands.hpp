@@ -6,6 +6,10 @@
 
 namespace sortie::firmware {
 
+/// `bench LOG... --sweep`: the options of `bench` itself.
+void add_bench_sweep(CLI::App& bench, CommandContext& context);
+/// `bench all`: every part below, one after another.
+void add_bench_all(CLI::App& bench, CommandContext& context);
 /// `bench rt`: the real-time ground beside its peers.
 void add_bench_rt(CLI::App& bench, CommandContext& context);
 /// `bench plant`: the tracked plant beside its peer.

@@ -86,6 +86,7 @@ void add_import(CLI::App& app, CommandContext& context);
 void add_export(CLI::App& app, CommandContext& context);
 void add_report(CLI::App& app, CommandContext& context);
 void add_bench(CLI::App& app, CommandContext& context);
+void add_merge(CLI::App& app, CommandContext& context);
 void add_scenes(CLI::App& app, CommandContext& context);
 void add_doctor(CLI::App& app, CommandContext& context);
 void add_spy(CLI::App& app, CommandContext& context);

@@ -21,6 +21,7 @@
 #include "firmware_like/releases.hpp"
 #include "firmware_like/replay.hpp"
 #include "firmware_like/report/release_plots.hpp"
+#include "rt/built_parts.hpp"
 #include "rt/posix/flight_reader.hpp"
 
 namespace sortie::firmware {
@@ -229,7 +230,13 @@ int run(const CommandContext& context, ExportOptions& options) {
   write_file(options.path, [&](std::ostream& out) {
     if (options.kind == "tum") export_tum(context, options, log, out);
     if (options.kind == "ply") export_ply(context, options, log, out);
-    if (options.kind == "flight_map") export_flight_map(context, options, log, out);
+    if (options.kind == "flight_map") {
+      // One vehicle's map for another's scene: a program of one scene knows but one of them.
+      if constexpr (rt::kBuilt<rt::Part::ugv> && rt::kBuilt<rt::Part::uav>)
+        export_flight_map(context, options, log, out);
+      else
+        throw InputError("flight_map: this program was built for one scene; use the one that has all", 2);
+    }
     if (options.kind == "csv") export_csv(context, options, log, out);
     if (options.kind == "candump") export_candump(log, out);
     if (options.kind == "trace") export_trace(log, out);

@@ -8,6 +8,9 @@
 
 #include "firmware_like/bench/pareto.hpp"
 #include "firmware_like/bench/sweep.hpp"
+#include "firmware_like/bench/sweep_jobs.hpp"
+#include "firmware_like/bench/sweep_set.hpp"
+#include "firmware_like/bench/sweep_slurm.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
@@ -102,4 +105,72 @@ TEST_CASE("Costs that lie closer than can be measured count as one cost") {
   CHECK(points[5].cost == 98);
   CHECK(points[0].error == 3);
   CHECK(pareto_front(points) == std::vector<bool>{false, true, false, false, false, false});
+}
+
+TEST_CASE("Each cell belongs to exactly one shard, whatever the count of both") {
+  for (const std::size_t cells : {0u, 1u, 7u, 12u, 50u}) {
+    for (std::size_t n = 1; n <= 9; ++n) {
+      std::vector<int> owners(cells, 0);
+      for (std::size_t i = 1; i <= n; ++i)
+        for (const std::size_t cell : shard_cells(cells, i, n)) ++owners.at(cell);
+      CHECK(owners == std::vector<int>(cells, 1));
+    }
+  }
+}
+
+TEST_CASE(
+    "A list of cells is written as an array reads it, and an array has no more tasks than Slurm takes") {
+  CHECK(cell_list({}).empty());
+  CHECK(cell_list({0, 3, 4, 5, 7, 9, 10}) == "0,3-5,7,9-10");
+  CHECK(ArrayScript{"/p", "/f", 54}.tasks() == 54);
+  const ArrayScript large{"/p", "/it's", 2500};
+  CHECK(large.tasks() == 1000);
+  CHECK_THAT(large.text(), Contains("--array=0-999\n") && Contains("cell < 2500; cell += 1000") &&
+                               Contains("folder='/it'\\''s'"));
+}
+
+TEST_CASE("What is missing is run again by its array tasks, or without a script by the cells themselves") {
+  const testing::TempFolder folder;
+  const std::string place = folder.file("");
+  CHECK(resubmit_command("/p", place, {3, 4, 9}) ==
+        std::vector<std::string>{"/p", "bench", "--cell", "3-4,9", "--out", place});
+  remember_script(place, "/s.sh", ArrayScript{"/p", place, 2500});
+  CHECK(resubmit_command("/p", place, {3, 4, 1004, 2003}) ==
+        std::vector<std::string>{"sbatch", "--array=3-4", "/s.sh"});
+}
+
+TEST_CASE("The spread over logs is mean, lowest and highest, and the front is that of the means") {
+  const auto log = [](std::vector<double> errors, std::vector<double> loads) {
+    Sweep sweep;
+    sweep.error = "ate_rmse_m";
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      SweepCell cell;
+      cell.values = {std::to_string(i)};
+      cell.profile_choice = i == 1;
+      cell.errors["ate_rmse_m"] = errors[i];
+      cell.load_us_per_s = loads[i];
+      sweep.cells.push_back(cell);
+    }
+    return LogSweep{"a.lcm", sweep};
+  };
+  // The third is the best of the first log alone; over both it is neither cheap nor good.
+  const SweepSet set =
+      make_sweep_set({log({1, 2, 0.5, 3}, {30, 10, 30, 1}), log({3, 4, 8.5, std::nan("")}, {50, 30, 50, 1})});
+  REQUIRE(set.spread.size() == 4);
+  CHECK(set.spread[0].error.mean == 2);
+  CHECK(set.spread[0].error.low == 1);
+  CHECK(set.spread[0].error.high == 3);
+  CHECK(set.spread[1].load_us_per_s.mean == 20);
+  CHECK(set.spread[2].error.high == 8.5);
+  CHECK(set.spread[3].logs == 1);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(set.spread[i].on_front == (i < 2));
+    CHECK(set.spread[i].profile_choice == (i == 1));
+  }
+  LogSweep other = log({1}, {1});
+  other.sweep.error = "map_disagreement";
+  const SweepSet mixed = make_sweep_set({log({1}, {1}), other});
+  CHECK(mixed.spread.empty());
+  REQUIRE(mixed.warnings.size() == 1);
+  CHECK_THAT(mixed.warnings[0], Contains("--error"));
 }

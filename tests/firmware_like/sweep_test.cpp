@@ -234,7 +234,7 @@ TEST_CASE("The bench command ends with code 2 and a cure for what cannot be swep
   testing::run_hall(1, log);
   for (const auto& [words, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{log, "--sweep", "map.voxel_m"}, "write key=v1,v2,v3"},
-           {{log, "--sweep", "map.voxel=0.1,0.2"}, "does not read this key"},
+           {{log, "--sweep", "map.voxel=0.1,0.2"}, "did you mean map.voxel_m?"},
            {{log, "--sweep", "map.voxel_m=0.1,99"}, "with map.voxel_m=99"},
            {{log, "--sweep", "groups.control.rate_hz=500,333"}, "nearest"},
            {{log, "--sweep", "map.voxel_m=0.1", "--task", "maps"}, "it has: parameters_control, attitude"},

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/bench/bench_all.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "firmware_like/bench/child_process.hpp"
+#include "firmware_like/bench/figure_table.hpp"
+#include "firmware_like/doctor/doctor.hpp"
+#include "firmware_like/results.hpp"
+#include "firmware_like/text_format.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+using AllJson = nlohmann::ordered_json;
+using AllClock = std::chrono::steady_clock;
+
+double since(AllClock::time_point begin) {
+  return std::chrono::duration<double>(AllClock::now() - begin).count();
+}
+
+double load_average() {
+  double load[1] = {0};
+  return getloadavg(load, 1) == 1 ? load[0] : 0.0;
+}
+
+// Goals of a part's figures: how many, how many are met, which are not.
+void count_goals(const AllJson& result, AllJson& part) {
+  std::uint64_t goals = 0;
+  std::uint64_t met = 0;
+  AllJson missed = AllJson::array();
+  for (const AllJson& figure : result.value("figures", AllJson::array())) {
+    if (!figure.contains("met") || !figure["met"].is_boolean()) continue;
+    ++goals;
+    if (figure["met"].get<bool>()) {
+      ++met;
+    } else {
+      missed.push_back(figure.value("group", "") + ": " + figure.value("what", "") +
+                       (figure.value("goal", "").empty() ? "" : ", " + figure.value("goal", "")));
+    }
+  }
+  part["goals"] = goals;
+  part["met"] = met;
+  part["missed"] = std::move(missed);
+  part["skipped"] = result.contains("skipped") ? AllJson(figure_skips(result)) : AllJson::array();
+}
+
+AllJson run_part(const BenchPart& part, const std::string& folder) {
+  const std::string place = folder + "/" + part.name;
+  // What an earlier run left must not pass for this one's.
+  std::error_code ignored;
+  std::filesystem::remove(place + "/" + part.json_file, ignored);
+  ChildCommand child;
+  child.arguments = {own_program_path(), "bench", part.name};
+  child.arguments.insert(child.arguments.end(), part.arguments.begin(), part.arguments.end());
+  child.arguments.insert(child.arguments.end(), {"--out", place});
+  std::string command = "sortie bench " + part.name;
+  for (const std::string& word : part.arguments) command += " " + word;
+  AllJson row{{"name", part.name}, {"command", command}, {"load_before", load_average()}};
+  const AllClock::time_point begin = AllClock::now();
+  row["exit_code"] = run_child(child, [](std::string_view) {}).exit_code;
+  row["took_s"] = since(begin);
+  row["json"] = part.name + "/" + part.json_file;
+  std::ifstream in(place + "/" + part.json_file, std::ios::binary);
+  const AllJson result = AllJson::parse(in, nullptr, false);
+  row["written"] = result.is_object();
+  count_goals(result.is_object() ? result : AllJson::object(), row);
+  return row;
+}
+
+}  // namespace
+
+const std::vector<BenchPart>& bench_parts() {
+  static const std::vector<BenchPart> parts{
+      {"stability", {}, "bench-stability.json"},
+      {"rt", {}, "bench-rt.json"},
+      {"mapping", {"--every", "35"}, "bench-local-map.json"},
+      {"odometry", {"--quiet"}, "bench-odometry.json"},
+      {"plant", {}, "bench-plant.json"},
+      {"rays", {}, "bench-rays.json"},
+      {"uav", {}, "bench-uav.json"},
+  };
+  return parts;
+}
+
+nlohmann::ordered_json run_bench_all(const BenchAllOptions& options) {
+  std::vector<BenchPart> parts;
+  for (const BenchPart& part : bench_parts()) {
+    const auto asked = std::find(options.only.begin(), options.only.end(), part.name);
+    if (options.only.empty() || asked != options.only.end()) parts.push_back(part);
+  }
+  std::filesystem::create_directories(options.folder);
+  const Doctor doctor({"/", -1});
+  AllJson index{{"machine", machine_description()},
+                {"compiler", compiler_description()},
+                {"load_before", load_average()},
+                {"parts", AllJson::array()}};
+  const AllClock::time_point begin = AllClock::now();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (options.on_part) options.on_part(i, parts.size(), parts[i].name, since(begin));
+    index["parts"].push_back(run_part(parts[i], options.folder));
+  }
+  index["load_after"] = load_average();
+  index["took_s"] = since(begin);
+  index["doctor"] = to_json(doctor.report());
+  return index;
+}
+
+std::string bench_all_page(const nlohmann::ordered_json& index, const std::string& command) {
+  const auto number = [](const AllJson& object, const char* key, int decimals) {
+    return format_fixed(object.value(key, 0.0), decimals);
+  };
+  std::string text = "# All benchmarks\n\nWritten by `" + command + "`.\n\n```\n";
+  text += "machine   " + index.value("machine", "") + "; " + index.value("compiler", "") + "\n";
+  text += "load      average " + number(index, "load_before", 2) + " before, " +
+          number(index, "load_after", 2) + " after\n";
+  text += "took      " + number(index, "took_s", 0) + " s\n";
+  if (index.contains("doctor")) text += "doctor    " + index["doctor"].value("summary", "") + "\n";
+  text += "```\n\n| part | goals met | took | load before | command |\n|---|---:|---:|---:|---|\n";
+  std::string missed;
+  for (const AllJson& part : index.value("parts", AllJson::array())) {
+    const std::string name = part.value("name", "");
+    const bool ran = part.value("written", false);
+    const std::string goals = !ran ? "did not run: exit code " + std::to_string(part.value("exit_code", 0))
+                              : part.value("goals", 0) == 0 ? "none stated"
+                                                            : std::to_string(part.value("met", 0)) + " of " +
+                                                                  std::to_string(part.value("goals", 0));
+    text += "| " + (ran ? "[" + name + "](" + name + "/)" : name) + " | " + goals + " | " +
+            number(part, "took_s", 0) + " s | " + number(part, "load_before", 2) + " | `" +
+            part.value("command", "") + "` |\n";
+    for (const AllJson& line : part.value("missed", AllJson::array()))
+      missed += "- " + name + ": " + line.get<std::string>() + "\n";
+    for (const AllJson& line : part.value("skipped", AllJson::array()))
+      missed += "- " + name + ", left out: " + line.get<std::string>() + "\n";
+  }
+  if (!missed.empty()) text += "\n## Missed or left out\n\n" + missed;
+  return text;
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every part's benchmark one after another, into one folder with one page; and two such folders beside each
+// other.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace sortie::firmware {
+
+/// One part: `bench NAME ARGUMENTS --out FOLDER/NAME` writes FOLDER/NAME/JSON_FILE.
+struct BenchPart {
+  std::string name;
+  std::vector<std::string> arguments;
+  std::string json_file;
+};
+
+/// All parts, in the order in which they run: the short ones first.
+const std::vector<BenchPart>& bench_parts();
+
+/// What to run.
+struct BenchAllOptions {
+  std::string folder;
+  std::vector<std::string> only;  ///< names of parts; empty: all
+  /// Before a part: its number from 0, of how many, its name, seconds since the start.
+  std::function<void(std::size_t part, std::size_t parts, const std::string& name, double since_s)> on_part;
+};
+
+/// Runs the parts with this program, a process each; what they print is left out, the words go to stderr. A
+/// part that cannot run (program not built) is named with its exit code. Gives {machine, compiler, doctor,
+/// load_before, load_after, took_s, parts[]{name, command, exit_code, took_s, load_before, goals, met,
+/// missed[], skipped[]}}. Throws InputError.
+nlohmann::ordered_json run_bench_all(const BenchAllOptions& options);
+
+/// The page of a folder, Markdown: machine, load, goals met and missed of each part with links.
+std::string bench_all_page(const nlohmann::ordered_json& index, const std::string& command);
+
+/// Two runs beside each other. Figures that are no times must be equal to the bit: all of those whose unit is
+/// no time and that have no range over rounds. Ratios to a peer must have ranges that overlap.
+struct BenchComparison {
+  std::size_t exact{};     ///< figures that must be equal, found in both
+  std::size_t ratios{};    ///< ratios with a range, found in both
+  std::size_t unjudged{};  ///< times without a peer, ratios without a range, figures of one run only
+  std::vector<std::string> changed;  ///< figures that are not equal: part, group, figure, before, now
+  std::vector<std::string> outside;  ///< ratios whose ranges do not meet
+  std::vector<std::string> missing;  ///< parts that one of the two has not
+};
+
+/// Compares every part of two folders of `bench all`. Throws InputError where one is not such a folder.
+BenchComparison compare_bench(const std::string& before, const std::string& now);
+
+}  // namespace sortie::firmware

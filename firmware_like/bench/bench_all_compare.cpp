@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "firmware_like/bench/bench_all.hpp"
+#include "firmware_like/importers/input_error.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+using ComparedJson = nlohmann::ordered_json;
+using ComparedFigures = std::map<std::string, ComparedJson>;
+
+ComparedJson read_object(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return ComparedJson::parse(in, nullptr, false);
+}
+
+// What depends on the machine: times, what is per time, and shares of them.
+bool is_timed(const std::string& part, const ComparedJson& figure) {
+  static const std::set<std::string> kTimes{"ns", "us", "ms", "times", "M/s", "us/s", "1/s"};
+  const ComparedJson ours = figure.value("ours", ComparedJson());
+  const bool has_range = ours.is_object() && ours.contains("low");
+  return part == "rt" || has_range || kTimes.count(figure.value("unit", "")) != 0;
+}
+
+// The place of a figure; twins are counted.
+void take_figure(ComparedFigures& figures, std::string name, const ComparedJson& figure) {
+  std::string place = name;
+  for (int twin = 2; figures.count(place) != 0; ++twin) place = name + " #" + std::to_string(twin);
+  figures.emplace(std::move(place), figure);
+}
+
+ComparedFigures figures_of(const std::string& part, const ComparedJson& result) {
+  ComparedFigures figures;
+  for (const ComparedJson& figure : result.value("figures", ComparedJson::array())) {
+    take_figure(figures,
+                part + ", " + figure.value("group", "") + ": " + figure.value("what", "") +
+                    (figure.value("peer", "").empty() ? "" : ", beside " + figure.value("peer", "")),
+                figure);
+  }
+  // The odometry's benchmark has cells instead: an error each.
+  for (const ComparedJson& cell : result.value("cells", ComparedJson::array())) {
+    std::string name = part;
+    for (const auto& [key, value] : cell.items()) {
+      if (value.is_string()) name += ", " + value.get<std::string>();
+      if (key == "rate_hz") name += ", " + value.dump() + " Hz";
+    }
+    const ComparedJson errors = cell.value("errors", ComparedJson::object());
+    for (const auto& [key, value] : errors.items())
+      take_figure(figures, name + ": " + key, {{"ours", {{"value", value}}}, {"unit", key}});
+  }
+  return figures;
+}
+
+bool has_range(const ComparedJson& ratio) {
+  return ratio.is_object() && ratio.contains("low") && ratio["low"].is_number() && ratio.contains("high") &&
+         ratio["high"].is_number();
+}
+
+bool meet(const ComparedJson& a, const ComparedJson& b) {
+  return a["low"].get<double>() <= b["high"].get<double>() &&
+         b["low"].get<double>() <= a["high"].get<double>();
+}
+
+// The part of a figure that must not change: without what belongs to times.
+ComparedJson exact_part(const ComparedJson& figure) {
+  ComparedJson exact = ComparedJson::object();
+  for (const char* key : {"ours", "naive", "measured"})
+    if (figure.contains(key)) exact[key] = figure[key];
+  return exact;
+}
+
+void compare_figure(const std::string& part, const std::string& name, const ComparedJson& before,
+                    const ComparedJson& now, BenchComparison& result) {
+  if (!is_timed(part, before)) {
+    ++result.exact;
+    const ComparedJson was = exact_part(before);
+    const ComparedJson is = exact_part(now);
+    if (was != is) result.changed.push_back(name + ": was " + was.dump() + ", is " + is.dump());
+    return;
+  }
+  const ComparedJson was = before.value("ratio", ComparedJson());
+  const ComparedJson is = now.value("ratio", ComparedJson());
+  if (!has_range(was) || !has_range(is)) {
+    ++result.unjudged;
+    return;
+  }
+  ++result.ratios;
+  if (!meet(was, is)) result.outside.push_back(name + ": ratio was " + was.dump() + ", is " + is.dump());
+}
+
+}  // namespace
+
+BenchComparison compare_bench(const std::string& before, const std::string& now) {
+  for (const std::string& folder : {before, now}) {
+    if (!read_object(folder + "/index.json").is_object())
+      throw InputError(folder + "/index.json: is not there or damaged; give a folder of `bench all --out`");
+  }
+  BenchComparison result;
+  for (const BenchPart& part : bench_parts()) {
+    const std::string file = "/" + part.name + "/" + part.json_file;
+    const ComparedJson was = read_object(before + file);
+    const ComparedJson is = read_object(now + file);
+    if (!was.is_object() && !is.is_object()) continue;
+    if (!was.is_object() || !is.is_object()) {
+      result.missing.push_back(part.name + " is only in " + (was.is_object() ? before : now));
+      continue;
+    }
+    const ComparedFigures old_figures = figures_of(part.name, was);
+    const ComparedFigures new_figures = figures_of(part.name, is);
+    for (const auto& [name, figure] : old_figures) {
+      const auto found = new_figures.find(name);
+      if (found == new_figures.end()) {
+        ++result.unjudged;
+        continue;
+      }
+      compare_figure(part.name, name, figure, found->second, result);
+    }
+    for (const auto& [name, unused] : new_figures) result.unjudged += old_figures.count(name) == 0 ? 1 : 0;
+  }
+  return result;
+}
+
+}  // namespace sortie::firmware

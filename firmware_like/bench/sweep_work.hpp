@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One cell of a sweep: a log replayed with one combination of values, once or several times.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware_like/bench/job_times.hpp"
+#include "firmware_like/bench/map_volume.hpp"
+#include "firmware_like/bench/sweep.hpp"
+#include "rt/histogram.hpp"
+
+namespace sortie::firmware {
+
+/// What the repetitions of one cell add up to. Memory: 4 bytes a job and task, 8 bytes a voxel.
+class SweepWork {
+ public:
+  /// `tasks`: names of those whose run time counts.
+  SweepWork(std::vector<std::string> overrides, const std::vector<std::string>& tasks);
+
+  /// Replays the log once more. Gives the log's duration, s. `cell` takes digest, errors, memory and voxels
+  /// of the first replay. Throws as replay() does, and std::runtime_error when a later one has another
+  /// digest.
+  double replay_once(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options,
+                     SweepCell& cell);
+  /// Writes the run times of all replays so far into the cell.
+  void take_times(double duration_s, SweepCell& cell) const;
+  /// The map that the first replay left; nothing where the vehicle has none.
+  const std::optional<MapVolume>& map() const { return map_; }
+
+ private:
+  void take_outcome(const ReplayOutcome& outcome, SweepCell& cell);
+
+  std::vector<std::string> overrides_;
+  std::vector<std::string> tasks_;
+  std::vector<rt::LatencyHistogram> times_;  // one a task
+  JobTimes shortest_;
+  std::optional<MapVolume> map_;
+};
+
+}  // namespace sortie::firmware
