@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 
-PART, FOLDER, PROGRAM = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
+PART, FOLDER, PROGRAM = sys.argv[1], pathlib.Path(sys.argv[2]), os.path.abspath(sys.argv[3])
 UNIT = (FOLDER / "sortie@.service").read_text()
 work = pathlib.Path(tempfile.mkdtemp(prefix="sortie-service-"))
 os.chdir(work)

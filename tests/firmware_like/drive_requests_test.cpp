@@ -103,40 +103,6 @@ TEST_CASE("A scene that does not want requests has no way in for them") {
   }
 }
 
-TEST_CASE("A drive that starts halted stands until a release, whatever speeds are asked for") {
-  planner::UgvDriveConfig config;
-  config.start_halted = true;
-  planner::UgvDrive drive(config);
-  rt::PoseEstimate pose;
-  rt::DriveRequest request;
-  rt::Nanoseconds now = 0;
-  const auto fastest_in_a_second = [&] {
-    double fastest = 0;
-    for (int i = 0; i < 1000; ++i) {
-      now += rt::kNanosecondsPerMillisecond;
-      pose.stamp_ns = now;
-      if (request.counter > 0 && i % 100 == 0) {
-        ++request.counter;
-        request.stamp_ns = now;
-        CHECK(drive.request(request) == Status::ok);
-      }
-      CHECK(drive.update(pose, {}, now) == Status::ok);
-      fastest = std::max(fastest, std::fabs(drive.output().speed_m_s));
-    }
-    return fastest;
-  };
-  CHECK(fastest_in_a_second() == 0.0);
-  CHECK((drive.output().stop & planner::kStopHalt) != 0);
-  request.counter = 1;
-  request.speed_m_s = 0.3;
-  CHECK(fastest_in_a_second() == 0.0);
-  request.mode = static_cast<std::uint32_t>(rt::DriveMode::release);
-  static_cast<void>(fastest_in_a_second());
-  CHECK((drive.output().stop & planner::kStopHalt) == 0);
-  request.mode = static_cast<std::uint32_t>(rt::DriveMode::drive);
-  CHECK(fastest_in_a_second() > 0.2);
-}
-
 TEST_CASE("Where there is a secret, only a request with its tag is taken") {
   Runtime runtime(load_scene("ugv_hall", with({"drive.remote=true"})), own_vehicles(), RuntimeStart{});
   DriveDesk desk(runtime.vehicle().drive_requests());
