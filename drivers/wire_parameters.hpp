@@ -18,7 +18,7 @@ namespace sortie::drivers {
 
 /// A request to change a parameter. On decoding `name` points into the message.
 struct SetParameter {
-  std::int64_t utime{};    ///< us UTC of the sender's clock; nothing is decided from it
+  std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
   std::int64_t sender{};   ///< comes back with the answer
   std::int64_t counter{};  ///< above all that the run has taken: a repeated datagram is stale

@@ -12,7 +12,7 @@ namespace sortie::drivers {
 
 /// drive_request_t. Fields as in rt::DriveRequest; what they may be is for the receiver to judge.
 struct DriveRequestMessage {
-  std::int64_t utime{};    ///< us UTC of the sender's clock; nothing is decided from it
+  std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
   std::int64_t sender{};   ///< any number
   std::int64_t counter{};  ///< above all that the run has taken

@@ -6,19 +6,20 @@
 namespace sortie::firmware {
 
 void DriveDesk::take(std::span<const std::uint8_t> message, const drivers::SipKey* key, std::int64_t session,
-                     rt::Nanoseconds now_ns) {
+                     rt::Nanoseconds now_ns, const RequestAge& age) {
   if (!wanted()) return;
   const std::lock_guard lock(mutex_);
-  ++judge(message, key, session, now_ns);
+  ++judge(message, key, session, now_ns, age);
 }
 
 // Returns the counter of what became of the request.
 std::uint64_t& DriveDesk::judge(std::span<const std::uint8_t> message, const drivers::SipKey* key,
-                                std::int64_t session, rt::Nanoseconds now_ns) {
+                                std::int64_t session, rt::Nanoseconds now_ns, const RequestAge& age) {
   drivers::DriveRequestMessage asked;
   const Status form = drivers::decode(message, key, asked);
   if (form != Status::ok) return form == Status::disconnected ? counters_.bad_tag : counters_.malformed;
   if (asked.session != session) return counters_.wrong_session;
+  if (!age.fits(asked.utime)) return counters_.wrong_time;
   rt::DriveRequest request;
   request.stamp_ns = now_ns;
   request.counter = asked.counter;

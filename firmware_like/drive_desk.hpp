@@ -10,6 +10,7 @@
 #include <string>
 
 #include "drivers/siphash.hpp"
+#include "firmware_like/request_age.hpp"
 #include "firmware_like/vehicle.hpp"
 #include "planner/request_gate.hpp"
 #include "rt/describe.hpp"
@@ -25,9 +26,11 @@ struct DriveDeskCounters {
   std::uint64_t malformed{};      ///< no request, or a damaged one
   std::uint64_t bad_tag{};        ///< from somebody who does not know the secret
   std::uint64_t wrong_session{};  ///< meant for another run
+  std::uint64_t wrong_time{};     ///< held back, or of a clock that is far from the run's
   std::uint64_t repeated{};       ///< played again, or overtaken by a later one
   std::uint64_t jumped{};         ///< its counter is too far ahead
-  SORTIE_FIELDS(admitted, not_finite, out_of_range, full, malformed, bad_tag, wrong_session, repeated, jumped)
+  SORTIE_FIELDS(admitted, not_finite, out_of_range, full, malformed, bad_tag, wrong_session, wrong_time,
+                repeated, jumped)
 };
 
 /// One thread calls take(); any thread may read the counters. Not real-time.
@@ -39,14 +42,15 @@ class DriveDesk {
   /// True when the vehicle takes requests at all.
   bool wanted() const { return requests_.port != nullptr; }
   /// Judges the bytes of a drive_request_t and hands it in. `key`: of the run, or null; `session`: of the
-  /// run. What is refused is only counted: a stranger learns nothing.
+  /// run; `age`: when it came, and how old it may be. What is refused is only counted: a stranger learns
+  /// nothing.
   void take(std::span<const std::uint8_t> message, const drivers::SipKey* key, std::int64_t session,
-            rt::Nanoseconds now_ns);
+            rt::Nanoseconds now_ns, const RequestAge& age = {});
   DriveDeskCounters counters() const;
 
  private:
   std::uint64_t& judge(std::span<const std::uint8_t> message, const drivers::SipKey* key,
-                       std::int64_t session, rt::Nanoseconds now_ns);
+                       std::int64_t session, rt::Nanoseconds now_ns, const RequestAge& age);
 
   DriveRequests requests_;
   planner::RequestGate gate_;

@@ -24,12 +24,12 @@ class FlyDesk {
   /// Judges the bytes of a fly_request_t and hands it in. `key`: of the run, or null; `session`: of the run.
   /// What is refused is only counted: a stranger learns nothing.
   void take(std::span<const std::uint8_t> message, const drivers::SipKey* key, std::int64_t session,
-            rt::Nanoseconds now_ns);
+            rt::Nanoseconds now_ns, const RequestAge& age = {});
   DriveDeskCounters counters() const;
 
  private:
   std::uint64_t& judge(std::span<const std::uint8_t> message, const drivers::SipKey* key,
-                       std::int64_t session, rt::Nanoseconds now_ns);
+                       std::int64_t session, rt::Nanoseconds now_ns, const RequestAge& age);
 
   InputPort<rt::FlyRequest>* port_;
   planner::FlyGate gate_;

@@ -158,6 +158,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     recorder.start();
     telemetry.start();
     EventDesk desk(runtime, recorder, telemetry, ring, utc_minus_run);
+    if (!ring.before_this().empty()) desk.tell("run_before", "run", ring.before_this(), 0);
     live =
         run_in_real_time({runtime, surroundings, parameters, recorder, desk}, options, clock.start_ns, last);
     ticks = live.ticks;

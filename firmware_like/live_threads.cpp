@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "firmware_like/heap_watch.hpp"
+#include "firmware_like/service_notify.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/live_runner.hpp"
 
@@ -84,7 +85,9 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   });
   std::thread requests(
       [&] { every_millisecond(stop, start_ns, [&](rt::Nanoseconds now) { parts.parameters.poll(now); }); });
+  ServiceNotify service;
   runner.start();
+  service.ready();
   while (!runner.finished()) {
     // The workers ask for their priority before tick 0 comes: a refusal ends the run before anything has
     // moved.
@@ -99,8 +102,10 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
                   static_cast<std::uint32_t>((code - 1) & 0xffff));
     const double share = static_cast<double>(rt::posix::monotonic_now() - start_ns) /
                          static_cast<double>(parts.runtime.executive().time_of(last + 1));
+    service.alive(rt::posix::monotonic_now());
     if (options.progress) options.progress(std::clamp(share, 0.0, 1.0));
   }
+  service.stopping();
   runner.join();
   parts.desk.take(runner);
   stop.store(true);

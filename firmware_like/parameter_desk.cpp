@@ -63,16 +63,18 @@ void ParameterDesk::poll(rt::Nanoseconds now_ns) {
     const Status status = receiver_->receive(received, 0);
     if (status == Status::empty || status == Status::disconnected) return;
     if (status != Status::ok) continue;
+    const RequestAge age{received.stamp_ns, key_ ? runtime_.parameter_access().most_age_ns : 0};
     if (received.message.channel == drivers::kChannelSet && runtime_.parameter_access().remote)
-      take(received.message.payload, now_ns);
+      take(received.message.payload, now_ns, age);
     if (received.message.channel == drivers::kChannelDrive)
-      drive_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns);
+      drive_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns, age);
     if (received.message.channel == drivers::kChannelFly)
-      fly_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns);
+      fly_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns, age);
   }
 }
 
-void ParameterDesk::take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns) {
+void ParameterDesk::take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns,
+                         const RequestAge& age) {
   drivers::SetParameter request;
   const Status form = message.size() > drivers::kMaxSetParameterBytes
                           ? Status::malformed
@@ -86,6 +88,8 @@ void ParameterDesk::take(std::span<const std::uint8_t> message, rt::Nanoseconds 
       reason = &counters_.malformed;
     } else if (request.session != session_) {
       reason = &counters_.wrong_session;
+    } else if (!age.fits(request.utime)) {
+      reason = &counters_.wrong_time;
     } else if (request.counter <= newest_) {
       reason = &counters_.stale;
     }

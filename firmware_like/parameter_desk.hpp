@@ -31,8 +31,10 @@ struct ParameterDeskCounters {
   std::uint64_t malformed{};      ///< no request, or a damaged one
   std::uint64_t bad_tag{};        ///< from somebody who does not know the secret
   std::uint64_t wrong_session{};  ///< meant for another run
+  std::uint64_t wrong_time{};     ///< held back, or of a clock that is far from the run's
   std::uint64_t stale{};          ///< repeated, or overtaken by a later one
-  SORTIE_FIELDS(admitted, unknown, not_finite, out_of_range, full, malformed, bad_tag, wrong_session, stale)
+  SORTIE_FIELDS(admitted, unknown, not_finite, out_of_range, full, malformed, bad_tag, wrong_session,
+                wrong_time, stale)
 };
 
 /// One thread calls set() and poll(); any thread may read the rest. Not real-time.
@@ -68,7 +70,7 @@ class ParameterDesk {
  private:
   static constexpr std::size_t kAnswers = 16;
 
-  void take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns);
+  void take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns, const RequestAge& age);
 
   Runtime& runtime_;
   std::size_t next_line_{};

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "firmware_like/exporters/flight_jobs.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "rt/posix/memory_file_system.hpp"
@@ -31,6 +32,15 @@ std::string memory_folder() {
     if (good) return folder;
   }
   return {};
+}
+
+/// How the run ended whose ring this is; empty when it cannot be read.
+std::string ending_in(const std::string& path) {
+  try {
+    return "the run before did not end by itself: " + ending_of(rt::posix::FlightReader(path));
+  } catch (const std::exception&) {
+    return {};
+  }
 }
 
 rt::posix::FlightPlan plan_of(const Runtime& runtime, std::uint32_t ticks) {
@@ -76,6 +86,7 @@ RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options,
     }
     const std::vector<std::string> left = unfinished_flight_rings(folder);
     if (!left.empty()) {
+      before_this_ = ending_in(left.front());
       warnings_.push_back("an earlier run did not end by itself; its last moments: sortie export jobs " +
                           left.front() + " (remove the file when you have seen it)");
     }
@@ -83,6 +94,7 @@ RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options,
     path = folder + "/sortie-" + runtime.profile().name() + "-" + std::to_string(getpid()) + ".ring";
     own_file_ = true;
   }
+  if (!own_file_ && rt::posix::FlightReader::was_left(path)) before_this_ = ending_in(path);
   try {
     ring_ = std::make_unique<rt::posix::FlightRing>(path, plan_of(runtime, options.ticks));
   } catch (const std::runtime_error& error) {
@@ -91,6 +103,7 @@ RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options,
     return;
   }
   warnings_.insert(warnings_.end(), ring_->warnings().begin(), ring_->warnings().end());
+  crash_ = std::make_unique<rt::posix::CrashNote>(*ring_);
   for (std::uint32_t i = 0; i < runtime.executive().group_count(); ++i) {
     rt::Group& group = runtime.executive().group(i);
     running_before_.push_back(group.running);

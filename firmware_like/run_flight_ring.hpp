@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware_like/runtime.hpp"
+#include "rt/posix/crash_note.hpp"
 #include "rt/posix/flight_ring.hpp"
 
 namespace sortie::firmware {
@@ -46,6 +47,8 @@ class RunFlightRing {
   /// Empty without a ring.
   std::string path() const { return ring_ ? ring_->path() : std::string(); }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// How the run before ended, if that was not by itself and its ring is still there; else empty.
+  const std::string& before_this() const { return before_this_; }
 
  private:
   Runtime& runtime_;
@@ -54,6 +57,8 @@ class RunFlightRing {
   rt::JobSink next_{};
   bool own_file_{};
   std::vector<std::string> warnings_;
+  std::string before_this_;
+  std::unique_ptr<rt::posix::CrashNote> crash_;  // last: it stops pointing at the ring before the ring goes
 };
 
 /// Rings in `folder` that runs of this user have left there without ending, newest first.

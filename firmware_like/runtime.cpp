@@ -121,31 +121,6 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
   chains_ = read_chains(profile_, *builder_, *executive_, schedule_.warnings);
 }
 
-void Runtime::read_parameter_keys() {
-  access_.remote =
-      profile_.flag("parameters.remote", false, "`sortie set` may change parameters of a live run");
-  access_.secret_file = profile_.text(
-      "parameters.secret_file", "", "32 hexadecimal digits; only who knows them may set parameters or drive");
-  script_ = profile_.script();
-  for (const ScriptLine& line : script_) {
-    const std::string path = "script[" + std::to_string(line.row) + "]";
-    const ParameterInfo* info = builder_->parameters().find(line.name);
-    if (info == nullptr) {
-      std::string known;
-      for (const ParameterInfo& other : builder_->parameters().all)
-        known += (known.empty() ? "" : ", ") + other.name;
-      profile_.fail(path, line.name + " is no run-time parameter of this scene; known: " +
-                              (known.empty() ? "none" : known));
-    }
-    if (info->owner->table.check(line.name, line.value) != Status::ok) {
-      std::ostringstream why;
-      why << line.name << " = " << line.value << " is outside " << info->low << " .. " << info->high << " "
-          << info->unit;
-      profile_.fail(path, why.str());
-    }
-  }
-}
-
 std::vector<PoolResult> Runtime::memory_plan() const {
   std::vector<PoolResult> plan;
   for (const rt::PoolRecord& record : arena_->report()) {

@@ -26,8 +26,9 @@ struct RuntimeStart {
 
 /// Who may change parameters from outside: [parameters] of the profile.
 struct ParameterAccess {
-  bool remote{};            ///< requests over LCM are taken
-  std::string secret_file;  ///< with it, only from those who know the secret
+  bool remote{};                  ///< requests over LCM are taken
+  std::string secret_file;        ///< with it, only from those who know the secret
+  rt::Nanoseconds most_age_ns{};  ///< and whose clock is so near; 0: not judged
 };
 
 /// A sealed executive with its vehicle. The vehicle is built twice: once to measure its memory, once into a

@@ -13,7 +13,7 @@ bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
 }  // namespace
 
 UgvDrive::UgvDrive(const UgvDriveConfig& config)
-    : config_(config), follower_(config.follower), guard_(config.guard) {}
+    : config_(config), follower_(config.follower), guard_(config.guard), halted_(config.start_halted) {}
 
 Status UgvDrive::set_max_speed(double m_s) {
   if (!is_positive(m_s)) return Status::out_of_range;

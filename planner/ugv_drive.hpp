@@ -91,6 +91,7 @@ struct UgvDriveConfig {
   rt::Nanoseconds start_wait_ns{};  ///< stands still so long at first
   rt::Nanoseconds max_command_age_ns{300 * rt::kNanosecondsPerMillisecond};
   std::int32_t postures{};  ///< that requests may ask for
+  bool start_halted{};      ///< begins as if a halt had been asked for: only a release lets it drive
   DriveGuardConfig guard{};
   WaypointFollowerConfig follower{};
 };

@@ -16,6 +16,9 @@ foreach(folder rt drivers estimators mapping planner hil firmware_like)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sortie FILES_MATCHING PATTERN "*.hpp")
 endforeach()
 install(DIRECTORY firmware_like/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/sortie FILES_MATCHING PATTERN "*.toml")
+# The names that systemd looks for below a prefix of /usr or /usr/local; elsewhere they are there to be copied.
+install(FILES toolchain/service/sortie@.service DESTINATION lib/systemd/system)
+install(FILES toolchain/service/sortie.sysusers.conf DESTINATION lib/sysusers.d RENAME sortie.conf)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/sortie)
 
 configure_package_config_file(toolchain/SortieConfig.cmake.in ${PROJECT_BINARY_DIR}/SortieConfig.cmake

@@ -104,6 +104,8 @@ DriveSetup read_drive_setup(VehicleBuilder& builder) {
       1e3 * profile.number("mission.start_s", {0, 0, 3600, "s", "the robot stands still this long"}));
   setup.remote = profile.flag("drive.remote", false, "requests over LCM may drive the robot");
   if (setup.remote) {
+    config.start_halted = profile.flag("drive.start_halted", false,
+                                       "begins in a halt: nothing moves before a request says release");
     config.max_command_age_ns = milliseconds(profile.number(
         "drive.max_command_age_ms", {in_ms(config.max_command_age_ns), 10, 1e5, "ms",
                                      "who is in control and silent for so long makes the robot stop"}));

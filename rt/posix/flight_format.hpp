@@ -89,7 +89,13 @@ struct FlightState {
   std::uint32_t reserved{};
   std::int64_t ended_ns{};              ///< run clock
   std::uint32_t running[kMaxGroups]{};  ///< 1 + index of the task that runs now in this group, or 0
-  std::uint32_t more[20]{};
+  std::uint32_t signal{};               ///< that ended the process, as far as it could be caught; or 0
+  std::int32_t signal_code{};    ///< si_code of it: above 0 a fault of the program, else somebody sent it
+  std::uint32_t signal_track{};  ///< 1 + track of the thread that got it, or 0
+  std::uint32_t reserved_too{};
+  std::uint64_t signal_address{};  ///< si_addr of a fault
+  std::int64_t signal_ns{};        ///< CLOCK_MONOTONIC
+  std::uint32_t more[12]{};
 };
 
 inline constexpr std::uint32_t kFlightStateOffset = kFlightHeaderBytes - sizeof(FlightState);

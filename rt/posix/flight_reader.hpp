@@ -71,6 +71,8 @@ class FlightReader {
   const std::vector<FlightEvent>& events() const { return events_; }
   /// True when the run ended by itself.
   bool ended() const { return state_.ended == 1; }
+  /// What changed during the run: the signal that ended it among it.
+  const FlightState& state() const { return state_; }
   /// Index of the task that was running in a group when the file was read, or -1.
   int running(std::uint32_t group) const;
   /// Entries that were being written at that moment: at most one a ring.

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <stdexcept>
 
@@ -229,6 +230,21 @@ void FlightRing::event(Nanoseconds time_ns, Tick tick, std::string_view text) {
 std::atomic<std::uint32_t>* FlightRing::running(std::uint32_t group) noexcept {
   static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t));
   return reinterpret_cast<std::atomic<std::uint32_t>*>(&state_->running[group]);
+}
+
+void FlightRing::died(int signal, int code, const void* address) noexcept {
+  std::uint32_t none = 0;
+  if (!std::atomic_ref<std::uint32_t>(state_->signal)
+           .compare_exchange_strong(none, static_cast<std::uint32_t>(signal)))
+    return;
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);  // one of the calls that a handler may make
+  state_->signal_ns = now.tv_sec * kNanosecondsPerSecond + now.tv_nsec;
+  state_->signal_code = code;
+  state_->signal_address = reinterpret_cast<std::uintptr_t>(address);
+  const SpanTrack* track = this_thread_spans;
+  for (std::uint32_t i = 0; i < kMaxFlightTracks; ++i)
+    if (track == &tracks_[i]) state_->signal_track = 1 + i;
 }
 
 void FlightRing::finish(Nanoseconds time_ns) noexcept {

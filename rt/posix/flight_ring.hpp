@@ -78,6 +78,8 @@ class FlightRing {
   /// Where to say which task of a group is running: 1 + its index within the group, 0: none.
   std::atomic<std::uint32_t>* running(std::uint32_t group) noexcept;
 
+  /// A fatal signal has come to the calling thread; the first one stays. Safe in a signal handler.
+  void died(int signal, int code, const void* address) noexcept;
   /// The run has ended by itself, at `time_ns` of the run clock.
   void finish(Nanoseconds time_ns) noexcept;
 

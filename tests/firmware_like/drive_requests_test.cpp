@@ -117,6 +117,31 @@ TEST_CASE("Where there is a secret, only a request with its tag is taken") {
   CHECK(desk.counters().admitted == 1);
 }
 
+TEST_CASE("A request that was held back is refused, however good its tag and counter") {
+  Runtime runtime(load_scene("ugv_hall", with({"drive.remote=true"})), own_vehicles(), RuntimeStart{});
+  DriveDesk desk(runtime.vehicle().drive_requests());
+  const drivers::SipKey secret{1, 2};
+  const rt::Nanoseconds arrived = 1'790'000'000 * rt::kNanosecondsPerSecond;
+  const RequestAge age{arrived, 2 * rt::kNanosecondsPerSecond};
+  drivers::DriveRequestMessage request;
+  const std::int64_t sent_us[] = {arrived / 1000 - 2'000'001, arrived / 1000 + 2'000'001, 0,
+                                  std::numeric_limits<std::int64_t>::min(),
+                                  std::numeric_limits<std::int64_t>::max()};
+  for (const std::int64_t utime : sent_us) {
+    ++request.counter;
+    request.utime = utime;
+    desk.take(bytes_of(request, &secret), &secret, 0, 1, age);
+  }
+  CHECK(desk.counters().wrong_time == 5);
+  CHECK(desk.counters().admitted == 0);
+  for (const std::int64_t utime : {arrived / 1000 - 2'000'000, arrived / 1000 + 2'000'000}) {
+    ++request.counter;
+    request.utime = utime;
+    desk.take(bytes_of(request, &secret), &secret, 0, 1, age);
+  }
+  CHECK(desk.counters().admitted == 2);
+}
+
 TEST_CASE("A mission with flippers drives as it says, and its replay gives the same digest") {
   const TempFolder folder;
   LiveRunOptions options;

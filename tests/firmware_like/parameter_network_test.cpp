@@ -61,7 +61,7 @@ class Sender {
 
 std::uint64_t handled(const ParameterDeskCounters& c) {
   return c.admitted + c.unknown + c.not_finite + c.out_of_range + c.full + c.malformed + c.bad_tag +
-         c.wrong_session + c.stale;
+         c.wrong_session + c.wrong_time + c.stale;
 }
 
 // Every datagram is counted exactly once, by its reason.
@@ -78,7 +78,8 @@ void wait_for(ParameterDesk& desk, std::uint64_t sent) {
 TEST_CASE("the desk takes requests with the right tag, session and counter, and counts all others") {
   if (!has_network()) return;
   const TempFolder folder;
-  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true",
+  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.max_request_age_ms=0",
+                                          "parameters.remote=true",
                                           "parameters.secret_file=" + secret_file(folder, "s", '7')}),
                   own_vehicles(), RuntimeStart{});
   ParameterDesk desk(runtime);
@@ -117,6 +118,28 @@ TEST_CASE("the desk takes requests with the right tag, session and counter, and 
   REQUIRE(said.answers.size() == 4);  // strangers and repeats get none
   CHECK(static_cast<Status>(said.answers[0].status) == Status::ok);
   CHECK(static_cast<Status>(said.answers[1].status) == Status::out_of_range);
+}
+
+TEST_CASE("the desk refuses a friend's request that was held back, and takes the same of now") {
+  if (!has_network()) return;
+  const TempFolder folder;
+  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true",
+                                          "parameters.secret_file=" + secret_file(folder, "s", '7')}),
+                  own_vehicles(), RuntimeStart{});
+  ParameterDesk desk(runtime);
+  REQUIRE(desk.open(kUrl).empty());
+  const drivers::SipKey key = read_secret(folder.file("s"));
+  const std::int64_t session = desk.describe().session;
+  const auto now_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                          std::chrono::system_clock::now().time_since_epoch())
+                          .count();
+  Sender sender;
+  sender.ask({now_us - 600'000'000, session, 5, 1, "drive.max_speed_m_s", 0.1}, &key);
+  sender.ask({now_us + 600'000'000, session, 5, 2, "drive.max_speed_m_s", 0.1}, &key);
+  sender.ask({now_us, session, 5, 3, "drive.max_speed_m_s", 0.2}, &key);
+  wait_for(desk, sender.sent);
+  CHECK(desk.counters().wrong_time == 2);
+  CHECK(desk.counters().admitted == 1);
 }
 
 TEST_CASE("a flood of requests is refused beyond the ring and counted") {

@@ -44,6 +44,25 @@ TEST_CASE("A request is in control until a release, its silence is a stop and no
   CHECK(bench.drive.output().speed_m_s == Approx(bench.config.max_speed_m_s));
 }
 
+TEST_CASE("A drive that starts halted stands until a release, whatever speeds are asked for") {
+  UgvDriveConfig config = usual();
+  config.start_halted = true;
+  Bench bench(config);
+  const Waypoint far[] = {{1000, 0}};
+  REQUIRE(bench.drive.set_route(far) == Status::ok);
+  bench.run(3.0);
+  CHECK(bench.stop() == kStopHalt);
+  CHECK(bench.stands());
+  bench.ask(2.0, request_of(0.2));
+  CHECK(bench.stop() == kStopHalt);
+  CHECK(bench.stands());
+  bench.ask(0.05, request_of(0, 0, rt::DriveMode::release));
+  bench.run(3.0);
+  CHECK(bench.stop() == 0);
+  CHECK(bench.drive.output().speed_m_s == Approx(config.max_speed_m_s));
+  CHECK(bench.drive.output().stops.halt == 1);
+}
+
 TEST_CASE("More than the limits allow is shortened on the same curve, and said so") {
   Bench bench;
   bench.ask(3.0, request_of(1.0, 2.0));
