@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "drivers/service_notify.hpp"
 #include "firmware_like/heap_watch.hpp"
-#include "firmware_like/service_notify.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/live_runner.hpp"
 
@@ -85,7 +85,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   });
   std::thread requests(
       [&] { every_millisecond(stop, start_ns, [&](rt::Nanoseconds now) { parts.parameters.poll(now); }); });
-  ServiceNotify service;
+  drivers::ServiceNotify service;
   runner.start();
   service.ready();
   while (!runner.finished()) {

@@ -37,7 +37,7 @@ std::string memory_folder() {
 /// How the run ended whose ring this is; empty when it cannot be read.
 std::string ending_in(const std::string& path) {
   try {
-    return "the run before did not end by itself: " + ending_of(rt::posix::FlightReader(path));
+    return "an earlier run did not end by itself: " + ending_of(rt::posix::FlightReader(path));
   } catch (const std::exception&) {
     return {};
   }

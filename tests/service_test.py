@@ -78,7 +78,7 @@ def deaths():
         check(says in line, f"the ring after {number.name}", line)
         tick = re.search(r"; last tick (\d+); (no task was running|running was )", line)
         check(tick is not None and int(tick.group(1)) > 0, "the ring tells the last tick and the running task", line)
-        check(told in stderr and (not told or "the run before did not end by itself" in stderr),
+        check(told in stderr and (not told or "an earlier run did not end by itself" in stderr),
               f"the start before {number.name} tells of the death before it", told, stderr[:500])
         told = says
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a run tells its supervisor, and that one that is not there, or does not take it, harms nothing.
-#include "firmware_like/service_notify.hpp"
+#include "drivers/service_notify.hpp"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 
 #include "tests/firmware_like/temp_folder.hpp"
 
-using sortie::firmware::ServiceNotify;
+using sortie::drivers::ServiceNotify;
 using sortie::testing::TempFolder;
 
 namespace {

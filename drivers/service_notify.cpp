@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/service_notify.hpp"
+#include "drivers/service_notify.hpp"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace sortie::firmware {
+namespace sortie::drivers {
 namespace {
 
 // The variable as a number above 0, or 0.
@@ -56,4 +56,4 @@ void ServiceNotify::send(std::string_view text) noexcept {
   ++(gone == static_cast<ssize_t>(text.size()) ? sent_ : refused_);
 }
 
-}  // namespace sortie::firmware
+}  // namespace sortie::drivers

@@ -10,7 +10,7 @@
 
 #include "rt/time.hpp"
 
-namespace sortie::firmware {
+namespace sortie::drivers {
 
 /// Says READY=1, WATCHDOG=1 and STOPPING=1. Reads NOTIFY_SOCKET, WATCHDOG_USEC and WATCHDOG_PID once; without
 /// the first, each call does nothing. For a thread that is not real-time: a system call that does not wait.
@@ -45,4 +45,4 @@ class ServiceNotify {
   std::uint64_t refused_{};
 };
 
-}  // namespace sortie::firmware
+}  // namespace sortie::drivers
