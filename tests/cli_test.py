@@ -162,7 +162,8 @@ expect(0, "replay", "hall.lcm", "--out", "out")
 for name in ("results.json", "report.html", "trajectory.tum", "truth.tum"):
     check(pathlib.Path("out", name).exists(), f"--out writes {name}")
 # Two logs on one page, and a map that one robot hands to another.
-expect(0, "run", "--scene", "ugv_rescue", "--virtual", "--seconds", "3", "--record", "ugv.lcm", "--set", "hil.lidar_columns=64")
+expect(0, "run", "--scene", "ugv_rescue", "--virtual", "--seconds", "3", "--record", "ugv.lcm",
+       "--set", "hil.lidar_columns=64", "--set", "tasks.ssl.units=20000")
 made = expect(0, "export", "flight_map", "ugv.lcm", "--for", "uav_rescue", "-o", "uav.toml")
 check("voxels are free" in made.stderr, "what the flight map holds", made)
 expect(0, "run", "--scene", "uav.toml", "--virtual", "--seconds", "2", "--record", "uav.lcm")
