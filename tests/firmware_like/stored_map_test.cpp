@@ -164,7 +164,8 @@ TEST_CASE("What a rolling window has shown of a flight map is gathered, and noth
     }
   }
   CHECK(wrong == 0);
-  CHECK(compared > 2000);
+  // The draw decides how many (some 2,030), the check only that they are not few.
+  CHECK(compared > 1000);
   CHECK(gatherer.count(CellState::free) + gatherer.count(CellState::blocked) == compared);
   mapping::OccupancyView other = map.view();
   other.voxel_size_m = 0.1;
