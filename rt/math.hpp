@@ -9,6 +9,8 @@
 // NaN.
 #pragma once
 
+#include <cstdint>
+
 namespace sortie::rt {
 
 /// Sine and cosine of one angle.
@@ -50,6 +52,17 @@ double log(double x);
 
 /// sqrt(x^2 + y^2) without overflow or underflow on the way. An infinity wins over a NaN.
 double hypot(double x, double y);
+
+/// Largest whole number that is not above x; x itself for an infinity, a NaN and both zeros. (Some C
+/// libraries for small boards have a std::floor of doubles that is wrong where doubles are computed in
+/// software.)
+inline double floor(double x) {
+  constexpr double kWhole = 4503599627370496.0;  // 2^52: every double from there on is whole
+  if (!(x > -kWhole && x < kWhole)) return x;
+  const double cut = static_cast<double>(static_cast<std::int64_t>(x));
+  if (cut == x) return x;  // keeps the sign of -0
+  return cut > x ? cut - 1.0 : cut;
+}
 
 /// True when this thread computes as the digests assume: round to nearest, denormals kept, products rounded
 /// before they are added to. Checked at start-up, as a library may have switched the processor to flush

@@ -186,7 +186,7 @@ inline Quaternion from_yaw_pitch_roll(double yaw_rad, double pitch_rad, double r
 /// An angle brought to (-pi, pi] (to rounding). Finite input below 1e9 rad keeps 1e-7 rad; no loop.
 inline double wrap_angle(double angle_rad) {
   constexpr double kTwoPi = 6.283185307179586476925286766559;
-  const double wrapped = angle_rad - kTwoPi * std::floor(angle_rad / kTwoPi + 0.5);
+  const double wrapped = angle_rad - kTwoPi * floor(angle_rad / kTwoPi + 0.5);
   return wrapped <= -0.5 * kTwoPi ? wrapped + kTwoPi : wrapped;
 }
 

@@ -42,10 +42,9 @@ void Allocation::build() {
     for (std::uint32_t i = 0; i < model_.rotors; ++i) effect(r, i) = effect_[r][i];
   }
   gram = effect * transposed(effect);
-  SmallMatrix<double, 4, rt::kMaxRotors> inverse;
-  if (solve(gram, effect, inverse) != Status::ok) return;
+  if (solve(gram, effect) != Status::ok) return;
   for (std::uint32_t i = 0; i < model_.rotors; ++i) {
-    for (std::size_t r = 0; r < 4; ++r) inverse_[i][r] = inverse(r, i);
+    for (std::size_t r = 0; r < 4; ++r) inverse_[i][r] = effect(r, i);
   }
 }
 

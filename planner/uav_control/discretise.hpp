@@ -22,12 +22,21 @@ template <class T, std::size_t N>
     ++squarings;
   }
   if (!(norm <= 0.5)) return Status::out_of_range;
-  a = scaled(a, T(scale));
+  for (T& value : a.m) value = T(scale) * value;
   // Horner's scheme: I + a (I + a/2 (I + a/3 (...))).
-  const SmallMatrix<T, N, N> eye = SmallMatrix<T, N, N>::identity();
-  out = eye;
-  for (int k = order; k >= 1; --k) out = eye + scaled(a * out, T(1.0) / T(static_cast<double>(k)));
-  for (int i = 0; i < squarings; ++i) out = out * out;
+  SmallMatrix<T, N, N> work;
+  out = SmallMatrix<T, N, N>::identity();
+  for (int k = order; k >= 1; --k) {
+    const T share = T(1.0) / T(static_cast<double>(k));
+    multiply(a, out, work);
+    for (T& value : work.m) value = share * value;
+    for (std::size_t i = 0; i < N; ++i) work(i, i) = T(1.0) + work(i, i);
+    out = work;
+  }
+  for (int i = 0; i < squarings; ++i) {
+    multiply(out, out, work);
+    out = work;
+  }
   return Status::ok;
 }
 

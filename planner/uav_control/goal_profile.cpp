@@ -14,7 +14,7 @@ constexpr double kFarthest_m = 1e4;
 
 std::uint32_t whole_periods(double time_s, double period_s) {
   const double count =
-      std::clamp(std::ceil(time_s / period_s - 1e-9), 1.0, static_cast<double>(GoalProfile::kWindow - 1));
+      std::clamp(-rt::floor(1e-9 - time_s / period_s), 1.0, static_cast<double>(GoalProfile::kWindow - 1));
   return static_cast<std::uint32_t>(count);
 }
 
@@ -38,7 +38,7 @@ void GoalProfile::rest(Vector3 p_m, double yaw_rad) {
   run_.fill({});
   first_.fill({});
   second_.fill({});
-  for (Stage& stage : stage_) stage = {};
+  for (Vector3& average : average_m_s_) average = {};
   brake_left_ = 0;
   still_ = kWindow * 3;
   now_ = {};
@@ -59,7 +59,7 @@ void GoalProfile::brake(const FlatReference& from) {
   // The cubic that takes v to 0 turns at most 1.5 v / T; an acceleration that is there fades over T as well.
   const double need_s = std::max(1.5 * rt::norm(from.v_m_s) / limits_.acceleration_m_s2,
                                  2.0 * (limits_.smoothing_s[0] + limits_.smoothing_s[1]));
-  const double steps = std::clamp(std::ceil(need_s / dt_), 1.0, 1e6);
+  const double steps = std::clamp(-rt::floor(-need_s / dt_), 1.0, 1e6);
   brake_left_ = static_cast<std::uint32_t>(steps);
   brake_length_s_ = dt_ * steps;
   brake_time_s_ = 0.0;
@@ -108,33 +108,33 @@ void GoalProfile::step_run() {
   still_ = rt::dot(run, run) > 0.0 ? 0 : std::min(still_ + 1, 3 * kWindow);
   head_ = (head_ + 1) % kWindow;
   run_[head_] = run;
-  first_[head_] = stage_[0];
-  second_[head_] = stage_[1];
+  first_[head_] = {average_m_s_[0], {}};
+  second_[head_] = {average_m_s_[1], {}, {}};
   if (still_ > window_[0] + window_[1] + window_[2]) {
-    for (Stage& stage : stage_) stage = {};
+    for (Vector3& average : average_m_s_) average = {};
     now_.p_m = run_m_;
     now_.v_m_s = now_.a_m_s2 = now_.j_m_s3 = now_.s_m_s4 = {};
     return;
   }
   const Vector3 a1 = per[0] * (run - run_[back(window_[0])]);
-  const Stage& old1 = first_[back(window_[1])];
+  const First& old1 = first_[back(window_[1])];
   const Vector3 a1_old = old1.a;
   first_[head_].a = a1;
-  const Vector3 a2 = per[1] * (stage_[0].v - old1.v);
+  const Vector3 a2 = per[1] * (average_m_s_[0] - old1.v);
   const Vector3 j2 = per[1] * (a1 - a1_old);
-  const Stage& old2 = second_[back(window_[2])];
+  const Second& old2 = second_[back(window_[2])];
   second_[head_].a = a2;
   second_[head_].j = j2;
-  const Vector3 a3 = per[2] * (stage_[1].v - old2.v);
+  const Vector3 a3 = per[2] * (average_m_s_[1] - old2.v);
   const Vector3 j3 = per[2] * (a2 - old2.a);
   const Vector3 s3 = per[2] * (j2 - old2.j);
   const double h = dt_;
   run_m_ = rt::norm(goal_m_ - run_m_ - h * run) < 1e-12 ? goal_m_ : run_m_ + h * run;
-  now_.p_m = now_.p_m + h * (stage_[2].v + (h / 2) * (a3 + (h / 3) * (j3 + (h / 4) * s3)));
-  stage_[0].v = stage_[0].v + h * a1;
-  stage_[1].v = stage_[1].v + h * (a2 + (h / 2) * j2);
-  stage_[2].v = stage_[2].v + h * (a3 + (h / 2) * (j3 + (h / 3) * s3));
-  now_.v_m_s = stage_[2].v;
+  now_.p_m = now_.p_m + h * (average_m_s_[2] + (h / 2) * (a3 + (h / 3) * (j3 + (h / 4) * s3)));
+  average_m_s_[0] = average_m_s_[0] + h * a1;
+  average_m_s_[1] = average_m_s_[1] + h * (a2 + (h / 2) * j2);
+  average_m_s_[2] = average_m_s_[2] + h * (a3 + (h / 2) * (j3 + (h / 3) * s3));
+  now_.v_m_s = average_m_s_[2];
   now_.a_m_s2 = a3 + h * (j3 + (h / 2) * s3);
   now_.j_m_s3 = j3 + h * s3;
   now_.s_m_s4 = s3;

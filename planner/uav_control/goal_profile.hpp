@@ -25,7 +25,7 @@ struct ProfileLimits {
 /// A straight run at the greatest allowed speed, smoothed by three moving averages in a row, in exact steps:
 /// the velocity is piecewise cubic and position, velocity, acceleration, jerk and snap belong together to
 /// rounding. A chain of averages neither overshoots nor can be upset by goals that jump about. A vehicle that
-/// is moving when it starts is first led to rest on a polynomial. 13 kB, no heap, fixed cost.
+/// is moving when it starts is first led to rest on a polynomial. 19 kB, no heap, fixed cost.
 class GoalProfile {
  public:
   static constexpr std::uint32_t kWindow = 128;
@@ -56,7 +56,12 @@ class GoalProfile {
   void archive(rt::Archive& archive);
 
  private:
-  struct Stage {
+  // What an average has to remember of its input: with each further one a derivative more is continuous.
+  struct First {
+    rt::Vector3 v, a;
+    SORTIE_FIELDS(v, a)
+  };
+  struct Second {
     rt::Vector3 v, a, j;
     SORTIE_FIELDS(v, a, j)
   };
@@ -69,9 +74,9 @@ class GoalProfile {
   double dt_;
   std::uint32_t window_[3]{};
   std::array<rt::Vector3, kWindow> run_{};  ///< speeds of the straight run, newest at head_
-  std::array<Stage, kWindow> first_{};
-  std::array<Stage, kWindow> second_{};
-  Stage stage_[3]{};
+  std::array<First, kWindow> first_{};
+  std::array<Second, kWindow> second_{};
+  rt::Vector3 average_m_s_[3];  ///< speeds after each average
   std::uint32_t head_{};
   std::uint32_t still_{};  ///< steps without a run
   rt::Vector3 run_m_;      ///< place of the straight run

@@ -3,13 +3,94 @@
 // designed with.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "planner/uav_control/double_double.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
+
+// Sizes are arguments here, so that a small board holds this once and not for every size.
+namespace detail {
+
+/// out = a b, rows x inner times inner x columns; out is neither of them. Sums run in the order of the
+/// columns.
+template <class T>
+void multiply(const T* a, const T* b, T* out, std::size_t rows, std::size_t inner, std::size_t columns) {
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      T sum{};
+      for (std::size_t k = 0; k < inner; ++k) sum = sum + a[r * inner + k] * b[k * columns + c];
+      *out++ = sum;
+    }
+  }
+}
+
+template <class T>
+void transpose(T* a, std::size_t n) {
+  for (std::size_t r = 0; r < n; ++r) {
+    for (std::size_t c = 0; c < r; ++c) std::swap(a[r * n + c], a[c * n + r]);
+  }
+}
+
+template <class T>
+void symmetrise(T* a, std::size_t n) {
+  for (std::size_t r = 0; r < n; ++r) {
+    for (std::size_t c = 0; c <= r; ++c) a[r * n + c] = a[c * n + r] = T(0.5) * (a[r * n + c] + a[c * n + r]);
+  }
+}
+
+template <class T>
+void add(const T* more, T* to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = to[i] + more[i];
+}
+
+template <class T>
+double row_norm(const T* a, std::size_t rows, std::size_t columns) {
+  double most = 0.0;
+  for (std::size_t r = 0; r < rows; ++r) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < columns; ++c) sum += size_of(*a++);
+    if (std::isnan(sum)) return sum;
+    if (sum > most) most = sum;
+  }
+  return most;
+}
+
+/// Elimination with row pivots: a is n x n and used up, b is n x columns and becomes a^-1 b.
+template <class T>
+[[nodiscard]] Status solve(T* a, T* b, std::size_t n, std::size_t columns) {
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t r = k + 1; r < n; ++r) {
+      if (size_of(a[r * n + k]) > size_of(a[pivot * n + k])) pivot = r;
+    }
+    if (!(size_of(a[pivot * n + k]) > 1e-280)) return Status::out_of_range;
+    if (pivot != k) {
+      std::swap_ranges(a + k * n, a + k * n + n, a + pivot * n);
+      std::swap_ranges(b + k * columns, b + k * columns + columns, b + pivot * columns);
+    }
+    for (std::size_t r = k + 1; r < n; ++r) {
+      const T factor = a[r * n + k] / a[k * n + k];
+      for (std::size_t c = k + 1; c < n; ++c) a[r * n + c] = a[r * n + c] - factor * a[k * n + c];
+      for (std::size_t c = 0; c < columns; ++c)
+        b[r * columns + c] = b[r * columns + c] - factor * b[k * columns + c];
+    }
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      T sum = b[k * columns + c];
+      for (std::size_t j = k + 1; j < n; ++j) sum = sum - a[k * n + j] * b[j * columns + c];
+      b[k * columns + c] = sum / a[k * n + k];
+    }
+  }
+  return Status::ok;
+}
+
+}  // namespace detail
 
 /// R x C numbers, row by row. Zero at the start. No heap; sums run in the order of the columns.
 template <class T, std::size_t R, std::size_t C>
@@ -26,32 +107,16 @@ struct SmallMatrix {
   }
 };
 
-template <class T, std::size_t R, std::size_t C>
-SmallMatrix<T, R, C> operator+(SmallMatrix<T, R, C> a, const SmallMatrix<T, R, C>& b) {
-  for (std::size_t i = 0; i < R * C; ++i) a.m[i] = a.m[i] + b.m[i];
-  return a;
-}
-
-template <class T, std::size_t R, std::size_t C>
-SmallMatrix<T, R, C> operator-(SmallMatrix<T, R, C> a, const SmallMatrix<T, R, C>& b) {
-  for (std::size_t i = 0; i < R * C; ++i) a.m[i] = a.m[i] - b.m[i];
-  return a;
-}
-
-template <class T, std::size_t R, std::size_t C>
-SmallMatrix<T, R, C> scaled(SmallMatrix<T, R, C> a, const T& s) {
-  for (T& value : a.m) value = s * value;
-  return a;
+/// out = a b, into a matrix that is neither.
+template <class T, std::size_t R, std::size_t K, std::size_t C>
+void multiply(const SmallMatrix<T, R, K>& a, const SmallMatrix<T, K, C>& b, SmallMatrix<T, R, C>& out) {
+  detail::multiply(a.m, b.m, out.m, R, K, C);
 }
 
 template <class T, std::size_t R, std::size_t K, std::size_t C>
 SmallMatrix<T, R, C> operator*(const SmallMatrix<T, R, K>& a, const SmallMatrix<T, K, C>& b) {
   SmallMatrix<T, R, C> out;
-  for (std::size_t r = 0; r < R; ++r) {
-    for (std::size_t k = 0; k < K; ++k) {
-      for (std::size_t c = 0; c < C; ++c) out(r, c) = out(r, c) + a(r, k) * b(k, c);
-    }
-  }
+  multiply(a, b, out);
   return out;
 }
 
@@ -64,63 +129,35 @@ SmallMatrix<T, C, R> transposed(const SmallMatrix<T, R, C>& a) {
   return out;
 }
 
-/// The same with rounding's asymmetry taken out.
+/// Transposes in place.
 template <class T, std::size_t N>
-SmallMatrix<T, N, N> symmetrised(const SmallMatrix<T, N, N>& a) {
-  SmallMatrix<T, N, N> out;
-  for (std::size_t r = 0; r < N; ++r) {
-    for (std::size_t c = 0; c < N; ++c) out(r, c) = T(0.5) * (a(r, c) + a(c, r));
-  }
-  return out;
+void transpose(SmallMatrix<T, N, N>& a) {
+  detail::transpose(a.m, N);
+}
+
+/// Takes rounding's asymmetry out, in place.
+template <class T, std::size_t N>
+void symmetrise(SmallMatrix<T, N, N>& a) {
+  detail::symmetrise(a.m, N);
+}
+
+/// to = to + more.
+template <class T, std::size_t R, std::size_t C>
+void add(const SmallMatrix<T, R, C>& more, SmallMatrix<T, R, C>& to) {
+  detail::add(more.m, to.m, R * C);
 }
 
 /// Largest row sum of sizes; NaN when any number is.
 template <class T, std::size_t R, std::size_t C>
 double row_norm(const SmallMatrix<T, R, C>& a) {
-  double most = 0.0;
-  for (std::size_t r = 0; r < R; ++r) {
-    double sum = 0.0;
-    for (std::size_t c = 0; c < C; ++c) sum += size_of(a(r, c));
-    if (std::isnan(sum)) return sum;
-    if (sum > most) most = sum;
-  }
-  return most;
+  return detail::row_norm(a.m, R, C);
 }
 
-/// X with a X = b, by elimination with row pivots; a is N x N. out_of_range when a is singular to working
-/// precision; X is then not usable. N^2 (N + C) products.
+/// X with a X = b, by elimination with row pivots, in place of b; a is used up. out_of_range when a is
+/// singular to working precision; X is then not usable. N^2 (N + C) products.
 template <class T, std::size_t N, std::size_t C>
-[[nodiscard]] Status solve(SmallMatrix<T, N, N> a, SmallMatrix<T, N, C> b, SmallMatrix<T, N, C>& x) {
-  for (std::size_t k = 0; k < N; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t r = k + 1; r < N; ++r) {
-      if (size_of(a(r, k)) > size_of(a(pivot, k))) pivot = r;
-    }
-    if (!(size_of(a(pivot, k)) > 1e-280)) return Status::out_of_range;
-    for (std::size_t c = 0; pivot != k && c < N; ++c) {
-      const T keep = a(k, c);
-      a(k, c) = a(pivot, c);
-      a(pivot, c) = keep;
-    }
-    for (std::size_t c = 0; pivot != k && c < C; ++c) {
-      const T keep = b(k, c);
-      b(k, c) = b(pivot, c);
-      b(pivot, c) = keep;
-    }
-    for (std::size_t r = k + 1; r < N; ++r) {
-      const T factor = a(r, k) / a(k, k);
-      for (std::size_t c = k + 1; c < N; ++c) a(r, c) = a(r, c) - factor * a(k, c);
-      for (std::size_t c = 0; c < C; ++c) b(r, c) = b(r, c) - factor * b(k, c);
-    }
-  }
-  for (std::size_t k = N; k-- > 0;) {
-    for (std::size_t c = 0; c < C; ++c) {
-      T sum = b(k, c);
-      for (std::size_t j = k + 1; j < N; ++j) sum = sum - a(k, j) * x(j, c);
-      x(k, c) = sum / a(k, k);
-    }
-  }
-  return Status::ok;
+[[nodiscard]] Status solve(SmallMatrix<T, N, N>& a, SmallMatrix<T, N, C>& b) {
+  return detail::solve(a.m, b.m, N, C);
 }
 
 }  // namespace sortie::planner

@@ -34,14 +34,15 @@ double usable_period(double period_s) { return period_s >= 1e-4 && period_s <= 0
 
 }  // namespace
 
-UavControl::UavControl(const UavControlConfig& config)
+UavControl::UavControl(const UavControlConfig& config) : UavControl(config, usable(config.model)) {}
+
+UavControl::UavControl(const UavControlConfig& config, const UavModel& model)
     : config_(config),
-      allocation_(usable(config.model)),
-      rotors_(usable(config.model), usable_period(config.period_s)),
-      watch_(usable(config.model), config.watch, usable_period(config.period_s)),
+      allocation_(model),
+      rotors_(model, usable_period(config.period_s)),
+      watch_(model, config.watch, usable_period(config.period_s)),
       profile_(config.profile, usable_period(config.period_s)),
-      lag_(0.5 * (usable(config.model).tau_up_s + usable(config.model).tau_down_s),
-           usable_period(config.period_s)),
+      lag_(0.5 * (model.tau_up_s + model.tau_down_s), usable_period(config.period_s)),
       tau_s_(0.5 * (config.model.tau_up_s + config.model.tau_down_s)),
       tilt_slope_(rt::tan(std::min(config.max_tilt_rad, 1.2))) {
   status_ = design_gains(config.model, config.period_s, config.weights, gains_);

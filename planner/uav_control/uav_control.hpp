@@ -98,6 +98,9 @@ class UavControl {
   void archive(rt::Archive& archive);
 
  private:
+  // `model` is that of the configuration, or some other where that one is none.
+  UavControl(const UavControlConfig& config, const UavModel& model);
+
   struct Wish;
   Status admit(const rt::UavState& state);
   void watch_rotors(const rt::Vector3& w);

@@ -29,8 +29,8 @@ void RotorWatch::archive(rt::Archive& archive) {
 void GoalProfile::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "goal profile")
       .fixed(limits_, dt_, window_)
-      .state(run_, first_, second_, stage_, still_, run_m_, goal_m_, goal_yaw_rad_, speed_share_, brake_left_,
-             brake_time_s_, brake_length_s_, brake_from_, now_)
+      .state(run_, first_, second_, average_m_s_, still_, run_m_, goal_m_, goal_yaw_rad_, speed_share_,
+             brake_left_, brake_time_s_, brake_length_s_, brake_from_, now_)
       .by_hand(head_);
   archive.bounded(head_, kWindow - 1);
 }

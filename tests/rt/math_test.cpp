@@ -6,8 +6,10 @@
 #include <catch2/catch.hpp>
 #include <cfenv>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <limits>
+#include <random>
 
 #include "tests/rt/math_twin.hpp"
 
@@ -245,6 +247,28 @@ TEST_CASE("hypot neither overflows nor underflows on the way", "[math]") {
   CHECK(hypot(kNan, -kInf) == kInf);
   CHECK(is_the_nan(hypot(kNan, 1.0)));
   CHECK(hypot(1.0, 1e-30) == 1.0);
+}
+
+TEST_CASE("floor is the library's, of every kind of number", "[math]") {
+  const std::uint64_t seed = std::random_device{}();
+  INFO("seed " << seed);
+  std::mt19937_64 random(seed);
+  std::size_t wrong = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const std::uint64_t bits = random();
+    const double any = std::bit_cast<double>(bits);
+    // Where whole numbers and halves of them lie.
+    const double near = std::ldexp(static_cast<double>(static_cast<std::int64_t>(bits) >> (bits % 60)), -1);
+    for (const double x : {any, near, std::nextafter(near, 1e300), std::nextafter(near, -1e300)}) {
+      if (x == x && !same(floor(x), std::floor(x))) ++wrong;
+    }
+  }
+  CHECK(wrong == 0);
+  CHECK(same(floor(-0.0), -0.0));
+  CHECK(same(floor(0.0), 0.0));
+  CHECK(floor(-kSmallest) == -1.0);
+  CHECK(floor(-kInf) == -kInf);
+  CHECK(floor(kNan) != floor(kNan));
 }
 
 TEST_CASE("the arithmetic check notices another rounding direction", "[math]") {
