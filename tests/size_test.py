@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 # What scenes take in memory and programs in bytes, beside a committed table: growth by more than 2 % is a decision, not an accident.
-# Usage: size_test.py PROGRAM ARM_PROGRAM IMAGES EXPECTED PAGE. With SORTIE_UPDATE_EXPECTED=1 table and page are written anew.
+# Usage: size_test.py PROGRAM ARM_PROGRAM BUILD EXPECTED PAGE. With SORTIE_UPDATE_EXPECTED=1 table and page are written anew.
 import json
 import os
 import pathlib
@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 
-program, arm, images, expected, page = map(pathlib.Path, sys.argv[1:6])
+program, arm, build, expected, page = map(pathlib.Path, sys.argv[1:6])
 MOST_GROWTH = 0.02
 failures, absent = [], []
 
@@ -27,8 +27,10 @@ def sections(path):
 def measure():
     scenes = {scene["scene"]: scene["bytes"] for scene in json.loads(output(program, "scenes", "--json"))["scenes"]}
     programs = {}
-    for name, path in (("x86-64, sortie", program), ("aarch64, sortie", arm), ("Cortex-M7, flight", images / "sortie_bare_uav"),
-                       ("Cortex-M7, odometry", images / "sortie_bare_ugv")):
+    boards = [(f"{name}, {what}", build / folder / "firmware_like/bare_metal" / image)
+              for name, folder in (("Cortex-M7", "cortex-m7"), ("Cortex-M4F", "cortex-m4f"))
+              for what, image in (("flight", "sortie_bare_uav"), ("odometry", "sortie_bare_ugv"))]
+    for name, path in (("x86-64, sortie", program), ("aarch64, sortie", arm), *boards):
         if not path.exists():
             absent.append(name)
             continue
@@ -54,7 +56,7 @@ def compare(now, was):
 def render(table):
     lines = ["# What scenes and programs take", "",
              "Memory of a scene is what its pools, queues and tables take at start-up; nothing is taken later. Programs hold every scene; static memory is",
-             "what they have before that. The x86-64 program is that of the preset `release`, the others those of `aarch64` and `cortex-m7`.", "",
+             "what they have before that. The x86-64 program is that of the preset `release`, the others those of `aarch64`, `cortex-m7` and `cortex-m4f`.", "",
              "`tests/size_test.py` compares: more than 2 % above this table is a failure. `SORTIE_UPDATE_EXPECTED=1 ctest --preset release -R size` writes it.", "",
              "| program | bytes | static memory |", "|---|---:|---:|"]
     lines += [f"| {name} | {s['program']:,} | {s['static memory']:,} |" for name, s in table["programs"].items()]
