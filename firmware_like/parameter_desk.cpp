@@ -19,6 +19,12 @@ std::string ParameterDesk::open(const std::string& url) {
                                        : "[drive]") +
            " remote has no effect without an LCM address";
   if (!access.secret_file.empty()) key_ = read_secret(access.secret_file);
+  if (!key_ && !access.without_secret)
+    return "no requests are taken, for there is no secret: head -c 16 /dev/urandom | xxd -p > robot.secret "
+           "&& "
+           "chmod 600 robot.secret, then [parameters] secret_file = \"robot.secret\"; on a bench of your own "
+           "without_secret = true lets anybody " +
+           what;
   session_ = unguessable_number();
   try {
     receiver_ = std::make_unique<drivers::LcmReceiver>(url);

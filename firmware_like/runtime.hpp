@@ -27,7 +27,8 @@ struct RuntimeStart {
 /// Who may change parameters from outside: [parameters] of the profile.
 struct ParameterAccess {
   bool remote{};                  ///< requests over LCM are taken
-  std::string secret_file;        ///< with it, only from those who know the secret
+  std::string secret_file;        ///< only from those who know the secret
+  bool without_secret{};          ///< from everybody, where there is no secret
   rt::Nanoseconds most_age_ns{};  ///< and whose clock is so near; 0: not judged
 };
 

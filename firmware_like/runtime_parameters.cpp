@@ -12,7 +12,11 @@ void Runtime::read_parameter_keys() {
       profile_.flag("parameters.remote", false, "`sortie set` may change parameters of a live run");
   access_.secret_file = profile_.text(
       "parameters.secret_file", "", "32 hexadecimal digits; only who knows them may set parameters or drive");
-  if (!access_.secret_file.empty()) {
+  if (access_.secret_file.empty()) {
+    access_.without_secret =
+        profile_.flag("parameters.without_secret", false,
+                      "on a bench: takes requests from anybody; else there are none without");
+  } else {
     access_.most_age_ns = std::llround(
         1e6 * profile_.number("parameters.max_request_age_ms",
                               {2000, 0, 1e6, "ms", "requests of a clock further away are refused; 0: any"}));

@@ -164,7 +164,9 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
                    [](bool heard) { return heard || interrupted.load(); });
   }
   if (!taken) {
-    std::cerr << context.parts.name << ": no request was taken; start the run with --set drive.remote=true"
+    std::cerr << context.parts.name
+              << ": no request was taken; start the run with --set drive.remote=true and --set "
+                 "parameters.secret_file=FILE"
               << (key ? ", and is it the secret of that run?" : "") << "\n";
   }
   show(options, client, taken);

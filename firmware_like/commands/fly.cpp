@@ -124,7 +124,9 @@ int run_fly(const CommandContext& context, FlyOptions options) {
     reached = client.state().reached > before;
   }
   if (!taken) {
-    std::cerr << context.parts.name << ": no request was taken; start the run with --set flight.remote=true"
+    std::cerr << context.parts.name
+              << ": no request was taken; start the run with --set flight.remote=true and --set "
+                 "parameters.secret_file=FILE"
               << (key ? ", and is it the secret of that run?" : "") << "\n";
   }
   show_pilot(options, client, taken, reached);

@@ -150,7 +150,9 @@ int run_set(const CommandContext& context, const SetOptions& options) {
   if (assignments.empty()) return list(client.run(), options.json);
   check_names(assignments, client.run());
   if (!client.run().remote)
-    throw ProfileError("the run takes no requests; start it with --set parameters.remote=true");
+    throw ProfileError(
+        "the run takes no requests; start it with --set parameters.remote=true and --set "
+        "parameters.secret_file=FILE");
   if (client.run().keyed && !key)
     throw ProfileError("the run takes requests only from those who know its secret; give --secret FILE");
 

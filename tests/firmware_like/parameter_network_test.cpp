@@ -144,8 +144,9 @@ TEST_CASE("the desk refuses a friend's request that was held back, and takes the
 
 TEST_CASE("a flood of requests is refused beyond the ring and counted") {
   if (!has_network()) return;
-  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true"}), own_vehicles(),
-                  RuntimeStart{});
+  Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true",
+                                          "parameters.without_secret=true"}),
+                  own_vehicles(), RuntimeStart{});
   ParameterDesk desk(runtime);
   CHECK(desk.open(kUrl).find("anybody") != std::string::npos);
   const std::int64_t session = desk.describe().session;
@@ -155,6 +156,25 @@ TEST_CASE("a flood of requests is refused beyond the ring and counted") {
   CHECK(desk.counters().admitted == kWaitingChanges);
   CHECK(desk.counters().full == 60 - kWaitingChanges);
   CHECK(desk.describe().answers.size() == 16);
+}
+
+TEST_CASE("without a secret nothing is taken, and the cure is told") {
+  if (!has_network()) return;
+  Runtime runtime(
+      load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true", "drive.remote=true"}),
+      own_vehicles(), RuntimeStart{});
+  ParameterDesk desk(runtime);
+  const std::string warning = desk.open(kUrl);
+  CHECK(warning.find("no requests are taken") != std::string::npos);
+  CHECK(warning.find("secret_file") != std::string::npos);
+  CHECK_FALSE(desk.describe().remote);
+  Sender sender;
+  sender.ask({1, desk.describe().session, 5, 1, "drive.max_speed_m_s", 0.1}, nullptr);
+  for (int i = 0; i < 20; ++i) {
+    desk.poll(i);
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  CHECK(handled(desk.counters()) == 0);
 }
 
 TEST_CASE("without remote control nothing is listened to") {
