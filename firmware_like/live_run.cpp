@@ -94,6 +94,12 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     collector.job(record);
     chains.job(record);
   };
+  ParameterDesk parameters(runtime);
+  std::vector<std::string> warnings;
+  // A kernel that has just booted may take seconds for its first random number.
+  if (!options.virtual_time) {
+    if (const std::string note = parameters.open(options.lcm_url); !note.empty()) warnings.push_back(note);
+  }
   // Everything that takes long is done: the run begins.
   RunClock clock{rt::posix::monotonic_now() + (options.virtual_time ? 0 : start_lead(runtime, locks))};
   const rt::Nanoseconds utc_minus_run = rt::posix::utc_minus_monotonic() + clock.start_ns;
@@ -135,9 +141,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   const std::uint64_t heap_before = heap.calls != nullptr ? heap.calls() : 0;
   const auto length = std::llround(options.seconds * 1e9 / static_cast<double>(executive.base_tick_ns()));
   const auto last = static_cast<rt::Tick>(std::max(length, 1LL) - 1);  // one tick at least
-  ParameterDesk parameters(runtime);
   Telemetry telemetry(runtime, recorder, parameters, options.lcm_url, utc_minus_run);
-  std::vector<std::string> warnings;
   if (!telemetry.problem().empty()) warnings.push_back(telemetry.problem());
   warnings.insert(warnings.end(), ring.warnings().begin(), ring.warnings().end());
   if (!doctor.warning().empty()) warnings.push_back(doctor.warning());
@@ -154,7 +158,6 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
                                 "take the program with all scenes, or give --can or --plant"));
     ticks = run_in_virtual_time(runtime, surroundings, recorder, parameters, options, last);
   } else {
-    if (const std::string note = parameters.open(options.lcm_url); !note.empty()) warnings.push_back(note);
     recorder.start();
     telemetry.start();
     EventDesk desk(runtime, recorder, telemetry, ring, utc_minus_run);
@@ -216,6 +219,12 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   results.counters["lcm_dropped"] = telemetry.counters().dropped;
   if (!runtime.parts().parameters().all.empty())
     add_counters("parameters_", parameters.counters(), results.counters);
+  if (const drivers::LcmReceiverCounters* network = parameters.network(); network != nullptr) {
+    results.counters["network_messages"] = network->messages;
+    results.counters["network_fragments"] = network->fragments;
+    results.counters["network_malformed"] = network->malformed;
+    results.counters["network_socket_errors"] = network->socket_errors;
+  }
   if (parameters.drive().wanted()) add_counters("requests_", parameters.drive().counters(), results.counters);
   if (parameters.fly().wanted()) add_counters("requests_", parameters.fly().counters(), results.counters);
   if (bench) bench->add_counters(results.counters);

@@ -62,6 +62,10 @@ class ParameterDesk {
   /// Requests to the drive, which come in by the same door.
   const DriveDesk& drive() const { return drive_; }
   const FlyDesk& fly() const { return fly_; }
+  /// What came in by the network; null where nothing is listened to. For the thread that polls, or after it.
+  const drivers::LcmReceiverCounters* network() const {
+    return receiver_ == nullptr ? nullptr : &receiver_->counters();
+  }
   /// Every parameter with its first value, and the newest answers; the caller fills in what is in force.
   drivers::ParametersMessage describe() const;
   /// Changes whenever describe() does.

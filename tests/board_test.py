@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 import emulate  # noqa: E402
 
 LENGTH, BUILD, PROGRAM, EXPECTED = sys.argv[1], *map(pathlib.Path, sys.argv[2:5])
-SECONDS, FRAMES = (5, 10000) if LENGTH == "short" else (18, 100000)
+SECONDS, FRAMES, DATAGRAMS = (5, 10000, 10000) if LENGTH == "short" else (18, 100000, 1000000)
 # Bounds for any kernel and compiler: instructions (a nanosecond each) of a task's worst job with its interrupts, and of the
 # worst wake-up after a release. The long run's table is exact.
 MOST_US = {"parameters_control": 10, "attitude": 80, "odometry": 40, "odometry_state": 10, "drive": 20, "flippers": 10,
@@ -44,7 +44,7 @@ def run(*words):
 
 
 def boot(name, *jobs):
-    code, console = emulate.boot(jobs, work / name, BUILD, settings=[f"seconds={SECONDS}", f"frames={FRAMES}"])
+    code, console = emulate.boot(jobs, work / name, BUILD, settings=[f"seconds={SECONDS}", f"frames={FRAMES}", f"datagrams={DATAGRAMS}"])
     check(code == 0, f"{name}: the board's jobs end well", code, console)
     return console
 
@@ -130,7 +130,7 @@ def mission():
 
 def trouble():
     """The other boot: frames under load, a runtime that is killed, drives that go."""
-    boot("trouble", "killed", "gone", "flood")
+    console = boot("trouble", "killed", "gone", "flood", "overrun", "storm")
     if not (work / "trouble/flood/can0-can1.json").exists():
         return {}
     figures = {}
@@ -159,7 +159,28 @@ def trouble():
     counters = read("trouble", "gone", "run.json")["counters"]
     check(counters["canopen_drives_lost"] == 6 and counters["canopen_running"] == 0, "lost drives are counted", counters)
     figures["gone"] = {"quick stop after the last heartbeat [us]": round((stop - first) * 1e6)}
+    check("BOARD-DONE overrun 0" in console, "frames that the kernel dropped are counted", console)
+    figures["storm"] = storm()
     return figures
+
+
+def storm():
+    """A robot that listens: what a stranger sends is counted and refused, and the control loop's wake-ups are those of a calm network."""
+    calm, wild = read("trouble", "storm", "calm.json"), read("trouble", "storm", "storm.json")
+    counters = wild["counters"]
+    heard = sum(counters[f"network_{kind}"] for kind in ("messages", "fragments", "malformed"))
+    check(heard >= DATAGRAMS, "every datagram is counted", counters)
+    refused = sum(counters[f"{door}_{why}"] for door in ("requests", "parameters") for why in ("bad_tag", "malformed"))
+    check(refused > DATAGRAMS / 4 and counters["network_fragments"] > DATAGRAMS / 10, "and of each kind there were many", counters)
+    check(counters["requests_admitted"] == counters["parameters_admitted"] == counters["heap_calls"] == 0, "none is taken, no heap", counters)
+    for name, result in (("calm", calm), ("storm", wild)):
+        control = result["groups"][0]
+        check(control["missed"] == control["skipped"] == 0, f"{name}: every release was met", control)
+        check(control["late_max_us"] <= LATE_US, f"{name}: release of control", control["late_max_us"])
+    late = {name: [round(result["groups"][0][f"late_{rank}_us"] * 1000) for rank in ("p50", "p99", "max")]
+            for name, result in (("calm", calm), ("storm", wild))}
+    check(abs(late["storm"][0] / late["calm"][0] - 1) <= 0.02, "storm: the median wake-up is that of the calm", late)
+    return {f"{name}, wake-up {rank} [ns]": value for name, values in late.items() for rank, value in zip(("p50", "p99", "max"), values)}
 
 
 def compare_figures(now, was):

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hil/board/storm.hpp"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <span>
+#include <string_view>
+
+#include "drivers/channels.hpp"
+#include "drivers/lcm_url.hpp"
+#include "drivers/wire_parameters.hpp"
+#include "drivers/wire_requests.hpp"
+#include "rt/posix/clock.hpp"
+
+namespace sortie::hil {
+
+namespace {
+
+constexpr std::size_t kMostBytes = 1400;
+
+class Weather {
+ public:
+  explicit Weather(std::uint64_t seed) : state_(seed | 1) {}
+
+  std::span<const std::uint8_t> next() {
+    size_ = 0;
+    switch (draw() % 5) {
+      case 0:
+        add_noise(draw() % kMostBytes);
+        break;
+      case 1:
+        add_header("LC02", "NOISE");
+        add_noise(draw() % 200);
+        break;
+      case 2:  // a fragment: size, offset, number and count come from the stranger
+        add_header("LC03", "");
+        add_noise(12 + draw() % 1000);
+        break;
+      case 3:
+        add_header("LC02", drivers::kChannelSet);
+        add_request(
+            drivers::SetParameter{number(), number(), number(), number(), "drive.max_speed_m_s", 0.1});
+        break;
+      default: {
+        add_header("LC02", drivers::kChannelDrive);
+        drivers::DriveRequestMessage request;
+        request.session = number();
+        request.counter = number();
+        request.speed_m_s = 1.0;
+        add_request(request);
+      }
+    }
+    return {bytes_.data(), size_};
+  }
+
+ private:
+  // xorshift64 (Marsaglia 2003).
+  std::uint64_t draw() {
+    state_ ^= state_ << 13;
+    state_ ^= state_ >> 7;
+    state_ ^= state_ << 17;
+    return state_;
+  }
+  std::int64_t number() { return static_cast<std::int64_t>(draw() >> 1); }
+  void add_noise(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) bytes_[size_++] = static_cast<std::uint8_t>(draw());
+  }
+  void add_header(std::string_view magic, std::string_view channel) {
+    std::memcpy(bytes_.data(), magic.data(), 4);
+    size_ = 4;
+    add_noise(4);
+    std::memcpy(bytes_.data() + size_, channel.data(), channel.size());
+    size_ += channel.size();
+    bytes_[size_++] = 0;
+  }
+  // Tagged with a secret of the sender's own; then up to three bytes of the whole are changed.
+  template <class Request>
+  void add_request(const Request& request) {
+    drivers::SipKey key{};
+    key[0] = static_cast<std::uint8_t>(draw());
+    std::size_t size = 0;
+    if (encode(request, &key, std::span(bytes_).subspan(size_), size) != Status::ok) size = 0;
+    size_ += size;
+    for (std::uint64_t i = draw() % 4; i > 0; --i) bytes_[draw() % size_] = static_cast<std::uint8_t>(draw());
+  }
+
+  std::uint64_t state_;
+  std::array<std::uint8_t, 2048> bytes_{};
+  std::size_t size_{};
+};
+
+}  // namespace
+
+int storm(const StormConfig& config) {
+  const drivers::MulticastAddress address = drivers::parse_udpm_url(config.url);
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(address.port);
+  to.sin_addr.s_addr = htonl(address.group);
+  const unsigned char here_alone = 0;
+  if (socket < 0 || ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_TTL, &here_alone, sizeof here_alone) != 0)
+    return 1;
+  Weather weather(config.seed);
+  std::uint32_t refused = 0;
+  rt::Nanoseconds release_ns = rt::posix::monotonic_now();
+  for (std::uint32_t i = 0; i < config.datagrams; ++i) {
+    if (i % config.per_ms == 0) {
+      release_ns += rt::kNanosecondsPerMillisecond;
+      rt::posix::sleep_until(release_ns);
+    }
+    const std::span<const std::uint8_t> datagram = weather.next();
+    if (::sendto(socket, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+                 sizeof to) != static_cast<ssize_t>(datagram.size()))
+      ++refused;
+  }
+  ::close(socket);
+  std::printf("{\"datagrams\": %u, \"refused\": %u}\n", config.datagrams, refused);
+  return refused == 0 ? 0 : 1;
+}
+
+}  // namespace sortie::hil
