@@ -8,7 +8,7 @@ namespace sortie::drivers {
 
 namespace {
 
-bool decode_axes(const CanFrame& frame, const CanFieldSpec* fields, double* axes) {
+bool decode_axes(const CanFrame& frame, const CanSignal* fields, double* axes) {
   bool clipped = false;
   for (int i = 0; i < 3; ++i) {
     const std::int64_t raw = read_can_field(frame, fields[i]);
@@ -45,7 +45,7 @@ Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept 
     ++counters_.error_frames;
     return Status::not_supported;
   }
-  const CanFrameSpec* spec = (frame.flags & kCanExtended) != 0 ? nullptr : find_can_frame(frame.id);
+  const CanMessage* spec = (frame.flags & kCanExtended) != 0 ? nullptr : find_can_frame(frame.id);
   if (spec == nullptr) {
     ++counters_.unknown_id;
     return Status::not_supported;
@@ -66,11 +66,11 @@ Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept 
     ++counters_.flipper_frames;
     return Status::ok;
   }
-  if (spec->fields == kCanRotorFields) {
+  if (spec->id >= kCanRotorsId && spec->id < kCanRotorsId + kCanRotorFrames) {
     ++counters_.rotor_frames;
     return Status::ok;
   }
-  if (spec->fields == kCanFlipperStateFields) return join_flipper(frame, out);
+  if (spec->id >= kCanFlipperStateId && spec->id < kCanFlipperStateId + 4) return join_flipper(frame, out);
   const bool is_imu = spec->id == kCanImuGyrId || spec->id == kCanImuAccId;
   const bool is_fix = spec->id == kCanFixAcrossId || spec->id == kCanFixUpId;
   const bool second = spec->id == kCanImuAccId || spec->id == kCanTrackRightId || spec->id == kCanFixUpId;
@@ -85,7 +85,7 @@ Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept 
   return is_imu ? finish_imu(first, last, out) : finish_track(first, last, out);
 }
 
-Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, const CanFieldSpec& time,
+Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, const CanSignal& time,
                               bool& complete) {
   rt::Nanoseconds stamp_ns = 0;
   const auto counter = static_cast<std::uint16_t>(read_can_field(frame, time));
@@ -169,7 +169,7 @@ Status CanSampleDecoder::finish_fix(const CanFrame& across, const CanFrame& up, 
     counters_.wrong_size += 2;
     return Status::malformed;
   }
-  const auto value = [](const CanFrame& frame, const CanFieldSpec& field) {
+  const auto value = [](const CanFrame& frame, const CanSignal& field) {
     return static_cast<double>(read_can_field(frame, field)) * field.scale;
   };
   out.fix = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames <-> samples for the robot's own CAN frames (drivers/can_frames.hpp). The runtime decodes what the
+// Frames <-> samples for the robot's own CAN frames (drivers/dbc/robot.dbc). The runtime decodes what the
 // sensors send and encodes commands; a device or a simulated plant does the reverse with the same table.
 #pragma once
 
@@ -111,7 +111,7 @@ class CanSampleDecoder {
     rt::Nanoseconds last_ns{};
     CanFrame half{};
   };
-  Status join(Pair& pair, const CanFrame& frame, bool second, const CanFieldSpec& time, bool& complete);
+  Status join(Pair& pair, const CanFrame& frame, bool second, const CanSignal& time, bool& complete);
   Status check_order(Pair& pair);
   Status join_flipper(const CanFrame& frame, CanSample& out);
   Status finish_imu(const CanFrame& gyr, const CanFrame& acc, CanSample& out);

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::uint32_t kDriveEnabled = 1u;
 
-CanFrame encode_axes(std::uint32_t id, const CanFieldSpec* fields, const double* axes,
-                     rt::Nanoseconds stamp_ns, std::uint16_t counter) {
+CanFrame encode_axes(std::uint32_t id, const CanSignal* fields, const double* axes, rt::Nanoseconds stamp_ns,
+                     std::uint16_t counter) {
   CanFrame frame = blank(id, stamp_ns);
   for (int i = 0; i < 3; ++i) write_can_field(frame, fields[i], to_axis(axes[i], fields[i].scale));
   write_can_field(frame, fields[3], counter);

@@ -24,7 +24,7 @@ Status encode_flippers(const rt::FlipperCommand& command, std::uint8_t counter, 
     CanFrame& frame = out[pair];
     frame = blank(pair == 0 ? kCanFlipperFrontId : kCanFlipperRearId, command.stamp_ns);
     for (std::uint32_t side = 0; side < 2; ++side) {
-      const CanFieldSpec& field = kCanFlipperFields[side];
+      const CanSignal& field = kCanFlipperFields[side];
       write_can_field(frame, field, to_raw(command.angle_rad[2 * pair + side], field.scale));
     }
     write_can_field(frame, kCanFlipperFields[2], counter);

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hil/board/storm.hpp"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -12,7 +8,7 @@
 #include <string_view>
 
 #include "drivers/channels.hpp"
-#include "drivers/lcm_url.hpp"
+#include "drivers/group_sender.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_requests.hpp"
 #include "rt/posix/clock.hpp"
@@ -97,15 +93,7 @@ class Weather {
 }  // namespace
 
 int storm(const StormConfig& config) {
-  const drivers::MulticastAddress address = drivers::parse_udpm_url(config.url);
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(address.port);
-  to.sin_addr.s_addr = htonl(address.group);
-  const unsigned char here_alone = 0;
-  if (socket < 0 || ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_TTL, &here_alone, sizeof here_alone) != 0)
-    return 1;
+  drivers::GroupSender sender(config.url);
   Weather weather(config.seed);
   std::uint32_t refused = 0;
   rt::Nanoseconds release_ns = rt::posix::monotonic_now();
@@ -114,12 +102,8 @@ int storm(const StormConfig& config) {
       release_ns += rt::kNanosecondsPerMillisecond;
       rt::posix::sleep_until(release_ns);
     }
-    const std::span<const std::uint8_t> datagram = weather.next();
-    if (::sendto(socket, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to),
-                 sizeof to) != static_cast<ssize_t>(datagram.size()))
-      ++refused;
+    if (sender.send(weather.next()) != Status::ok) ++refused;
   }
-  ::close(socket);
   std::printf("{\"datagrams\": %u, \"refused\": %u}\n", config.datagrams, refused);
   return refused == 0 ? 0 : 1;
 }

@@ -168,15 +168,19 @@ TEST_CASE("an encoder that jumps is refused once, a restarted one goes on withou
 TEST_CASE(
     "the frame table is sound: fields fit, do not overlap, identifiers rise and keep clear of CANopen") {
   std::uint32_t last = 0x100;
-  for (const CanFrameSpec& spec : kCanFrames) {
+  for (const CanMessage& spec : kCanFrames) {
     INFO(spec.name);
     CHECK(spec.id > last);
     CHECK(spec.id <= 0x180);
     last = spec.id;
     std::uint32_t used = 0;
     for (std::size_t i = 0; i < spec.field_count; ++i) {
-      for (unsigned b = 0; b < spec.fields[i].bytes; ++b) {
-        const unsigned byte = spec.fields[i].first_byte + b;
+      const CanSignal& field = spec.fields[i];
+      REQUIRE(field.shift % 8 == 0);
+      REQUIRE(field.length % 8 == 0);
+      CHECK_FALSE(field.big_endian);
+      for (unsigned b = 0; b < field.length / 8u; ++b) {
+        const unsigned byte = field.shift / 8u + b;
         REQUIRE(byte < spec.size);
         CHECK((used & (1u << byte)) == 0);
         used |= 1u << byte;

@@ -16,20 +16,21 @@ std::string frame_table() {
   std::string table =
       "| id | frame | bytes | field | type | step | meaning |\n"
       "|---|---|---|---|---|---|---|\n";
-  for (const CanFrameSpec& frame : kCanFrames) {
+  for (const CanMessage& frame : kCanFrames) {
     for (std::size_t i = 0; i < frame.field_count; ++i) {
-      const CanFieldSpec& field = frame.fields[i];
+      const CanSignal& field = frame.fields[i];
       char id[8];
       char step[32];
       std::snprintf(id, sizeof id, "0x%03X", static_cast<unsigned>(frame.id));
       std::snprintf(step, sizeof step, "%g %s", field.scale, field.unit);
-      const int last = field.first_byte + field.bytes - 1;
-      const std::string bytes = std::to_string(field.first_byte) +
-                                (last > field.first_byte ? ".." + std::to_string(last) : std::string());
+      const int first = field.shift / 8;
+      const int last = (field.shift + field.length - 1) / 8;
+      const std::string bytes =
+          std::to_string(first) + (last > first ? ".." + std::to_string(last) : std::string());
       table += "| " + (i == 0 ? std::string(id) : "") + " | " +
                (i == 0 ? std::string("`") + frame.name + "` (" + frame.meaning + ")" : "") + " | " + bytes +
-               " | " + field.name + " | " + (field.is_signed ? "int" : "uint") +
-               std::to_string(8 * field.bytes) + " | " + (field.unit[0] == '-' ? "" : step) + " | " +
+               " | " + field.name + " | " + (field.value == CanValue::signed_whole ? "int" : "uint") +
+               std::to_string(field.length) + " | " + (field.unit[0] == '\0' ? "" : step) + " | " +
                field.meaning + " |\n";
     }
   }
