@@ -51,7 +51,7 @@ void every_millisecond(const std::atomic<bool>& stop, rt::Nanoseconds start_ns, 
 rt::Nanoseconds start_lead(const Runtime& runtime, bool realtime) {
   // Beside the workers: supervisor, housekeeper, bench, devices, requests, recorder, telemetry.
   const rt::Nanoseconds threads = runtime.executive().group_count() + 7;
-  return (100 + (realtime ? 60 * threads : 0)) * rt::kNanosecondsPerMillisecond;
+  return (100 + (realtime ? 150 * threads : 0)) * rt::kNanosecondsPerMillisecond;
 }
 
 LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& options, rt::Nanoseconds start_ns,
