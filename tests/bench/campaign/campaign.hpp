@@ -83,7 +83,14 @@ struct CampaignResult {
   std::uint64_t shrink_runs{};
 };
 
+/// Where a campaign is, for one that dies.
+struct CampaignPlace {
+  const char* module{""};
+  std::uint64_t number{};
+};
+
 /// Runs `count` * share / 100 sequences of a module (at least one), or until the first fault.
-CampaignResult run_campaign(const CampaignModule& module, std::uint64_t seed, std::uint64_t count);
+CampaignResult run_campaign(const CampaignModule& module, std::uint64_t seed, std::uint64_t count,
+                            CampaignPlace* place = nullptr);
 
 }  // namespace sortie::bench

@@ -3,6 +3,7 @@
 // the table.
 #include <chrono>
 #include <cinttypes>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -98,8 +99,19 @@ Json replay_row(const std::string& path) {
   return row_of(*module, result, 0.0);
 }
 
+// What cannot go on says at least where it was; the signal then does what it would have done.
+CampaignPlace at_work;
+
+extern "C" void tell_place(int signal) {
+  std::fprintf(stderr, "campaign: died in module %s, sequence %" PRIu64 " of the seed\n", at_work.module,
+               at_work.number);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
 int run_program(int argc, char** argv) {
   CampaignArguments arguments = read_arguments(argc, argv);
+  for (const int signal : {SIGSEGV, SIGFPE, SIGABRT, SIGBUS, SIGILL}) std::signal(signal, tell_place);
   // 53 bits: a seed that any reader of the JSON keeps whole.
   if (!arguments.has_seed) {
     std::random_device device;
@@ -116,7 +128,7 @@ int run_program(int argc, char** argv) {
       if (!arguments.only.empty() && arguments.only != module.name) continue;
       std::cerr << "campaign: " << module.name << "\n";
       const auto begin = std::chrono::steady_clock::now();
-      const CampaignResult result = run_campaign(module, arguments.seed, arguments.count);
+      const CampaignResult result = run_campaign(module, arguments.seed, arguments.count, &at_work);
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
       rows.push_back(row_of(module, result, took.count()));
     }

@@ -14,12 +14,14 @@ CampaignOutcome try_sequence(const CampaignModule& module, std::span<const Campa
   return outcome;
 }
 
-CampaignResult run_campaign(const CampaignModule& module, std::uint64_t seed, std::uint64_t count) {
+CampaignResult run_campaign(const CampaignModule& module, std::uint64_t seed, std::uint64_t count,
+                            CampaignPlace* place) {
   constexpr std::uint64_t kMostShrinkRuns = 20'000;
   CampaignResult result;
   result.module = &module;
   const std::uint64_t wanted = std::max<std::uint64_t>(1, count * module.share / 100);
   for (std::uint64_t number = 0; number < wanted && result.failed == 0; ++number) {
+    if (place != nullptr) *place = {module.name, number};
     const std::vector<CampaignOp> ops = draw_sequence(module, seed, number);
     const CampaignOutcome outcome = try_sequence(module, ops);
     ++result.sequences;
