@@ -133,7 +133,10 @@ Status BasicAttitude<Real>::set_heading(double heading_rad, double sigma_rad) {
   q_error_ = {Real{0}, Real{0}, Real{0}, Real{0}};
   turn_ = matrix_of(q_);
   turn_world(about);
-  bias_.set_heading(real(sigma_rad * sigma_rad));
+  // More than a turn says no more than a turn; its square could be beyond all numbers.
+  constexpr double kTurn = 6.283185307179586;
+  const double sigma = std::fmin(std::fabs(sigma_rad), kTurn);
+  bias_.set_heading(real(sigma * sigma));
   heading_invalid_ = false;
   store(widened(q_), estimate_.q_world_body);
   estimate_.flags &= ~std::uint32_t{kAttitudeHeadingInvalid};

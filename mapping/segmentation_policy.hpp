@@ -60,7 +60,8 @@ class SmoothnessPolicy {
   }
   /// Square of the cosine, in 1/2^24.
   std::int64_t affinity(const Voxel& own, const Voxel& core) const {
-    if (square(own) == 0 || !join(own, core)) return -1;
+    // With a budget a core may have lost its normal while its block waits to be looked at again.
+    if (square(own) == 0 || square(core) == 0 || !join(own, core)) return -1;
     const std::int64_t d = dot(own, core);
     return d * d * kOne / (square(own) * square(core));
   }

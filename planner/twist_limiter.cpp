@@ -8,7 +8,10 @@ namespace {
 /// The ramp of an axis with `own` to go, when the axes go through the same share of their ways at all times:
 /// the common profile is bounded by the axis that takes longer.
 RampLimits in_step(double own, const RampLimits& limits, double other, const RampLimits& others) {
-  if (!(std::fabs(own) > 0.0)) return limits;  // nowhere to go; nothing to stretch
+  // Nowhere to go; nothing to stretch. A way of 1e-320 would make a jerk of 0, and that a rate that is no
+  // number.
+  constexpr double kNowhere = 1e-100;
+  if (!(std::fabs(own) > kNowhere)) return limits;
   const double ratio = std::fabs(own) / std::max(std::fabs(other), 1e-300);
   return {std::min(limits.acceleration, others.acceleration * ratio),
           std::min(limits.jerk, others.jerk * ratio)};

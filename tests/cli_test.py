@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench rays", "bench uav", "bench stability"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench rays", "bench uav", "bench stability", "bench campaign"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
@@ -428,6 +428,25 @@ elif result.returncode == 0:
 else:
     check(result.returncode == 4 and "is not built" in result.stderr, "bench stability says what is missing", result)
     print("left out: the stability benchmark is not built")
+
+# The random campaign: a seed repeats itself, a sequence from a file is run again.
+expect(4, "bench", "campaign", "--program", "absent/sortie-bench-campaign", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "campaign", "--count", "0")
+result = run("bench", "campaign", "--only", "stamps", "--seed", "5", "--count", "20", "--json", "--out", "campaign")
+if len(PROGRAM) > 1:
+    print("left out: the random campaign under an emulator")
+elif result.returncode == 0:
+    first = parsed(result)["figures"][0]
+    check(first["accepted"] + first["refused"] == first["given"] > 0, "bench campaign counts its inputs", result)
+    check("| rt stamps |" in pathlib.Path("campaign/bench-campaign.md").read_text(), "bench campaign --out writes a page", result)
+    again = run("bench", "campaign", "--only", "stamps", "--seed", "5", "--count", "20", "--json")
+    check(parsed(again)["figures"][0]["digest"] == first["digest"], "bench campaign repeats a seed", again)
+    pathlib.Path("sequence.txt").write_text("module stamps\nop 0 1000000 0 0 0 0 0 0 0\n")
+    again = run("bench", "campaign", "--replay", "sequence.txt", "--json")
+    check(parsed(again)["figures"][0]["given"] == 1, "bench campaign --replay runs a sequence", again)
+else:
+    check(result.returncode == 4 and "is not built" in result.stderr, "bench campaign says what is missing", result)
+    print("left out: the random campaign is not built")
 
 # Imports.
 expect(2, "import", "sheep", "x", "-o", "x.lcm")

@@ -21,6 +21,11 @@ Status UavEstimator::check(const rt::ImuSample& sample) const {
   if (rt::norm(w) > config_.max_rate_rad_s || rt::norm(f) > config_.max_acc_m_s2) return Status::out_of_range;
   if (have_imu_ && sample.stamp_ns == now_ns_) return Status::time_repeated;
   if (have_imu_ && sample.stamp_ns < now_ns_) return Status::time_backwards;
+  // One wild stamp must not make all that follow lie in the past; nor may differences of stamps overflow.
+  constexpr rt::Nanoseconds kFarthest = rt::Nanoseconds{1} << 62;
+  constexpr rt::Nanoseconds kLongestStep = 10 * rt::kNanosecondsPerSecond;
+  if (sample.stamp_ns > kFarthest || sample.stamp_ns < -kFarthest) return Status::out_of_range;
+  if (have_imu_ && sample.stamp_ns - now_ns_ > kLongestStep) return Status::out_of_range;
   return Status::ok;
 }
 

@@ -17,7 +17,9 @@ Status UavEstimator::fix(const rt::UavFix& fix) {
   if (!rt::is_finite(rt::to_vector(fix.p_world_m)) || !std::isfinite(fix.yaw_rad) ||
       rt::norm(rt::to_vector(fix.p_world_m)) > 1e6)
     return refused(Status::not_finite);
-  if (!levelled_) return refused(Status::empty);
+  // The first one must say where the vehicle is and where it looks.
+  constexpr std::uint32_t kBoth = rt::kFixPosition | rt::kFixYaw;
+  if (!levelled_ || (!located_ && (fix.flags & kBoth) != kBoth)) return refused(Status::empty);
   if (fix.stamp_ns < base_ns_) return refused(Status::stale);
   // Half an interval ahead of the readings is still now.
   if (fix.stamp_ns > now_ns_ + 10 * rt::kNanosecondsPerMillisecond) return refused(Status::out_of_range);
@@ -34,8 +36,6 @@ Status UavEstimator::fix(const rt::UavFix& fix) {
 }
 
 void UavEstimator::begin(const rt::UavFix& fix) {
-  constexpr std::uint32_t kBoth = rt::kFixPosition | rt::kFixYaw;
-  if ((fix.flags & kBoth) != kBoth) return;
   const double yaw = fix.yaw_rad - rt::yaw_of(base_.q_world_body);
   base_.q_world_body = rt::normalised(rt::from_yaw_pitch_roll(yaw, 0.0, 0.0) * base_.q_world_body);
   base_.p_world_m = rt::to_vector(fix.p_world_m);

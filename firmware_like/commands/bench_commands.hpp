@@ -24,6 +24,8 @@ void add_bench_uav(CLI::App& bench, CommandContext& context);
 void add_bench_odometry(CLI::App& bench, CommandContext& context);
 /// `bench stability`: stiff and extreme cases beside the naive method.
 void add_bench_stability(CLI::App& bench, CommandContext& context);
+/// `bench campaign`: hostile random sequences for every module.
+void add_bench_campaign(CLI::App& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
 void add_bench_wcet(CLI::App& bench, CommandContext& context);
 
