@@ -21,16 +21,33 @@ Status UavEstimator::check(const rt::ImuSample& sample) const {
   if (rt::norm(w) > config_.max_rate_rad_s || rt::norm(f) > config_.max_acc_m_s2) return Status::out_of_range;
   if (have_imu_ && sample.stamp_ns == now_ns_) return Status::time_repeated;
   if (have_imu_ && sample.stamp_ns < now_ns_) return Status::time_backwards;
-  // One wild stamp must not make all that follow lie in the past; nor may differences of stamps overflow.
-  constexpr rt::Nanoseconds kFarthest = rt::Nanoseconds{1} << 62;
+  return Status::ok;
+}
+
+// One wild stamp must not make all that follow lie in the past; a silence that was so long has to end all the
+// same: readings that go on from each other begin anew.
+Status UavEstimator::check_step(rt::Nanoseconds stamp_ns) {
+  constexpr rt::Nanoseconds kFarthest = rt::Nanoseconds{1}
+                                        << 61;  // so that no difference of stamps overflows
   constexpr rt::Nanoseconds kLongestStep = 10 * rt::kNanosecondsPerSecond;
-  if (sample.stamp_ns > kFarthest || sample.stamp_ns < -kFarthest) return Status::out_of_range;
-  if (have_imu_ && sample.stamp_ns - now_ns_ > kLongestStep) return Status::out_of_range;
+  constexpr std::uint32_t kAgree = 8;
+  if (stamp_ns > kFarthest || stamp_ns < -kFarthest) return Status::out_of_range;
+  if (!have_imu_ || stamp_ns - now_ns_ <= kLongestStep) return Status::ok;
+  const bool follows = far_in_row_ > 0 && stamp_ns > far_ns_ && stamp_ns - far_ns_ <= kLongestStep;
+  far_in_row_ = follows ? far_in_row_ + 1 : 1;
+  far_ns_ = stamp_ns;
+  if (far_in_row_ < kAgree) return Status::out_of_range;
+  have_imu_ = levelled_ = located_ = false;
+  first_ = count_ = far_in_row_ = refused_in_row_ = 0;
+  level_time_s_ = 0.0;
+  level_acc_ = level_gyr_ = {};
+  judge();
   return Status::ok;
 }
 
 Status UavEstimator::imu(const rt::ImuSample& sample, double thrust_m_s2) {
-  const Status status = check(sample);
+  Status status = check(sample);
+  if (status == Status::ok) status = check_step(sample.stamp_ns);
   if (status != Status::ok || !std::isfinite(thrust_m_s2)) {
     ++counters_.imu_refused;
     return status != Status::ok ? status : Status::not_finite;
@@ -194,8 +211,8 @@ void UavEstimator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav estimator")
       .fixed(config_)
       .state(observer_, base_, now_, base_p_, now_p_, readings_, stamps_, base_ns_, now_ns_, last_fix_ns_,
-             have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_, refused_in_row_,
-             refused_at_m_, counters_, state_)
+             far_ns_, far_in_row_, have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_,
+             refused_in_row_, refused_at_m_, counters_, state_)
       .by_hand(first_, count_);
   archive.bounded(first_, kHistory - 1);
   archive.bounded(count_, kHistory);

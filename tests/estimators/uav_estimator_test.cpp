@@ -249,6 +249,35 @@ TEST_CASE("Broken samples change nothing but a counter") {
   CHECK(estimator.counters().imu_refused == 9);
 }
 
+TEST_CASE("One stamp far ahead is refused, and after a long silence the estimator begins anew") {
+  UavEstimator estimator(matched_config());
+  SimulatedFlight flight(6);
+  fly_estimator(estimator, flight, 4.0, 4);
+  REQUIRE(estimator.state().verdict == rt::UavVerdict::good);
+  rt::ImuSample sample = flight.imu(4'005'000'000);
+  sample.stamp_ns = 60'000'000'000;
+  CHECK(estimator.imu(sample, 9.81) == Status::out_of_range);
+  CHECK(estimator.imu(flight.imu(4'005'000'000), 9.81) == Status::ok);
+  // At rest from a minute on: refused until eight agree, then levelled and located again.
+  rt::ImuSample rest;
+  rest.flags = rt::kImuGyr | rt::kImuAcc;
+  rest.acc_m_s2[2] = 9.81;
+  int refused = 0;
+  for (int i = 0; i < 200; ++i) {
+    rest.stamp_ns = 70'000'000'000 + i * kStepNs;
+    refused += estimator.imu(rest, 9.81) == Status::ok ? 0 : 1;
+  }
+  CHECK(refused == 7);
+  CHECK(estimator.state().verdict == rt::UavVerdict::starting);
+  rt::UavFix fix;
+  fix.flags = rt::kFixPosition | rt::kFixYaw;
+  fix.stamp_ns = rest.stamp_ns;
+  fix.p_world_m[0] = 7.0;
+  CHECK(estimator.fix(fix) == Status::ok);
+  CHECK(estimator.state().verdict == rt::UavVerdict::good);
+  CHECK(estimator.state().p_world_m[0] == Approx(7.0));
+}
+
 TEST_CASE("An estimator restored from bytes goes on as the one that was saved") {
   UavEstimator estimator(matched_config());
   SimulatedFlight flight(6);
