@@ -53,8 +53,8 @@ class BasicAttitude {
   }
 
   /// The heading comes from elsewhere (a map, a fix): turns the attitude about the vertical and makes the
-  /// heading valid, with this 1 sigma. delta_heading_rad goes on counting turns only. `not_finite` changes
-  /// nothing.
+  /// heading valid, with this 1 sigma, a turn at most. delta_heading_rad goes on counting turns only.
+  /// `not_finite` changes nothing.
   Status set_heading(double heading_rad, double sigma_rad);
 
   /// Other time constants from the next sample on; the state stays. The caller keeps them finite and above 0.

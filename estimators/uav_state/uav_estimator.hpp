@@ -71,7 +71,7 @@ class UavEstimator {
   /// changes but a counter.
   Status imu(const rt::ImuSample& sample, double thrust_m_s2);
   /// One fix, whenever it arrives. ok; not_finite; stale (older than what is kept or used); out_of_range
-  /// (ahead of the readings, or gated); empty (not levelled yet).
+  /// (ahead of the readings, or gated); empty (not levelled yet, or a first one without place or heading).
   Status fix(const rt::UavFix& fix);
 
   /// After the newest reading.

@@ -11,7 +11,7 @@ namespace sortie::firmware {
 
 /// What to run.
 struct StabilityBenchOptions {
-  std::string only;     ///< cases of one part alone: rt, estimators, mapping, planner or hil
+  std::string only;     ///< cases of one part alone: rt, drivers, estimators, mapping, planner or hil
   std::string program;  ///< sortie-bench-stability, if it is not where a build or an installation puts it
 };
 

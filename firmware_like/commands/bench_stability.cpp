@@ -48,7 +48,7 @@ void add_bench_stability(CLI::App& bench, CommandContext& context) {
       "  sortie bench stability --only planner --json\n"
       "  sortie bench stability --out out/stability");
   command->add_option("--only", options->bench.only, "Cases of one part alone")
-      ->check(CLI::IsMember({"rt", "estimators", "mapping", "planner", "hil"}));
+      ->check(CLI::IsMember({"rt", "drivers", "estimators", "mapping", "planner", "hil"}));
   command
       ->add_option("--program", options->bench.program,
                    "sortie-bench-stability, where it is not found by itself")

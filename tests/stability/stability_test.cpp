@@ -62,7 +62,7 @@ TEST_CASE("Cases of the catalogue are told apart and told in full") {
     CHECK(std::isfinite(one.bound));
   }
   CHECK(names.size() == bench::stability_cases().size());
-  CHECK(groups == std::set<std::string>{"estimators", "hil", "mapping", "planner", "rt"});
+  CHECK(groups == std::set<std::string>{"drivers", "estimators", "hil", "mapping", "planner", "rt"});
 }
 
 TEST_CASE("docs/stability.md holds the catalogue that is tested") {

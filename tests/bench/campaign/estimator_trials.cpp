@@ -141,7 +141,6 @@ CampaignOutcome run_uav_state_trial(std::span<const CampaignOp> ops) {
   CampaignClock clock;
   std::uint64_t readings = 0;
   std::uint64_t fixes = 0;
-  std::uint64_t gated = 0;
   for (const CampaignOp& op : ops) {
     const bool is_fix = op.kind % 4 == 0;
     if (!is_fix) {
@@ -161,8 +160,7 @@ CampaignOutcome run_uav_state_trial(std::span<const CampaignOp> ops) {
                            3.0 * op.value[3],
                            rt::kFixPosition | (op.value[5] > 0.0 ? rt::kFixYaw : 0u)};
       ++fixes;
-      const Status status = trial.answered(trial.real_time([&] { return estimator->fix(fix); }));
-      gated += status == Status::ok ? 0 : 1;
+      trial.given(trial.real_time([&] { return estimator->fix(fix); }));
     }
     const rt::UavState& now = estimator->state();
     trial.see(now, "the flight state is not finite");

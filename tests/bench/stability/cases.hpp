@@ -58,6 +58,7 @@ StabilityFigures stiff_step();
 StabilityFigures singular_step();
 StabilityFigures straight_line();
 StabilityFigures landing_on_target();
+StabilityFigures denormal_wish();
 
 // plant_cases.cpp
 StabilityFigures no_friction();
@@ -76,5 +77,6 @@ StabilityFigures rank_of_share();
 StabilityFigures denormal_length();
 StabilityFigures long_length();
 StabilityFigures sine_of_large();
+StabilityFigures short_device_time();
 
 }  // namespace sortie::bench

@@ -136,6 +136,13 @@ constexpr StabilityCase kCases[] = {
     {"planner", "landing on a target", "the last step is shorter than all others",
      "full rate toward the target", "the rate that still ends there", "distance after 9 s", 1e-12,
      landing_on_target},
+    {"planner", "a turn rate of 5e-324 beside a speed", "ratios of ways and their jerks round to zero",
+     "the ramp stretched by the ratio of the ways", "what goes nowhere is not stretched",
+     "distance from the wish after 5 s, m/s and rad/s", 1e-12, denormal_wish},
+
+    {"drivers", "device time in 16 bits", "a counter of 100 us starts again every 6.6 s",
+     "differences added up", "the long stamp nearest before that of the bus", "error over 20 s, s", 1e-9,
+     short_device_time},
 
     {"hil", "friction 0 on a slope", "the cone of friction has no width", "side forces as shares of mu",
      "the cone's projection", "error of the speed after 1 s, m/s", 1e-2, no_friction},

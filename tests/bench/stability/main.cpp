@@ -58,7 +58,8 @@ int run_stability(int argc, char** argv) {
                     {"naive_outside", outside},
                     {"met", good && outside}});
   }
-  if (rows.empty()) throw std::invalid_argument("--only takes rt, estimators, mapping, planner or hil");
+  if (rows.empty())
+    throw std::invalid_argument("--only takes rt, drivers, estimators, mapping, planner or hil");
   root["summary"] = {{"cases", rows.size()}, {"ours_within", kept}, {"naive_outside", caught}};
   root["figures"] = rows;
   root["tables"] = Json::array();

@@ -10,6 +10,7 @@
 #include "planner/jerk_limiter.hpp"
 #include "planner/ray_heap.hpp"
 #include "planner/ray_model.hpp"
+#include "planner/twist_limiter.hpp"
 #include "planner/uav_control/dare.hpp"
 #include "planner/uav_control/discretise.hpp"
 #include "rt/math.hpp"
@@ -261,6 +262,26 @@ StabilityFigures landing_on_target() {
     keep_worst(worst.naive, std::fabs(naive - kTarget));
   }
   return worst;
+}
+
+StabilityFigures denormal_wish() {
+  constexpr double kStep = 0.01;
+  const planner::TwistLimits limits;
+  const planner::TwistRamps ramps;
+  const planner::SpeedTurn wish{0.4, 5e-324};
+  planner::TwistLimiter limiter;
+  // The turn's ramp made as long as the speed's, by the ratio of the ways alone.
+  const double ratio = wish.turn_rad_s / wish.speed_m_s;
+  const planner::RampLimits stretched{ramps.speed.acceleration * ratio, ramps.speed.jerk * ratio};
+  planner::JerkLimiter speed;
+  planner::JerkLimiter turn;
+  for (int i = 0; i < 500; ++i) {
+    limiter.step(wish, limits, ramps, kStep);
+    speed.step(wish.speed_m_s, ramps.speed, kStep);
+    turn.step(wish.turn_rad_s, stretched, kStep);
+  }
+  return {std::fabs(limiter.now().speed_m_s - wish.speed_m_s) + std::fabs(limiter.now().turn_rad_s),
+          std::fabs(speed.value - wish.speed_m_s) + std::fabs(turn.value)};
 }
 
 }  // namespace sortie::bench

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "drivers/can_unwrap.hpp"
 #include "rt/histogram.hpp"
 #include "rt/math.hpp"
 #include "rt/saturating_count.hpp"
@@ -142,6 +143,25 @@ StabilityFigures long_length() {
   const double y = 0x4p800;
   const double truth = 0x5p800;
   return {std::fabs(rt::hypot(x, y) / truth - 1), std::fabs(std::sqrt(x * x + y * y) / truth - 1)};
+}
+
+StabilityFigures short_device_time() {
+  // A device that speaks every 100 ms for 20 s; its counter wraps three times.
+  constexpr rt::Nanoseconds kStep = kSecond / 10;
+  const drivers::CanCounterClock clock(0, kSecond, kSecond / 1000);
+  StabilityFigures worst{0, 0};
+  rt::Nanoseconds naive = 0;
+  std::uint16_t before = 0;
+  for (rt::Nanoseconds truth = kStep; truth <= 20 * kSecond; truth += kStep) {
+    const std::uint16_t counter = clock.counter(truth);
+    rt::Nanoseconds stamp = 0;
+    const Status status = clock.unwrap(counter, truth + kSecond / 5000, stamp);
+    keep_worst(worst.ours, status == Status::ok ? std::fabs(rt::to_seconds(stamp - truth)) : std::nan(""));
+    naive += (std::int64_t{counter} - before) * drivers::kCanCounterStepNs;
+    before = counter;
+    keep_worst(worst.naive, std::fabs(rt::to_seconds(naive - truth)));
+  }
+  return worst;
 }
 
 StabilityFigures sine_of_large() {
