@@ -157,7 +157,7 @@ CampaignOutcome run_can_trial(std::span<const CampaignOp> ops) {
       out[0].id = op.kind % 4 == 2
                       ? drivers::kCanFrames[whole_of(v[0], 64) % std::size(drivers::kCanFrames)].id
                       : whole_of(v[0], 2048);
-      const drivers::CanFrameSpec* spec = drivers::find_can_frame(out[0].id);
+      const drivers::CanMessage* spec = drivers::find_can_frame(out[0].id);
       out[0].size =
           static_cast<std::uint8_t>(spec != nullptr && v[1] > -0.5 ? spec->size : whole_of(v[1], 16));
       out[0].flags = static_cast<std::uint8_t>(v[2] > 0.9 ? whole_of(v[2], 256) : 0);
