@@ -32,7 +32,10 @@ Status UavEstimator::check_step(rt::Nanoseconds stamp_ns) {
   constexpr rt::Nanoseconds kLongestStep = 10 * rt::kNanosecondsPerSecond;
   constexpr std::uint32_t kAgree = 8;
   if (stamp_ns > kFarthest || stamp_ns < -kFarthest) return Status::out_of_range;
-  if (!have_imu_ || stamp_ns - now_ns_ <= kLongestStep) return Status::ok;
+  if (!have_imu_ || stamp_ns - now_ns_ <= kLongestStep) {
+    far_in_row_ = 0;
+    return Status::ok;
+  }
   const bool follows = far_in_row_ > 0 && stamp_ns > far_ns_ && stamp_ns - far_ns_ <= kLongestStep;
   far_in_row_ = follows ? far_in_row_ + 1 : 1;
   far_ns_ = stamp_ns;
