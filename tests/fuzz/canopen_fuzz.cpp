@@ -92,6 +92,9 @@ class Robot {
     now_ns_ += rt::kNanosecondsPerMillisecond;
     for (hil::CanopenNode& node : nodes_) node.show({});
     master_.poll(now_ns_, master_port_);
+    // Before new frames come: what they say is decided upon at the next poll.
+    for (std::size_t i = 0; i < master_.master().size(); ++i)
+      require(!running() || master_.master().drive(i).phase() != DrivePhase::setting_up);
     const int sent = master_port_.drain([this](CanFrame frame) {
       disturb(frame);
       for (hil::CanopenNode& node : nodes_) node.hear(frame, now_ns_);
@@ -119,8 +122,6 @@ class Robot {
   void look() {
     const Master& master = master_.master();
     if (pressed_ || !enabled_) require(!master.running());
-    for (std::size_t i = 0; i < master.size(); ++i)
-      if (master.running()) require(master.drive(i).phase() != DrivePhase::setting_up);
     rt::TrackSample track;
     if (master_.read(track) == Status::ok) {
       require(track.stamp_ns > last_track_ns_ && std::isfinite(track.left_m) && std::isfinite(track.right_m));

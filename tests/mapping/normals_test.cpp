@@ -210,8 +210,8 @@ TEST_CASE("Planes solved together are those of a double solver, wherever two of 
     for (unsigned n = 0; n < planes; ++n) {
       Eigen::Vector3d spread;
       for (double& s : spread) s = std::exp(random.between(-14.0, 0.0));
-      const Eigen::Vector3d axis(random.between(-1.0, 1.0), random.between(-1.0, 1.0),
-                                 random.between(-1.0, 1.0));
+      Eigen::Vector3d axis;
+      for (double& a : axis) a = random.between(-1.0, 1.0);  // arguments have no order of their own
       const Eigen::Matrix3d turn =
           Eigen::AngleAxisd(random.between(-3.0, 3.0), axis.normalized()).toRotationMatrix();
       const Eigen::Matrix3d c =
@@ -238,7 +238,9 @@ TEST_CASE("Planes solved together are those of a double solver, wherever two of 
     }
   }
   CHECK(judged > 1000);
-  CHECK(worst_deg < 0.01);
+  // Coefficients of the cubic are rounded to some 6e-8; its smallest root by that over (l1 - l0)(l2 - l0),
+  // the normal by that over l1 - l0 once more: 2.5e-5 to 5e-5 times a small number where the gap is 0.05.
+  CHECK(worst_deg < 0.03);
   CHECK(worst_curvature < 1e-4);
   CHECK(worst_of_balls < 0.02);
 }
