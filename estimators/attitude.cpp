@@ -10,7 +10,6 @@
 namespace sortie::estimators {
 namespace {
 constexpr double kMaxTrackSpeed_m_s = 100.0;
-constexpr rt::Nanoseconds kFarthestStamp_ns = rt::Nanoseconds{1} << 61;
 }  // namespace
 
 template <class Real>
@@ -115,9 +114,7 @@ bool BasicAttitude<Real>::refuse_zero_rate() {
 template <class Real>
 Status BasicAttitude<Real>::set_track_velocity(const rt::Vector3& v_body_m_s, rt::Nanoseconds stamp_ns) {
   if (!is_finite(v_body_m_s)) return Status::not_finite;
-  const bool far =
-      stamp_ns > kFarthestStamp_ns || stamp_ns < -kFarthestStamp_ns;  // differences must not overflow
-  if (far || !(norm(v_body_m_s) <= kMaxTrackSpeed_m_s)) return Status::out_of_range;
+  if (rt::is_far(stamp_ns) || !(norm(v_body_m_s) <= kMaxTrackSpeed_m_s)) return Status::out_of_range;
   aid_.set_velocity({real(v_body_m_s.x), real(v_body_m_s.y), real(v_body_m_s.z)}, stamp_ns);
   return Status::ok;
 }

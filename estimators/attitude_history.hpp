@@ -39,9 +39,8 @@ class AttitudeHistory {
   /// Adds an attitude newer than the newest; an older one clears the ring first (its clock was set anew).
   void add(const rt::AttitudeEstimate& attitude) {
     if (size_ > 0 && attitude.stamp_ns < back(0).stamp_ns) size_ = 0;
-    const bool replace =
-        size_ > 0 && (attitude.stamp_ns == back(0).stamp_ns ||
-                      (size_ > 1 && rt::span_between(back(1).stamp_ns, attitude.stamp_ns) < spacing_ns_));
+    const bool replace = size_ > 0 && (attitude.stamp_ns == back(0).stamp_ns ||
+                                       (size_ > 1 && attitude.stamp_ns - back(1).stamp_ns < spacing_ns_));
     if (!replace) {
       newest_ = (newest_ + 1) % kEntries;
       size_ = size_ < kEntries ? size_ + 1 : kEntries;
@@ -60,7 +59,7 @@ class AttitudeHistory {
   Answer at(rt::Nanoseconds stamp_ns) const {
     const Entry& newest = back(0);
     if (stamp_ns >= newest.stamp_ns) {
-      const rt::Nanoseconds ahead_ns = rt::span_between(newest.stamp_ns, stamp_ns);
+      const rt::Nanoseconds ahead_ns = stamp_ns - newest.stamp_ns;
       const bool near = ahead_ns <= max_extrapolation_ns_;
       const double ahead_s = rt::to_seconds(near ? ahead_ns : max_extrapolation_ns_);
       return {newest.q_world_body * exp_rotation(ahead_s * newest.w_body_rad_s), near};
@@ -69,12 +68,11 @@ class AttitudeHistory {
       const Entry& a = back(n);
       if (a.stamp_ns > stamp_ns) continue;
       const Entry& b = back(n - 1);
-      const double t = rt::to_seconds(rt::span_between(a.stamp_ns, stamp_ns)) /
-                       rt::to_seconds(rt::span_between(a.stamp_ns, b.stamp_ns));
+      const double t = rt::to_seconds(stamp_ns - a.stamp_ns) / rt::to_seconds(b.stamp_ns - a.stamp_ns);
       return {slerp(a.q_world_body, b.q_world_body, t), true};
     }
     const Entry& oldest = back(size_ - 1);
-    return {oldest.q_world_body, rt::span_between(stamp_ns, oldest.stamp_ns) <= max_extrapolation_ns_};
+    return {oldest.q_world_body, oldest.stamp_ns - stamp_ns <= max_extrapolation_ns_};
   }
 
   /// State to bytes and back.

@@ -57,7 +57,7 @@ TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
 }
 
 void TrackOdometry::feel(const rt::ImuSample& sample) {
-  if (!kHasObstacles || !obstacle_ || history_.size() == 0) return;
+  if (!kHasObstacles || !obstacle_ || history_.size() == 0 || rt::is_far(sample.stamp_ns)) return;
   obstacle_->feel(sample, history_.at(sample.stamp_ns).q_world_body);
 }
 
@@ -73,7 +73,8 @@ Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
   // not.
   constexpr double kMostRate = 1e3;
   const bool rotation = finite && std::fabs(squared_norm(q) - 1.0) <= 1e-6;
-  if (!rotation || !(rt::norm(rt::to_vector(attitude.w_body_rad_s)) <= kMostRate)) {
+  if (!rotation || rt::is_far(attitude.stamp_ns) ||
+      !(rt::norm(rt::to_vector(attitude.w_body_rad_s)) <= kMostRate)) {
     ++counters_.attitude_refused;
     return finite ? Status::out_of_range : Status::not_finite;
   }

@@ -93,7 +93,8 @@ class TrackOdometry {
   explicit TrackOdometry(const TrackOdometryConfig& config);
 
   /// Takes note of an attitude. Give every attitude, in the order of its stamps, before the track samples
-  /// that need it. `ok`, not_finite or out_of_range (not a unit quaternion).
+  /// that need it. `ok`, not_finite or out_of_range (not a unit quaternion, a wild
+  /// rate or stamp).
   Status observe(const rt::AttitudeEstimate& attitude);
 
   /// Takes note of an IMU sample, behind the attitude that it led to: falls and slides are felt. Nothing

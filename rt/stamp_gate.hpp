@@ -11,6 +11,12 @@
 
 namespace sortie::rt {
 
+/// True for a stamp so wild that a difference of two could overflow: 73 years to either side are none.
+constexpr bool is_far(Nanoseconds stamp) {
+  constexpr Nanoseconds kFar = Nanoseconds{1} << 61;
+  return stamp > kFar || stamp < -kFar;
+}
+
 /// Gate for the stamps of one stream. 40 bytes, a few comparisons a sample, safe for any 64-bit stamps. The
 /// stamps that it takes lie within +-146 years of the epoch, so that their differences never overflow.
 class StampGate {

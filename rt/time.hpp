@@ -19,13 +19,6 @@ inline constexpr Nanoseconds kNanosecondsPerMicrosecond = 1'000;
 /// Nanoseconds as seconds. Exact to 1 ns for spans below 104 days (2^53 ns).
 constexpr double to_seconds(Nanoseconds span) { return static_cast<double>(span) * 1e-9; }
 
-/// `later` - `earlier`, or the farthest span there is: stamps of devices may be anything.
-constexpr Nanoseconds span_between(Nanoseconds earlier, Nanoseconds later) {
-  Nanoseconds span = 0;
-  if (!__builtin_sub_overflow(later, earlier, &span)) return span;
-  return later < earlier ? INT64_MIN : INT64_MAX;
-}
-
 /// First tick whose release lies at or after `stamp`. `stamp` before `epoch` belongs to tick 0.
 constexpr Tick first_tick_at_or_after(Nanoseconds stamp, Nanoseconds epoch, Nanoseconds tick_ns) {
   const Nanoseconds since = stamp - epoch;

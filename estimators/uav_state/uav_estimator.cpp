@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/stamp_gate.hpp"
+
 namespace sortie::estimators {
 
 using rt::Vector3;
@@ -27,11 +29,9 @@ Status UavEstimator::check(const rt::ImuSample& sample) const {
 // One wild stamp must not make all that follow lie in the past; a silence that was so long has to end all the
 // same: readings that go on from each other begin anew.
 Status UavEstimator::check_step(rt::Nanoseconds stamp_ns) {
-  constexpr rt::Nanoseconds kFarthest = rt::Nanoseconds{1}
-                                        << 61;  // so that no difference of stamps overflows
   constexpr rt::Nanoseconds kLongestStep = 10 * rt::kNanosecondsPerSecond;
   constexpr std::uint32_t kAgree = 8;
-  if (stamp_ns > kFarthest || stamp_ns < -kFarthest) return Status::out_of_range;
+  if (rt::is_far(stamp_ns)) return Status::out_of_range;
   if (!have_imu_ || stamp_ns - now_ns_ <= kLongestStep) {
     far_in_row_ = 0;
     return Status::ok;
