@@ -153,9 +153,9 @@ CampaignOutcome run_uav_state_trial(std::span<const CampaignOp> ops) {
       trial.given(trial.real_time([&] { return estimator->imu(sample, 9.81 + op.value[6]); }));
     } else {
       // Of now, of a while ago, of a time to come.
-      const rt::Nanoseconds age =
-          op.step_ns * static_cast<std::int64_t>(whole_of(op.value[4], 4)) % 1'000'000'000;
-      const rt::UavFix fix{clock.now_ns / 2 + (clock.now_ns - clock.now_ns / 2) - age % 1'000'000,
+      const rt::Nanoseconds age = op.step_ns % 1'000'000 * whole_of(op.value[4], 4) % 1'000'000;
+      const rt::UavFix fix{static_cast<std::int64_t>(static_cast<std::uint64_t>(clock.now_ns) -
+                                                     static_cast<std::uint64_t>(age)),
                            {op.value[0], op.value[1], 2.0 + op.value[2]},
                            3.0 * op.value[3],
                            rt::kFixPosition | (op.value[5] > 0.0 ? rt::kFixYaw : 0u)};
