@@ -5,7 +5,9 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
+#include "drivers/can_load.hpp"
 #include "drivers/canopen/master.hpp"
 #include "drivers/ugv_motors.hpp"
 
@@ -23,6 +25,9 @@ struct UgvDrivesConfig {
   rt::Nanoseconds heartbeat_ns = 50 * rt::kNanosecondsPerMillisecond;
   rt::Nanoseconds heartbeat_timeout_ns = 150 * rt::kNanosecondsPerMillisecond;
 };
+
+/// What these drives and their master put on the bus again and again, for can_load(). Set-up only.
+std::vector<CanStream> bus_frames(const UgvDrivesConfig& config);
 
 /// An increment counter that wraps at 32 bits, as a number that does not.
 class IncrementCount {

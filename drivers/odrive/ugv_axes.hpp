@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
+#include "drivers/can_load.hpp"
 #include "drivers/odrive/axis_group.hpp"
 #include "drivers/ugv_motors.hpp"
 
@@ -24,6 +26,10 @@ struct UgvAxesConfig {
   bool prove_watchdog = true;
   GroupConfig group{};
 };
+
+/// What these axes and their master put on the bus again and again, for can_load(): estimates (and currents
+/// of flippers) every 10 ms, heartbeats three in a silence. Set-up only.
+std::vector<CanStream> bus_frames(const UgvAxesConfig& config);
 
 /// All axes of the robot. No heap after construction.
 class UgvAxes final : public UgvMotors {

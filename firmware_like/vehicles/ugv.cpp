@@ -35,6 +35,7 @@ Ugv::Ugv(VehicleBuilder& builder) {
     }
     if (rt::kBuilt<rt::Part::ssl> && wants_ssl) add_ssl(builder, mapping);
   }
+  add_bus_frames(builder);
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (map_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();

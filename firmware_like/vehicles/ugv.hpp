@@ -56,6 +56,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
   void add_motors(VehicleBuilder& builder);
+  void add_bus_frames(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
   void send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
                       const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns);

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "firmware_like/vehicles/own_frames.hpp"
 #include "firmware_like/vehicles/ugv.hpp"
 #include "firmware_like/vehicles/ugv_drive_config.hpp"
 #include "firmware_like/vehicles/ugv_motors.hpp"
@@ -67,6 +68,25 @@ void Ugv::add_motors(VehicleBuilder& builder) {
   } catch (const std::runtime_error& error) {
     builder.profile().fail("drives.protocol", error.what());
   }
+}
+
+// Motors on a protocol of their own have said theirs.
+void Ugv::add_bus_frames(VehicleBuilder& builder) {
+  using namespace drivers;
+  const std::uint32_t imu[] = {kCanImuGyrId, kCanImuAccId};
+  const std::uint32_t tracks[] = {kCanTrackLeftId, kCanTrackRightId};
+  const std::uint32_t states[] = {kCanFlipperStateId, kCanFlipperStateId + 1, kCanFlipperStateId + 2,
+                                  kCanFlipperStateId + 3};
+  const std::uint32_t drive[] = {kCanDriveId};
+  const std::uint32_t flippers[] = {kCanFlipperFrontId, kCanFlipperRearId};
+  if (imu_ != nullptr) add_device_frames(builder, imu, "can.imu_hz", 200, "how often the IMU sends");
+  if (motors_) return;
+  if (tracks_ != nullptr)
+    add_device_frames(builder, tracks, "can.track_hz", 100, "how often the tracks' encoders send");
+  if (flipper_states_ != nullptr)
+    add_device_frames(builder, states, "can.flipper_hz", 100, "how often the flippers tell their state");
+  if (drive_outlet_ != nullptr) add_own_frames(builder, drive, kCommandEvery);
+  if (flipper_outlet_ != nullptr) add_own_frames(builder, flippers, kFlippersEvery);
 }
 
 void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {

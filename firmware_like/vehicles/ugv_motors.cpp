@@ -43,6 +43,7 @@ std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
                                                  const drivers::canopen::UgvDrivesConfig& config) {
   auto drives = std::make_unique<drivers::canopen::UgvDrives>(config);
   const drivers::canopen::Master* const master = &drives->master();
+  builder.bus_frames(drivers::canopen::bus_frames(config));
   add_counts(builder, "canopen_", master->counters());
   add_sums<drivers::canopen::DriveCounters>(
       builder, "canopen_drives_",
@@ -55,6 +56,7 @@ std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
                                                 const drivers::odrive::UgvAxesConfig& config) {
   auto axes = std::make_unique<drivers::odrive::UgvAxes>(config);
   const drivers::odrive::AxisGroup* const group = &axes->group();
+  builder.bus_frames(drivers::odrive::bus_frames(config));
   add_counts(builder, "odrive_", group->counters());
   add_sums<drivers::odrive::AxisCounters>(
       builder, "odrive_axes_",

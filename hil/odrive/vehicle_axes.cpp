@@ -14,12 +14,13 @@ VehicleAxes::VehicleAxes(const VehicleAxesConfig& config, drivers::CanBus& port,
   nodes_.reserve(kTracks + rt::kFlippers);
   AxisNodeConfig axis;
   axis.watchdog_ns = config.watchdog_ns;
+  axis.sends_current = false;
   for (const std::uint8_t node : config.track_nodes) {
     axis.node = node;
     nodes_.emplace_back(axis, port);
   }
   if (!flippers) return;
-  axis.absolute = true;
+  axis.absolute = axis.sends_current = true;
   for (const std::uint8_t node : config.flipper_nodes) {
     axis.node = node;
     nodes_.emplace_back(axis, port);

@@ -81,3 +81,10 @@ TEST_CASE("canopen vehicle: samples of two SYNCs are never put together") {
   v.run(100);
   CHECK(v.tracks <= before + 1);
 }
+
+TEST_CASE("canopen vehicle: what is on the bus is what its load is worked out from") {
+  CanopenVehicle v;
+  v.drive.flags = v.flippers.flags = 1;
+  v.run(2000);
+  v.check_declared(drivers::canopen::bus_frames({}), 5);
+}

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <map>
+#include <vector>
 
+#include "drivers/can_load.hpp"
 #include "drivers/can_stub.hpp"
 #include "drivers/ugv_motors.hpp"
 #include "hil/motor_wishes.hpp"
@@ -77,9 +80,31 @@ struct MotorsVehicle {
     }
   }
 
+  /// While nothing changes, the frames on the bus are those that were declared, as often as they were.
+  void check_declared(const std::vector<drivers::CanStream>& declared, int seconds) {
+    std::map<std::uint32_t, double> seen;
+    drivers::CanFrame frame;
+    while (listener.receive(frame) == Status::ok) continue;  // from before
+    for (int ms = 0; ms < 1000 * seconds; ++ms) {
+      run(1);
+      while (listener.receive(frame) == Status::ok) ++seen[frame.id];
+    }
+    for (const drivers::CanStream& stream : declared) {
+      const double expected = 1e9 * seconds / static_cast<double>(stream.period_ns);
+      CAPTURE(stream.name, expected, seen[stream.id]);
+      CHECK(seen[stream.id] == Approx(expected).epsilon(0.02).margin(2));
+      seen.erase(stream.id);
+    }
+    for (const auto& [id, count] : seen) {
+      CAPTURE(id, count);
+      CHECK(count <= 2);  // a state asked for, an error forgotten
+    }
+  }
+
   drivers::CanStub bus{drivers::CanStubConfig{}};
   drivers::CanBus& ours = bus.attach("runtime");
   drivers::CanBus& theirs = bus.attach("vehicle");
+  drivers::CanBus& listener = bus.attach("listener");
   Runtime runtime{RuntimeConfig{}};
   DrivesConfig config{.enabled = true};
   Drives drives{config, theirs, true};

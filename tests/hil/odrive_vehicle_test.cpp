@@ -134,3 +134,10 @@ TEST_CASE("odrive vehicle: what is not finite is refused, and no number may be t
   config.turns_per_m = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS(drivers::odrive::UgvAxes(config));
 }
+
+TEST_CASE("odrive vehicle: what is on the bus is what its load is worked out from") {
+  OdriveVehicle v;
+  v.drive.flags = v.flippers.flags = 1;
+  v.run(2500);
+  v.check_declared(drivers::odrive::bus_frames({}), 5);
+}
