@@ -17,9 +17,7 @@ namespace {
 
 BusCheck bus_of(const char* scene, const std::vector<std::string>& overrides,
                 std::vector<std::string>* warnings = nullptr) {
-  Profile profile = load_scene(scene);
-  for (const std::string& line : overrides) profile.apply_override(line);
-  const Runtime runtime(std::move(profile), own_vehicles(), RuntimeStart{});
+  const Runtime runtime(load_scene(scene, overrides), own_vehicles(), RuntimeStart{});
   if (warnings != nullptr) *warnings = runtime.schedule().warnings;
   return runtime.bus();
 }
