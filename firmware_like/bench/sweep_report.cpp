@@ -111,6 +111,41 @@ void print_sweep(std::ostream& out, const Sweep& sweep, bool colour) {
   for (const std::string& warning : sweep.warnings) out << "warning   " << warning << "\n";
 }
 
+SweepFigures sweep_figures(const Sweep& sweep) {
+  SweepFigures figures;
+  figures.plot = plot_sweep(sweep);
+  const std::vector<std::string> errors = table_errors(sweep);
+  figures.head = sweep.keys;
+  for (std::string name : errors) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    figures.head.push_back(std::move(name));
+  }
+  figures.head.insert(figures.head.end(), {"memory MB", "load \u00b5s/s", "p50 \u00b5s", "p99 \u00b5s",
+                                           "max \u00b5s", "jobs", ""});
+  for (const SweepCell& cell : sweep.cells) {
+    std::vector<std::string> row = cell.values;
+    for (const std::string& name : errors) {
+      const auto value = cell.errors.find(name);
+      row.push_back(value == cell.errors.end() ? "-" : format_short(value->second));
+    }
+    row.push_back(format_short(static_cast<double>(cell.memory_bytes) * 1e-6));
+    row.push_back(format_short(cell.load_us_per_s));
+    // Of several tasks the one whose jobs are the longest.
+    const auto longest =
+        std::max_element(cell.timing.begin(), cell.timing.end(),
+                         [](const SweepTiming& a, const SweepTiming& b) { return a.max_us < b.max_us; });
+    if (longest != cell.timing.end())
+      row.insert(row.end(), {format_short(longest->p50_us), format_short(longest->p99_us),
+                             format_short(longest->max_us), group_digits(longest->n)});
+    row.push_back(std::string(cell.on_front ? "*" : "") + (cell.profile_choice ? "<" : ""));
+    figures.rows.push_back(std::move(row));
+  }
+  figures.note = "* no other is as cheap (within 5 %) and better; < what the profile says. Each " +
+                 std::to_string(sweep.repeat) + " x over " + format_short(sweep.duration_s) +
+                 " s; load: run time per second of the robot's, the shortest of each job.";
+  return figures;
+}
+
 Json to_json(const Sweep& sweep) {
   Json cells = Json::array();
   for (const SweepCell& cell : sweep.cells) {

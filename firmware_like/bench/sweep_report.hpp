@@ -7,7 +7,7 @@
 #include <string>
 
 #include "firmware_like/bench/sweep.hpp"
-#include "firmware_like/report/svg.hpp"
+#include "firmware_like/report/html.hpp"
 
 namespace sortie::firmware {
 
@@ -25,6 +25,9 @@ void write_sweep_csv(std::ostream& out, const Sweep& sweep);
 /// Error over load, each cell named by its values, the front joined, the profile's choice marked. Without an
 /// error: the memory of the runtime over load.
 Plot plot_sweep(const Sweep& sweep);
+
+/// Plot and figures for a page.
+SweepFigures sweep_figures(const Sweep& sweep);
 
 /// "0.1" for one knob, "0.1, 25" for two.
 std::string cell_name(const SweepCell& cell);
