@@ -17,7 +17,7 @@ namespace {
 
 struct PageOptions {
   std::vector<std::string> logs;
-  std::vector<std::string> sweeps;
+  SweepsOnPage sweeps;
   ReplayReportOptions replay;
   OutputOptions output;
 };
@@ -72,7 +72,7 @@ int write_page(const CommandContext& context, PageOptions& options) {
   } else {
     show_all(options, reports, ground);
   }
-  if (!options.sweeps.empty()) write_sweeps(options, sweeps);
+  if (!options.sweeps.knobs.empty()) write_sweeps(options, sweeps);
   for (const auto& of_log : sweeps) {
     for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, wants_colour(STDOUT_FILENO));
   }
@@ -96,9 +96,13 @@ void add_report(CLI::App& app, CommandContext& context) {
   add_replay_report_options(*command, options->replay);
   command
       ->add_option(
-          "--sweep", options->sweeps,
+          "--sweep", options->sweeps.knobs,
           "Error over run time of a key of the profile, too, over every log that knows it: key=v1,v2,v3")
       ->take_all();
+  command
+      ->add_option("--sweep-to", options->sweeps.to,
+                   "End sweeps before that time or @tick of their log; default: --to")
+      ->type_name("TIME");
   command->add_option("--out", options->output.out, "Folder")->type_name("DIR")->capture_default_str();
   command->callback([&context, options] {
     context.chosen = [&context, options] { return write_page(context, *options); };

@@ -7,18 +7,17 @@ namespace sortie::firmware {
 
 std::vector<std::vector<Sweep>> sweep_for_report(const CommandContext& context,
                                                  const std::vector<std::string>& logs,
-                                                 const std::vector<std::string>& knobs,
-                                                 const ReplayReportOptions& options,
+                                                 const SweepsOnPage& what, const ReplayReportOptions& options,
                                                  const OutputOptions& output) {
   std::vector<std::vector<Sweep>> sweeps(logs.size());
   SweepOptions sweep;
   sweep.replay = options.replay;
   sweep.replay.on_job = nullptr;
   sweep.replay.from = options.span.from;
-  sweep.replay.to = options.span.to;
+  sweep.replay.to = what.to.empty() ? options.span.to : what.to;
   sweep.replay.keyframes = options.span.keyframes;
   sweep.replay.evaluation.align = parse_alignment(options.align);
-  for (const std::string& text : knobs) {
+  for (const std::string& text : what.knobs) {
     sweep.knobs = parse_knobs({text});
     std::exception_ptr refusal;
     bool swept = false;

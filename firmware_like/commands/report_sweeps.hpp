@@ -10,12 +10,17 @@
 
 namespace sortie::firmware {
 
-/// Sweeps each of `knobs` ("key=v1,v2,v3") by itself over every log whose scene knows the key; the result has
+/// What to sweep.
+struct SweepsOnPage {
+  std::vector<std::string> knobs;  ///< "key=v1,v2,v3" each
+  std::string to;                  ///< time or @tick; empty: as far as the page's replay
+};
+
+/// Sweeps each knob by itself over every log whose scene knows the key; the result has
 /// an entry a log. Throws ProfileError where no log's scene can be swept so, InputError.
 std::vector<std::vector<Sweep>> sweep_for_report(const CommandContext& context,
                                                  const std::vector<std::string>& logs,
-                                                 const std::vector<std::string>& knobs,
-                                                 const ReplayReportOptions& options,
+                                                 const SweepsOnPage& what, const ReplayReportOptions& options,
                                                  const OutputOptions& output);
 
 }  // namespace sortie::firmware
