@@ -15,8 +15,8 @@ namespace sortie::firmware {
 void print_sweep(std::ostream& out, const Sweep& sweep, bool colour = false);
 
 /// {scene, knobs[], tasks[], error, cost, repeat, duration_s, cells[]{values{}, profile_choice, on_front,
-/// errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s, tasks[]{name, n, p50_us, p99_us,
-/// max_us}}, machine, compiler, warnings[]}. What is not finite becomes null.
+/// errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s, instructions_per_s, tasks[]{name,
+/// n, p50_us, p99_us, max_us}}, machine, compiler, warnings[]}. What is not finite becomes null.
 nlohmann::ordered_json to_json(const Sweep& sweep);
 
 /// One row a cell, one column a figure; what a cell does not have is an empty field.
