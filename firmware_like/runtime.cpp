@@ -119,6 +119,7 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
   if (executive_->seal() != Status::ok) profile_.fail("scene", executive_->error());
   schedule_ = check_schedule(profile_, *executive_);
   chains_ = read_chains(profile_, *builder_, *executive_, schedule_.warnings);
+  bus_ = check_bus(profile_, builder_->bus_frames(), schedule_.warnings);
 }
 
 std::vector<PoolResult> Runtime::memory_plan() const {

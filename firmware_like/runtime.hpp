@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_like/bus_check.hpp"
 #include "firmware_like/chain_declarations.hpp"
 #include "firmware_like/live_settings.hpp"
 #include "firmware_like/profile.hpp"
@@ -58,6 +59,8 @@ class Runtime {
   /// The declared table with its verdict, and the chains through it with their bounds.
   const ScheduleCheck& schedule() const { return schedule_; }
   const std::vector<DeclaredChain>& chains() const { return chains_; }
+  /// The load of the CAN bus at worst; without frames for a vehicle that declares none.
+  const BusCheck& bus() const { return bus_; }
   /// The whole state before the jobs of `tick`, to bytes and back into a runtime of the same profile and
   /// start. Between jobs only. A task that has not declared what it remembers is a fault of the archive.
   void archive(rt::Archive& archive, rt::Tick tick);
@@ -85,6 +88,7 @@ class Runtime {
   rt::posix::LiveOptions live_settings_;
   ScheduleCheck schedule_;
   std::vector<DeclaredChain> chains_;
+  BusCheck bus_;
   std::vector<ScriptLine> script_;
   ParameterAccess access_;
   std::byte* mapping_{};

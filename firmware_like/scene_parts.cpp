@@ -34,6 +34,8 @@ constexpr ScenePart kParts[] = {
      "tasks.flippers.enabled=false", "", "FLIPPER", Part::flippers},
     {"canopen", "the drives speak CANopen", "ugv", "drive", "drives.protocol", "canopen", "no",
      "drives.protocol=own", "", "", Part::canopen},
+    {"odrive", "the drives are ODrives, on CANSimple", "ugv", "drive", "drives.protocol", "odrive", "no",
+     "drives.protocol=own", "", "", Part::odrive},
     {"map", "a local map of voxels", "ugv", "", "tasks.map.enabled", "", "no", "tasks.map.enabled=false",
      "tasks.map.enabled=true", "SCAN", Part::map},
     {"self_filter", "returns from the robot itself are taken out", "ugv", "map", "outline.flipper_length_m",

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/can_load.hpp"
 #include "firmware_like/chain_declarations.hpp"
 #include "firmware_like/input_port.hpp"
 #include "firmware_like/outlet.hpp"
@@ -65,6 +66,11 @@ class VehicleBuilder {
   /// A group at the rate of [groups.NAME] rate_hz. Rates that are no whole number of base ticks are errors
   /// that name the nearest legal ones.
   rt::GroupId group(const std::string& name, double default_rate_hz);
+
+  /// Between two releases of a group.
+  rt::Nanoseconds period_ns(rt::GroupId group) const {
+    return executive_.group(group.index).timing.period * executive_.base_tick_ns();
+  }
 
   /// True unless [tasks.NAME] enabled = false: what a scene does not need is not built at all.
   bool wants(const std::string& task, bool fallback = true);
@@ -149,6 +155,13 @@ class VehicleBuilder {
   /// so. All of its tasks must exist in the scene.
   void chain(const ChainSpec& spec) { chains_.push_back(spec); }
 
+  /// Frames that this vehicle or its devices put on the CAN bus again and again: what the check of its load
+  /// knows of.
+  void bus_frames(std::vector<drivers::CanStream> frames) {
+    for (drivers::CanStream& frame : frames) bus_frames_.push_back(std::move(frame));
+  }
+  const std::vector<drivers::CanStream>& bus_frames() const { return bus_frames_; }
+
   /// Throws ProfileError if the executive refused something.
   void check() const;
 
@@ -187,6 +200,7 @@ class VehicleBuilder {
   std::vector<std::unique_ptr<InputPortBase>> ports_;
   std::vector<std::unique_ptr<OutletBase>> outlets_;
   std::vector<ChainSpec> chains_;
+  std::vector<drivers::CanStream> bus_frames_;
   std::vector<std::string> auto_units_;
   std::vector<std::string> left_out_;
   std::vector<std::pair<const rt::TaskBase*, std::function<void(rt::Archive&)>>> memories_;

@@ -12,6 +12,7 @@
 #include "hil/imu_model.hpp"
 #include "hil/kinematic_robot.hpp"
 #include "hil/lidar_model.hpp"
+#include "hil/odrive/vehicle_axes.hpp"
 #include "hil/plant/course.hpp"
 #include "hil/plant/tracked_body.hpp"
 #include "hil/rolling_laser.hpp"
@@ -38,6 +39,7 @@ struct UgvConfig {
   ImuConfig imu{};
   EncoderConfig encoder{};
   VehicleDrivesConfig drives{};  ///< enabled: commands, travel and flippers go by CANopen alone
+  VehicleAxesConfig axes{};      ///< the same for ODrives; one of them at most
   LidarKind lidar_kind{LidarKind::rows};
   LidarConfig lidar{};
   RollingLaserConfig rolling_laser{};

@@ -63,6 +63,7 @@ UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::Scan
       hall_(scene_ ? HallReport{} : build_hall(config.hall, world_)),
       body_(make_body(config, world_, scene_.get(), kStepNs)),
       drives_(config.drives, port, config.contacts),
+      axes_(config.axes, port, config.contacts),
       inertia_({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]}),
       imu_(config.imu, config.seed),
       shell_(config.tracked.plant.vehicle, config.tracked.height_m),
@@ -101,7 +102,7 @@ void UgvPlant::step_once() {
   fire_rays(sensors);
   const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
   if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
-  if (since_start_ns % track_period_ns_ != 0 || config_.drives.enabled) return;
+  if (since_start_ns % track_period_ns_ != 0 || config_.drives.enabled || config_.axes.enabled) return;
   send_tracks(since_start_ns);
   send_flippers();
 }
@@ -154,9 +155,14 @@ void UgvPlant::fire_rays(const SensorStep& step) {
 void UgvPlant::take_commands() {
   drivers::CanFrame frame;
   drives_.show(*body_);
+  axes_.show(*body_, now_ns());
   for (int i = 0; i < kMaxFramesPerStep && port_->receive(frame) == Status::ok; ++i) {
     if (config_.drives.enabled) {
       drives_.hear(frame, now_ns());
+      continue;
+    }
+    if (config_.axes.enabled) {
+      axes_.hear(frame, now_ns());
       continue;
     }
     rt::DriveCommand command;
@@ -178,6 +184,7 @@ void UgvPlant::take_commands() {
     if (body_->set_command(command, now_ns()) == Status::ok) ++counters_.commands_taken;
   }
   drives_.step(*body_, now_ns());
+  axes_.step(*body_, now_ns());
 }
 
 // True when the frame was for the flippers, good or bad. A lost one does no harm: the next says the same.

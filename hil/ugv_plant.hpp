@@ -11,6 +11,7 @@
 #include "drivers/scan_source.hpp"
 #include "hil/canopen/vehicle_drives.hpp"
 #include "hil/imu_truth.hpp"
+#include "hil/odrive/vehicle_axes.hpp"
 #include "hil/ugv_config.hpp"
 #include "rt/sensor_truth.hpp"
 #include "rt/status.hpp"
@@ -99,6 +100,9 @@ class UgvPlant {
   /// The drives on CANopen; none unless the config has them.
   VehicleDrives& drives() { return drives_; }
   const VehicleDrives& drives() const { return drives_; }
+  /// The same on ODrives.
+  VehicleAxes& axes() { return axes_; }
+  const VehicleAxes& axes() const { return axes_; }
   /// The IMU with its present biases.
   const ImuModel& imu() const { return imu_; }
 
@@ -124,6 +128,7 @@ class UgvPlant {
   HallReport hall_;
   std::unique_ptr<VehicleBody> body_;
   VehicleDrives drives_;
+  VehicleAxes axes_;
   InertialIntegral inertia_;
   ImuModel imu_;
   VehicleShell shell_;

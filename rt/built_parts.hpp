@@ -21,6 +21,7 @@ enum class Part : std::uint8_t {
   drive,
   flippers,
   canopen,
+  odrive,
   map,
   segments,
   normals,

@@ -216,6 +216,11 @@ run, sim = kill_runtime("canopen", "--set", "drives.protocol=canopen")
 # Once for the first runtime, and again when the second had ended.
 check(sim.get("bench_heartbeats_lost", 0) >= 6, "every CANopen drive missed the heartbeat", sim)
 check(run.get("canopen_drives_set_ups", 0) >= 6, "the second runtime set all drives up", run)
+run, sim = kill_runtime("odrive", "--set", "drives.protocol=odrive")
+# At the proof of each runtime, and when each had ended.
+check(sim.get("bench_watchdogs", 0) >= 18, "every axis was stopped by its watchdog", sim)
+check(run.get("odrive_axes_set_ups", 0) >= 6, "the second runtime set all axes up", run)
+check(80_000 <= run.get("odrive_watchdog_us", 0) <= 300_000, "the proof took what the watchdog takes", run)
 
 # The plant is killed: the runtime finds its sensors stale, brakes, says so and goes on; with a new plant it drives again.
 port = two_free_ports()

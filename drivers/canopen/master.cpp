@@ -7,20 +7,8 @@
 
 namespace sortie::drivers::canopen {
 
-const char* to_string(StopReason reason) {
-  static constexpr const char* kNames[] = {"none",
-                                           "disarmed",
-                                           "the command is stale",
-                                           "a drive is lost",
-                                           "a drive has a fault",
-                                           "a drive reports an emergency",
-                                           "a drive stopped by itself",
-                                           "the bus takes no frames",
-                                           "a drive is not ready"};
-  return kNames[static_cast<unsigned>(reason)];
-}
-
-Master::Master(const MasterConfig& config, std::span<const DriveConfig> drives) : config_(config) {
+Master::Master(const MasterConfig& config, std::span<const DriveConfig> drives)
+    : config_(config), arming_(config.arming) {
   if (drives.empty() || drives.size() > kMaxDrives)
     throw std::runtime_error("canopen: a master has 1 to " + std::to_string(kMaxDrives) + " drives");
   drives_.reserve(drives.size());
@@ -51,9 +39,7 @@ bool Master::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
 void Master::set(std::span<const std::int32_t> targets, bool armed, rt::Nanoseconds now_ns) noexcept {
   const std::size_t count = std::min(targets.size(), drives_.size());
   std::copy_n(targets.begin(), count, targets_.begin());
-  armed_ = armed;
-  if (!armed) asked_ = true;
-  set_ns_ = now_ns;
+  arming_.set(armed, now_ns);
 }
 
 bool Master::all_healthy() const noexcept {
@@ -63,18 +49,16 @@ bool Master::all_healthy() const noexcept {
 // The first reason not to run. Before a run a fault is no reason: it is reset when the run begins, and a
 // drive has start_timeout_ns to come up.
 StopReason Master::judge(rt::Nanoseconds now_ns) noexcept {
-  if (!armed_ || pressed_) return StopReason::disarmed;
-  if (now_ns - set_ns_ > config_.command_timeout_ns) return StopReason::command_stale;
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     const Drive& drive = drives_[i];
-    if (!running_) {
+    if (!running()) {
       if (drive.phase() != DrivePhase::operational) return StopReason::not_ready;
       continue;
     }
     if (drive.phase() != DrivePhase::operational) return StopReason::drive_lost;
     if (drive.counters().emergencies != emergencies_[i]) return StopReason::drive_emergency;
     ran_[i] = ran_[i] || drive.running();
-    const bool must_run = ran_[i] || now_ns - run_ns_ > config_.start_timeout_ns;
+    const bool must_run = ran_[i] || now_ns - arming_.run_ns() > config_.start_timeout_ns;
     if (must_run && !drive.running())
       return drive.healthy() ? StopReason::drive_left : StopReason::drive_fault;
   }
@@ -82,25 +66,12 @@ StopReason Master::judge(rt::Nanoseconds now_ns) noexcept {
 }
 
 void Master::decide(rt::Nanoseconds now_ns) noexcept {
-  if (running_ || !all_healthy()) ill_ns_ = now_ns;
-  if (config_.rearm_ns > 0 && now_ns - ill_ns_ >= config_.rearm_ns) asked_ = true;
-  const StopReason reason = judge(now_ns);
-  if (running_ && reason != StopReason::none) {
-    running_ = false;
-    asked_ = reason == StopReason::disarmed;
-    if (reason != StopReason::disarmed) ++counters_.stops;
-    reason_ = reason;
-  } else if (!running_ && reason == StopReason::none && asked_) {
-    running_ = true;
-    asked_ = false;
-    run_ns_ = now_ns;
-    reason_ = StopReason::none;
-    for (std::size_t i = 0; i < drives_.size(); ++i) {
-      ran_[i] = false;
-      emergencies_[i] = drives_[i].counters().emergencies;
-    }
-  } else if (!running_ && asked_) {
-    reason_ = reason;  // what it waits for
+  const Arming::Change change = arming_.decide(judge(now_ns), all_healthy(), now_ns);
+  if (change == Arming::Change::stopped) ++counters_.stops;
+  if (change != Arming::Change::began) return;
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    ran_[i] = false;
+    emergencies_[i] = drives_[i].counters().emergencies;
   }
 }
 
@@ -134,10 +105,10 @@ void Master::cycle(rt::Nanoseconds now_ns, CanBus& bus) noexcept {
     // Torque stays off until all are ready; what turns is stopped, not let go.
     const bool turns =
         drive.state() == DriveState::operation_enabled || drive.state() == DriveState::quick_stop;
-    const DriveWish wish = running_ ? DriveWish::run : turns ? DriveWish::quick_stop : DriveWish::rest;
-    const bool still = !running_ && drive.config().kind == DriveKind::velocity;
+    const DriveWish wish = running() ? DriveWish::run : turns ? DriveWish::quick_stop : DriveWish::rest;
+    const bool still = !running() && drive.config().kind == DriveKind::velocity;
     CanFrame frame;
-    if (drive.command(wish, still ? 0 : targets_[i], running_, frame) == Status::ok)
+    if (drive.command(wish, still ? 0 : targets_[i], running(), frame) == Status::ok)
       bus_refused_ = !send(bus, frame) || bus_refused_;
   }
 }

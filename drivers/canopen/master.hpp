@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "drivers/arming.hpp"
 #include "drivers/canopen/drive.hpp"
 
 namespace sortie::drivers::canopen {
@@ -14,32 +15,16 @@ namespace sortie::drivers::canopen {
 /// Most drives of one master.
 inline constexpr std::size_t kMaxDrives = 8;
 
-/// Why the drives do not run; the first of these that holds.
-enum class StopReason : std::uint8_t {
-  none,
-  disarmed,         ///< nobody asks for them
-  command_stale,    ///< the targets are too old
-  drive_lost,       ///< a drive's heartbeat is missing, or it restarted
-  drive_fault,      ///< a drive reports a fault
-  drive_emergency,  ///< a drive has sent an emergency
-  drive_left,       ///< a drive stopped by itself
-  bus_refuses,      ///< frames cannot be sent
-  not_ready,        ///< asked for, but a drive is not set up yet
-};
-
-const char* to_string(StopReason reason);
+using drivers::StopReason;
 
 /// The master's own settings.
 struct MasterConfig {
   std::uint8_t node = 127;
   rt::Nanoseconds sync_period_ns = 10 * rt::kNanosecondsPerMillisecond;
   rt::Nanoseconds heartbeat_ns = 50 * rt::kNanosecondsPerMillisecond;
-  rt::Nanoseconds command_timeout_ns = 200 * rt::kNanosecondsPerMillisecond;
+  ArmingConfig arming{};
   /// How long a drive may take to run, its fault reset included.
   rt::Nanoseconds start_timeout_ns = 500 * rt::kNanosecondsPerMillisecond;
-  /// After a stop the drives run again when all have been healthy for so long, if they are still asked for;
-  /// 0: only when they are asked anew.
-  rt::Nanoseconds rearm_ns = 0;
 };
 
 /// Counts since construction.
@@ -65,8 +50,9 @@ struct MasterCounters {
 /// All drives run, or none does. A drive that is lost, faulty or stops by itself makes all others stop
 /// quickly in the next cycle: one SYNC period after the frame that says so, or after heartbeat_timeout of
 /// silence. After a stop the drives run again when they are asked anew, set(..., false) and then set(...,
-/// true), or after rearm_ns; what was lost is found and set up meanwhile. Nothing is sent that could block: a
-/// full queue is counted and tried again. No heap after construction, no clock of its own, one thread.
+/// true), or after arming.rearm_ns; what was lost is found and set up meanwhile. Nothing is sent that could
+/// block: a full queue is counted and tried again. No heap after construction, no clock of its own, one
+/// thread.
 ///
 /// If this process dies, its heartbeat ends, and every drive stops by itself after heartbeat_timeout.
 class Master {
@@ -81,14 +67,14 @@ class Master {
   /// Targets of all drives in their increments, and whether they may run.
   void set(std::span<const std::int32_t> targets, bool armed, rt::Nanoseconds now_ns) noexcept;
   /// The emergency stop: until released, nothing runs.
-  void stop(bool pressed) noexcept { pressed_ = pressed; }
+  void stop(bool pressed) noexcept { arming_.press(pressed); }
 
   /// Sends what is due: heartbeat, SYNC and commands, one life-cycle frame a drive. At least once a
   /// millisecond. At most 2 + 2 * kMaxDrives frames.
   void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept;
 
-  bool running() const noexcept { return running_; }
-  StopReason stop_reason() const noexcept { return reason_; }
+  bool running() const noexcept { return arming_.running(); }
+  StopReason stop_reason() const noexcept { return arming_.reason(); }
   std::size_t size() const noexcept { return drives_.size(); }
   const Drive& drive(std::size_t i) const noexcept { return drives_[i]; }
   /// When the newest SYNC was handed to the bus.
@@ -107,15 +93,8 @@ class Master {
   std::array<std::int32_t, kMaxDrives> targets_{};
   std::array<std::uint64_t, kMaxDrives> emergencies_{};  // known at the start of the run
   std::array<bool, kMaxDrives> ran_{};                   // since the start of the run
-  bool armed_{};
-  bool asked_{};  // armed has been false since the last stop
-  bool pressed_{};
-  bool running_{};
+  Arming arming_;
   bool bus_refused_{};
-  StopReason reason_{StopReason::disarmed};
-  rt::Nanoseconds set_ns_{};
-  rt::Nanoseconds run_ns_{};
-  rt::Nanoseconds ill_ns_{};  // when last not all drives were healthy
   rt::Nanoseconds next_sync_ns_{};
   rt::Nanoseconds next_heartbeat_ns_{};
   rt::Nanoseconds sync_ns_{};

@@ -5,9 +5,11 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
+#include "drivers/can_load.hpp"
 #include "drivers/canopen/master.hpp"
-#include "rt/samples.hpp"
+#include "drivers/ugv_motors.hpp"
 
 namespace sortie::drivers::canopen {
 
@@ -24,6 +26,9 @@ struct UgvDrivesConfig {
   rt::Nanoseconds heartbeat_timeout_ns = 150 * rt::kNanosecondsPerMillisecond;
 };
 
+/// What these drives and their master put on the bus again and again, for can_load(). Set-up only.
+std::vector<CanStream> bus_frames(const UgvDrivesConfig& config);
+
 /// An increment counter that wraps at 32 bits, as a number that does not.
 class IncrementCount {
  public:
@@ -37,25 +42,24 @@ class IncrementCount {
 };
 
 /// All drives of the robot. One thread, no heap after construction.
-class UgvDrives {
+class UgvDrives final : public UgvMotors {
  public:
   /// Throws std::runtime_error where a setting cannot be used.
   explicit UgvDrives(const UgvDrivesConfig& config);
 
-  /// New commands; the drives run while either is enabled. Speeds and angles that increments cannot hold are
-  /// limited. Status: ok; not_finite (the command before stays, and ages).
-  [[nodiscard]] Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept;
-  [[nodiscard]] Status set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept;
+  [[nodiscard]] Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept override;
+  [[nodiscard]] Status set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept override;
+  bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept override {
+    return master_.take(frame, now_ns);
+  }
+  void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept override { master_.poll(now_ns, bus); }
 
-  /// Takes a frame; true: it was a drive's.
-  bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept { return master_.take(frame, now_ns); }
-  void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept { master_.poll(now_ns, bus); }
+  /// What the drives showed at the same SYNC, stamped with it.
+  [[nodiscard]] Status read(rt::TrackSample& sample) noexcept override;
+  [[nodiscard]] Status read(rt::FlipperSample& sample) noexcept override;
 
-  /// What both tracks (all flippers) showed at the same SYNC, stamped with it. Status: ok; empty: nothing
-  /// new.
-  [[nodiscard]] Status read(rt::TrackSample& sample) noexcept;
-  [[nodiscard]] Status read(rt::FlipperSample& sample) noexcept;
-
+  bool running() const noexcept override { return master_.running(); }
+  StopReason stop_reason() const noexcept override { return master_.stop_reason(); }
   Master& master() noexcept { return master_; }
   const Master& master() const noexcept { return master_; }
 

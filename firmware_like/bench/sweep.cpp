@@ -28,6 +28,8 @@ Sweep run_sweep(const LogFile& log, const VehicleRegistry& vehicles, const Sweep
   std::vector<std::optional<MapVolume>> maps;
   for (std::size_t i = 0; i < works.size(); ++i) {
     works[i].take_times(sweep.duration_s, sweep.cells[i]);
+    if (options.instructions)
+      works[i].count_instructions(log, options.replay.scene, sweep.duration_s, sweep.cells[i]);
     maps.push_back(works[i].map());
   }
   judge_sweep(maps, options.error, sweep);

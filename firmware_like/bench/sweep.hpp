@@ -20,6 +20,7 @@ struct SweepOptions {
   std::vector<std::string> tasks;  ///< whose run time counts; empty: those that the knobs belong to
   std::string error;               ///< which error counts; empty: chosen by knob and by what the truth allows
   std::uint32_t repeat{1};         ///< replays of every cell
+  bool instructions{};             ///< count them under callgrind, once a cell
   std::function<void(double share)> progress;
 };
 
@@ -42,6 +43,9 @@ struct SweepCell {
   std::uint64_t voxels{};
   std::uint64_t voxels_refused{};  ///< points that found the pool full
   std::uint64_t memory_bytes{};    ///< of the whole runtime
+  /// Of the tasks that count, per second of the robot's time; the same to the instruction each time. 0: not
+  /// counted.
+  double instructions_per_s{};
   /// Run time of the tasks that count per second of the robot's time, us/s. Every job counts with the
   /// shortest of its repetitions: they repeat the same work, so the rest was the machine. `timing` tells all,
   /// raw.

@@ -48,6 +48,7 @@ SweepCellResult result_from_json(const CellJson& json) {
   json.at("voxels_refused").get_to(cell.voxels_refused);
   json.at("memory_bytes").get_to(cell.memory_bytes);
   json.at("load_us_per_s").get_to(cell.load_us_per_s);
+  json.at("instructions_per_s").get_to(cell.instructions_per_s);
   for (const CellJson& entry : json.at("tasks")) {
     cell.timing.push_back({entry.at("name").get<std::string>(), entry.at("n").get<std::uint64_t>(),
                            entry.at("p50_us").get<double>(), entry.at("p99_us").get<double>(),
@@ -102,6 +103,7 @@ void write_cell(const std::string& folder, std::size_t cell, const std::string& 
                 {"voxels_refused", figures.voxels_refused},
                 {"memory_bytes", figures.memory_bytes},
                 {"load_us_per_s", figures.load_us_per_s},
+                {"instructions_per_s", figures.instructions_per_s},
                 {"tasks", std::move(tasks)},
                 {"duration_s", result.duration_s}};
   if (result.map) json["map"] = to_json(*result.map);

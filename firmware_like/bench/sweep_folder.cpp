@@ -72,9 +72,9 @@ PlannedLog log_from_json(const PlanJson& json) {
 }
 
 PlanJson to_json(const SweepRequest& request) {
-  return {{"logs", request.logs},   {"scene", request.scene},  {"set", request.overrides},
-          {"sweep", request.knobs}, {"tasks", request.tasks},  {"error", request.error},
-          {"align", request.align}, {"repeat", request.repeat}};
+  return {{"logs", request.logs},   {"scene", request.scene},   {"set", request.overrides},
+          {"sweep", request.knobs}, {"tasks", request.tasks},   {"error", request.error},
+          {"align", request.align}, {"repeat", request.repeat}, {"instructions", request.instructions}};
 }
 
 SweepRequest request_from_json(const PlanJson& json) {
@@ -87,6 +87,7 @@ SweepRequest request_from_json(const PlanJson& json) {
   json.at("error").get_to(request.error);
   json.at("align").get_to(request.align);
   json.at("repeat").get_to(request.repeat);
+  json.at("instructions").get_to(request.instructions);
   return request;
 }
 
@@ -101,6 +102,7 @@ SweepOptions sweep_options(const SweepRequest& request) {
   options.tasks = request.tasks;
   options.error = request.error;
   options.repeat = request.repeat;
+  options.instructions = request.instructions;
   return options;
 }
 
@@ -119,7 +121,8 @@ std::pair<std::size_t, std::size_t> SweepFolderPlan::locate(std::size_t cell) co
 std::string SweepFolderPlan::key(std::size_t cell) const {
   const auto [l, c] = locate(cell);
   std::string text = program + " " + logs[l].identity + " " + std::to_string(logs[l].plan.profiles[c]) + " " +
-                     std::to_string(request.repeat) + " " + request.align;
+                     std::to_string(request.repeat) + (request.instructions ? " counted " : " ") +
+                     request.align;
   for (const std::string& task : logs[l].plan.sweep.tasks) text += " " + task;
   return hex_digest(text);
 }

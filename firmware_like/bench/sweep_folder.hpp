@@ -25,6 +25,7 @@ struct SweepRequest {
   std::string error;
   std::string align{"none"};
   std::uint32_t repeat{1};
+  bool instructions{};
 };
 
 /// The request as run_sweep() takes it. Throws ProfileError for knobs that cannot be read.

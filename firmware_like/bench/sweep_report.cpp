@@ -37,6 +37,11 @@ std::vector<std::string> table_errors(const Sweep& sweep) {
   return chosen;
 }
 
+bool counts_instructions(const Sweep& sweep) {
+  return std::any_of(sweep.cells.begin(), sweep.cells.end(),
+                     [](const SweepCell& cell) { return cell.instructions_per_s > 0; });
+}
+
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -60,8 +65,10 @@ void print_sweep(std::ostream& out, const Sweep& sweep, bool colour) {
   std::vector<std::string> head = sweep.keys;
   head.insert(head.end(), errors.begin(), errors.end());
   if (has_voxels) head.insert(head.end(), {"voxels", "refused"});
-  for (const char* name : {"memory MB", "load us/s", "task", "p50 us", "p99 us", "max us", "jobs"})
-    head.push_back(name);
+  const bool counted = counts_instructions(sweep);
+  for (const char* name : {"memory MB", "load us/s"}) head.push_back(name);
+  if (counted) head.push_back("Minstr/s");
+  for (const char* name : {"task", "p50 us", "p99 us", "max us", "jobs"}) head.push_back(name);
   rows.push_back(head);
   for (const SweepCell& cell : sweep.cells) {
     std::vector<std::string> row = cell.values;
@@ -72,6 +79,7 @@ void print_sweep(std::ostream& out, const Sweep& sweep, bool colour) {
     if (has_voxels) row.insert(row.end(), {group_digits(cell.voxels), group_digits(cell.voxels_refused)});
     row.push_back(format_short(static_cast<double>(cell.memory_bytes) * 1e-6));
     row.push_back(format_short(cell.load_us_per_s));
+    if (counted) row.push_back(format_short(1e-6 * cell.instructions_per_s));
     const std::size_t before = row.size();
     for (const SweepTiming& timing : cell.timing) {
       if (row.size() != before) {  // a second task continues below the first
@@ -111,7 +119,46 @@ void print_sweep(std::ostream& out, const Sweep& sweep, bool colour) {
   for (const std::string& warning : sweep.warnings) out << "warning   " << warning << "\n";
 }
 
+SweepFigures sweep_figures(const Sweep& sweep) {
+  SweepFigures figures;
+  figures.plot = plot_sweep(sweep);
+  const std::vector<std::string> errors = table_errors(sweep);
+  figures.head = sweep.keys;
+  for (std::string name : errors) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    figures.head.push_back(std::move(name));
+  }
+  const bool counted = counts_instructions(sweep);
+  figures.head.insert(figures.head.end(), {"memory MB", "load \u00b5s/s"});
+  if (counted) figures.head.push_back("Minstr/s");
+  figures.head.insert(figures.head.end(), {"p50 \u00b5s", "p99 \u00b5s", "max \u00b5s", "jobs", ""});
+  for (const SweepCell& cell : sweep.cells) {
+    std::vector<std::string> row = cell.values;
+    for (const std::string& name : errors) {
+      const auto value = cell.errors.find(name);
+      row.push_back(value == cell.errors.end() ? "-" : format_short(value->second));
+    }
+    row.push_back(format_short(static_cast<double>(cell.memory_bytes) * 1e-6));
+    row.push_back(format_short(cell.load_us_per_s));
+    if (counted) row.push_back(format_short(1e-6 * cell.instructions_per_s));
+    // Of several tasks the one whose jobs are the longest.
+    const auto longest =
+        std::max_element(cell.timing.begin(), cell.timing.end(),
+                         [](const SweepTiming& a, const SweepTiming& b) { return a.max_us < b.max_us; });
+    if (longest != cell.timing.end())
+      row.insert(row.end(), {format_short(longest->p50_us), format_short(longest->p99_us),
+                             format_short(longest->max_us), group_digits(longest->n)});
+    row.push_back(std::string(cell.on_front ? "*" : "") + (cell.profile_choice ? "<" : ""));
+    figures.rows.push_back(std::move(row));
+  }
+  figures.note = "* no other is as cheap (within 5 %) and better; < what the profile says. Each " +
+                 std::to_string(sweep.repeat) + " x over " + format_short(sweep.duration_s) +
+                 " s; load: run time per second of the robot's, the shortest of each job.";
+  return figures;
+}
+
 Json to_json(const Sweep& sweep) {
+  const bool counted = counts_instructions(sweep);
   Json cells = Json::array();
   for (const SweepCell& cell : sweep.cells) {
     Json values = Json::object();
@@ -135,6 +182,7 @@ Json to_json(const Sweep& sweep) {
                      {"voxels_refused", cell.voxels_refused},
                      {"memory_bytes", cell.memory_bytes},
                      {"load_us_per_s", number(cell.load_us_per_s)},
+                     {"instructions_per_s", counted ? number(cell.instructions_per_s) : Json(nullptr)},
                      {"tasks", std::move(tasks)}});
   }
   return Json{{"scene", sweep.scene},
@@ -155,7 +203,9 @@ void write_sweep_csv(std::ostream& out, const Sweep& sweep) {
   for (const std::string& key : sweep.keys) out << field(key) << ",";
   out << "profile_choice,on_front";
   for (const std::string& name : errors) out << "," << field(name);
+  const bool counted = counts_instructions(sweep);
   out << ",voxels,voxels_refused,memory_bytes,load_us_per_s";
+  if (counted) out << ",instructions_per_s";
   for (const std::string& task : sweep.tasks) {
     for (const char* figure : {"_n", "_p50_us", "_p99_us", "_max_us"}) out << "," << field(task + figure);
   }
@@ -170,6 +220,7 @@ void write_sweep_csv(std::ostream& out, const Sweep& sweep) {
     }
     out << "," << cell.voxels << "," << cell.voxels_refused << "," << cell.memory_bytes << ","
         << format_exact(cell.load_us_per_s);
+    if (counted) out << "," << format_exact(cell.instructions_per_s);
     for (const SweepTiming& timing : cell.timing) {
       out << "," << timing.n << "," << format_exact(timing.p50_us) << "," << format_exact(timing.p99_us)
           << "," << format_exact(timing.max_us);

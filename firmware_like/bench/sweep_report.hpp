@@ -7,7 +7,7 @@
 #include <string>
 
 #include "firmware_like/bench/sweep.hpp"
-#include "firmware_like/report/svg.hpp"
+#include "firmware_like/report/html.hpp"
 
 namespace sortie::firmware {
 
@@ -15,8 +15,8 @@ namespace sortie::firmware {
 void print_sweep(std::ostream& out, const Sweep& sweep, bool colour = false);
 
 /// {scene, knobs[], tasks[], error, cost, repeat, duration_s, cells[]{values{}, profile_choice, on_front,
-/// errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s, tasks[]{name, n, p50_us, p99_us,
-/// max_us}}, machine, compiler, warnings[]}. What is not finite becomes null.
+/// errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s, instructions_per_s, tasks[]{name,
+/// n, p50_us, p99_us, max_us}}, machine, compiler, warnings[]}. What is not finite becomes null.
 nlohmann::ordered_json to_json(const Sweep& sweep);
 
 /// One row a cell, one column a figure; what a cell does not have is an empty field.
@@ -25,6 +25,9 @@ void write_sweep_csv(std::ostream& out, const Sweep& sweep);
 /// Error over load, each cell named by its values, the front joined, the profile's choice marked. Without an
 /// error: the memory of the runtime over load.
 Plot plot_sweep(const Sweep& sweep);
+
+/// Plot and figures for a page.
+SweepFigures sweep_figures(const Sweep& sweep);
 
 /// "0.1" for one knob, "0.1, 25" for two.
 std::string cell_name(const SweepCell& cell);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "firmware_like/bench/sweep_plan.hpp"
+#include "firmware_like/bench/wcet.hpp"
 
 namespace sortie::firmware {
 
@@ -46,6 +47,16 @@ double SweepWork::replay_once(const LogFile& log, const VehicleRegistry& vehicle
   const ReplayOutcome outcome = replay(log, vehicles, replay_options);
   take_outcome(outcome, cell);
   return outcome.results.duration_s;
+}
+
+void SweepWork::count_instructions(const LogFile& log, const std::string& scene, double duration_s,
+                                   SweepCell& cell) const {
+  std::uint64_t sum = 0;
+  for (const WcetTask& task : measure_wcet({log.path(), scene, overrides_, ""}).tasks) {
+    if (std::find(tasks_.begin(), tasks_.end(), task.name) == tasks_.end()) continue;
+    for (const CountedJob& job : task.jobs) sum += job.instructions;
+  }
+  if (duration_s > 0) cell.instructions_per_s = static_cast<double>(sum) / duration_s;
 }
 
 void SweepWork::take_times(double duration_s, SweepCell& cell) const {

@@ -24,6 +24,10 @@ class SweepWork {
   /// digest.
   double replay_once(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options,
                      SweepCell& cell);
+  /// Counts the instructions of the tasks over the whole log. Throws CountRefused
+  /// (firmware_like/bench/wcet.hpp).
+  void count_instructions(const LogFile& log, const std::string& scene, double duration_s,
+                          SweepCell& cell) const;
   /// Writes the run times of all replays so far into the cell.
   void take_times(double duration_s, SweepCell& cell) const;
   /// The map that the first replay left; nothing where the vehicle has none.

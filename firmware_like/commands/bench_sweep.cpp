@@ -251,6 +251,8 @@ void add_bench_sweep(CLI::App& bench, CommandContext& context) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   bench.add_option("--set", request.overrides, "Override a key in all cells: key=value")->take_all();
+  bench.add_flag("--instructions", request.instructions,
+                 "Count the instructions of every cell, too, under callgrind: slow, and the same each time");
   bench.add_option("--repeat", request.repeat, "Replays of every cell")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

@@ -7,7 +7,7 @@
 #include "firmware_like/commands/bench_inertial.hpp"
 #include "firmware_like/commands/bench_multirotor.hpp"
 #include "firmware_like/commands/bench_sensors.hpp"
-#include "firmware_like/vehicles/canopen_config.hpp"
+#include "firmware_like/vehicles/motors_config.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "hil/ugv_plant.hpp"
 
@@ -17,14 +17,26 @@ namespace {
 
 // The simulated drives are what the runtime expects on the bus.
 void read_drives(Profile& profile, hil::UgvConfig& config) {
-  const auto drives = read_canopen(profile, config.contacts);
-  if (!drives) return;
-  config.drives.enabled = true;
-  config.drives.track_nodes = drives->track_nodes;
-  config.drives.flipper_nodes = drives->flipper_nodes;
-  config.drives.increments_per_m = drives->increments_per_m;
-  config.drives.increments_per_rad = drives->increments_per_rad;
-  config.drives.rated_torque_n_m = drives->rated_torque_n_m;
+  const MotorsConfig motors = read_motors(profile, config.contacts);
+  if (const auto& drives = motors.canopen) {
+    config.drives.enabled = true;
+    config.drives.track_nodes = drives->track_nodes;
+    config.drives.flipper_nodes = drives->flipper_nodes;
+    config.drives.increments_per_m = drives->increments_per_m;
+    config.drives.increments_per_rad = drives->increments_per_rad;
+    config.drives.rated_torque_n_m = drives->rated_torque_n_m;
+  }
+  if (const auto& axes = motors.odrive) {
+    config.axes.enabled = true;
+    config.axes.track_nodes = axes->track_nodes;
+    config.axes.flipper_nodes = axes->flipper_nodes;
+    config.axes.turns_per_m = axes->turns_per_m;
+    config.axes.turns_per_rad = axes->turns_per_rad;
+    config.axes.torque_per_a_n_m = axes->torque_per_a_n_m;
+    config.axes.watchdog_ns = milliseconds(
+        profile.number("hil.axis_watchdog_ms", {in_ms(config.axes.watchdog_ns), 0, 10'000, "ms",
+                                                "of the simulated ODrives; 0: somebody forgot to set it"}));
+  }
 }
 
 hil::UgvConfig read_config(Profile& profile) {
@@ -111,6 +123,11 @@ class BenchUgv final : public BenchRobot {
       std::uint64_t& lost = counters["bench_heartbeats_lost"];
       for (std::size_t i = 0; i < plant_.drives().size(); ++i)
         lost += plant_.drives().node(i).counters().heartbeat_lost;
+    }
+    if (plant_.axes().size() != 0) {
+      std::uint64_t& stopped = counters["bench_watchdogs"];
+      for (std::size_t i = 0; i < plant_.axes().size(); ++i)
+        stopped += plant_.axes().node(i).counters().watchdog;
     }
     add_range_counters(plant_, counters);
     if (tracked() == nullptr) return;

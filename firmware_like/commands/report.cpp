@@ -5,8 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "firmware_like/bench/sweep_report.hpp"
 #include "firmware_like/commands/commands.hpp"
-#include "firmware_like/commands/replay_report.hpp"
+#include "firmware_like/commands/report_sweeps.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/json_reader.hpp"
 
@@ -16,31 +17,65 @@ namespace {
 
 struct PageOptions {
   std::vector<std::string> logs;
+  SweepsOnPage sweeps;
   ReplayReportOptions replay;
   OutputOptions output;
 };
 
+void write_json(const std::string& path, const Json& json) {
+  write_file(path, [&json](std::ostream& out) { out << json.dump(2) << "\n"; });
+}
+
+void write_sweeps(const PageOptions& options, const std::vector<std::vector<Sweep>>& sweeps) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    for (const Sweep& sweep : sweeps[i]) {
+      Json entry = to_json(sweep);
+      entry["log"] = options.logs[i];
+      all.push_back(std::move(entry));
+    }
+  }
+  write_json(options.output.out + "/sweeps.json", Json{{"sweeps", all}});
+}
+
 // Several logs on one page; their results in one file, in the order of the logs.
-int report_all(const CommandContext& context, PageOptions& options) {
+void show_all(const PageOptions& options, const std::vector<ReportInput>& reports, const Plot& ground) {
+  Json runs = Json::array();
+  for (const ReportInput& report : reports) {
+    print_table(std::cout, report.results, wants_colour(STDOUT_FILENO));
+    runs.push_back(to_json(report.results));
+  }
+  std::filesystem::create_directories(options.output.out);
+  write_json(options.output.out + "/results.json", Json{{"runs", runs}});
+  const std::string page = options.output.out + "/report.html";
+  write_report(page, render_report(reports, ground));
+  std::cerr << "report: " << page << "\n";
+}
+
+int write_page(const CommandContext& context, PageOptions& options) {
   std::vector<ReportInput> reports;
   Plot ground;
-  Json results = Json::array();
   std::string damage;
   for (const std::string& log : options.logs) {
     ReplayedLog replayed = replay_for_report(context, options.replay, options.output, log);
     if (ground.series.empty()) ground = std::move(replayed.ground);
-    results.push_back(to_json(replayed.report.results));
-    print_table(std::cout, replayed.report.results, wants_colour(STDOUT_FILENO));
     if (damage.empty()) damage = replayed.damage;
     reports.push_back(std::move(replayed.report));
   }
-  std::filesystem::create_directories(options.output.out);
-  write_file(options.output.out + "/results.json", [&results](std::ostream& out) {
-    out << Json{{"runs", results}}.dump(2) << "\n";
-  });
-  const std::string page = options.output.out + "/report.html";
-  write_report(page, render_report(reports, ground));
-  std::cerr << "report: " << page << "\n";
+  const std::vector<std::vector<Sweep>> sweeps =
+      sweep_for_report(context, options.logs, options.sweeps, options.replay, options.output);
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    for (const Sweep& sweep : sweeps[i]) reports[i].sweeps.push_back(sweep_figures(sweep));
+  }
+  if (reports.size() == 1) {
+    show_results(options.output, reports.front());
+  } else {
+    show_all(options, reports, ground);
+  }
+  if (!options.sweeps.knobs.empty()) write_sweeps(options, sweeps);
+  for (const auto& of_log : sweeps) {
+    for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, wants_colour(STDOUT_FILENO));
+  }
   return finish_with_damage(context, damage, options.replay.accept_damage, 0);
 }
 
@@ -54,18 +89,23 @@ void add_report(CLI::App& app, CommandContext& context) {
       "Examples:\n"
       "  sortie report hall.lcm --out out/hall\n"
       "  sortie report husky.lcm --scene skid_outdoor --align se2 --out out/husky\n"
-      "  sortie report ugv.lcm uav.lcm --out out/mission");
+      "  sortie report ugv.lcm uav.lcm --out out/mission --sweep map.voxel_m=0.05,0.1,0.2");
   command->add_option("logs", options->logs, "LCM logs from `run --record` or `import`")
       ->required()
       ->type_name("LOG");
   add_replay_report_options(*command, options->replay);
+  command
+      ->add_option(
+          "--sweep", options->sweeps.knobs,
+          "Error over run time of a key of the profile, too, over every log that knows it: key=v1,v2,v3")
+      ->take_all();
+  command
+      ->add_option("--sweep-to", options->sweeps.to,
+                   "End sweeps before that time or @tick of their log; default: --to")
+      ->type_name("TIME");
   command->add_option("--out", options->output.out, "Folder")->type_name("DIR")->capture_default_str();
   command->callback([&context, options] {
-    context.chosen = [&context, options] {
-      if (options->logs.size() > 1) return report_all(context, *options);
-      options->replay.log = options->logs.front();
-      return replay_and_show(context, options->replay, options->output);
-    };
+    context.chosen = [&context, options] { return write_page(context, *options); };
   });
 }
 

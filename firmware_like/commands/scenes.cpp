@@ -30,6 +30,7 @@ struct SceneLine {
   std::vector<std::string> parts;
   ScheduleResult schedule;
   std::vector<ChainResult> chains;
+  BusCheck bus;
 };
 
 SceneLine measure(const CommandContext& context, const std::string& scene) {
@@ -45,7 +46,8 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
                  "",
                  {},
                  schedule_result(runtime.schedule(), runtime.executive()),
-                 {}};
+                 {},
+                 runtime.bus()};
   for (const ScenePart* part : parts_of(runtime.profile())) line.parts.emplace_back(part->name);
   for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
@@ -92,6 +94,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                       {"schedule", to_json(line.schedule)}});
       rows.back()["chains"] = nlohmann::ordered_json::array();
       for (const ChainResult& chain : line.chains) rows.back()["chains"].push_back(to_json(chain));
+      rows.back()["bus"] = to_json(line.bus);
     } else {
       std::printf("%-14s %-8s %7.2f MB %11.1f us  %-28s %s\n", line.name.c_str(), line.vehicle.c_str(),
                   static_cast<double>(line.bytes) * 1e-6, line.declared_us_per_tick, line.tasks.c_str(),
@@ -101,6 +104,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
       if (!line.leaves_out.empty()) more << "for " << line.use << "; without " << line.leaves_out << "\n";
       print_schedule(more, line.schedule);
       print_chains(more, line.chains);
+      print_bus(more, line.bus);
     }
   }
   std::fputs(more.str().c_str(), stdout);
@@ -237,15 +241,15 @@ void add_scenes(CLI::App& app, CommandContext& context) {
   command->footer(
       "Examples:\n"
       "  sortie scenes\n"
-      "  sortie scenes ugv_hall own.toml   # with the tables of groups and chains\n"
+      "  sortie scenes ugv_hall own.toml   # with the tables of groups, chains and bus\n"
       "  sortie scenes --keys ugv_hall\n"
       "  sortie scenes --memory ugv_hall\n"
       "  sortie scenes --cost ugv_stairs --seconds 20\n"
       "  sortie scenes --cost imu_bench --log slow.lcm --json\n"
       "  sortie scenes --advise stairs.lcm");
-  command->add_option(
-      "scenes", options->scenes,
-      "These scenes or .toml files only, each with its groups, their worst responses, and its chains");
+  command->add_option("scenes", options->scenes,
+                      "These scenes or .toml files only, each with its groups, their worst responses, its "
+                      "chains and its bus");
   command
       ->add_option("--keys", options->keys,
                    "Every key that this scene understands, with unit, range and meaning")

@@ -183,6 +183,22 @@ std::string figure_tables(const std::vector<FigureTable>& tables) {
   return out;
 }
 
+std::string sweep_section(const std::vector<SweepFigures>& sweeps) {
+  std::string out;
+  for (const SweepFigures& sweep : sweeps) {
+    out += render(sweep.plot) + "<table><thead><tr>";
+    for (const std::string& name : sweep.head) out += "<th class=\"n\">" + esc(name) + "</th>";
+    out += "</tr></thead>\n<tbody>";
+    for (const auto& row : sweep.rows) {
+      out += "<tr>";
+      for (const std::string& cell : row) out += table_cell(cell);
+      out += "</tr>\n";
+    }
+    out += "</tbody></table>\n<p class=\"note\">" + esc(sweep.note) + "</p>\n";
+  }
+  return out.empty() ? out : "<h2>Error over run time</h2>\n" + out;
+}
+
 /// Wide plots stand alone, the others side by side.
 std::string more_section(const std::vector<Plot>& plots) {
   constexpr double kWide = 700.0;
@@ -234,6 +250,7 @@ std::string body(const ReportInput& input) {
   out +=
       trajectory_section(input) + latency_section(r, input.timeline) + pool_section(r) + counter_section(r);
   out += left_out_section(r);
+  out += sweep_section(input.sweeps);
   out += figure_tables(input.tables) + more_section(input.more_plots) + doctor_section(r.doctor);
   return out + "<footer><dl>" + fact("digest", r.digest) + fact("profile", r.profile_hash) +
          fact("command", input.command) + fact("machine", r.machine) + fact("compiler", r.compiler) +

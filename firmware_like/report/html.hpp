@@ -18,6 +18,14 @@ struct FigureTable {
   std::vector<FigureRow> rows;
 };
 
+/// Error over run time of one knob or several: a plot, and its figures as text, a row a cell.
+struct SweepFigures {
+  Plot plot;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  std::string note;
+};
+
 /// What the page tells. Everything but `results` may be left empty; then its section is left out.
 struct ReportInput {
   Results results;
@@ -28,8 +36,9 @@ struct ReportInput {
   std::vector<TimedPose> truth;
   std::vector<ErrorSample> errors;
   std::vector<FigureTable> tables;  ///< before the plots
-  Plot timeline;                    ///< run time over time; without series: not shown
-  std::vector<Plot> more_plots;     ///< of any task output; shown at the end
+  std::vector<SweepFigures> sweeps;
+  Plot timeline;                 ///< run time over time; without series: not shown
+  std::vector<Plot> more_plots;  ///< of any task output; shown at the end
 };
 
 /// The page, as XHTML-conforming HTML 5. Cost: linear in the input; size bounded by the number of plots.

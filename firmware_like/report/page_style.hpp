@@ -41,6 +41,7 @@ svg{max-width:100%;height:auto}
 footer{margin-top:34px;border-top:1px solid var(--line);padding-top:10px}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:3px 16px;margin:0;font-size:12.5px}
 dt{color:var(--soft)}dd{margin:0;font-family:ui-monospace,"DejaVu Sans Mono",monospace;overflow-wrap:anywhere}
+@media screen and (max-width:1000px){main{padding:16px 12px}table{font-size:12px}th,td{padding:3px 3px}th{font-size:11px}td.bar svg{width:36px}td.bar small{margin-left:3px}.grid{grid-template-columns:1fr}}
 @media print{@page{size:A4;margin:13mm}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}
 body{background:#fff;font-size:11px}main{padding:0;max-width:none;min-height:0}h2{break-after:avoid;margin-top:18px}
 tr,svg,.tile{break-inside:avoid}th,.note{font-size:10px}.tiles{gap:6px}.tile{flex:1 1 70px;padding:6px 9px}.tile b{font-size:16px}.tile i{font-size:11px}.tile span{font-size:10px}.grid{grid-template-columns:1fr 1fr}.counters{columns:3}

@@ -3,6 +3,8 @@
 
 #include <tuple>
 
+#include "firmware_like/vehicles/own_frames.hpp"
+
 namespace sortie::firmware {
 
 namespace {
@@ -37,7 +39,20 @@ Uav::Uav(VehicleBuilder& builder) {
     if (rt::kBuilt<rt::Part::path> && wants_path) add_path(builder, control);
     builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
   }
+  add_bus_frames(builder, control, flies);
   builder.check();
+}
+
+void Uav::add_bus_frames(VehicleBuilder& builder, rt::GroupId control, bool flies) {
+  using namespace drivers;
+  const std::uint32_t imu[] = {kCanImuGyrId, kCanImuAccId};
+  const std::uint32_t fix[] = {kCanFixAcrossId, kCanFixUpId};
+  const std::uint32_t rotors[] = {kCanRotorsId, kCanRotorsId + 1, kCanRotorsId + 2};
+  add_device_frames(builder, imu, "can.imu_hz", 200, "how often the IMU sends");
+  add_device_frames(builder, fix, "can.fix_hz", 20, "how often a fix of the place comes");
+  if (!flies) return;
+  const std::size_t frames = (rotor_count_ + 2) / 3;  // three rotors each
+  add_own_frames(builder, {rotors, frames}, builder.period_ns(control));
 }
 
 void Uav::add_state(VehicleBuilder& builder, rt::GroupId group) {
@@ -94,6 +109,7 @@ void Uav::put_pose(rt::PoseEstimate& pose) {
 // Before the group's first task: it has a run-time parameter.
 void Uav::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
   planner::UavPilotConfig config = read_pilot_config(builder);
+  rotor_count_ = config.control.model.rotors;
   config.plans = builder.wants("path", false);
   pilot_ = std::make_unique<planner::UavPilot>(config);
   if (pilot_->status() != Status::ok)

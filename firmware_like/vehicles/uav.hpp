@@ -39,6 +39,7 @@ class Uav final : public Vehicle {
   void add_state(VehicleBuilder& builder, rt::GroupId group);
   void make_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_pilot(VehicleBuilder& builder, rt::GroupId group);
+  void add_bus_frames(VehicleBuilder& builder, rt::GroupId control, bool flies);
   void add_path(VehicleBuilder& builder, rt::GroupId control);
   void clear_start(const VehicleBuilder& builder, const GuideConfig& config);
   void add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
@@ -79,6 +80,7 @@ class Uav final : public Vehicle {
   drivers::CanSampleDecoder decoder_;
   rt::Nanoseconds device_epoch_ns_{};
   std::uint8_t command_counter_{};
+  std::uint32_t rotor_count_{};
   std::uint64_t commands_sent_{};
   std::uint64_t commands_refused_{};
 };

@@ -35,6 +35,7 @@ Ugv::Ugv(VehicleBuilder& builder) {
     }
     if (rt::kBuilt<rt::Part::ssl> && wants_ssl) add_ssl(builder, mapping);
   }
+  add_bus_frames(builder);
   if (drive_) builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
   if (map_) builder.chain({"scan_to_map", {"SCAN", "map"}});
   builder.check();
@@ -114,7 +115,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
       devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
     }
   }
-  if (rt::kBuilt<rt::Part::canopen> && canopen_ && canopen_->take(frame, now_ns)) return;
+  if (motors_ && motors_->take(frame, now_ns)) return;
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
   // A full stream counts its refusals.

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "drivers/can_codec.hpp"
-#include "drivers/canopen/ugv_drives.hpp"
+#include "drivers/ugv_motors.hpp"
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
@@ -55,10 +55,11 @@ class Ugv final : public Vehicle, public UnitTryer {
   void add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency);
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
-  void add_canopen(VehicleBuilder& builder);
+  void add_motors(VehicleBuilder& builder);
+  void add_bus_frames(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
-  void send_canopen(drivers::CanBus& can, const rt::DriveCommand* command, const rt::FlipperCommand* flippers,
-                    rt::Nanoseconds now_ns);
+  void send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
+                      const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns);
   bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
   void add_pose_input(VehicleBuilder& builder, rt::GroupId group);
   void add_ssl(VehicleBuilder& builder, rt::GroupId group);
@@ -94,8 +95,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   std::uint32_t job_attitude_count_{};
   // Devices.
   drivers::CanSampleDecoder decoder_;
-  OwnedPart<drivers::canopen::UgvDrives, rt::Part::canopen>
-      canopen_;  ///< null: the drives speak the robot's own frames
+  std::unique_ptr<drivers::UgvMotors> motors_;  ///< null: they speak the robot's own frames
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};

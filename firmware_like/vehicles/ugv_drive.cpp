@@ -3,9 +3,10 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "firmware_like/vehicles/canopen_config.hpp"
+#include "firmware_like/vehicles/own_frames.hpp"
 #include "firmware_like/vehicles/ugv.hpp"
 #include "firmware_like/vehicles/ugv_drive_config.hpp"
+#include "firmware_like/vehicles/ugv_motors.hpp"
 
 namespace sortie::firmware {
 
@@ -51,44 +52,41 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   builder.remembers(task, *drive_);
   add_drive_counters(builder);
   if (rt::kBuilt<rt::Part::flippers> && flippers_) add_flippers(builder, group);
-  if (rt::kBuilt<rt::Part::canopen>) {
-    add_canopen(builder);
-  } else {
-    static_cast<void>(read_canopen(builder.profile(), flippers_ != nullptr));  // declares its keys
-  }
+  add_motors(builder);
 }
 
-void Ugv::add_canopen(VehicleBuilder& builder) {
-  const auto config = read_canopen(builder.profile(), flippers_ != nullptr);
-  if (!config) return;
+void Ugv::add_motors(VehicleBuilder& builder) {
+  const MotorsConfig config = read_motors(builder.profile(), flippers_ != nullptr);
   try {
-    canopen_ = std::make_unique<drivers::canopen::UgvDrives>(*config);
+    // Guarded so that a build without a protocol has no code of it; what it lacks was refused before.
+    if constexpr (rt::kBuilt<rt::Part::canopen>) {
+      if (config.canopen) motors_ = make_canopen(builder, *config.canopen);
+    }
+    if constexpr (rt::kBuilt<rt::Part::odrive>) {
+      if (config.odrive) motors_ = make_odrive(builder, *config.odrive);
+    }
   } catch (const std::runtime_error& error) {
     builder.profile().fail("drives.protocol", error.what());
   }
-  const drivers::canopen::Master* master = &canopen_->master();
-  drivers::canopen::MasterCounters::fields(
-      master->counters(), [&](const char* name, const std::uint64_t& count) {
-        builder.counter(std::string("canopen_") + name, [&count] { return count; });
-      });
-  // Of all drives together: which one it was is on the bus, and in the log.
-  std::size_t member = 0;
-  drivers::canopen::DriveCounters::fields(
-      master->drive(0).counters(), [&](const char* name, const std::uint64_t&) {
-        builder.counter(std::string("canopen_drives_") + name, [master, which = member++] {
-          std::uint64_t sum = 0;
-          for (std::size_t i = 0; i < master->size(); ++i) {
-            std::size_t at = 0;
-            drivers::canopen::DriveCounters::fields(
-                master->drive(i).counters(),
-                [&](const char*, const std::uint64_t& count) { sum += at++ == which ? count : 0; });
-          }
-          return sum;
-        });
-      });
-  builder.counter("canopen_running", [master] { return std::uint64_t{master->running() ? 1u : 0u}; });
-  builder.counter("canopen_stop_reason",
-                  [master] { return static_cast<std::uint64_t>(master->stop_reason()); });
+}
+
+// Motors on a protocol of their own have said theirs.
+void Ugv::add_bus_frames(VehicleBuilder& builder) {
+  using namespace drivers;
+  const std::uint32_t imu[] = {kCanImuGyrId, kCanImuAccId};
+  const std::uint32_t tracks[] = {kCanTrackLeftId, kCanTrackRightId};
+  const std::uint32_t states[] = {kCanFlipperStateId, kCanFlipperStateId + 1, kCanFlipperStateId + 2,
+                                  kCanFlipperStateId + 3};
+  const std::uint32_t drive[] = {kCanDriveId};
+  const std::uint32_t flippers[] = {kCanFlipperFrontId, kCanFlipperRearId};
+  if (imu_ != nullptr) add_device_frames(builder, imu, "can.imu_hz", 200, "how often the IMU sends");
+  if (motors_) return;
+  if (tracks_ != nullptr)
+    add_device_frames(builder, tracks, "can.track_hz", 100, "how often the tracks' encoders send");
+  if (flipper_states_ != nullptr)
+    add_device_frames(builder, states, "can.flipper_hz", 100, "how often the flippers tell their state");
+  if (drive_outlet_ != nullptr) add_own_frames(builder, drive, kCommandEvery);
+  if (flipper_outlet_ != nullptr) add_own_frames(builder, flippers, kFlippersEvery);
 }
 
 void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {
@@ -150,8 +148,8 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
   rt::FlipperCommand flippers;
   bool has_flippers = false;
   while (flipper_outlet_ != nullptr && flipper_outlet_->take(now_ns, flippers)) has_flippers = true;
-  if (rt::kBuilt<rt::Part::canopen> && canopen_) {
-    send_canopen(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
+  if (motors_) {
+    send_to_motors(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
     return;
   }
   if (has_command && now_ns >= next_command_ns_) {
@@ -174,22 +172,22 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
   }
 }
 
-/// The master says by itself when something goes out.
-void Ugv::send_canopen(drivers::CanBus& can, const rt::DriveCommand* command,
-                       const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns) {
+/// The motors' master says by itself when something goes out.
+void Ugv::send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
+                         const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns) {
   const auto note = [](Status status, std::uint64_t& good, std::uint64_t& bad) {
     ++(status == Status::ok ? good : bad);
   };
-  if (command != nullptr) note(canopen_->set(*command, now_ns), commands_sent_, commands_refused_);
+  if (command != nullptr) note(motors_->set(*command, now_ns), commands_sent_, commands_refused_);
   if (flippers != nullptr)
-    note(canopen_->set(*flippers, now_ns), flipper_commands_sent_, flipper_commands_refused_);
-  canopen_->poll(now_ns, can);
+    note(motors_->set(*flippers, now_ns), flipper_commands_sent_, flipper_commands_refused_);
+  motors_->poll(now_ns, can);
   // A full stream counts its refusals.
   rt::TrackSample tracks;
-  if (canopen_->read(tracks) == Status::ok && track_port_ != nullptr)
+  if (motors_->read(tracks) == Status::ok && track_port_ != nullptr)
     static_cast<void>(track_port_->push(tracks, now_ns));
   rt::FlipperSample state;
-  if (canopen_->read(state) == Status::ok && flipper_port_ != nullptr)
+  if (motors_->read(state) == Status::ok && flipper_port_ != nullptr)
     static_cast<void>(flipper_port_->push(state, now_ns));
 }
 

@@ -53,31 +53,19 @@ void VehicleDrives::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns)
 void VehicleDrives::step(VehicleBody& body, rt::Nanoseconds now_ns) noexcept {
   if (nodes_.empty()) return;
   for (CanopenNode& node : nodes_) node.step(now_ns);
-  const auto speed = [&](const CanopenNode& node) {
-    const MotorCommand& command = node.command();
-    const bool turns = command.on && !command.quick_stop && command.mode == 3;
-    return turns ? command.velocity / config_.increments_per_m : 0.0;
-  };
-  rt::DriveCommand drive;
-  drive.stamp_ns = now_ns;
-  drive.left_m_s = speed(nodes_[0]);
-  drive.right_m_s = speed(nodes_[1]);
-  drive.flags = 1;
-  static_cast<void>(body.set_command(drive, now_ns));  // finite by construction
-  if (nodes_.size() < kTracks + rt::kFlippers) return;
-  // A pair moves while both of its drives do; else its brakes hold it.
-  for (std::size_t pair = 0; pair < 2; ++pair) {
-    const MotorCommand& left = nodes_[kTracks + 2 * pair].command();
-    const MotorCommand& right = nodes_[kTracks + 2 * pair + 1].command();
-    const auto moves = [](const MotorCommand& c) { return c.on && !c.quick_stop && c.mode == 8; };
-    drivers::FlipperPairCommand flippers;
-    flippers.stamp_ns = now_ns;
-    flippers.pair = pair == 0 ? drivers::FlipperPair::front : drivers::FlipperPair::rear;
-    flippers.left_rad = left.position / config_.increments_per_rad;
-    flippers.right_rad = right.position / config_.increments_per_rad;
-    flippers.flags = moves(left) && moves(right) ? 1u : 0u;
-    static_cast<void>(body.set_flippers(flippers));
+  MotorWishes wishes;
+  wishes.flippers = nodes_.size() > kTracks;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const MotorCommand& command = nodes_[i].command();
+    const bool on = command.on && !command.quick_stop;
+    if (i < kTracks) {
+      wishes.track_m_s[i] = on && command.mode == 3 ? command.velocity / config_.increments_per_m : 0.0;
+    } else {
+      wishes.moves[i - kTracks] = on && command.mode == 8;
+      wishes.angle_rad[i - kTracks] = command.position / config_.increments_per_rad;
+    }
   }
+  tell_body(body, wishes, now_ns);
 }
 
 }  // namespace sortie::hil

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hil/canopen/node.hpp"
-#include "hil/vehicle_body.hpp"
+#include "hil/motor_wishes.hpp"
 
 namespace sortie::hil {
 

@@ -98,7 +98,7 @@ TEST_CASE("canopen: a drive without power stops the others in time, comes back, 
 
 TEST_CASE("canopen: with rearm_ns the drives run again by themselves, once all have been well for so long") {
   drivers::canopen::MasterConfig config;
-  config.rearm_ns = 1000 * CanopenRig::kMs;
+  config.arming.rearm_ns = 1000 * CanopenRig::kMs;
   CanopenRig rig({}, config);
   REQUIRE(rig.bring_up());
   rig.node(0).set_power(false);
@@ -196,7 +196,7 @@ TEST_CASE("canopen: a mute drive is stopped by us, and the rest with it") {
 
 TEST_CASE("canopen: without the bus every drive stops, and all come back with it") {
   drivers::canopen::MasterConfig config;
-  config.rearm_ns = 500 * CanopenRig::kMs;
+  config.arming.rearm_ns = 500 * CanopenRig::kMs;
   CanopenRig rig({}, config);
   REQUIRE(rig.bring_up());
   rig.stub().set_plugged(rig.master_port(), false);
@@ -278,7 +278,7 @@ TEST_CASE("canopen: lost and destroyed frames are survived, and the drives run o
   bus.faults.wire_error = 0.02;
   bus.faults.loss = 0.002;
   drivers::canopen::MasterConfig config;
-  config.rearm_ns = 200 * CanopenRig::kMs;
+  config.arming.rearm_ns = 200 * CanopenRig::kMs;
   CanopenRig rig(bus, config);
   rig.bring_up();
   int running = 0;

@@ -3,86 +3,15 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "drivers/can_stub.hpp"
 #include "drivers/canopen/ugv_drives.hpp"
 #include "hil/canopen/vehicle_drives.hpp"
+#include "tests/hil/motors_vehicle.hpp"
 
 using namespace sortie;
 
-namespace {
-
-constexpr rt::Nanoseconds kCanopenMs = rt::kNanosecondsPerMillisecond;
-
-// A body that does at once what it is told.
-class CanopenPuppet final : public hil::VehicleBody {
- public:
-  Status set_command(const rt::DriveCommand& command, rt::Nanoseconds) override {
-    drive_ = command;
-    return Status::ok;
-  }
-  Status set_flippers(const drivers::FlipperPairCommand& command) override {
-    if ((command.flags & 1u) == 0) return Status::ok;
-    const std::size_t left = command.pair == drivers::FlipperPair::front ? 0 : 2;
-    flippers_.angle_rad[left] = command.left_rad;
-    flippers_.angle_rad[left + 1] = command.right_rad;
-    return Status::ok;
-  }
-  void step() override {
-    motion_.left_m += 1e-3 * drive_.left_m_s;
-    motion_.right_m += 1e-3 * drive_.right_m_s;
-  }
-  const hil::Motion& motion() const override { return motion_; }
-  bool read_flippers(rt::FlipperSample& sample) const override {
-    sample = flippers_;
-    return true;
-  }
-  hil::RobotCounters counters() const override { return {}; }
-
-  hil::Motion motion_{};
-  rt::DriveCommand drive_{};
-  rt::FlipperSample flippers_{};
-};
-
-struct CanopenVehicle {
-  CanopenVehicle() {
-    config.enabled = true;
-    body.flippers_.angle_rad[0] = 0.25;
-    body.flippers_.torque_n_m[3] = -12.5;
-  }
-  void run(int ms) {
-    for (int i = 0; i < ms; ++i) {
-      now += kCanopenMs;
-      drivers::CanFrame frame;
-      while (ours.receive(frame) == Status::ok) static_cast<void>(runtime.take(frame, now));
-      REQUIRE(runtime.set(drive, now) == Status::ok);
-      REQUIRE(runtime.set(flippers, now) == Status::ok);
-      runtime.poll(now, ours);
-      if (runtime.read(track) == Status::ok) ++tracks;
-      if (runtime.read(flipper) == Status::ok) ++states;
-      drives.show(body);
-      while (theirs.receive(frame) == Status::ok) drives.hear(frame, now);
-      drives.step(body, now);
-      body.step();
-      bus.advance(now);
-    }
-  }
-
-  drivers::CanStub bus;
-  drivers::CanBus& ours = bus.attach("runtime");
-  drivers::CanBus& theirs = bus.attach("vehicle");
-  drivers::canopen::UgvDrives runtime{drivers::canopen::UgvDrivesConfig{}};
-  hil::VehicleDrivesConfig config{.enabled = true};
-  hil::VehicleDrives drives{config, theirs, true};
-  CanopenPuppet body;
-  rt::DriveCommand drive{};
-  rt::FlipperCommand flippers{};
-  rt::TrackSample track{};
-  rt::FlipperSample flipper{};
-  int tracks = 0, states = 0;
-  rt::Nanoseconds now = 0;
-};
-
-}  // namespace
+using CanopenVehicle =
+    hil::test::MotorsVehicle<drivers::canopen::UgvDrives, drivers::canopen::UgvDrivesConfig,
+                             hil::VehicleDrives, hil::VehicleDrivesConfig>;
 
 TEST_CASE("canopen vehicle: commands arrive, travel and angles come back with every SYNC") {
   CanopenVehicle v;
@@ -151,4 +80,11 @@ TEST_CASE("canopen vehicle: samples of two SYNCs are never put together") {
   v.drives.node(1).set_mute(true);  // the right track's readings stay out
   v.run(100);
   CHECK(v.tracks <= before + 1);
+}
+
+TEST_CASE("canopen vehicle: what is on the bus is what its load is worked out from") {
+  CanopenVehicle v;
+  v.drive.flags = v.flippers.flags = 1;
+  v.run(2000);
+  v.check_declared(drivers::canopen::bus_frames({}), 5);
 }

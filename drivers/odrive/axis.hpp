@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One axis of an ODrive as its master sees it, on the CANSimple protocol (drivers/dbc/odrive.dbc): found, set
+// up, its watchdog proved, watched, commanded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "drivers/can_bus.hpp"
+#include "rt/time.hpp"
+
+namespace sortie::drivers::odrive {
+
+/// Highest number of an axis: identifiers are its number and five bits of command.
+inline constexpr std::uint8_t kMaxNode = 63;
+/// Most frames that an axis is sent in a cycle.
+inline constexpr std::size_t kMaxFrames = 2;
+
+/// What an axis follows.
+enum class AxisKind : std::uint8_t { velocity, position };
+
+/// States of an axis; it has more, and none of those may come up here.
+enum class AxisState : std::uint8_t { undefined = 0, idle = 1, closed_loop = 8 };
+
+/// One axis and how it is watched.
+struct AxisConfig {
+  std::uint8_t node = 1;
+  AxisKind kind = AxisKind::velocity;
+  double velocity_limit_turn_s = 20.0;
+  double current_limit_a = 20.0;
+  /// Silence (of heartbeats, or of estimates) after which it is lost. Its own watchdog must be as quick.
+  rt::Nanoseconds silence_ns = 150 * rt::kNanosecondsPerMillisecond;
+  /// Before it may run, the axis is left alone under torque, at rest, and must stop by itself.
+  bool prove_watchdog = true;
+};
+
+/// How far an axis has come.
+enum class AxisPhase : std::uint8_t {
+  absent,      ///< heartbeats or estimates are missing
+  setting_up,  ///< errors forgotten, mode and limits sent; must be idle without error then
+  starting,    ///< for the proof: under torque, at rest
+  left_alone,  ///< the proof: nothing is sent, it must stop
+  refused,     ///< one of these failed; tried again after two seconds
+  ready,
+};
+
+/// The newest estimate.
+struct AxisReading {
+  rt::Nanoseconds stamp_ns{};  ///< of the frame
+  double turns{};              ///< since power-on
+  double turns_s{};
+  double current_a{};      ///< of the motor; 0 until the axis sends any
+  std::uint64_t number{};  ///< of readings so far
+};
+
+/// Counts since construction.
+struct AxisCounters {
+  std::uint64_t set_ups{};    ///< times the axis became ready
+  std::uint64_t lost{};       ///< silences that were too long
+  std::uint64_t restarts{};   ///< turns that jumped: it counts from zero again
+  std::uint64_t faults{};     ///< errors that came up
+  std::uint64_t refused{};    ///< set-ups that failed
+  std::uint64_t unguarded{};  ///< of those, because the watchdog did not stop it
+  std::uint64_t malformed{};  ///< frames of the axis that cannot be read
+
+  template <class Self, class Visitor>
+  static constexpr void fields(Self& self, Visitor&& visit) {
+    visit("set_ups", self.set_ups);
+    visit("lost", self.lost);
+    visit("restarts", self.restarts);
+    visit("faults", self.faults);
+    visit("refused", self.refused);
+    visit("unguarded", self.unguarded);
+    visit("malformed", self.malformed);
+  }
+};
+
+/// One axis. CANSimple answers nothing: that a frame was obeyed shows in the heartbeats alone, and mode and
+/// limits not even there. No heap, no clock of its own, about 100 ns a call. One thread.
+class Axis {
+ public:
+  /// Throws std::runtime_error where a setting cannot be used.
+  explicit Axis(const AxisConfig& config);
+
+  /// Takes a frame; false: it is not this axis'.
+  bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
+
+  /// What to send in this cycle: at most kMaxFrames frames, whose number it returns. `run`: under torque, to
+  /// `target` (turns a second, or turns); otherwise it is brought to rest and let go. Call sent() when all
+  /// went out; otherwise the same step comes again.
+  std::size_t cycle(bool run, double target, rt::Nanoseconds now_ns, CanFrame (&out)[kMaxFrames]) noexcept;
+  void sent(rt::Nanoseconds now_ns) noexcept;
+
+  /// Ready, and without error.
+  bool healthy() const noexcept { return phase_ == AxisPhase::ready && error_ == 0; }
+  /// Healthy and under torque.
+  bool running() const noexcept { return healthy() && state_ == AxisState::closed_loop; }
+
+  const AxisConfig& config() const noexcept { return config_; }
+  AxisPhase phase() const noexcept { return phase_; }
+  AxisState state() const noexcept { return state_; }
+  /// As the axis says; which bit is what depends on its firmware. 0: none.
+  std::uint32_t error() const noexcept { return error_; }
+  const AxisReading& reading() const noexcept { return reading_; }
+  /// How long the axis went on by itself at the last proof; -1: never proved.
+  rt::Nanoseconds watchdog_ns() const noexcept { return watchdog_ns_; }
+  const AxisCounters& counters() const noexcept { return counters_; }
+
+ private:
+  void take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
+  void take_estimate(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
+  void take_current(const CanFrame& frame) noexcept;
+  void watch(rt::Nanoseconds now_ns) noexcept;
+  void enter(AxisPhase phase, rt::Nanoseconds now_ns) noexcept;
+  void refuse(rt::Nanoseconds now_ns) noexcept;
+  bool fresh(rt::Nanoseconds heard_ns, rt::Nanoseconds now_ns) const noexcept;
+  CanFrame set_up_frame() const noexcept;
+  CanFrame target_frame(double target) const noexcept;
+  CanFrame state_frame(AxisState state) const noexcept;
+
+  AxisConfig config_;
+  AxisPhase phase_{AxisPhase::absent};
+  AxisState state_{AxisState::undefined};
+  std::uint32_t error_{};
+  std::uint8_t step_{};         // of the set-up: the next frame
+  bool proved_{};               // since it was found
+  bool ran_{};                  // without error since `run` became true
+  bool run_{};                  // the newest wish
+  bool asks_state_{};           // this cycle's frames ask for a state
+  double hold_turns_{};         // where an axis of a position is kept while nothing moves it
+  rt::Nanoseconds since_ns_{};  // of the phase
+  rt::Nanoseconds wish_ns_{};   // when the wish changed
+  rt::Nanoseconds asked_ns_{};  // when a state was last asked for
+  rt::Nanoseconds last_sent_ns_{};
+  rt::Nanoseconds heartbeat_ns_{-1};
+  rt::Nanoseconds estimate_ns_{-1};
+  rt::Nanoseconds watchdog_ns_{-1};
+  AxisReading reading_{};
+  AxisCounters counters_{};
+};
+
+}  // namespace sortie::drivers::odrive

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/odrive/ugv_axes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "drivers/can_frames.hpp"
+
+namespace sortie::drivers::odrive {
+namespace {
+
+// Tracks come first among the axes, flippers behind them.
+constexpr std::size_t kTracks = 2;
+constexpr rt::Nanoseconds kFarthest = 20 * rt::kNanosecondsPerMillisecond;  // that an estimate is moved on
+
+// An axis owns 32 identifiers; the robot's own frames must not lie among them.
+void refuse_own_frames(std::uint8_t node) {
+  for (const CanMessage& message : kCanFrames) {
+    if (message.id >> 5u == node)
+      throw std::runtime_error("odrive: the identifiers of axis " + std::to_string(node) +
+                               " are those of the robot's own frames; take a number below 8 or above 10");
+  }
+}
+
+std::vector<AxisConfig> axes_of(const UgvAxesConfig& config) {
+  if (!(config.turns_per_m >= 1e-3 && config.turns_per_m <= 1e6) ||
+      !(config.turns_per_rad >= 1e-3 && config.turns_per_rad <= 1e6))
+    throw std::runtime_error("odrive: turns a metre and a radian lie in 0.001 to 1e6");
+  if (!std::isfinite(config.torque_per_a_n_m))
+    throw std::runtime_error("odrive: the torque of an ampere must be a number");
+  AxisConfig axis;
+  axis.velocity_limit_turn_s = config.velocity_limit_turn_s;
+  axis.current_limit_a = config.current_limit_a;
+  axis.silence_ns = config.silence_ns;
+  axis.prove_watchdog = config.prove_watchdog;
+  std::vector<AxisConfig> axes;
+  const auto add = [&](std::uint8_t node) {
+    refuse_own_frames(node);
+    axis.node = node;
+    axes.push_back(axis);
+  };
+  for (const std::uint8_t node : config.track_nodes) add(node);
+  axis.kind = AxisKind::position;
+  for (const std::uint8_t node : config.flipper_nodes) {
+    if (config.flippers) add(node);
+  }
+  return axes;
+}
+
+}  // namespace
+
+UgvAxes::UgvAxes(const UgvAxesConfig& config) : config_(config), group_(config.group, axes_of(config)) {}
+
+Status UgvAxes::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept {
+  if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
+  drive_on_ = (command.flags & 1u) != 0;
+  targets_[0] = drive_on_ ? command.left_m_s * config_.turns_per_m : 0.0;
+  targets_[1] = drive_on_ ? command.right_m_s * config_.turns_per_m : 0.0;
+  pass_on(now_ns);
+  return Status::ok;
+}
+
+Status UgvAxes::set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept {
+  for (const double angle : command.angle_rad) {
+    if (!std::isfinite(angle)) return Status::not_finite;
+  }
+  flippers_on_ = (command.flags & 1u) != 0;
+  for (std::size_t i = 0; flippers_on_ && i < rt::kFlippers; ++i)
+    targets_[kTracks + i] = command.angle_rad[i] * config_.turns_per_rad;
+  pass_on(now_ns);
+  return Status::ok;
+}
+
+void UgvAxes::pass_on(rt::Nanoseconds now_ns) noexcept {
+  // Flippers that nobody moves stay where they were let go: a target that followed them would sink with them.
+  const bool let_go = !flippers_on_ && (flippers_moved_ || !group_.running());
+  flippers_moved_ = flippers_on_;
+  if (let_go && config_.flippers) {
+    for (std::size_t i = kTracks; i < group_.size(); ++i) targets_[i] = group_.axis(i).reading().turns;
+  }
+  group_.set({targets_.data(), group_.size()}, drive_on_ || flippers_on_, now_ns);
+}
+
+// New readings of all these axes, near enough to each other; `stamp_ns`: of the last.
+bool UgvAxes::together(std::size_t first, std::size_t count, rt::Nanoseconds& stamp_ns) noexcept {
+  rt::Nanoseconds oldest = group_.axis(first).reading().stamp_ns;
+  stamp_ns = oldest;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const Axis& axis = group_.axis(i);
+    if (axis.phase() != AxisPhase::ready || axis.reading().number == used_[i]) return false;
+    oldest = std::min(oldest, axis.reading().stamp_ns);
+    stamp_ns = std::max(stamp_ns, axis.reading().stamp_ns);
+  }
+  if (stamp_ns - oldest > kFarthest) return false;
+  for (std::size_t i = first; i < first + count; ++i) used_[i] = group_.axis(i).reading().number;
+  return true;
+}
+
+double UgvAxes::turns_at(std::size_t i, rt::Nanoseconds stamp_ns) const noexcept {
+  const AxisReading& reading = group_.axis(i).reading();
+  return reading.turns + reading.turns_s * 1e-9 * static_cast<double>(stamp_ns - reading.stamp_ns);
+}
+
+Status UgvAxes::read(rt::TrackSample& sample) noexcept {
+  rt::Nanoseconds stamp_ns = 0;
+  if (!together(0, kTracks, stamp_ns) || stamp_ns <= tracks_ns_) return Status::empty;
+  tracks_ns_ = stamp_ns;
+  for (std::size_t i = 0; i < kTracks; ++i) {
+    const double turns = turns_at(i, stamp_ns);
+    // An axis that came back may count from zero again: travel goes on from where it was.
+    if (set_ups_[i] != group_.axis(i).counters().set_ups) origin_[i] = turns - travel_[i];
+    set_ups_[i] = group_.axis(i).counters().set_ups;
+    travel_[i] = turns - origin_[i];
+  }
+  sample = {};
+  sample.stamp_ns = stamp_ns;
+  sample.left_m = travel_[0] / config_.turns_per_m;
+  sample.right_m = travel_[1] / config_.turns_per_m;
+  return Status::ok;
+}
+
+Status UgvAxes::read(rt::FlipperSample& sample) noexcept {
+  rt::Nanoseconds stamp_ns = 0;
+  if (!config_.flippers || !together(kTracks, rt::kFlippers, stamp_ns) || stamp_ns <= flippers_ns_)
+    return Status::empty;
+  flippers_ns_ = stamp_ns;
+  sample = {};
+  sample.stamp_ns = stamp_ns;
+  for (std::size_t i = 0; i < rt::kFlippers; ++i) {
+    sample.angle_rad[i] = turns_at(kTracks + i, stamp_ns) / config_.turns_per_rad;
+    sample.torque_n_m[i] = group_.axis(kTracks + i).reading().current_a * config_.torque_per_a_n_m;
+  }
+  return Status::ok;
+}
+
+}  // namespace sortie::drivers::odrive

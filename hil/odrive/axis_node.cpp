@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hil/odrive/axis_node.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "drivers/odrive_dbc.hpp"
+
+namespace sortie::hil {
+
+namespace odrive = drivers::odrive;
+using odrive::AxisState;
+
+AxisNode::AxisNode(const AxisNodeConfig& config, drivers::CanBus& port) : config_(config), port_(&port) {
+  if (config.node > odrive::kMaxNode) throw std::runtime_error("hil odrive: an axis has a number of 0 to 63");
+}
+
+void AxisNode::boot() noexcept {
+  booted_ = true;
+  ++counters_.boots;
+  command_ = {};
+  error_ = 0;
+  velocity_limit_ = 2.0;
+  current_limit_ = 10.0;
+  origin_turns_ = config_.absolute ? 0.0 : motor_.turns;
+  fed_ns_ = -1;
+  enter(AxisState::idle);
+}
+
+void AxisNode::set_power(bool on) noexcept {
+  powered_ = on;
+  booted_ = false;
+  enter(AxisState::idle);
+}
+
+void AxisNode::fail(std::uint32_t error, int stubborn) noexcept {
+  error_ |= error;
+  stubborn_ = stubborn;
+  enter(AxisState::idle);
+}
+
+// An axis that comes under torque starts from rest where it is.
+void AxisNode::enter(AxisState state) noexcept {
+  if (state == AxisState::closed_loop && state_ != state) {
+    command_.turns_s = 0.0;
+    command_.turns = motor_.turns;
+  }
+  state_ = state;
+  command_.on = state == AxisState::closed_loop;
+}
+
+void AxisNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
+  if (!powered_ || !booted_ || deaf_ || frame.flags != 0 || frame.id >> 5u != config_.node) return;
+  ++counters_.received;
+  fed_ns_ = now_ns;  // whatever it says
+  const std::uint32_t id = frame.id & 0x1Fu;
+  const auto is = [&](const drivers::CanMessage& message) {
+    return id == message.id && frame.size == message.size;
+  };
+  if (is(odrive::kSetAxisState)) {
+    const auto state =
+        static_cast<AxisState>(drivers::read_can_field(frame, odrive::kSetAxisStateSignals[0]));
+    if (state != AxisState::idle && state != AxisState::closed_loop) {
+      fail(kInvalidState);
+    } else if (state == AxisState::idle || error_ == 0) {
+      enter(state);
+    }
+  } else if (is(odrive::kSetControllerMode)) {
+    command_.by_position = drivers::read_can_field(frame, odrive::kSetControllerModeSignals[0]) == 3;
+  } else if (is(odrive::kSetLimits)) {
+    velocity_limit_ = drivers::physical_can_field(frame, odrive::kSetLimitsSignals[0]);
+    current_limit_ = drivers::physical_can_field(frame, odrive::kSetLimitsSignals[1]);
+  } else if (is(odrive::kSetInputVel)) {
+    const double wish = drivers::physical_can_field(frame, odrive::kSetInputVelSignals[0]);
+    command_.turns_s = std::clamp(wish, -velocity_limit_, velocity_limit_);
+  } else if (is(odrive::kSetInputPos)) {
+    command_.turns = origin_turns_ + drivers::physical_can_field(frame, odrive::kSetInputPosSignals[0]);
+  } else if (is(odrive::kClearErrors)) {
+    if (stubborn_ > 0) {
+      --stubborn_;
+    } else {
+      error_ = 0;
+    }
+  }
+}
+
+void AxisNode::step(rt::Nanoseconds now_ns) noexcept {
+  if (!powered_) return;
+  if (!booted_) boot();
+  const bool fed = config_.watchdog_ns == 0 || fed_ns_ < 0 || now_ns - fed_ns_ <= config_.watchdog_ns;
+  if (!fed && (error_ & kWatchdogExpired) == 0) {
+    ++counters_.watchdog;
+    fail(kWatchdogExpired);
+  }
+  if (now_ns >= next_heartbeat_ns_) {
+    drivers::CanFrame frame;
+    frame.id = odrive::kHeartbeat.id;
+    drivers::write_can_field(frame, odrive::kHeartbeatSignals[0], error_);
+    drivers::write_can_field(frame, odrive::kHeartbeatSignals[1], static_cast<std::int64_t>(state_));
+    send(frame);
+    next_heartbeat_ns_ = now_ns + config_.heartbeat_ns;
+  }
+  if (now_ns >= next_estimates_ns_) {
+    send_estimates();
+    next_estimates_ns_ = now_ns + config_.estimates_ns;
+  }
+}
+
+void AxisNode::send_estimates() noexcept {
+  drivers::CanFrame frame;
+  frame.id = odrive::kEncoderEstimates.id;
+  // What is not finite stays out: the simulation's numbers are.
+  static_cast<void>(
+      drivers::set_can_field(frame, odrive::kEncoderEstimatesSignals[0], motor_.turns - origin_turns_));
+  static_cast<void>(drivers::set_can_field(frame, odrive::kEncoderEstimatesSignals[1], motor_.turns_s));
+  send(frame);
+  if (!config_.sends_current) return;
+  frame = {};
+  frame.id = odrive::kIq.id;
+  static_cast<void>(drivers::set_can_field(frame, odrive::kIqSignals[1], motor_.current_a));
+  send(frame);
+}
+
+void AxisNode::send(drivers::CanFrame frame) noexcept {
+  if (mute_) return;
+  frame.id |= static_cast<std::uint32_t>(config_.node) << 5u;
+  frame.size = 8;
+  if (port_->send(frame) == Status::ok) {
+    ++counters_.sent;
+  } else {
+    ++counters_.refused;
+  }
+}
+
+}  // namespace sortie::hil

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A bus in memory with a group of axes and simulated ones whose motors follow a ramp.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "drivers/can_stub.hpp"
+#include "drivers/odrive/axis_group.hpp"
+#include "hil/odrive/axis_node.hpp"
+
+namespace sortie::hil::test {
+
+/// Two axes of velocity (1, 2) and one of position (11).
+class OdriveRig {
+ public:
+  static constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
+  static constexpr std::size_t kAxes = 3;
+
+  explicit OdriveRig(const drivers::odrive::GroupConfig& config = {}, const AxisNodeConfig& axis = {})
+      : port_(&stub_.attach("group")), listener_(&stub_.attach("listener")) {
+    for (const std::uint8_t number : std::initializer_list<std::uint8_t>{1, 2, 11}) {
+      drivers::odrive::AxisConfig wanted;
+      wanted.node = number;
+      wanted.kind = number < 10 ? drivers::odrive::AxisKind::velocity : drivers::odrive::AxisKind::position;
+      configs_.push_back(wanted);
+      AxisNodeConfig made = axis;
+      made.node = number;
+      made.absolute = number > 10;
+      ports_.push_back(&stub_.attach("axis " + std::to_string(number)));
+      nodes_.push_back(std::make_unique<AxisNode>(made, *ports_.back()));
+    }
+    motors_.resize(kAxes);
+    motors_[2].turns = 3.0;
+    restart_group(config);
+  }
+
+  void restart_group(const drivers::odrive::GroupConfig& config = {}) {
+    group_ = std::make_unique<drivers::odrive::AxisGroup>(config, configs_);
+    alive_ = true;
+  }
+  void kill_group() { alive_ = false; }
+
+  /// Lets `ms` milliseconds pass; commands are renewed in each.
+  void run(int ms) {
+    for (int i = 0; i < ms; ++i) {
+      now_ += kMs;
+      drivers::CanFrame frame;
+      if (alive_) {
+        while (port_->receive(frame) == Status::ok) static_cast<void>(group_->take(frame, now_));
+        if (commands_) group_->set(targets_, armed_, now_);
+        group_->poll(now_, *port_);
+      }
+      for (std::size_t k = 0; k < kAxes; ++k) {
+        move(motors_[k], nodes_[k]->command());
+        nodes_[k]->show(motors_[k]);
+        while (ports_[k]->receive(frame) == Status::ok) nodes_[k]->hear(frame, now_);
+        nodes_[k]->step(now_);
+        fastest_ = std::max(fastest_, std::fabs(motors_[k].turns_s));
+      }
+      stub_.advance(now_);
+      while (listener_->receive(frame) == Status::ok) seen_.push_back(frame);
+    }
+  }
+
+  /// All axes set up, then armed until they run.
+  bool bring_up() {
+    armed_ = false;
+    run(1500);
+    armed_ = true;
+    run(300);
+    return group().running() && all_under_torque();
+  }
+  bool all_under_torque() const {
+    return std::all_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->command().on; });
+  }
+  bool none_under_torque() const {
+    return std::none_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->command().on; });
+  }
+
+  drivers::odrive::AxisGroup& group() { return *group_; }
+  AxisNode& node(std::size_t i) { return *nodes_[i]; }
+  const AxisMotorState& motor(std::size_t i) const { return motors_[i]; }
+  drivers::CanStub& stub() { return stub_; }
+  drivers::CanBus& listener() { return *listener_; }
+  drivers::CanBus& group_port() { return *port_; }
+  drivers::CanBus& port(std::size_t i) { return *ports_[i]; }
+  const std::vector<drivers::CanFrame>& seen() const { return seen_; }
+  /// The fastest of all motors since the last call.
+  double fastest() { return std::exchange(fastest_, 0.0); }
+
+  std::vector<double> targets_{5.0, -3.0, 4.0};
+  bool armed_{};
+  bool commands_{true};
+
+ private:
+  // 50 turns/s^2; without torque it rolls out at a tenth of that.
+  static void move(AxisMotorState& motor, const AxisMotorCommand& command) {
+    double wanted = command.on && !command.by_position ? command.turns_s : 0.0;
+    if (command.on && command.by_position)
+      wanted = std::clamp(20.0 * (command.turns - motor.turns), -5.0, 5.0);
+    const double step = command.on ? 0.05 : 0.005;
+    motor.turns_s += std::clamp(wanted - motor.turns_s, -step, step);
+    motor.turns += 1e-3 * motor.turns_s;
+  }
+
+  drivers::CanStub stub_{drivers::CanStubConfig{}};
+  drivers::CanBus* port_;
+  drivers::CanBus* listener_;
+  std::vector<drivers::CanBus*> ports_;
+  std::vector<drivers::odrive::AxisConfig> configs_;
+  std::vector<std::unique_ptr<AxisNode>> nodes_;
+  std::vector<AxisMotorState> motors_;
+  std::unique_ptr<drivers::odrive::AxisGroup> group_;
+  std::vector<drivers::CanFrame> seen_;
+  rt::Nanoseconds now_{};
+  double fastest_{};
+  bool alive_{};
+};
+
+}  // namespace sortie::hil::test
