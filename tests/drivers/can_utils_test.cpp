@@ -25,7 +25,7 @@ std::vector<CanFrame> random_can_frames(std::mt19937_64& random, std::size_t cou
     frame.stamp_ns = stamp_ns;
     const bool extended = random() % 3 == 0;
     frame.id = static_cast<std::uint32_t>(random() % (extended ? 0x2000'0000u : 0x800u));
-    frame.flags = extended ? kCanExtended : std::uint8_t{0};
+    if (extended) frame.flags = kCanExtended;
     frame.size = static_cast<std::uint8_t>(random() % 9);
     if (random() % 10 == 0) {
       frame.flags |= kCanRemote;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "firmware_like/profile.hpp"
 #include "firmware_like/runtime.hpp"
@@ -28,6 +29,10 @@ TEST_CASE("bus check: every scene's bus has room, and every frame its bound") {
   for (const BuiltInScene& scene : built_in_scenes()) {
     CAPTURE(scene.name);
     const BusCheck bus = bus_of(scene.name, {});
+    if (std::string_view(scene.name) == "building_walk") {  // scans from a file, nothing on a bus
+      CHECK(bus.frames.empty());
+      continue;
+    }
     CHECK(bus.frames.size() >= 2);
     CHECK(bus.load.share > 0.02);
     CHECK(bus.load.share < 0.8);
