@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/stamp_gate.hpp"
-
 namespace sortie::estimators {
 
 using rt::Vector3;
@@ -21,27 +19,16 @@ Status UavEstimator::check(const rt::ImuSample& sample) const {
   constexpr std::uint32_t kBoth = rt::kImuGyr | rt::kImuAcc;
   if ((sample.flags & kBoth) != kBoth) return Status::out_of_range;
   if (rt::norm(w) > config_.max_rate_rad_s || rt::norm(f) > config_.max_acc_m_s2) return Status::out_of_range;
-  if (have_imu_ && sample.stamp_ns == now_ns_) return Status::time_repeated;
-  if (have_imu_ && sample.stamp_ns < now_ns_) return Status::time_backwards;
   return Status::ok;
 }
 
-// One wild stamp must not make all that follow lie in the past; a silence that was so long has to end all the
-// same: readings that go on from each other begin anew.
-Status UavEstimator::check_step(rt::Nanoseconds stamp_ns) {
-  constexpr rt::Nanoseconds kLongestStep = 10 * rt::kNanosecondsPerSecond;
-  constexpr std::uint32_t kAgree = 8;
-  if (rt::is_far(stamp_ns)) return Status::out_of_range;
-  if (!have_imu_ || stamp_ns - now_ns_ <= kLongestStep) {
-    far_in_row_ = 0;
-    return Status::ok;
-  }
-  const bool follows = far_in_row_ > 0 && stamp_ns > far_ns_ && stamp_ns - far_ns_ <= kLongestStep;
-  far_in_row_ = follows ? far_in_row_ + 1 : 1;
-  far_ns_ = stamp_ns;
-  if (far_in_row_ < kAgree) return Status::out_of_range;
+// Where readings go on from each other again, after a long silence or from a clock that was set, everything
+// begins anew.
+Status UavEstimator::check_time(rt::Nanoseconds stamp_ns) {
+  const Status status = gate_.take(stamp_ns);
+  if (status != Status::ok || !gate_.resumed()) return status;
   have_imu_ = levelled_ = located_ = false;
-  first_ = count_ = far_in_row_ = refused_in_row_ = 0;
+  first_ = count_ = refused_in_row_ = 0;
   level_time_s_ = 0.0;
   level_acc_ = level_gyr_ = {};
   judge();
@@ -50,10 +37,11 @@ Status UavEstimator::check_step(rt::Nanoseconds stamp_ns) {
 
 Status UavEstimator::imu(const rt::ImuSample& sample, double thrust_m_s2) {
   Status status = check(sample);
-  if (status == Status::ok) status = check_step(sample.stamp_ns);
-  if (status != Status::ok || !std::isfinite(thrust_m_s2)) {
+  if (status == Status::ok && !std::isfinite(thrust_m_s2)) status = Status::not_finite;
+  if (status == Status::ok) status = check_time(sample.stamp_ns);
+  if (status != Status::ok) {
     ++counters_.imu_refused;
-    return status != Status::ok ? status : Status::not_finite;
+    return status;
   }
   ++counters_.imu_used;
   InertialReading reading{0.0, rt::to_vector(sample.gyr_rad_s), rt::to_vector(sample.acc_m_s2)};
@@ -214,8 +202,8 @@ void UavEstimator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav estimator")
       .fixed(config_)
       .state(observer_, base_, now_, base_p_, now_p_, readings_, stamps_, base_ns_, now_ns_, last_fix_ns_,
-             far_ns_, far_in_row_, have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_,
-             refused_in_row_, refused_at_m_, counters_, state_)
+             gate_, have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_, refused_in_row_,
+             refused_at_m_, counters_, state_)
       .by_hand(first_, count_);
   archive.bounded(first_, kHistory - 1);
   archive.bounded(count_, kHistory);

@@ -9,6 +9,7 @@
 #include "estimators/uav_state/inertial_step.hpp"
 #include "rt/archive.hpp"
 #include "rt/samples.hpp"
+#include "rt/stamp_gate.hpp"
 #include "rt/status.hpp"
 #include "rt/uav_samples.hpp"
 
@@ -57,9 +58,9 @@ struct UavEstimatorCounters {
 /// the other goes ahead with each reading. A late fix moves the first on to its stamp over the readings kept
 /// since, corrects it there, and the second starts from it anew: what comes out is exactly what a filter
 /// would say that had had the fix in time. Readings are kept for kHistory intervals; older fixes are refused,
-/// so is one that is older than another that was used. A reading more than 10 s ahead is refused; eight in a
-/// row that follow each other end a long silence: everything begins anew, with levelling. 15 kB, no heap. A
-/// reading costs about 1.5 us, a fix at most 2 kHistory readings.
+/// so is one that is older than another that was used. A reading more than 10 s ahead, or back in time, is
+/// refused; eight in a row that follow each other are believed, and everything begins anew, with levelling.
+/// 15 kB, no heap. A reading costs about 1.5 us, a fix at most 2 kHistory readings.
 class UavEstimator {
  public:
   static constexpr std::uint32_t kHistory = 128;
@@ -85,7 +86,7 @@ class UavEstimator {
 
  private:
   Status check(const rt::ImuSample& sample) const;
-  Status check_step(rt::Nanoseconds stamp_ns);
+  Status check_time(rt::Nanoseconds stamp_ns);
   void level(const InertialReading& reading);
   void move_to_origin(InertialReading& reading) const;
   void advance_base();
@@ -109,11 +110,10 @@ class UavEstimator {
   std::array<rt::Nanoseconds, kHistory> stamps_{};    ///< of their ends
   std::uint32_t first_{};
   std::uint32_t count_{};
+  rt::StampGate gate_{10 * rt::kNanosecondsPerSecond};
   rt::Nanoseconds base_ns_{};
   rt::Nanoseconds now_ns_{};
   rt::Nanoseconds last_fix_ns_{};
-  rt::Nanoseconds far_ns_{};    ///< of the newest reading that was refused as too far ahead
-  std::uint32_t far_in_row_{};  ///< so many that followed each other
   bool have_imu_{};
   bool levelled_{};
   bool located_{};

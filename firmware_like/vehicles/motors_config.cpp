@@ -6,7 +6,7 @@
 namespace sortie::firmware {
 namespace {
 
-// What both protocols need; the units of `canopen` hold it.
+// What both protocols need.
 struct Shared {
   std::array<std::uint8_t, 2> track_nodes{1, 2};
   std::array<std::uint8_t, rt::kFlippers> flipper_nodes{11, 12, 13, 14};
