@@ -19,6 +19,7 @@
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
+#include "rt/posix/start_lead.hpp"
 
 namespace sortie::firmware {
 
@@ -83,7 +84,10 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   RunDoctor doctor;
   // Locked now, because locking takes long; the workers ask again and tell what was refused.
   const bool locks = !options.virtual_time && options.realtime;
-  if (locks) static_cast<void>(rt::posix::lock_memory());
+  if (locks) {
+    static_cast<void>(rt::posix::lock_memory());
+    static_cast<void>(rt::posix::bound_thread_stacks(rt::posix::kThreadStackBytes));
+  }
   RunFlightRing ring(runtime, options.flight_ring, options.virtual_time);
   PoseCollector collector(runtime);
   RecorderOptions recording;
@@ -168,6 +172,7 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     telemetry.stop();
     if (options.require_realtime && !live.warnings.empty()) throw RealtimeRefused(live.warnings.front());
     warnings.insert(warnings.end(), live.warnings.begin(), live.warnings.end());
+    if (!live.late_start.empty()) warnings.push_back(live.late_start);
     outcome.stopped = live.stopped;
   }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

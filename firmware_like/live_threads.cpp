@@ -12,6 +12,7 @@
 #include "firmware_like/heap_watch.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/live_runner.hpp"
+#include "rt/posix/start_lead.hpp"
 
 namespace sortie::firmware {
 
@@ -50,8 +51,7 @@ void every_millisecond(const std::atomic<bool>& stop, rt::Nanoseconds start_ns, 
 
 rt::Nanoseconds start_lead(const Runtime& runtime, bool realtime) {
   // Beside the workers: supervisor, housekeeper, bench, devices, requests, recorder, telemetry.
-  const rt::Nanoseconds threads = runtime.executive().group_count() + 7;
-  return (100 + (realtime ? 150 * threads : 0)) * rt::kNanosecondsPerMillisecond;
+  return rt::posix::measure_start_lead(runtime.executive().group_count() + 7, realtime);
 }
 
 LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& options, rt::Nanoseconds start_ns,
@@ -115,6 +115,12 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
 
   LiveMeasured measured;
   measured.warnings = runner.warnings();
+  if (const rt::Nanoseconds late = runner.ready_late_ns(); late > 0) {
+    measured.late_start =
+        "the last worker was ready " + std::to_string(late / rt::kNanosecondsPerMillisecond) +
+        " ms after the run began, and what it should have done before is counted as missed: the "
+        "machine was far busier than just before; start again, or stop what else it does";
+  }
   if (runner.stopped_by() >= 0) {
     const auto group = static_cast<std::uint32_t>(runner.stopped_by());
     measured.stopped = "group " + std::string(parts.runtime.executive().group(group).spec.name) +

@@ -39,10 +39,11 @@ struct LiveMeasured {
   std::map<std::string, std::uint64_t> counters;
   std::vector<LiveGroup> groups;
   std::vector<std::string> warnings;  ///< what the platform refused
+  std::string late_start;             ///< what a machine too busy at the start left out, or empty
 };
 
-/// How far ahead tick 0 must lie, so that every thread has been made by then and sleeps: a thread of a
-/// process with locked memory takes tens of milliseconds to make.
+/// How far ahead tick 0 must lie, so that every thread has been made by then and sleeps: measured here and
+/// now.
 rt::Nanoseconds start_lead(const Runtime& runtime, bool realtime);
 
 /// Runs ticks 0 to `last`, tick 0 at `start_ns` of CLOCK_MONOTONIC. Returns when all threads have ended. A

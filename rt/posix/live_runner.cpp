@@ -6,6 +6,7 @@
 
 #include "rt/posix/clock.hpp"
 #include "rt/posix/realtime.hpp"
+#include "rt/posix/start_lead.hpp"
 
 namespace sortie::rt::posix {
 
@@ -109,7 +110,7 @@ void LiveRunner::set_up(std::uint32_t index, int priority, StackMeter& stack) {
     };
     keep(set_fifo_priority(priority));
     if (group.spec.core >= 0) keep(pin_to_core(group.spec.core));
-    keep(stack.paint(std::size_t{256} * 1024));
+    keep(stack.paint(kPaintedStackBytes));
   } else if (const SetupResult slack = set_timer_slack(1); !slack.ok) {
     worker_warnings_[index].emplace_back(slack.reason);
   }
@@ -156,6 +157,10 @@ void LiveRunner::work(std::uint32_t index, int priority) {
   Nanoseconds budget_ns = 0;
   for (const TaskBase* task : group.tasks) budget_ns += Nanoseconds{task->budget_us()} * 1000;
   set_up(index, priority, stack);
+  const Nanoseconds late = monotonic_now() - options_.start_ns;
+  Nanoseconds latest = ready_late_ns_.load(std::memory_order_relaxed);
+  while (late > latest && !ready_late_ns_.compare_exchange_weak(latest, late, std::memory_order_relaxed)) {
+  }
   if (options_.on_worker != nullptr) options_.on_worker(true);
 
   std::uint64_t job = 0;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -78,6 +79,9 @@ class LiveRunner {
   const DelayStatistics& delays(std::uint32_t group) const { return observers_[group].statistics(); }
   /// Most bytes of stack that the worker of a group had in use; after join(). 0: not known.
   std::size_t stack_bytes(std::uint32_t group) const { return stack_bytes_[group]; }
+  /// How long after `start_ns` the last worker was ready for its first release; after join(). Not above 0:
+  /// all were ready in time. Else the first releases of some were left out, and counted as missed.
+  Nanoseconds ready_late_ns() const { return ready_late_ns_.load(std::memory_order_relaxed); }
   /// Jobs that ran for longer than a period, as the supervisor saw them.
   std::uint64_t stuck() const { return supervisor_ ? supervisor_->stuck() : 0; }
   /// Highest level of the ladder on any core.
@@ -94,6 +98,7 @@ class LiveRunner {
   std::atomic<bool> refused_{false};
   std::atomic<int> stopped_by_{-1};
   std::atomic<std::uint32_t> running_{0};
+  std::atomic<Nanoseconds> ready_late_ns_{std::numeric_limits<Nanoseconds>::min()};
   std::unique_ptr<WorkerPulse[]> pulses_;
   std::vector<SpinMargin> margins_;
   std::unique_ptr<DelayObserver[]> observers_;

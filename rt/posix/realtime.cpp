@@ -61,6 +61,21 @@ SetupResult lock_memory() noexcept {
                  std::strerror(errno));
 }
 
+SetupResult bound_thread_stacks(std::size_t bytes) noexcept {
+  if (bytes < std::size_t{64} * 1024) return refused("stacks of %zu bytes: 65536 at least", bytes);
+#ifdef __GLIBC__
+  pthread_attr_t attributes;
+  if (pthread_getattr_default_np(&attributes) != 0) return refused("stacks: their size is not known");
+  pthread_attr_setstacksize(&attributes, bytes);
+  const int error = pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+  if (error == 0) return {};
+  return refused("stacks of %zu bytes: %s", bytes, std::strerror(error));
+#else
+  return refused("stacks of %zu bytes: this C library cannot; set 'ulimit -s'", bytes);
+#endif
+}
+
 SetupResult pin_to_core(int core) noexcept {
   cpu_set_t set;
   CPU_ZERO(&set);

@@ -13,6 +13,7 @@
 #include "rt/posix/clock.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "rt/posix/realtime.hpp"
+#include "rt/posix/start_lead.hpp"
 
 namespace sortie::rt::posix {
 namespace {
@@ -171,6 +172,35 @@ TEST_CASE("set-up steps and clocks take no heap, so that a trap may be armed aro
   static_cast<void>(set_fifo_priority(0));
   const std::uint64_t calls = scope.calls();
   CHECK(calls == 0);
+}
+
+TEST_CASE("a thread's stack is as large as was asked for, and one too small is refused") {
+  pthread_attr_t before;
+  REQUIRE(pthread_getattr_default_np(&before) == 0);
+  const SetupResult bounded = bound_thread_stacks(kThreadStackBytes);
+  INFO(bounded.reason);
+  REQUIRE(bounded.ok);
+  std::size_t size = 0;
+  std::thread probe([&size] {
+    pthread_attr_t attributes;
+    if (pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+    void* lowest = nullptr;
+    pthread_attr_getstack(&attributes, &lowest, &size);
+    pthread_attr_destroy(&attributes);
+  });
+  probe.join();
+  CHECK(size == kThreadStackBytes);
+  check_shape(bound_thread_stacks(1000));
+  CHECK_FALSE(bound_thread_stacks(1000).ok);
+  CHECK(pthread_setattr_default_np(&before) == 0);
+  pthread_attr_destroy(&before);
+}
+
+TEST_CASE("the start of a run lies further ahead for more threads, and never beyond five seconds") {
+  const Nanoseconds none = measure_start_lead(0, false);
+  CHECK(none == 100 * kNanosecondsPerMillisecond);
+  CHECK(measure_start_lead(20, true) > none);
+  CHECK(measure_start_lead(1'000'000, false) == 5 * kNanosecondsPerSecond);
 }
 
 }  // namespace sortie::rt::posix

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How far ahead a run's start must lie. How long a thread takes to be made and made ready differs by a
+// thousand times between a desktop and a small board whose kernel has just booted, so it is measured, not
+// assumed.
+#pragma once
+
+#include <cstddef>
+
+#include "rt/time.hpp"
+
+namespace sortie::rt::posix {
+
+/// Stack that a worker touches before its first job.
+inline constexpr std::size_t kPaintedStackBytes = std::size_t{256} * 1024;
+/// Stack of each thread of a run whose memory is locked.
+inline constexpr std::size_t kThreadStackBytes = std::size_t{1024} * 1024;
+
+/// Time from now within which `threads` threads are made, one after the other, and are ready: 100 ms, and
+/// four times the slowest of three threads like them, which are started and ended here, for each; 5 s at
+/// most. With `realtime` each touches the stack that a worker touches. Not for the real-time path. Throws
+/// std::system_error when no thread can be made.
+Nanoseconds measure_start_lead(unsigned threads, bool realtime);
+
+}  // namespace sortie::rt::posix
