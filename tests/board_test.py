@@ -142,7 +142,7 @@ def mission():
 
 def trouble():
     """The other boot: frames under load, a runtime that is killed, drives that go."""
-    console = boot("trouble", "killed", "gone", "flood", "overrun", "storm")
+    console = boot("trouble", "killed", "gone", "flood", "overrun", "storm", "tools")
     if not (work / "trouble/flood/can0-can1.json").exists():
         return {}
     figures = {}
@@ -173,6 +173,7 @@ def trouble():
     figures["gone"] = {"quick stop after the last heartbeat [us]": round((stop - first) * 1e6)}
     check("BOARD-DONE overrun 0" in console, "frames that the kernel dropped are counted", console)
     figures["storm"] = storm()
+    can_utils()
     return figures
 
 
@@ -193,6 +194,28 @@ def storm():
             for name, result in (("calm", calm), ("storm", wild))}
     check(abs(late["storm"][0] / late["calm"][0] - 1) <= 0.02, "storm: the median wake-up is that of the calm", late)
     return {f"{name}, wake-up {rank} [ns]": value for name, values in late.items() for rank, value in zip(("p50", "p99", "max"), values)}
+
+
+def spacing_s(first, second):
+    """Of the same frames written down twice: how much their times differ, less the two clocks' difference; infinite where frames do."""
+    if [row[1:] for row in first] != [row[1:] for row in second] or not first:
+        return float("inf")
+    apart = [a[0] - b[0] for a, b in zip(first, second)]
+    return max(apart) - min(apart)
+
+
+def can_utils():
+    """candump and canplayer beside the runtime: both write the same log of a bus, and what one writes the other plays and reads."""
+    theirs, ours = bus("trouble", "tools", "candump.log"), bus("trouble", "tools", "watch.log")
+    check(len(ours) > 3000 and spacing_s(theirs, ours) <= 2e-6, "candump and our watch: the same frames with the kernel's stamps", len(theirs), len(ours))
+    drive = bus("trouble", "tools", "drive.log")
+    rest = iter(ours)
+    check(len(drive) > 1000 and all(any(frame[1:] == other[1:] for other in rest) for frame in drive), "the run's log holds the bus's frames in order", len(drive))
+    identifiers = {row[1] for row in drive}  # of what the runtime took in; on the other bus it speaks, too
+    played = [row for row in bus("trouble", "tools", "played.log") if row[1] in identifiers]
+    check(spacing_s(played, drive) <= 0.01, "canplayer plays the run's log: the same frames at the same times", len(played), spacing_s(played, drive))
+    heard = bus("trouble", "tools", "heard.log")
+    check(spacing_s(heard, played) <= 1e-5, "a run takes in all that canplayer plays, with the kernel's stamps", len(heard), spacing_s(heard, played))
 
 
 def compare_figures(now, was):

@@ -18,8 +18,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 CACHE = pathlib.Path(os.environ.get("SORTIE_BOARD", ROOT / "build/board"))
 # Exact figures are promised for these alone. A mirror that has moved on gives its present kernel instead.
-PINNED = ["linux-image-6.1.0-50-rt-arm64=6.1.176-1", "busybox-static=1:1.35.0-4+deb12u1+b1"]
-PRESENT = ["linux-image-rt-arm64:", "busybox-static"]
+PINNED = ["linux-image-6.1.0-50-rt-arm64=6.1.176-1", "busybox-static=1:1.35.0-4+deb12u1+b1", "can-utils=2020.11.0-1"]
+PRESENT = ["linux-image-rt-arm64:", "busybox-static", "can-utils"]
+CAN_TOOLS = ["candump", "canplayer"]
 MODULES = ["can", "can-dev", "can-raw", "vcan", "sja1000", "kvaser_pci", "virtio_pci_modern_dev", "virtio_pci_legacy_dev", "virtio_pci",
            "virtio_blk"]
 TRIPLE = "aarch64-linux-gnu"
@@ -39,25 +40,26 @@ def require_tools():
 
 
 def fetch():
-    """Kernel and busybox of the board, from Debian's packages; kept in build/board. Returns (folder, versions)."""
+    """Kernel, busybox and can-utils of the board, from Debian's packages; kept in build/board. Returns (folder, versions)."""
     require_tools()
     CACHE.mkdir(parents=True, exist_ok=True)
     tree = CACHE / "packages"
     with open(CACHE / "lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (tree / ".complete").exists():
+        complete, names = tree / ".complete", " ".join(p.split("=")[0] for p in PINNED)
+        if not complete.exists() or complete.read_text() != names:
             for wanted in (PINNED, PRESENT):
                 shutil.rmtree(tree, ignore_errors=True)
                 if subprocess.run([ROOT / "toolchain/foreign-packages", "arm64", tree, *wanted], stdout=sys.stderr).returncode == 0:
                     break
             else:
                 raise Missing("no kernel for the board: the package mirror did not answer")
-            (tree / ".complete").touch()
+            complete.write_text(names)
     return tree, dict(line.split() for line in (tree / ".versions").read_text().splitlines())
 
 
 def is_pinned(versions):
-    """Whether kernel, busybox and emulator are those that exact figures were committed for."""
+    """Whether kernel, busybox, can-utils and emulator are those that exact figures were committed for."""
     emulator = subprocess.run(["qemu-system-aarch64", "--version"], capture_output=True, text=True).stdout
     return all(versions.get(p.split("=")[0]) == p.split("=")[1] for p in PINNED) and "version 7.2." in emulator
 
@@ -125,7 +127,10 @@ def make_initramfs(path, tree, build):
         subprocess.run([f"{TRIPLE}-strip", "-o", lean, program], check=True)
         archive.add(f"bin/{program.name}", lean)
         with_symbols.append(lean)
-    for name, library in sorted(needed_libraries(programs, folders).items()):
+    tools = [tree / "usr/bin" / tool for tool in CAN_TOOLS]
+    for tool in tools:
+        archive.add(f"bin/{tool.name}", tool)
+    for name, library in sorted(needed_libraries(programs + tools, folders).items()):
         archive.add(f"lib/{name}", library)
     for lean in with_symbols:
         lean.unlink()
