@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "firmware_like/bench/part_sizes.hpp"
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/bench/wcet.hpp"
 #include "firmware_like/live_run.hpp"
@@ -45,6 +46,7 @@ class Measurement {
     }
     ticks_ = &costs.ticks;
     costs.whole = replays({});
+    costs.whole.program_bytes = program_bytes(costs.scene, "");
     const auto parts = parts_of(profile);
     for (const ScenePart* part : parts) {
       PartCost& line = costs.without.emplace_back();
@@ -59,6 +61,7 @@ class Measurement {
         all.insert(all.end(), without.begin(), without.end());
         static_cast<void>(Runtime(load_scene(options_.scene, all), vehicles_, RuntimeStart{}));
         line.cost = replays(without);
+        line.cost.program_bytes = program_bytes(costs.scene, part->name);
         if (simulated) drive_without(without, line.cost);
       } catch (const ProfileError& error) {
         line.refused = error.what();

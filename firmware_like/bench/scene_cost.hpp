@@ -24,9 +24,10 @@ struct SceneCostOptions {
 
 /// One variant of the scene.
 struct SceneCost {
-  std::uint64_t bytes{};  ///< of the runtime's block
-  double us_per_tick{};   ///< all tasks' own time over all ticks, median of the runs
-  double least_us{};      ///< of the runs
+  std::uint64_t bytes{};          ///< of the runtime's block
+  std::uint64_t program_bytes{};  ///< of the program of this scene alone; 0: nobody built it
+  double us_per_tick{};           ///< all tasks' own time over all ticks, median of the runs
+  double least_us{};              ///< of the runs
   double most_us{};
   double instructions_per_tick{};        ///< 0: not counted
   std::map<std::string, double> errors;  ///< of the replay of the same inputs, against truth

@@ -13,6 +13,7 @@ nlohmann::ordered_json to_json(const SceneCost& cost) {
                                 {"us_per_tick", cost.us_per_tick},
                                 {"us_per_tick_least", cost.least_us},
                                 {"us_per_tick_most", cost.most_us}};
+  if (cost.program_bytes > 0) object["program_bytes"] = cost.program_bytes;
   if (cost.instructions_per_tick > 0) object["instructions_per_tick"] = cost.instructions_per_tick;
   object["errors"] = cost.errors;
   if (!cost.driven.empty()) {
@@ -38,12 +39,13 @@ std::string cost_error(const std::map<std::string, double>& errors, const char* 
   return found == errors.end() ? "-" : cost_figure("%.4f", found->second);
 }
 
-std::string cost_row(const std::string& name, const std::string& bytes, const std::string& time,
-                     const std::string& instructions, const std::string& error, const std::string& driven,
-                     const std::string& end) {
+std::string cost_row(const std::string& name, const std::string& bytes, const std::string& program,
+                     const std::string& time, const std::string& instructions, const std::string& error,
+                     const std::string& driven, const std::string& end) {
   char text[256];
-  std::snprintf(text, sizeof(text), "%-16s %12s %10s %12s %10s %10s %9s\n", name.c_str(), bytes.c_str(),
-                time.c_str(), instructions.c_str(), error.c_str(), driven.c_str(), end.c_str());
+  std::snprintf(text, sizeof(text), "%-16s %12s %10s %10s %12s %10s %10s %9s\n", name.c_str(), bytes.c_str(),
+                program.c_str(), time.c_str(), instructions.c_str(), error.c_str(), driven.c_str(),
+                end.c_str());
   return text;
 }
 
@@ -76,9 +78,11 @@ std::string scene_cost_table(const SceneCosts& costs) {
   const char* const judge = judge_of(costs.whole);
   const bool counted = costs.whole.instructions_per_tick > 0;
   std::string text = costs.scene + ", " + std::to_string(costs.ticks) + " ticks, " + costs.machine + "\n";
-  text += cost_row("without", "bytes", "us/tick", "instr/tick", "error", "driven", "ends off");
+  text += cost_row("without", "bytes", "program", "us/tick", "instr/tick", "error", "driven", "ends off");
   const auto line = [&](const std::string& name, const SceneCost& cost, bool is_whole) {
-    text += cost_row(name, std::to_string(cost.bytes), cost_figure("%.3f", cost.us_per_tick),
+    text += cost_row(name, std::to_string(cost.bytes),
+                     cost.program_bytes > 0 ? std::to_string(cost.program_bytes) : "-",
+                     cost_figure("%.3f", cost.us_per_tick),
                      counted ? cost_figure("%.1f", cost.instructions_per_tick) : "-",
                      cost_error(cost.errors, judge), cost_error(cost.driven, judge),
                      cost.driven.empty() || is_whole ? "-" : cost_figure("%.3f m", cost.end_off_m));
@@ -92,6 +96,8 @@ std::string scene_cost_table(const SceneCosts& costs) {
   }
   text += "error: " + std::string(judge) +
           " of the same inputs replayed; driven: of a simulated drive of its own\n";
+  if (costs.whole.program_bytes > 0)
+    text += "program: of -DSORTIE_SCENE, x86-64, as built when this program was released\n";
   if (costs.drive_us > 0) {
     text += "the simulated drive takes " + cost_figure("%.2f", costs.drive_us) +
             " us/tick with all of its plant, recorded " + cost_figure("%.2f", costs.recorded_us) + "\n";

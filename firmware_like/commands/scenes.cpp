@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -28,6 +29,7 @@ struct SceneLine {
   double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
   std::string tasks;
   std::vector<std::string> parts;
+  std::map<std::string, std::vector<std::string>> without;  // overrides for each part that can be left out
   ScheduleResult schedule;
   std::vector<ChainResult> chains;
   BusCheck bus;
@@ -45,10 +47,16 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
                  0,
                  "",
                  {},
+                 {},
                  schedule_result(runtime.schedule(), runtime.executive()),
                  {},
                  runtime.bus()};
-  for (const ScenePart* part : parts_of(runtime.profile())) line.parts.emplace_back(part->name);
+  const std::vector<const ScenePart*> parts = parts_of(runtime.profile());
+  for (const ScenePart* part : parts) {
+    line.parts.emplace_back(part->name);
+    if (part->code != rt::Part::count && why_needed(*part, parts).empty())
+      line.without[part->name] = overrides_without(*part);
+  }
   for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     const rt::TaskBase& task = runtime.executive().task(i);
@@ -90,6 +98,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                       {"budget_us_per_tick", line.declared_us_per_tick},
                       {"tasks", line.tasks},
                       {"parts", line.parts},
+                      {"without", line.without},
                       {"about", line.about},
                       {"schedule", to_json(line.schedule)}});
       rows.back()["chains"] = nlohmann::ordered_json::array();

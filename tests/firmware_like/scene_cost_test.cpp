@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "firmware_like/bench/part_sizes.hpp"
 #include "firmware_like/bench/scene_advice.hpp"
 #include "firmware_like/bench/scene_cost.hpp"
+#include "firmware_like/scene_parts.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
@@ -79,20 +81,39 @@ TEST_CASE("costs as an object and as a table say the same") {
   costs.scene = "a";
   costs.ticks = 10;
   costs.whole.bytes = 3000;
+  costs.whole.program_bytes = 90000;
   costs.whole.us_per_tick = 2;
   costs.whole.errors = {{"ate_rmse_m", 0.25}};
-  costs.without.push_back({"map", "a map", "", {1000, 0.5, 0.5, 0.5, 0, {{"ate_rmse_m", 0.75}}, {}, 0}});
+  costs.without.push_back(
+      {"map", "a map", "", {1000, 70000, 0.5, 0.5, 0.5, 0, {{"ate_rmse_m", 0.75}}, {}, 0}});
   costs.without.push_back({"drive", "a drive", "drive is needed by flippers: leave that out first", {}});
   const auto object = to_json(costs);
   CHECK(object["without"][0]["saves_bytes"] == 2000);
+  CHECK(object["without"][0]["program_bytes"] == 70000);
   CHECK(object["without"][0]["saves_us_per_tick"] == 1.5);
   CHECK(object["without"][0]["errors"]["ate_rmse_m"] == 0.75);
   CHECK(object["without"][1]["refused"] == "drive is needed by flippers: leave that out first");
   CHECK_FALSE(object["without"][1].contains("bytes"));
   const std::string table = scene_cost_table(costs);
-  for (const char* words :
-       {"(nothing)", "3000", "0.2500", "0.7500", "stays: drive: drive is needed by flippers"})
+  for (const char* words : {"(nothing)", "3000", "90000", "70000", "0.2500", "0.7500",
+                            "stays: drive: drive is needed by flippers"})
     CHECK(table.find(words) != std::string::npos);
+}
+
+TEST_CASE("programs that were built without a part belong to scenes that have it, and are smaller for it") {
+  CHECK(program_bytes("ugv_hall", "") > 0);
+  for (const PartSize& size : part_sizes()) {
+    INFO(size.scene << " without " << size.without);
+    const auto parts = parts_of(load_scene(size.scene));
+    if (*size.without == '\0') continue;
+    const ScenePart* part = find_scene_part(size.without);
+    REQUIRE(part != nullptr);
+    CHECK(part->code != rt::Part::count);
+    CHECK(std::find(parts.begin(), parts.end(), part) != parts.end());
+    CHECK(size.bytes < program_bytes(size.scene, ""));
+  }
+  CHECK(program_bytes("ugv_hall", "track_aid") == program_bytes("ugv_hall", ""));  // shares its parent's code
+  CHECK(program_bytes("no such scene", "") == 0);
 }
 
 TEST_CASE("a scene without a simulated robot needs a log for its costs") {
