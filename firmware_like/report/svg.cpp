@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "firmware_like/report/axis.hpp"
+#include "firmware_like/report/label_layout.hpp"
 #include "firmware_like/report/svg_path.hpp"
 #include "firmware_like/text_format.hpp"
 
@@ -114,7 +115,8 @@ std::string draw_axes(const Plot& plot, const Mapping& map) {
   return out;
 }
 
-std::string draw_rules(const Plot& plot, const Mapping& map) {
+// `taken`: gets the place of each text.
+std::string draw_rules(const Plot& plot, const Mapping& map, std::vector<LabelBox>& taken) {
   const Frame& f = map.frame;
   std::string out;
   double stagger = 0.0;  // labels of neighbouring rules do not cover each other
@@ -129,32 +131,49 @@ std::string draw_rules(const Plot& plot, const Mapping& map) {
     if (rule.vertical) {
       out += line(at, f.top, at, f.top + f.height, style.c_str());
       const bool left_side = at > f.left + 0.6 * f.width;
-      out += text(at + (left_side ? -5.0 : 5.0), f.top + 14.0 + stagger, rule.label,
-                  left_side ? "end" : "start", ink.c_str());
+      const double x = at + (left_side ? -5.0 : 5.0);
+      const double y = f.top + 14.0 + stagger;
+      out += text(x, y, rule.label, left_side ? "end" : "start", ink.c_str());
+      const double left = left_side ? x - text_width(rule.label) : x;
+      taken.push_back({left, y - 11.0, left + text_width(rule.label), y + 4.0});
       stagger += 16.0;
     } else {
       out += line(f.left, at, f.left + f.width, at, style.c_str());
-      out += text(f.left + f.width - 6.0, at - 5.0, rule.label, "end", ink.c_str());
+      const double right = f.left + f.width - 6.0;
+      out += text(right, at - 5.0, rule.label, "end", ink.c_str());
+      taken.push_back({right - text_width(rule.label), at - 16.0, right, at - 1.0});
     }
   }
   return out;
 }
 
-// Texts beside points, on the side that has room.
-std::string draw_labels(const Plot& plot, const Mapping& map) {
-  std::string out;
+// Texts beside points, where they cover neither each other nor the rules' texts.
+std::string draw_labels(const Plot& plot, const Mapping& map, const std::vector<LabelBox>& taken) {
+  std::vector<std::string_view> texts;
+  std::vector<double> x;
+  std::vector<double> y;
   for (const Series& s : plot.series) {
-    const std::string ink = std::string(" class=\"halo\" font-size=\"11\" fill=\"") + palette(6) + "\"";
     for (std::size_t i = 0; i < std::min({s.labels.size(), s.x.size(), s.y.size()}); ++i) {
-      const double x = map.px(s.x[i]);
-      const double y = map.py(s.y[i]);
-      if (s.labels[i].empty() || !std::isfinite(x) || !std::isfinite(y)) continue;
-      const bool left_side = x > map.frame.left + 0.8 * map.frame.width;
-      out +=
-          text(x + (left_side ? -7.0 : 7.0), y - 6.0, s.labels[i], left_side ? "end" : "start", ink.c_str());
+      const double px = map.px(s.x[i]);
+      const double py = map.py(s.y[i]);
+      if (s.labels[i].empty() || !std::isfinite(px) || !std::isfinite(py)) continue;
+      texts.emplace_back(s.labels[i]);
+      x.push_back(px);
+      y.push_back(py);
     }
   }
-  return out;
+  const std::vector<PlacedLabel> placed = lay_labels(texts, x, y, map.frame, taken);
+  const std::string ink = std::string(" class=\"halo\" font-size=\"11\" fill=\"") + palette(6) + "\"";
+  std::string leads;
+  std::string out;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const PlacedLabel& place = placed[i];
+    if (place.is_far)
+      leads += line(x[i], y[i], place.x, place.y < y[i] ? place.y + 3.0 : place.y - 9.0,
+                    "stroke=\"#9aa3ab\" stroke-width=\"0.7\"");
+    out += text(place.x, place.y, texts[i], place.ends_there ? "end" : "start", ink.c_str());
+  }
+  return leads + out;
 }
 
 std::string draw_legend(const std::vector<LegendEntry>& entries) {
@@ -260,7 +279,9 @@ std::string render(const Plot& plot) {
   out += "</svg>\n";
   if (empty)
     out += text(f.left + f.width / 2.0, f.top + f.height / 2.0, "no data", "middle", " fill=\"#6b747d\"");
-  out += draw_rules(plot, map) + draw_labels(plot, map) + draw_legend(legend) + "</svg>\n";
+  std::vector<LabelBox> taken;
+  out += draw_rules(plot, map, taken);
+  out += draw_labels(plot, map, taken) + draw_legend(legend) + "</svg>\n";
   return out;
 }
 
