@@ -25,7 +25,7 @@ LabelBox box_of(const PlacedLabel& label, double width) {
 // From the nearest: beside the point above and below, then rows further away.
 std::vector<PlacedLabel> places_about(double x, double y, bool left_first) {
   std::vector<PlacedLabel> places;
-  for (int row = 0; row <= 8; ++row) {
+  for (int row = 0; row <= 12; ++row) {
     for (const double side : {-1.0, 1.0}) {
       const double base = side < 0 ? y - 6.0 - kRow * row : y + 13.0 + kRow * row;
       for (const bool left : {left_first, !left_first})
