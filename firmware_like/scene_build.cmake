@@ -7,7 +7,7 @@ add_custom_command(OUTPUT ${all_scenes}
   DEPENDS ${scene_files} ${PROJECT_SOURCE_DIR}/toolchain/embed_scenes.cmake VERBATIM)
 # Reads the scene as the program does. Not linked with our libraries: they wait for the header that it writes.
 add_executable(sortie_scene_header commands/scene_header.cpp scene_parts.cpp profile.cpp profile_base.cpp profile_rows.cpp
-  profile_script.cpp ${all_scenes})
+  profile_script.cpp text_format.cpp ${all_scenes})
 target_include_directories(sortie_scene_header PRIVATE ${PROJECT_SOURCE_DIR})
 target_include_directories(sortie_scene_header SYSTEM PRIVATE ${SORTIE_TOML_INCLUDE})
 

@@ -34,6 +34,15 @@ StabilityFigures tiny_increments();
 StabilityFigures slow_value_wide_steps();
 StabilityFigures balanced_load();
 
+// sensor_cases.cpp
+StabilityFigures lost_samples();
+StabilityFigures one_without_number();
+StabilityFigures one_absurd_force();
+StabilityFigures fast_turn();
+StabilityFigures long_push();
+StabilityFigures blows();
+StabilityFigures clipped_gyro();
+
 // mapping_cases.cpp
 StabilityFigures many_transforms();
 StabilityFigures far_from_origin();
@@ -65,6 +74,7 @@ StabilityFigures no_friction();
 StabilityFigures high_friction();
 StabilityFigures fast_motor();
 StabilityFigures stiff_suspension();
+StabilityFigures heavy_on_light();
 StabilityFigures deep_penetration();
 
 // runtime_cases.cpp
@@ -78,5 +88,7 @@ StabilityFigures denormal_length();
 StabilityFigures long_length();
 StabilityFigures sine_of_large();
 StabilityFigures short_device_time();
+StabilityFigures late_releases();
+StabilityFigures wrapping_fragment();
 
 }  // namespace sortie::bench

@@ -101,6 +101,49 @@ StabilityFigures stiff_suspension() {
   return {std::fabs(suspension.value() - 0.3), std::fabs(value - 0.3)};
 }
 
+StabilityFigures heavy_on_light() {
+  // 28 kg stand on four flippers of a gram each, held by their servos.
+  hil::PlantScene scene;
+  static_cast<void>(scene.add_half_space({0, 0, 1}, {0, 0, 0}));
+  hil::PlantConfig config;
+  hil::PlantCommand command;
+  const double lighter = 1e-3 / config.vehicle.flipper_mass_kg;
+  config.vehicle.flipper_mass_kg *= lighter;
+  config.vehicle.flipper_inertia_kg_m2 = lighter * config.vehicle.flipper_inertia_kg_m2;
+  for (int i = 0; i < 4; ++i) config.start_flipper_rad[i] = command.flipper_rad[i] = -0.9;
+  config.start_m = {0, 0, 0.30};
+  const auto plant = std::make_unique<hil::TrackedPlant>(config, scene);
+  StabilityFigures moved;
+  double before = 0;
+  for (int i = 0; i < 5000; ++i) {
+    static_cast<void>(plant->step(command, 1e-3));
+    const double height = plant->p_world_body_m().z;
+    if (i == 2000) before = height;
+    if (i > 2000) keep_worst(moved.ours, std::fabs(height - before));
+  }
+  // A gram under 28 kg, both contacts by ten sequential impulses a step, from nothing each time.
+  constexpr double kDt = 1e-3;
+  constexpr double kLight = 1e-3;
+  constexpr double kHeavy = 28.0;
+  double speed[2] = {0, 0};
+  double place[2] = {0, 0};
+  for (int i = 0; i < 3000; ++i) {
+    for (double& v : speed) v -= kDt * kGravity;
+    for (int sweep = 0; sweep < 10; ++sweep) {
+      speed[0] = std::max(speed[0], 0.0);
+      const double closing = speed[0] - speed[1];
+      if (closing > 0) {
+        const double impulse = closing / (1 / kLight + 1 / kHeavy);
+        speed[0] -= impulse / kLight;
+        speed[1] += impulse / kHeavy;
+      }
+    }
+    for (int k = 0; k < 2; ++k) place[k] += kDt * speed[k];
+  }
+  moved.naive = std::fabs(place[1]);
+  return moved;
+}
+
 StabilityFigures deep_penetration() {
   constexpr double kDeep = 0.05;
   const auto vehicle = std::make_unique<StandingVehicle>(0.0, 0.7, kDeep);

@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "drivers/can_unwrap.hpp"
+#include "drivers/lc02.hpp"
 #include "rt/histogram.hpp"
+#include "rt/let_channel.hpp"
 #include "rt/math.hpp"
 #include "rt/saturating_count.hpp"
 #include "rt/spsc_ring.hpp"
@@ -162,6 +164,39 @@ StabilityFigures short_device_time() {
     keep_worst(worst.naive, std::fabs(rt::to_seconds(naive - truth)));
   }
   return worst;
+}
+
+StabilityFigures late_releases() {
+  // A group of 100 Hz whose every wake-up comes 0.3 ms late, for ten minutes.
+  constexpr rt::Nanoseconds kTick = kSecond / 1000;
+  constexpr rt::Nanoseconds kLate = kSecond / 1000 * 3 / 10;
+  const rt::GroupTiming timing{10, 0, 10};
+  rt::Nanoseconds ours = 0;
+  rt::Nanoseconds naive = 0;
+  constexpr std::uint64_t kJobs = 60000;
+  for (std::uint64_t job = 1; job <= kJobs; ++job) {
+    ours = static_cast<rt::Nanoseconds>(timing.release(job)) * kTick;
+    naive = naive + kLate + 10 * kTick;  // a period from when it woke
+  }
+  const double truth = 0.01 * static_cast<double>(kJobs);
+  return {std::fabs(rt::to_seconds(ours) - truth), std::fabs(rt::to_seconds(naive) - truth)};
+}
+
+StabilityFigures wrapping_fragment() {
+  // "LC03", sequence, size of the message, offset of this piece, its number, how many: the piece ends where
+  // it starts.
+  constexpr std::uint32_t kOffset = 0xfffffff0U;
+  constexpr std::uint32_t kMessage = 100;
+  std::uint8_t datagram[20 + 6 + 32]{'L',  'C',  '0',  '3', 0, 0, 0, 1,   0,   0,   0,   kMessage, 0xff,
+                                     0xff, 0xff, 0xf0, 0,   0, 0, 2, 'P', 'O', 'S', 'E', 0};
+  drivers::Lc02Message message;
+  const Status status = drivers::parse_lc02(datagram, message);
+  // A receiver that puts fragments together writes the piece where offset + size does not exceed the message,
+  // in 32 bits.
+  const std::uint32_t piece = 32;
+  const bool fits = kOffset + piece <= kMessage;
+  const double written = fits ? static_cast<double>(kOffset) + piece - kMessage : 0.0;
+  return {status == Status::not_supported ? 0.0 : 1.0, written};
 }
 
 StabilityFigures sine_of_large() {
