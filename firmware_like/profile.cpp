@@ -7,6 +7,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "firmware_like/profile_text.hpp"
 #include "firmware_like/profile_tree.hpp"
 #include "firmware_like/text_format.hpp"
 #include "rt/digest.hpp"
@@ -69,11 +70,11 @@ void Profile::apply_override(const std::string& assignment) {
   }
   const std::string path = assignment.substr(0, equals);
   const std::string value = assignment.substr(equals + 1);
-  toml::table parsed;
+  toml::table parsed{{"value", value}};  // a bare word is a string
   try {
-    parsed = toml::parse("value = " + value);
+    if (line_of_bare_non_ascii("value = " + value) == 0) parsed = toml::parse("value = " + value);
   } catch (const toml::parse_error&) {
-    parsed = toml::table{{"value", value}};  // a bare word is a string
+    // Stays what it is.
   }
   toml::table* table = &tree_->root;
   std::size_t from = 0;

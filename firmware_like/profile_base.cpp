@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "firmware_like/profile_text.hpp"
 #include "firmware_like/profile_tree.hpp"
 #include "rt/built_parts.hpp"
 
@@ -78,6 +79,11 @@ SceneText read_scene(const std::string& scene) {
 }  // namespace
 
 toml::table parse_profile(const std::string& toml, const std::string& source) {
+  if (const std::size_t line = line_of_bare_non_ascii(toml); line != 0) {
+    throw ProfileError(
+        source + ":" + std::to_string(line) +
+        ": not valid TOML: a character beyond ASCII; put it in quotes, or behind # in a comment");
+  }
   try {
     return toml::parse(toml, source);
   } catch (const toml::parse_error& error) {

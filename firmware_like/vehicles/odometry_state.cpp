@@ -29,11 +29,10 @@ std::uint32_t health_of(std::uint32_t pose, std::uint32_t attitude, std::uint32_
 
 }  // namespace
 
-OdometryState odometry_state(const estimators::TrackOdometry& odometry,
-                             const estimators::Attitude& attitude) {
+OdometryState odometry_state(const estimators::TrackOdometry& odometry, const rt::AttitudeEstimate& attitude,
+                             const estimators::AttitudeCounters& imu) {
   const rt::PoseEstimate& pose = odometry.estimate();
   const estimators::ObstacleState obstacle = odometry.obstacle();
-  const estimators::AttitudeCounters& imu = attitude.counters();
   const estimators::TrackOdometryCounters& track = odometry.counters();
   OdometryState state;
   state.stamp_ns = pose.stamp_ns;
@@ -46,8 +45,7 @@ OdometryState odometry_state(const estimators::TrackOdometry& odometry,
   state.steering_efficiency = odometry.steering().value();
   state.turning_width_m = odometry.steering().centres_apart_m();
   state.slip = (pose.flags & estimators::kPoseSlip) != 0 ? 1u : 0u;
-  state.health =
-      health_of(pose.flags, attitude.estimate().flags, obstacle.mode, odometry.steering().trusted());
+  state.health = health_of(pose.flags, attitude.flags, obstacle.mode, odometry.steering().trusted());
   state.slips = track.slips;
   state.imu_used = imu.used;
   state.imu_not_finite = imu.not_finite;

@@ -51,6 +51,7 @@ struct OdometryState {
 
 /// What both estimators say about themselves. `imu_time` and `track_time` are the samples whose stamps stood
 /// still, ran back or jumped. Cost: some forty copies.
-OdometryState odometry_state(const estimators::TrackOdometry& odometry, const estimators::Attitude& attitude);
+OdometryState odometry_state(const estimators::TrackOdometry& odometry, const rt::AttitudeEstimate& attitude,
+                             const estimators::AttitudeCounters& imu);
 
 }  // namespace sortie::firmware

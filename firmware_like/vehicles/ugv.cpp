@@ -49,18 +49,23 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
                                      {"mean", "point"}) == "mean"
                   ? rt::kImuMeanRate
                   : 0u;
-  attitude_ = std::make_unique<estimators::Attitude>(read_attitude_config(builder));
+  const estimators::AttitudeConfig config = read_attitude_config(builder);
+  const bool in_single =
+      builder.profile().text("attitude.precision", "double",
+                             "numbers of the attitude filter: double, or float for a board without double",
+                             {"double", "float"}) == "float";
+  attitude_ = std::make_unique<ChosenAttitude>(config, in_single);
   track_aid_ = builder.profile().text("attitude.track_aid", "on",
                                       "the tracks' acceleration is taken out of the specific force",
                                       {"on", "off"}) == "on";
-  const auto adjust = [&](const char* path, void (estimators::Attitude::*set)(double)) {
+  const auto adjust = [&](const char* path, void (ChosenAttitude::*set)(double)) {
     builder.parameter(group, path, [this, set](double value) {
       (attitude_.get()->*set)(value);
       return Status::ok;
     });
   };
-  adjust("attitude.acc_time_constant_s", &estimators::Attitude::set_acc_time_constant);
-  adjust("attitude.bias_forgetting_s", &estimators::Attitude::set_bias_forgetting);
+  adjust("attitude.acc_time_constant_s", &ChosenAttitude::set_acc_time_constant);
+  adjust("attitude.bias_forgetting_s", &ChosenAttitude::set_bias_forgetting);
   attitude_task_ = builder.task<rt::AttitudeEstimate>(
       group, "attitude", 50, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
         job_attitude_count_ = 0;
@@ -82,7 +87,7 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
         output = attitude_->estimate();
       });
   builder.remembers(attitude_task_, *attitude_);
-  const estimators::Attitude* attitude = attitude_.get();
+  const ChosenAttitude* attitude = attitude_.get();
   builder.counter("imu_used", [attitude] { return attitude->counters().used; });
   builder.counter("imu_not_finite", [attitude] { return attitude->counters().not_finite; });
   builder.counter("imu_out_of_range", [attitude] { return attitude->counters().out_of_range; });

@@ -7,9 +7,9 @@
 
 #include "drivers/can_codec.hpp"
 #include "drivers/ugv_motors.hpp"
-#include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/vehicle.hpp"
+#include "firmware_like/vehicles/chosen_attitude.hpp"
 #include "firmware_like/vehicles/owned_part.hpp"
 #include "firmware_like/vehicles/ugv_map.hpp"
 #include "firmware_like/vehicles/ugv_ssl.hpp"
@@ -75,7 +75,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   InputPort<rt::DriveRequest>* request_port_{};
   InputPort<rt::FlipperSample>* flipper_port_{};
   // Algorithms; null where the scene leaves them out.
-  std::unique_ptr<estimators::Attitude> attitude_;
+  std::unique_ptr<ChosenAttitude> attitude_;
   std::unique_ptr<estimators::TrackOdometry> odometry_;
   std::unique_ptr<planner::UgvDrive> drive_;
   std::unique_ptr<planner::FlipperPostures> flippers_;

@@ -182,15 +182,17 @@ TEST_CASE("health says what is wrong") {
   config.obstacles = true;
   estimators::TrackOdometry odometry(config);
   estimators::Attitude attitude({});
-  CHECK((odometry_state(odometry, attitude).health & kOdometryNotStarted) != 0);
-  CHECK((odometry_state(odometry, attitude).health & kOdometryNotLevelled) != 0);
+  CHECK((odometry_state(odometry, attitude.estimate(), attitude.counters()).health & kOdometryNotStarted) !=
+        0);
+  CHECK((odometry_state(odometry, attitude.estimate(), attitude.counters()).health & kOdometryNotLevelled) !=
+        0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(odometry.update({1'000'000, nan, 0.0, 0}) == Status::not_finite);
   CHECK(odometry.update({2'000'000, 0.0, 0.0, 0}) == Status::ok);
   CHECK(odometry.update({2'000'000, 0.0, 0.0, 0}) == Status::time_repeated);
   CHECK(odometry.update({30'000'000, 50.0, 50.0, 0}) != Status::ok);
   CHECK(attitude.update({1'000'000, {nan, 0, 0}, {0, 0, 9.81}, rt::kImuGyr | rt::kImuAcc}) != Status::ok);
-  const OdometryState state = odometry_state(odometry, attitude);
+  const OdometryState state = odometry_state(odometry, attitude.estimate(), attitude.counters());
   CHECK(state.track_not_finite == 1);
   CHECK(state.track_time == 1);
   CHECK(state.track_jumps == 1);
@@ -216,4 +218,36 @@ TEST_CASE("a scene that leaves obstacles out has no stream, task or memory for t
                    static_cast<void>(built({"odometry.obstacles=\"off\"", "body.radius_m=0.1"}));
                  }),
                  "body"));
+}
+
+TEST_CASE("The attitude in single precision leads where the one in double does, and replays to its digest") {
+  LiveRunOptions options;
+  options.scene = "ugv_hall";
+  options.overrides = {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768",
+                       "attitude.precision=float"};
+  options.seconds = 8;
+  options.virtual_time = true;
+  options.lcm_url = "none";
+  TempFolder folder;
+  options.record = folder.file("float.lcm");
+  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const ReplayOutcome again = replay_log(options.record);
+  CHECK(again.results.digest == run.results.digest);
+  ReplayOptions in_double;
+  in_double.overrides = {"attitude.precision=double"};
+  const ReplayOutcome twin = replay_log(options.record, in_double);
+  CHECK(twin.results.digest != again.results.digest);  // the key does something
+  REQUIRE(twin.estimate.size() == again.estimate.size());
+  REQUIRE(!twin.estimate.empty());
+  double apart_m = 0;
+  double apart_rad = 0;
+  for (std::size_t i = 0; i < twin.estimate.size(); ++i) {
+    const auto& a = twin.estimate[i];
+    const auto& b = again.estimate[i];
+    apart_m = std::max(apart_m, std::hypot(a.p[0] - b.p[0], a.p[1] - b.p[1], a.p[2] - b.p[2]));
+    const auto q = conjugate(rt::to_quaternion(a.q)) * rt::to_quaternion(b.q);
+    apart_rad = std::max(apart_rad, 2 * std::hypot(q.x, q.y, q.z));
+  }
+  CHECK(apart_m < 0.001);
+  CHECK(apart_rad < 1.745e-4);  // 0.01 degrees
 }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Characters beyond ASCII in a profile: welcome in quotes and comments, refused elsewhere before the TOML
+// library sees them.
+#include "firmware_like/profile_text.hpp"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "firmware_like/profile.hpp"
+
+using namespace sortie::firmware;
+
+TEST_CASE("a character beyond ASCII is found where it stands neither in quotes nor in a comment") {
+  CHECK(line_of_bare_non_ascii("") == 0);
+  CHECK(line_of_bare_non_ascii("a = 1\nb = 2") == 0);
+  CHECK(line_of_bare_non_ascii("\xef\xbb\xbf"
+                               "a = 1") == 0);  // byte order mark
+  CHECK(line_of_bare_non_ascii("\xef\xbb\xbd`") ==
+        1);  // found by fuzzing: behaviour undefined in the library
+  CHECK(line_of_bare_non_ascii("a = 'gr\xc3\xbc\xc3\x9f'\nb = \"\xc3\xbc\" # \xc3\xbc") == 0);
+  CHECK(line_of_bare_non_ascii("a = \"\"\"\nx \xc3\xbc\n\"\"\"\"\nb = '''\n\xc3\xbc''\n'''") == 0);
+  CHECK(line_of_bare_non_ascii("a = \"\\\"\xc3\xbc\"") == 0);  // an escaped quote does not end it
+  CHECK(line_of_bare_non_ascii("a = '\\'\xc3\xbc") == 1);      // in single quotes nothing is escaped
+  CHECK(line_of_bare_non_ascii("a = \"\"\"\n\n\"\"\" \xc3\xbc") == 3);
+  CHECK(line_of_bare_non_ascii("# \xc3\xbc\na = \"x\n\xc3\xbc = 1") ==
+        3);  // quotes that do not end with their line
+  CHECK(line_of_bare_non_ascii("a = \"x\\") == 0);
+  CHECK(line_of_bare_non_ascii("a\n\xc3\xbc = 1") == 2);
+}
+
+TEST_CASE(
+    "a profile with a bare character beyond ASCII is refused with its line, and an override takes it for a "
+    "text") {
+  const auto refusal = [](const std::string& toml) {
+    try {
+      Profile profile(toml, "own.toml");
+      return std::string();
+    } catch (const ProfileError& error) {
+      return std::string(error.what());
+    }
+  };
+  CHECK(refusal("\n\xef\xbb\xbd = 1").find("own.toml:2: not valid TOML: a character beyond ASCII") == 0);
+  Profile profile("[scene]\nname = \"a\"\nvehicle = \"ugv\"\n", "own.toml",
+                  {"scene.about=Gr\xc3\xbc\xc3\x9f"
+                   "e"});
+  CHECK(profile.about() ==
+        "Gr\xc3\xbc\xc3\x9f"
+        "e");
+}
