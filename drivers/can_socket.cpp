@@ -2,6 +2,7 @@
 // SocketCAN: sending, receiving, kernel stamps, error frames. Opening is in can_socket_open.cpp.
 #include "drivers/can_socket.hpp"
 
+#include "drivers/can_socket_open.hpp"
 #include "drivers/can_timing.hpp"
 
 #if defined(__linux__)
@@ -37,21 +38,6 @@ void SocketCan::note_overruns(std::uint32_t kernel_total) noexcept {
 #if defined(__linux__)
 
 namespace {
-
-/// What a failed system call means for a port.
-Status meaning_of(int error, Status when_busy) {
-  switch (error) {
-    case EAGAIN:
-    case ENOBUFS:  // the interface's transmit queue is full
-    case EINTR:
-      return when_busy;
-    case EINVAL:
-    case EMSGSIZE:
-      return Status::malformed;
-    default:
-      return Status::disconnected;
-  }
-}
 
 can_frame to_kernel(const CanFrame& frame) {
   can_frame k{};
@@ -101,7 +87,7 @@ Status SocketCan::send(const CanFrame& frame) noexcept {
     ++counters_.sent;
     return Status::ok;
   }
-  const Status status = meaning_of(errno, Status::full);
+  const Status status = meaning_of_can_error(errno, Status::full);
   if (status == Status::full) ++counters_.tx_refused;
   return status;
 }
@@ -117,7 +103,7 @@ Status SocketCan::receive(CanFrame& frame) noexcept {
   message.msg_control = control;
   message.msg_controllen = sizeof control;
   const ssize_t taken = ::recvmsg(descriptor_, &message, MSG_DONTWAIT);
-  if (taken < 0) return meaning_of(errno, Status::empty);
+  if (taken < 0) return meaning_of_can_error(errno, Status::empty);
   if (taken == 0) return Status::disconnected;
   if (taken != static_cast<ssize_t>(sizeof k) || (message.msg_flags & MSG_TRUNC) != 0)
     return Status::malformed;

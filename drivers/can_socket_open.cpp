@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Opening a SocketCAN port: start-up code, with a cure for everything that usually goes wrong.
-#include "drivers/can_socket.hpp"
+#include "drivers/can_socket_open.hpp"
 
 #if defined(__linux__)
 #include <linux/can.h>
@@ -100,10 +100,40 @@ Status bind_to(int descriptor, const std::string& name, std::string& problem) {
   return Status::ok;
 }
 
+// Bound sockets only: asks the interface, and tells the socket.
+bool carries_fd(int descriptor, const std::string& name, std::string& problem) {
+  ifreq request{};
+  std::memcpy(request.ifr_name, name.c_str(), name.size() + 1);
+  if (::ioctl(descriptor, SIOCGIFMTU, &request) != 0 || request.ifr_mtu < static_cast<int>(CANFD_MTU)) {
+    problem = "SocketCAN: interface '" + name +
+              "' carries no CAN FD frames; where its controller can, ip link set " + name +
+              " down, then ip link set " + name +
+              " up type can bitrate 500000 dbitrate 2000000 fd on; a virtual one: ip link set " + name +
+              " mtu 72 while it is down";
+    return false;
+  }
+  const int on = 1;
+  return set(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on, "CAN FD frames", problem);
+}
+
 }  // namespace
 
-Status SocketCan::open(const SocketCanConfig& config, std::string& problem) {
-  close();
+Status meaning_of_can_error(int error, Status when_busy) noexcept {
+  switch (error) {
+    case EAGAIN:
+    case ENOBUFS:  // the interface's transmit queue is full
+    case EINTR:
+      return when_busy;
+    case EINVAL:
+    case EMSGSIZE:
+      return Status::malformed;
+    default:
+      return Status::disconnected;
+  }
+}
+
+Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
+                       std::string& problem) {
   Guard guard{::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)};
   if (guard.descriptor < 0) {
     const int error = errno;
@@ -119,8 +149,18 @@ Status SocketCan::open(const SocketCanConfig& config, std::string& problem) {
   if (!set_options(guard.descriptor, config, problem)) return Status::disconnected;
   const Status bound = bind_to(guard.descriptor, config.interface, problem);
   if (bound != Status::ok) return bound;
-  adopt(guard.release(), config.epoch_ns);
+  if (kind == CanSocketKind::fd && !carries_fd(guard.descriptor, config.interface, problem))
+    return Status::not_supported;
+  descriptor = guard.release();
   return Status::ok;
+}
+
+Status SocketCan::open(const SocketCanConfig& config, std::string& problem) {
+  close();
+  int descriptor = -1;
+  const Status status = open_can_socket(config, CanSocketKind::classical, descriptor, problem);
+  if (status == Status::ok) adopt(descriptor, config.epoch_ns);
+  return status;
 }
 
 #else

@@ -36,8 +36,12 @@ Status CandumpReader::fail(const CandumpFault& fault) {
   return Status::malformed;
 }
 
-Status CandumpReader::next(CandumpRecord& record) {
-  char text[kCandumpMaxLine + 2];
+Status CandumpReader::next(CandumpRecord& record) { return next_of(record); }
+Status CandumpReader::next(CandumpFdRecord& record) { return next_of(record); }
+
+template <class Record>
+Status CandumpReader::next_of(Record& record) {
+  char text[kCandumpFdMaxLine + 2];
   for (;;) {
     file_.getline(text, sizeof text);
     const auto taken = static_cast<std::size_t>(file_.gcount());
@@ -55,7 +59,7 @@ Status CandumpReader::next(CandumpRecord& record) {
       file_.clear();
       file_.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
       return fail(
-          {"the line is longer than 127 characters", "is this a candump log? they are made by candump -l"});
+          {"the line is longer than 191 characters", "is this a candump log? they are made by candump -l"});
     }
     const std::string_view line(text, taken - 1);
     if (line.empty() || line == "\r") continue;
@@ -76,9 +80,13 @@ CandumpWriter::CandumpWriter(const std::string& path, CandumpDigits digits) : di
 }
 
 Status CandumpWriter::write(const CanFrame& frame, std::string_view interface) {
-  char text[kCandumpMaxLine + 1];
+  return write(widened(frame), interface);
+}
+
+Status CandumpWriter::write(const CanFdFrame& frame, std::string_view interface) {
+  char text[kCandumpFdMaxLine + 1];
   const std::size_t length =
-      format_candump_line(frame, interface, digits_, std::span<char>(text, kCandumpMaxLine));
+      format_candump_line(frame, interface, digits_, std::span<char>(text, kCandumpFdMaxLine));
   if (length == 0) return Status::malformed;
   text[length] = '\n';
   if (!file_.write(text, static_cast<std::streamsize>(length + 1))) return Status::full;

@@ -40,21 +40,21 @@ class Sink {
   std::size_t used_{0};
 };
 
-bool writable(const CanFrame& frame, std::string_view interface) {
-  if (interface.empty() || interface.size() > 15 || frame.stamp_ns < 0 || frame.size > 8) return false;
-  if (!std::all_of(interface.begin(), interface.end(), [](char c) { return c > ' ' && c < '\x7f'; }))
-    return false;
+bool is_interface(std::string_view interface) {
+  return !interface.empty() && interface.size() <= 15 &&
+         std::all_of(interface.begin(), interface.end(), [](char c) { return c > ' ' && c < '\x7f'; });
+}
+
+bool writable(const CanFrame& frame) {
+  if (frame.stamp_ns < 0 || frame.size > 8) return false;
   if ((frame.flags & kCanError) != 0) return frame.flags == kCanError && frame.id <= kIdMask;
   if ((frame.flags & ~(kCanExtended | kCanRemote)) != 0) return false;
   return frame.id <= ((frame.flags & kCanExtended) != 0 ? kIdMask : 0x7FFu);
 }
 
-}  // namespace
-
-std::size_t format_candump_line(const CanFrame& frame, std::string_view interface, CandumpDigits digits,
-                                std::span<char> out) noexcept {
-  if (!writable(frame, interface)) return 0;
-  Sink line(out);
+// Time, interface and identifier.
+template <class Frame>
+void put_head(Sink& line, const Frame& frame, std::string_view interface, CandumpDigits digits) {
   const rt::Nanoseconds part = frame.stamp_ns % rt::kNanosecondsPerSecond;
   line.put('(');
   line.decimal(frame.stamp_ns / rt::kNanosecondsPerSecond, 10);
@@ -63,18 +63,42 @@ std::size_t format_candump_line(const CanFrame& frame, std::string_view interfac
   line.put(") ");
   line.put(interface);
   line.put(' ');
-  if (frame.flags == 0 || frame.flags == kCanRemote) {
+  if ((frame.flags & (kCanExtended | kCanError)) == 0) {
     line.hex(frame.id, 3);
   } else {
     line.hex(frame.id | ((frame.flags & kCanError) != 0 ? kErrorBit : 0u), 8);
   }
   line.put('#');
+}
+
+}  // namespace
+
+std::size_t format_candump_line(const CanFrame& frame, std::string_view interface, CandumpDigits digits,
+                                std::span<char> out) noexcept {
+  if (!is_interface(interface) || !writable(frame)) return 0;
+  Sink line(out);
+  put_head(line, frame, interface, digits);
   if ((frame.flags & kCanRemote) != 0) {
     line.put('R');
     if (frame.size != 0) line.put(static_cast<char>('0' + frame.size));
   } else {
     for (std::size_t i = 0; i < frame.size; ++i) line.hex(frame.data[i], 2);
   }
+  return line.length();
+}
+
+std::size_t format_candump_line(const CanFdFrame& frame, std::string_view interface, CandumpDigits digits,
+                                std::span<char> out) noexcept {
+  CanFrame classical;
+  if (narrowed(frame, classical) == Status::ok) return format_candump_line(classical, interface, digits, out);
+  if (!is_interface(interface) || frame.stamp_ns < 0 || !can_fd_frame_valid(frame)) return 0;
+  Sink line(out);
+  put_head(line, frame, interface, digits);
+  line.put('#');
+  line.hex(
+      ((frame.flags & kCanBitRateSwitch) != 0 ? 1u : 0u) | ((frame.flags & kCanErrorState) != 0 ? 2u : 0u),
+      1);
+  for (std::size_t i = 0; i < frame.size; ++i) line.hex(frame.data[i], 2);
   return line.length();
 }
 

@@ -74,7 +74,8 @@ bool parse_time(Cursor& line, rt::Nanoseconds& stamp_ns, CandumpFault& fault) {
   return true;
 }
 
-bool parse_interface(Cursor& line, CandumpRecord& record, CandumpFault& fault) {
+template <class Record>
+bool parse_interface(Cursor& line, Record& record, CandumpFault& fault) {
   static_cast<void>(line.take_while([](char c) { return c == ' '; }));
   const std::string_view name = line.take_while([](char c) { return c > ' ' && c < '\x7f'; });
   if (name.empty() || name.size() >= sizeof(record.interface) || !line.take(' ')) {
@@ -86,7 +87,8 @@ bool parse_interface(Cursor& line, CandumpRecord& record, CandumpFault& fault) {
   return true;
 }
 
-bool parse_id(Cursor& line, CanFrame& frame, CandumpFault& fault) {
+template <class Frame>
+bool parse_id(Cursor& line, Frame& frame, CandumpFault& fault) {
   const std::string_view digits = line.take_while([](char c) { return hex_digit(c) >= 0; });
   if (digits.size() != 3 && digits.size() != 8) {
     fault = {"the identifier does not have 3 or 8 hexadecimal digits",
@@ -109,7 +111,8 @@ bool parse_id(Cursor& line, CanFrame& frame, CandumpFault& fault) {
   return true;
 }
 
-bool parse_remote(Cursor& line, CanFrame& frame, CandumpFault& fault) {
+template <class Frame>
+bool parse_remote(Cursor& line, Frame& frame, CandumpFault& fault) {
   if ((frame.flags & kCanError) != 0) {
     fault = {"an error frame cannot be a remote frame", "clear bit 29 of the identifier or write its data"};
     return false;
@@ -125,15 +128,17 @@ bool parse_remote(Cursor& line, CanFrame& frame, CandumpFault& fault) {
   return false;
 }
 
-bool parse_data(Cursor& line, CanFrame& frame, CandumpFault& fault) {
+template <class Frame>
+bool parse_data(Cursor& line, Frame& frame, std::size_t most, CandumpFault& fault) {
   const std::string_view digits = line.take_while([](char c) { return hex_digit(c) >= 0; });
   if (digits.size() % 2 != 0) {
     fault = {"the data end in half a byte",
              "every byte has two hexadecimal digits; the line may have been cut off"};
     return false;
   }
-  if (digits.size() > 16) {
-    fault = {"there are more than 8 data bytes", "only classical CAN frames are read; remove this line"};
+  if (digits.size() > 2 * most) {
+    fault = {"there are more data bytes than the frame can have",
+             "a classical frame has 8 at most, a CAN FD frame (##) 64; remove this line"};
     return false;
   }
   frame.size = static_cast<std::uint8_t>(digits.size() / 2);
@@ -143,18 +148,42 @@ bool parse_data(Cursor& line, CanFrame& frame, CandumpFault& fault) {
   return true;
 }
 
-bool parse_frame(Cursor& line, CanFrame& frame, CandumpFault& fault) {
+// What follows the second #.
+bool parse_fd(Cursor&, CanFrame&, CandumpFault& fault) {
+  fault = {"this is a CAN FD frame (##), and only classical CAN is read",
+           "remove the FD frames: grep -v '##' OLD > NEW"};
+  return false;
+}
+
+bool parse_fd(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
+  const int flags = hex_digit(line.peek());
+  if ((frame.flags & kCanError) != 0 || flags < 0 || flags > 3) {
+    fault = {"a CAN FD frame has a digit of flags behind ##, 0 to 3, and is no error frame",
+             "it reads 123##1AABB: 1 for a bit rate switch, 2 for error state"};
+    return false;
+  }
+  static_cast<void>(line.take(line.peek()));
+  if (!parse_data(line, frame, 64, fault)) return false;
+  if (can_fd_size(frame.size) != frame.size) {
+    fault = {"no CAN FD frame has so many data bytes",
+             "it has 0 to 8, 12, 16, 20, 24, 32, 48 or 64; the line may have been cut off"};
+    return false;
+  }
+  const unsigned more = kCanFd | ((flags & 1) != 0 ? unsigned{kCanBitRateSwitch} : 0u) |
+                        ((flags & 2) != 0 ? unsigned{kCanErrorState} : 0u);
+  frame.flags = static_cast<std::uint8_t>(frame.flags | more);
+  return true;
+}
+
+template <class Frame>
+bool parse_frame(Cursor& line, Frame& frame, CandumpFault& fault) {
   if (!parse_id(line, frame, fault)) return false;
   if (!line.take('#')) {
     fault = {"there is no # behind the identifier", kFormCure};
     return false;
   }
-  if (line.peek() == '#') {
-    fault = {"this is a CAN FD frame (##), and only classical CAN is read",
-             "remove the FD frames: grep -v '##' OLD > NEW"};
-    return false;
-  }
-  return line.take('R') ? parse_remote(line, frame, fault) : parse_data(line, frame, fault);
+  if (line.take('#')) return parse_fd(line, frame, fault);
+  return line.take('R') ? parse_remote(line, frame, fault) : parse_data(line, frame, 8, fault);
 }
 
 bool parse_end(Cursor& line, CandumpFault& fault) {
@@ -165,17 +194,26 @@ bool parse_end(Cursor& line, CandumpFault& fault) {
   return false;
 }
 
-}  // namespace
-
-Status parse_candump_line(std::string_view line, CandumpRecord& record, CandumpFault& fault) noexcept {
+template <class Record>
+Status parse_line(std::string_view line, Record& record, CandumpFault& fault) {
   Cursor cursor(line);
-  CandumpRecord read;
+  Record read;
   if (!parse_time(cursor, read.frame.stamp_ns, fault) || !parse_interface(cursor, read, fault) ||
       !parse_frame(cursor, read.frame, fault) || !parse_end(cursor, fault)) {
     return Status::malformed;
   }
   record = read;
   return Status::ok;
+}
+
+}  // namespace
+
+Status parse_candump_line(std::string_view line, CandumpRecord& record, CandumpFault& fault) noexcept {
+  return parse_line(line, record, fault);
+}
+
+Status parse_candump_line(std::string_view line, CandumpFdRecord& record, CandumpFault& fault) noexcept {
+  return parse_line(line, record, fault);
 }
 
 }  // namespace sortie::drivers

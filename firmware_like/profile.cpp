@@ -69,6 +69,10 @@ void Profile::apply_override(const std::string& assignment) {
     throw ProfileError("--set " + assignment + ": write key=value, for example --set mapping.voxel_m=0.2");
   }
   const std::string path = assignment.substr(0, equals);
+  constexpr std::string_view kKeyCharacters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.";
+  if (path.find_first_not_of(kKeyCharacters) != std::string::npos)
+    throw ProfileError("--set " + assignment + ": a key has letters, digits, _ and -, and dots between");
   const std::string value = assignment.substr(equals + 1);
   toml::table parsed{{"value", value}};  // a bare word is a string
   try {

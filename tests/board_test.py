@@ -142,7 +142,7 @@ def mission():
 
 def trouble():
     """The other boot: frames under load, a runtime that is killed, drives that go."""
-    console = boot("trouble", "killed", "gone", "flood", "overrun", "storm", "tools")
+    console = boot("trouble", "killed", "gone", "flood", "fd", "overrun", "storm", "tools")
     if not (work / "trouble/flood/can0-can1.json").exists():
         return {}
     figures = {}
@@ -171,6 +171,10 @@ def trouble():
     counters = read("trouble", "gone", "run.json")["counters"]
     check(counters["canopen_drives_lost"] == 6 and counters["canopen_running"] == 0, "lost drives are counted", counters)
     figures["gone"] = {"quick stop after the last heartbeat [us]": round((stop - first) * 1e6)}
+    fd = read("trouble", "fd", "fd.json")
+    check(fd["received"] == FRAMES and fd["wrong"] == fd["heap_calls"] == 0, "CAN FD: every frame as it was sent, no heap", fd)
+    check(0 < fd["classical"] == fd["classical_received"] < FRAMES, "a classical port beside it has the classical frames alone", fd)
+    check("carries no CAN FD" in fd["without_fd"] and "mtu 72" in fd["without_fd"], "a bus without FD is refused with the cure", fd)
     check("BOARD-DONE overrun 0" in console, "frames that the kernel dropped are counted", console)
     figures["storm"] = storm()
     can_utils()

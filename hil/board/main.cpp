@@ -8,6 +8,7 @@
 
 #include "drivers/can_link.hpp"
 #include "hil/board/bus_jobs.hpp"
+#include "hil/board/fd_frames.hpp"
 #include "hil/board/flood.hpp"
 #include "hil/board/overrun.hpp"
 #include "hil/board/storm.hpp"
@@ -43,14 +44,17 @@ int main(int count, char** words) {
     return sortie::hil::flood(
         {arguments[2], arguments[3], whole_number(arguments[4]), whole_number(arguments[5])});
   }
+  if (command == "fd" && count == 5)
+    return sortie::hil::fd_frames(arguments[2], arguments[3], whole_number(arguments[4]));
   if (command == "overrun" && count == 4)
     return sortie::hil::overrun(arguments[2], whole_number(arguments[3]));
   if (command == "storm" && count == 5)
     return sortie::hil::storm({arguments[2], whole_number(arguments[3]), whole_number(arguments[4])});
-  std::fprintf(stderr,
-               "usage: sortie_board vcan NAME | bitrate NAME BITS_PER_S (0: off) | isolated NAME BITS_PER_S "
-               "PROGRAM ARG...\n"
-               "       | watch NAME FILE (until SIGTERM) | kill PROCESS | flood NEAR FAR FRAMES PER_MS\n"
-               "       | overrun NAME FRAMES | storm URL DATAGRAMS PER_MS\n");
+  std::fprintf(
+      stderr,
+      "usage: sortie_board vcan NAME | bitrate NAME BITS_PER_S (0: off) | isolated NAME BITS_PER_S "
+      "PROGRAM ARG...\n"
+      "       | watch NAME FILE (until SIGTERM) | kill PROCESS | flood NEAR FAR FRAMES PER_MS\n"
+      "       | fd NAME NAME_WITHOUT_FD FRAMES | overrun NAME FRAMES | storm URL DATAGRAMS PER_MS\n");
   return 2;
 }

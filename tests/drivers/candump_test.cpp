@@ -199,7 +199,7 @@ TEST_CASE("the reader names path and line, and goes on behind the damage") {
   REQUIRE(reader.next(record) == Status::ok);
   CHECK(record.frame.data[0] == 1);
   REQUIRE(reader.next(record) == Status::malformed);
-  CHECK_THAT(reader.problem(), Catch::Contains(", line 5: ") && Catch::Contains("longer than 127"));
+  CHECK_THAT(reader.problem(), Catch::Contains(", line 5: ") && Catch::Contains("longer than 191"));
   REQUIRE(reader.next(record) == Status::ok);
   CHECK(record.frame.data[0] == 2);
   CHECK(reader.line() == 6);

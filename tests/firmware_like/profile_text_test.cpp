@@ -47,3 +47,13 @@ TEST_CASE(
         "Gr\xc3\xbc\xc3\x9f"
         "e");
 }
+
+TEST_CASE("an override whose key no profile could have is refused") {
+  const std::string toml = "[scene]\nname = \"a\"\nvehicle = \"ugv\"\n";
+  // The first was found by fuzzing: such a key did not come back from the canonical text.
+  for (const char* assignment : {"\377l\010=", "a b=1", "a\"b=1", "gr\303\274n=1"}) {
+    INFO(assignment);
+    CHECK_THROWS_WITH(Profile(toml, "own.toml", {assignment}), Catch::Contains("a key has letters"));
+  }
+  CHECK_NOTHROW(Profile(toml, "own.toml", {"a.b_c-1=2"}));
+}

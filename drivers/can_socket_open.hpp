@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the ports for classical CAN and for CAN FD share. Internal to them.
+#pragma once
+
+#include <string>
+
+#include "drivers/can_socket.hpp"
+#include "rt/status.hpp"
+
+namespace sortie::drivers {
+
+/// Which frames a socket carries.
+enum class CanSocketKind : std::uint8_t { classical, fd };
+
+/// Opens and binds a raw socket that never blocks; as SocketCan::open. With `fd` also not_supported: the
+/// interface carries no FD frames. `descriptor` is the caller's from then on.
+[[nodiscard]] Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
+                                     std::string& problem);
+
+/// What a failed system call means for a port; `when_busy` where it would have to wait.
+[[nodiscard]] Status meaning_of_can_error(int error, Status when_busy) noexcept;
+
+}  // namespace sortie::drivers
