@@ -74,6 +74,7 @@ void Profile::apply_override(const std::string& assignment) {
   if (path.find_first_not_of(kKeyCharacters) != std::string::npos)
     throw ProfileError("--set " + assignment + ": a key has letters, digits, _ and -, and dots between");
   const std::string value = assignment.substr(equals + 1);
+  if (!is_utf8(value)) throw ProfileError("--set " + path + ": the value is not UTF-8");
   toml::table parsed{{"value", value}};  // a bare word is a string
   try {
     if (line_of_bare_non_ascii("value = " + value) == 0) parsed = toml::parse("value = " + value);

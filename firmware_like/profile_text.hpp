@@ -13,4 +13,8 @@ namespace sortie::firmware {
 /// memory.
 std::size_t line_of_bare_non_ascii(std::string_view toml);
 
+/// Whether the bytes are UTF-8: no stray or missing continuations, nothing longer than it need be, no
+/// surrogates, none beyond U+10FFFF. Linear, no memory.
+bool is_utf8(std::string_view text);
+
 }  // namespace sortie::firmware

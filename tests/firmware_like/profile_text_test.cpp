@@ -57,3 +57,16 @@ TEST_CASE("an override whose key no profile could have is refused") {
   }
   CHECK_NOTHROW(Profile(toml, "own.toml", {"a.b_c-1=2"}));
 }
+
+TEST_CASE("what is UTF-8 is told from what is not, and an override that is not is refused") {
+  for (const char* good : {"", "a", "\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
+                           "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"}) {
+    CHECK(is_utf8(good));
+  }
+  for (const char* bad : {"\x80", "\xc2", "\xc1\xbf", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xf0\x8f\xbf\xbf",
+                          "\xf4\x90\x80\x80", "\xf5", "a\xe2\x82", "\xe2\x28\xa1"}) {
+    CHECK_FALSE(is_utf8(bad));
+  }
+  CHECK_THROWS_WITH(Profile("[scene]\nname = \"a\"\nvehicle = \"ugv\"\n", "own.toml", {"66=\277"}),
+                    Catch::Contains("not UTF-8"));
+}
