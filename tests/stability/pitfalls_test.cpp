@@ -100,3 +100,18 @@ TEST_CASE("A pitfall that names a test that is not there is found") {
       "word |\n";
   CHECK(missing(row) == std::vector<std::string>{"a word", "no such case"});
 }
+
+TEST_CASE("The table in README is the one that its results page holds") {
+  const std::string results = contents(fs::path(SORTIE_SOURCE_DIR) / "docs/results/scene-builds.md");
+  std::istringstream lines(contents(fs::path(SORTIE_SOURCE_DIR) / "README.md"));
+  int rows = 0;
+  bool is_in_table = false;
+  for (std::string line; std::getline(lines, line);) {
+    is_in_table = line.rfind("| scene | bytes |", 0) == 0 || (is_in_table && line.rfind("|", 0) == 0);
+    if (!is_in_table) continue;
+    INFO(line);
+    CHECK(results.find(line + "\n") != std::string::npos);
+    ++rows;
+  }
+  CHECK(rows >= 10);
+}
