@@ -74,7 +74,12 @@ void Profile::apply_override(const std::string& assignment) {
   if (path.find_first_not_of(kKeyCharacters) != std::string::npos)
     throw ProfileError("--set " + assignment + ": a key has letters, digits, _ and -, and dots between");
   const std::string value = assignment.substr(equals + 1);
-  if (!is_utf8(value)) throw ProfileError("--set " + path + ": the value is not UTF-8");
+  const bool has_control = std::any_of(value.begin(), value.end(), [](char c) {
+    return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
+  });
+  if (has_control || !is_utf8(value))
+    throw ProfileError("--set " + path +
+                       ": the value is no line of UTF-8; write it without control characters");
   toml::table parsed{{"value", value}};  // a bare word is a string
   try {
     if (line_of_bare_non_ascii("value = " + value) == 0) parsed = toml::parse("value = " + value);

@@ -67,6 +67,9 @@ TEST_CASE("what is UTF-8 is told from what is not, and an override that is not i
                           "\xf4\x90\x80\x80", "\xf5", "a\xe2\x82", "\xe2\x28\xa1"}) {
     CHECK_FALSE(is_utf8(bad));
   }
-  CHECK_THROWS_WITH(Profile("[scene]\nname = \"a\"\nvehicle = \"ugv\"\n", "own.toml", {"66=\277"}),
-                    Catch::Contains("not UTF-8"));
+  for (const char* assignment : {"66=\277", "Q=\np6=\t#", "a=\x7f"}) {  // the first two were found by fuzzing
+    INFO(assignment);
+    CHECK_THROWS_WITH(Profile("[scene]\nname = \"a\"\nvehicle = \"ugv\"\n", "own.toml", {assignment}),
+                      Catch::Contains("no line of UTF-8"));
+  }
 }
