@@ -25,7 +25,8 @@ Nanoseconds measure_start_lead(unsigned threads, bool realtime) {
     probe.join();
     slowest = std::max(slowest, ready - begin);
   }
-  return std::min(kLeast + 4 * slowest * static_cast<Nanoseconds>(threads), kMost);
+  const Nanoseconds least_each = realtime ? 150 * kNanosecondsPerMillisecond : 0;
+  return std::min(kLeast + std::max(4 * slowest, least_each) * static_cast<Nanoseconds>(threads), kMost);
 }
 
 }  // namespace sortie::rt::posix

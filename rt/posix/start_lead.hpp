@@ -15,10 +15,11 @@ inline constexpr std::size_t kPaintedStackBytes = std::size_t{256} * 1024;
 /// Stack of each thread of a run whose memory is locked.
 inline constexpr std::size_t kThreadStackBytes = std::size_t{1024} * 1024;
 
-/// Time from now within which `threads` threads are made, one after the other, and are ready: 100 ms, and
-/// four times the slowest of three threads like them, which are started and ended here, for each; 5 s at
-/// most. With `realtime` each touches the stack that a worker touches. Not for the real-time path. Throws
-/// std::system_error when no thread can be made.
+/// Time from now within which `threads` threads are made, one after the other, and are ready: 100 ms, and for
+/// each four times the slowest of three threads like them, which are started and ended here; 5 s at most.
+/// With `realtime` each touches the stack that a worker touches, and has 150 ms at least: buffers that are
+/// made meanwhile are cleared and locked before their owner gets on, which no thread on trial shows. Not for
+/// the real-time path. Throws std::system_error when no thread can be made.
 Nanoseconds measure_start_lead(unsigned threads, bool realtime);
 
 }  // namespace sortie::rt::posix
