@@ -8,7 +8,13 @@ namespace sortie::firmware {
 namespace {
 
 constexpr PartSize kPartSizes[] = {
-    {"ugv_hall", "", 2795354},
+    {"uav_corridor", "", 2739370},
+    {"uav_corridor", "path", 2602675},
+    {"ugv_hall", "", 2951065},
+    {"ugv_hall", "drive", 2809455},
+    {"ugv_hall", "map", 2688197},
+    {"ugv_hall", "segment_lists", 2936189},
+    {"ugv_hall", "segments", 2883333},
 };
 
 }  // namespace
