@@ -13,7 +13,6 @@
 #include <cstring>
 
 #include "drivers/can_socket_open.hpp"
-#include "drivers/kernel_stamp.hpp"
 #endif
 
 namespace sortie::drivers {
@@ -129,21 +128,12 @@ Status CanFdSocket::send(const CanFdFrame& frame) noexcept {
 Status CanFdSocket::receive(CanFdFrame& frame) noexcept {
   if (descriptor_ < 0) return Status::disconnected;
   canfd_frame k{};
-  iovec data{&k, sizeof k};
-  alignas(cmsghdr) char control[kKernelNoteBytes];
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = control;
-  message.msg_controllen = sizeof control;
-  const ssize_t taken = ::recvmsg(descriptor_, &message, MSG_DONTWAIT);
-  if (taken < 0) return meaning_of_can_error(errno, Status::empty);
-  if (taken == 0) return Status::disconnected;
-  const bool is_fd = taken == static_cast<ssize_t>(CANFD_MTU);
-  const bool is_frame =
-      (is_fd || taken == static_cast<ssize_t>(CAN_MTU)) && (message.msg_flags & MSG_TRUNC) == 0;
-  if (!is_frame || k.len > (is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN)) return Status::malformed;
-  const KernelNote note = read_kernel_note(message);
+  const CanPacket packet = take_can_packet(descriptor_, &k, sizeof k);
+  if (packet.status != Status::ok) return packet.status;
+  const bool is_fd = packet.bytes == CANFD_MTU;
+  if ((!is_fd && packet.bytes != CAN_MTU) || k.len > (is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN))
+    return Status::malformed;
+  const KernelNote& note = packet.note;
   if (note.counts_overruns) {
     counters_.rx_overrun += static_cast<std::uint32_t>(note.overruns - kernel_overruns_);  // the total wraps
     kernel_overruns_ = note.overruns;

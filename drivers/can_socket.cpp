@@ -13,8 +13,6 @@
 
 #include <cerrno>
 #include <cstring>
-
-#include "drivers/kernel_stamp.hpp"
 #endif
 
 namespace sortie::drivers {
@@ -95,19 +93,10 @@ Status SocketCan::send(const CanFrame& frame) noexcept {
 Status SocketCan::receive(CanFrame& frame) noexcept {
   if (descriptor_ < 0) return Status::disconnected;
   can_frame k{};
-  iovec data{&k, sizeof k};
-  alignas(cmsghdr) char control[kKernelNoteBytes];
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = control;
-  message.msg_controllen = sizeof control;
-  const ssize_t taken = ::recvmsg(descriptor_, &message, MSG_DONTWAIT);
-  if (taken < 0) return meaning_of_can_error(errno, Status::empty);
-  if (taken == 0) return Status::disconnected;
-  if (taken != static_cast<ssize_t>(sizeof k) || (message.msg_flags & MSG_TRUNC) != 0)
-    return Status::malformed;
-  const KernelNote note = read_kernel_note(message);
+  const CanPacket packet = take_can_packet(descriptor_, &k, sizeof k);
+  if (packet.status != Status::ok) return packet.status;
+  if (packet.bytes != sizeof k) return Status::malformed;
+  const KernelNote& note = packet.note;
   if (note.counts_overruns) note_overruns(note.overruns);
   frame = from_kernel(k);
   frame.stamp_ns = note.stamp_ns - epoch_ns_;

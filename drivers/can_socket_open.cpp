@@ -132,6 +132,29 @@ Status meaning_of_can_error(int error, Status when_busy) noexcept {
   }
 }
 
+CanPacket take_can_packet(int descriptor, void* to, std::size_t room) noexcept {
+  CanPacket packet;
+  iovec data{to, room};
+  alignas(cmsghdr) char control[kKernelNoteBytes];
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  const ssize_t taken = ::recvmsg(descriptor, &message, MSG_DONTWAIT);
+  if (taken < 0) {
+    packet.status = meaning_of_can_error(errno, Status::empty);
+  } else if (taken == 0) {
+    packet.status = Status::disconnected;
+  } else if ((message.msg_flags & MSG_TRUNC) != 0) {
+    packet.status = Status::malformed;
+  } else {
+    packet.bytes = static_cast<std::size_t>(taken);
+    packet.note = read_kernel_note(message);
+  }
+  return packet;
+}
+
 Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
                        std::string& problem) {
   Guard guard{::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)};

@@ -6,6 +6,9 @@
 
 #include "drivers/can_socket.hpp"
 #include "rt/status.hpp"
+#if defined(__linux__)
+#include "drivers/kernel_stamp.hpp"
+#endif
 
 namespace sortie::drivers {
 
@@ -19,5 +22,17 @@ enum class CanSocketKind : std::uint8_t { classical, fd };
 
 /// What a failed system call means for a port; `when_busy` where it would have to wait.
 [[nodiscard]] Status meaning_of_can_error(int error, Status when_busy) noexcept;
+
+#if defined(__linux__)
+/// What came out of a socket.
+struct CanPacket {
+  Status status{};  ///< ok; empty; disconnected; malformed: cut off
+  std::size_t bytes{};
+  KernelNote note;
+};
+
+/// Takes one packet of at most `room` bytes, without waiting.
+[[nodiscard]] CanPacket take_can_packet(int descriptor, void* to, std::size_t room) noexcept;
+#endif
 
 }  // namespace sortie::drivers
