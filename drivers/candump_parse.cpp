@@ -137,7 +137,7 @@ bool parse_data(Cursor& line, Frame& frame, std::size_t most, CandumpFault& faul
     return false;
   }
   if (digits.size() > 2 * most) {
-    fault = {"there are more data bytes than the frame can have",
+    fault = {most == 8 ? "there are more than 8 data bytes" : "there are more than 64 data bytes",
              "a classical frame has 8 at most, a CAN FD frame (##) 64; remove this line"};
     return false;
   }

@@ -7,6 +7,7 @@ namespace sortie::firmware {
 
 namespace {
 
+// clang-format off
 constexpr PartSize kPartSizes[] = {
     {"uav_corridor", "", 2739370},
     {"uav_corridor", "path", 2602675},
@@ -16,6 +17,7 @@ constexpr PartSize kPartSizes[] = {
     {"ugv_hall", "segment_lists", 2936189},
     {"ugv_hall", "segments", 2883333},
 };
+// clang-format on
 
 }  // namespace
 

@@ -61,8 +61,9 @@ void Ugv::add_odometry_counters(VehicleBuilder& builder) {
 
 void Ugv::add_odometry_state(VehicleBuilder& builder, rt::GroupId group) {
   const rt::TaskBase* task = builder.task<OdometryState>(
-      group, "odometry_state", 10,
-      [this](rt::JobContext&, OdometryState& output) { output = odometry_state(*odometry_, attitude_->estimate(), attitude_->counters()); });
+      group, "odometry_state", 10, [this](rt::JobContext&, OdometryState& output) {
+        output = odometry_state(*odometry_, attitude_->estimate(), attitude_->counters());
+      });
   builder.remembers(task);  // it only looks at what the other two remember
 }
 
