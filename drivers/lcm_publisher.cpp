@@ -9,6 +9,7 @@
 #include <system_error>
 #include <thread>
 
+#include "rt/posix/clock.hpp"
 #include "rt/posix/realtime.hpp"
 
 namespace sortie::drivers {
@@ -70,6 +71,7 @@ LcmPublisher::LcmPublisher(const LcmPublisherConfig& config) : config_(config) {
       rt::posix::set_thread_name("lcm-publisher");
       while (!network_->stop.load(std::memory_order_acquire)) {
         send_waiting();
+        cpu_ns_.store(rt::posix::thread_cpu_now(), std::memory_order_relaxed);
         std::this_thread::sleep_for(kPoll);
       }
       send_waiting();
@@ -133,6 +135,11 @@ void LcmPublisher::send_waiting() noexcept {
     (sent ? published_ : send_errors_).add();
     static_cast<void>(free_.try_push(ready.slot));
   }
+}
+
+std::size_t LcmPublisher::bytes_for(const LcmPublisherConfig& config) noexcept {
+  const std::size_t slot = config.slot_bytes + sizeof(std::uint32_t) + sizeof(Ready);
+  return sizeof(LcmPublisher) + rt::ring_capacity_for(config.slots) * slot;
 }
 
 LcmPublisherCounters LcmPublisher::counters() const noexcept {

@@ -66,6 +66,10 @@ class LcmPublisher {
   }
 
   [[nodiscard]] LcmPublisherCounters counters() const noexcept;
+  /// Processor time of the sending thread up to its newest round [ns]. Any thread.
+  [[nodiscard]] std::int64_t cpu_ns() const noexcept { return cpu_ns_.load(std::memory_order_relaxed); }
+  /// Memory of a publisher that is on; what liblcm takes for itself is not in it.
+  [[nodiscard]] static std::size_t bytes_for(const LcmPublisherConfig& config) noexcept;
 
  private:
   struct Ready {
@@ -95,6 +99,7 @@ class LcmPublisher {
   rt::SpscSpanRing<Ready> ready_;         // caller -> sender: messages that wait
   bool have_reserved_{};
   std::uint32_t reserved_{};
+  std::atomic<std::int64_t> cpu_ns_{0};
   Count published_, dropped_, refused_, send_errors_;
   std::unique_ptr<Network> network_;
 };

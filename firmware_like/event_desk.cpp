@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware_like/live_events.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -34,7 +35,7 @@ void EventDesk::write(const drivers::EventRecord& record, rt::Nanoseconds now_ns
   std::size_t size = 0;
   if (drivers::encode(record, message, size) == Status::ok)
     recorder_.sample(std::string(drivers::kChannelEvent), now_ns, {message.data(), size});
-  telemetry_.tell(record);
+  if (rt::kBuilt<rt::Part::telemetry> && telemetry_ != nullptr) telemetry_->tell(record);
   ring_.event(now_ns, static_cast<rt::Tick>(record.tick), record.text);
   ++count;
 }

@@ -13,7 +13,7 @@ namespace sortie::firmware {
 /// Events of the workers and the supervisor, on their way to the log, to telemetry and to the closing table.
 class EventDesk {
  public:
-  EventDesk(const Runtime& runtime, FlightRecorder& recorder, Telemetry& telemetry, RunFlightRing& ring,
+  EventDesk(const Runtime& runtime, FlightRecorder& recorder, Telemetry* telemetry, RunFlightRing& ring,
             rt::Nanoseconds utc_minus_run_ns)
       : runtime_(runtime),
         recorder_(recorder),
@@ -34,7 +34,7 @@ class EventDesk {
 
   const Runtime& runtime_;
   FlightRecorder& recorder_;
-  Telemetry& telemetry_;
+  Telemetry* telemetry_;  // null: nobody is told
   RunFlightRing& ring_;
   rt::Nanoseconds utc_minus_run_ns_;
 };

@@ -5,6 +5,9 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "firmware_like/scene_parts.hpp"
+#include "rt/posix/clock.hpp"
+
 namespace sortie::firmware {
 
 FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& options,
@@ -20,11 +23,20 @@ FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& op
   missed_.resize(executive.group_count());
   whole_.resize(executive.group_count());
   if (options.path.empty()) return;
-  writer_ = std::make_unique<drivers::LcmLogWriter>(options.path);
+  if (!rt::kBuilt<rt::Part::recorder> || !runtime.outlets().recorder)
+    throw ProfileError(rt::kBuilt<rt::Part::recorder>
+                           ? "live.recorder = false in " + runtime.profile().name() +
+                                 ": it is not recorded; leave out --record, or take --set live.recorder=true"
+                           : not_in_this_build("recorder", runtime.profile().name()));
+  if constexpr (rt::kBuilt<rt::Part::recorder>) open_log(header);
+}
+
+void FlightRecorder::open_log(const drivers::LogHeader& header) {
+  writer_ = std::make_unique<drivers::LcmLogWriter>(options_.path, kLogBufferBytes);
   buffer_.resize(drivers::encoded_bytes(header) + sizeof(rt::JobRecord) + 1024);
   std::size_t size = 0;
   if (drivers::encode(header, buffer_, size) != Status::ok) {
-    throw std::runtime_error(options.path +
+    throw std::runtime_error(options_.path +
                              ": the log's header cannot be encoded; a text in the profile holds a zero byte");
   }
   append(drivers::kChannelHeader, header.epoch_ns / 1000, {buffer_.data(), size});
@@ -32,6 +44,14 @@ FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& op
 }
 
 FlightRecorder::~FlightRecorder() { stop(); }
+
+std::size_t FlightRecorder::bytes_for(const Runtime& runtime, bool has_log) {
+  const rt::Executive& executive = runtime.executive();
+  const std::size_t queues =
+      executive.group_count() * RecorderOptions{}.jobs_per_group * sizeof(rt::JobRecord);
+  const std::size_t histograms = executive.task_count() * sizeof(rt::LatencyHistogram);
+  return sizeof(FlightRecorder) + queues + histograms + (has_log ? kLogBufferBytes : 0);
+}
 
 void FlightRecorder::job(const rt::JobRecord& record) {
   if (!rings_[record.group]->try_push(record)) lost_jobs_.fetch_add(1, std::memory_order_relaxed);
@@ -173,6 +193,7 @@ void FlightRecorder::start() {
       if (writer_ && round % 200 == 0) static_cast<void>(writer_->start_writeback());  // about once a second
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+    cpu_ns_.store(rt::posix::thread_cpu_now(), std::memory_order_relaxed);
   });
 }
 

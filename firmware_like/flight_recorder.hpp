@@ -16,6 +16,7 @@
 #include "drivers/wire_telemetry.hpp"
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/input_port.hpp"
+#include "firmware_like/owned_part.hpp"
 #include "firmware_like/runtime.hpp"
 #include "rt/spsc_ring.hpp"
 
@@ -34,7 +35,8 @@ struct RecorderOptions {
 /// of its own writes. What does not fit is lost, counted, and said in the log as a GAP.
 class FlightRecorder final : public SampleSink {
  public:
-  /// Opens the log and writes its header. Throws std::runtime_error when the file cannot be made.
+  /// Opens the log and writes its header. Throws std::runtime_error when the file cannot be made,
+  /// ProfileError when the scene or this build has no recorder and a log is asked for.
   FlightRecorder(const Runtime& runtime, const RecorderOptions& options, const drivers::LogHeader& header);
   ~FlightRecorder() override;
 
@@ -53,6 +55,10 @@ class FlightRecorder final : public SampleSink {
   /// Without the thread: writes what waits now. For runs on a virtual clock.
   void drain();
 
+  /// Memory of a recorder with the usual queues, beside or without a log.
+  static std::size_t bytes_for(const Runtime& runtime, bool has_log);
+  /// Processor time of the writing thread; 0 until stop().
+  rt::Nanoseconds cpu_ns() const { return cpu_ns_.load(); }
   /// Timing of each task so far, in table order. Any thread.
   std::vector<drivers::TaskTiming> timings() const;
   std::uint64_t lost_jobs() const { return lost_jobs_.load(); }
@@ -69,6 +75,9 @@ class FlightRecorder final : public SampleSink {
     std::vector<std::uint8_t> bytes;
   };
 
+  static constexpr std::size_t kLogBufferBytes = std::size_t{1} << 20;
+
+  void open_log(const drivers::LogHeader& header);
   void job(const rt::JobRecord& record);
   void write_job(const rt::JobRecord& record);
   void write_gap(rt::Tick tick, std::uint64_t lost, const char* reason);
@@ -77,7 +86,7 @@ class FlightRecorder final : public SampleSink {
 
   const Runtime& runtime_;
   RecorderOptions options_;
-  std::unique_ptr<drivers::LcmLogWriter> writer_;
+  OwnedPart<drivers::LcmLogWriter, rt::Part::recorder> writer_;  // null: no log
   std::vector<std::unique_ptr<rt::JobRecord[]>> slots_;
   std::vector<std::unique_ptr<rt::SpscSpanRing<rt::JobRecord>>> rings_;
   std::vector<std::vector<rt::LatencyHistogram>> histograms_;  // by group, by task
@@ -99,6 +108,7 @@ class FlightRecorder final : public SampleSink {
   std::atomic<std::uint64_t> lost_samples_{};
   std::uint64_t reported_jobs_{};
   std::uint64_t reported_samples_{};
+  std::atomic<rt::Nanoseconds> cpu_ns_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -54,6 +54,10 @@ bool takes_channel(const Runtime& runtime, std::string_view channel) {
                      [channel](const auto& port) { return port->channel() == channel; });
 }
 
+std::uint64_t microseconds_of(rt::Nanoseconds ns) {
+  return static_cast<std::uint64_t>(ns / rt::kNanosecondsPerMicrosecond);
+}
+
 struct RunClock {
   rt::Nanoseconds start_ns;
 };
@@ -145,8 +149,12 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   const std::uint64_t heap_before = heap.calls != nullptr ? heap.calls() : 0;
   const auto length = std::llround(options.seconds * 1e9 / static_cast<double>(executive.base_tick_ns()));
   const auto last = static_cast<rt::Tick>(std::max(length, 1LL) - 1);  // one tick at least
-  Telemetry telemetry(runtime, recorder, parameters, options.lcm_url, utc_minus_run);
-  if (!telemetry.problem().empty()) warnings.push_back(telemetry.problem());
+  OwnedPart<Telemetry, rt::Part::telemetry> telemetry;
+  if constexpr (rt::kBuilt<rt::Part::telemetry>) {
+    if (runtime.outlets().telemetry)
+      telemetry = std::make_unique<Telemetry>(runtime, recorder, parameters, options.lcm_url, utc_minus_run);
+  }
+  if (telemetry && !telemetry->problem().empty()) warnings.push_back(telemetry->problem());
   warnings.insert(warnings.end(), ring.warnings().begin(), ring.warnings().end());
   if (!doctor.warning().empty()) warnings.push_back(doctor.warning());
   if (const std::string tight = unit_warning(trial); !tight.empty()) warnings.push_back(tight);
@@ -163,13 +171,13 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     ticks = run_in_virtual_time(runtime, surroundings, recorder, parameters, options, last);
   } else {
     recorder.start();
-    telemetry.start();
-    EventDesk desk(runtime, recorder, telemetry, ring, utc_minus_run);
+    if (telemetry) telemetry->start();
+    EventDesk desk(runtime, recorder, telemetry.get(), ring, utc_minus_run);
     if (!ring.before_this().empty()) desk.tell("run_before", "run", ring.before_this(), 0);
     live =
         run_in_real_time({runtime, surroundings, parameters, recorder, desk}, options, clock.start_ns, last);
     ticks = live.ticks;
-    telemetry.stop();
+    if (telemetry) telemetry->stop();
     if (options.require_realtime && !live.warnings.empty()) throw RealtimeRefused(live.warnings.front());
     warnings.insert(warnings.end(), live.warnings.begin(), live.warnings.end());
     if (!live.late_start.empty()) warnings.push_back(live.late_start);
@@ -220,8 +228,14 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   results.counters["log_bytes"] = recorder.bytes();
   results.counters["log_lost_jobs"] = recorder.lost_jobs();
   results.counters["log_lost_samples"] = recorder.lost_samples();
-  results.counters["lcm_published"] = telemetry.counters().published;
-  results.counters["lcm_dropped"] = telemetry.counters().dropped;
+  if (telemetry) {
+    results.counters["lcm_published"] = telemetry->counters().published;
+    results.counters["lcm_dropped"] = telemetry->counters().dropped;
+  }
+  if (!options.virtual_time) {  // what telling the outside cost, on ordinary threads
+    results.counters["recorder_cpu_us"] = microseconds_of(recorder.cpu_ns());
+    if (telemetry) results.counters["telemetry_cpu_us"] = microseconds_of(telemetry->cpu_ns());
+  }
   if (!runtime.parts().parameters().all.empty())
     add_counters("parameters_", parameters.counters(), results.counters);
   if (const drivers::LcmReceiverCounters* network = parameters.network(); network != nullptr) {

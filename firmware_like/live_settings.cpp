@@ -46,4 +46,13 @@ rt::posix::LiveOptions read_live_settings(Profile& profile) {
   return live;
 }
 
+RunOutlets read_run_outlets(Profile& profile) {
+  RunOutlets outlets;
+  outlets.telemetry = profile.flag("live.telemetry", true,
+                                   "a live run tells over LCM what it does; parameters and requests that "
+                                   "come over LCM do not need it");
+  outlets.recorder = profile.flag("live.recorder", true, "runs and replays of this scene can be recorded");
+  return outlets;
+}
+
 }  // namespace sortie::firmware

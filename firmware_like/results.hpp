@@ -92,7 +92,8 @@ struct Results {
   std::string machine;
   std::string compiler;
   std::string profile_hash;           ///< of the profile with its overrides, hex
-  std::vector<std::string> left_out;  ///< tasks that the vehicle could have and the scene does without
+  std::vector<std::string> left_out;  ///< what the vehicle could have and the scene does without: tasks, and
+                                      ///< what tells the outside
   std::vector<std::string> warnings;
   DoctorReport doctor;  ///< of the machine whose times these are; not present: nobody looked
 };

@@ -103,6 +103,7 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
   const auto tick_us = profile_.integer("time.base_tick_us", {1000, 50, 1e6, "us", "length of a tick"});
   const InitialPose initial = read_initial(profile_, start);
   live_settings_ = read_live_settings(profile_);
+  outlets_ = read_run_outlets(profile_);
   arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(memory, bytes));
   executive_ =
       std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);
@@ -214,6 +215,8 @@ Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
   results.compiler = compiler_description();
   results.profile_hash = hex(runtime.profile().hash());
   results.left_out = runtime.parts().left_out();
+  if (!runtime.outlets().telemetry) results.left_out.emplace_back("telemetry");
+  if (!runtime.outlets().recorder) results.left_out.emplace_back("recorder");
   for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
     const rt::TaskBase& task = executive.task(i);
     const rt::Group& group = executive.group(task.group());

@@ -56,6 +56,8 @@ class Runtime {
   const InitialPose& initial_pose() const { return builder_->initial_pose(); }
   /// How the scene wants its live runs treated.
   const rt::posix::LiveOptions& live_settings() const { return live_settings_; }
+  /// What its runs give to the outside.
+  const RunOutlets& outlets() const { return outlets_; }
   /// The declared table with its verdict, and the chains through it with their bounds.
   const ScheduleCheck& schedule() const { return schedule_; }
   const std::vector<DeclaredChain>& chains() const { return chains_; }
@@ -86,6 +88,7 @@ class Runtime {
 
   Profile profile_;
   rt::posix::LiveOptions live_settings_;
+  RunOutlets outlets_;
   ScheduleCheck schedule_;
   std::vector<DeclaredChain> chains_;
   BusCheck bus_;

@@ -59,6 +59,10 @@ constexpr ScenePart kParts[] = {
      "flight_map.source=given", "", "SCAN", Part::sensed_map},
     {"parameters", "numbers may change while a run goes on", "", "", "tasks.parameters.enabled", "", "yes",
      "tasks.parameters.enabled=false", "", "", Part::count},
+    {"telemetry", "a live run tells over LCM what it does", "", "", "live.telemetry", "", "yes",
+     "live.telemetry=false", "live.telemetry=true", "", Part::telemetry},
+    {"recorder", "a run can be recorded", "", "", "live.recorder", "", "yes", "live.recorder=false",
+     "live.recorder=true", "", Part::recorder},
 };
 
 constexpr bool is_among(std::string_view word, std::string_view words) {
@@ -115,20 +119,53 @@ std::vector<const ScenePart*> parts_of(const Profile& profile) {
   return parts;
 }
 
+std::string joined_names(const std::vector<const ScenePart*>& parts) {
+  std::string names;
+  for (const ScenePart* part : parts) names += (names.empty() ? "" : "+") + std::string(part->name);
+  return names;
+}
+
 std::vector<std::string> overrides_without(const ScenePart& part) {
-  std::vector<std::string> overrides = words_of(part.without);
+  return overrides_without(std::vector<const ScenePart*>{&part});
+}
+
+std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& parts) {
+  std::vector<std::string> overrides;
+  for (const ScenePart* part : parts) {
+    const std::vector<std::string> words = words_of(part->without);
+    overrides.insert(overrides.end(), words.begin(), words.end());
+  }
   overrides.emplace_back("scene.unknown_keys=ignore");  // what the part alone knows stays in the profile
   return overrides;
 }
 
 std::vector<std::string> overrides_with(const ScenePart& part) { return words_of(part.with); }
 
+namespace {
+
+// What only refines its parent goes with it; what has a task of its own needs it.
+bool has_task(const ScenePart& part) {
+  return part.code != Part::count && std::string_view(part.key).rfind("tasks.", 0) == 0;
+}
+
+}  // namespace
+
+std::vector<const ScenePart*> with_dependants(const ScenePart& part,
+                                              const std::vector<const ScenePart*>& present) {
+  std::vector<const ScenePart*> all{&part};
+  for (const ScenePart* other : present) {  // parents come before children
+    const bool stands_on = std::any_of(all.begin(), all.end(), [other](const ScenePart* gone) {
+      return std::string_view(other->parent) == gone->name;
+    });
+    if (stands_on && has_task(*other)) all.push_back(other);
+  }
+  return all;
+}
+
 std::string why_needed(const ScenePart& part, const std::vector<const ScenePart*>& present) {
   std::string users;
   for (const ScenePart* other : present) {
-    // What only refines its parent goes with it; what has a task of its own needs it.
-    const bool has_task = other->code != Part::count && std::string_view(other->key).rfind("tasks.", 0) == 0;
-    if (std::string_view(other->parent) != part.name || !has_task) continue;
+    if (std::string_view(other->parent) != part.name || !has_task(*other)) continue;
     users += (users.empty() ? "" : ", ") + std::string(other->name);
   }
   return users.empty() ? "" : std::string(part.name) + " is needed by " + users + ": leave that out first";

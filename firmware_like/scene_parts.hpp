@@ -36,9 +36,20 @@ const ScenePart* find_scene_part(const std::string& name);
 /// The parts that `profile` has, in the order of scene_parts(). Reads a copy: nothing is declared.
 std::vector<const ScenePart*> parts_of(const Profile& profile);
 
+/// "odometry+drive": the names of several.
+std::string joined_names(const std::vector<const ScenePart*>& parts);
+
+/// Overrides that leave `parts` out.
+std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& parts);
+
 /// Overrides that leave `part` out, and that put it in.
 std::vector<std::string> overrides_without(const ScenePart& part);
 std::vector<std::string> overrides_with(const ScenePart& part);
+
+/// `part` and all of `present` that have a task of their own and stand on it, on what stands on it, and so
+/// on: what goes when it goes. In the order of scene_parts().
+std::vector<const ScenePart*> with_dependants(const ScenePart& part,
+                                              const std::vector<const ScenePart*>& present);
 
 /// Empty, or one line: which of `present` needs `part`, and what to leave out first.
 std::string why_needed(const ScenePart& part, const std::vector<const ScenePart*>& present);

@@ -7,6 +7,7 @@
 
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_timing.hpp"
+#include "rt/posix/clock.hpp"
 
 namespace sortie::firmware {
 
@@ -39,6 +40,10 @@ Telemetry::Telemetry(Runtime& runtime, const FlightRecorder& recorder, const Par
 }
 
 Telemetry::~Telemetry() { stop(); }
+
+std::size_t Telemetry::bytes() {
+  return sizeof(Telemetry) + drivers::LcmPublisher::bytes_for(publisher_config(""));
+}
 
 void Telemetry::publish_outputs(std::int64_t utime) {
   rt::Executive& executive = runtime_.executive();
@@ -165,6 +170,7 @@ void Telemetry::start() {
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
+    cpu_ns_.store(rt::posix::thread_cpu_now(), std::memory_order_relaxed);
   });
 }
 

@@ -35,6 +35,10 @@ class Telemetry {
   /// Empty, or why nothing is published although it was asked for.
   const std::string& problem() const { return publisher_.problem(); }
   drivers::LcmPublisherCounters counters() const { return publisher_.counters(); }
+  /// Processor time of its threads; whole after stop().
+  rt::Nanoseconds cpu_ns() const { return cpu_ns_.load() + publisher_.cpu_ns(); }
+  /// Memory while it is on.
+  static std::size_t bytes();
 
  private:
   void publish_outputs(std::int64_t utime);
@@ -57,6 +61,7 @@ class Telemetry {
   std::uint64_t desk_version_{};
   rt::SegmentList segments_;
   std::int64_t segments_seq_{};
+  std::atomic<rt::Nanoseconds> cpu_ns_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -32,6 +32,8 @@ enum class Part : std::uint8_t {
   pilot,
   path,
   sensed_map,
+  telemetry,
+  recorder,
   count  ///< of parts; none itself
 };
 

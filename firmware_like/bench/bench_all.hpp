@@ -15,6 +15,7 @@ struct BenchPart {
   std::string name;
   std::vector<std::string> arguments;
   std::string json_file;
+  bool has_passes{};  ///< takes --passes
 };
 
 /// All parts, in the order in which they run: the short ones first.
@@ -24,6 +25,7 @@ const std::vector<BenchPart>& bench_parts();
 struct BenchAllOptions {
   std::string folder;
   std::vector<std::string> only;  ///< names of parts; empty: all
+  unsigned passes{2};             ///< processes a part whose figures have peers
   /// Before a part: its number from 0, of how many, its name, seconds since the start.
   std::function<void(std::size_t part, std::size_t parts, const std::string& name, double since_s)> on_part;
 };
@@ -38,7 +40,7 @@ nlohmann::ordered_json run_bench_all(const BenchAllOptions& options);
 std::string bench_all_page(const nlohmann::ordered_json& index, const std::string& command);
 
 /// Two runs beside each other. Figures that are no times must be equal to the bit: all of those whose unit is
-/// no time and that have no range over rounds. Ratios to a peer must have ranges that overlap.
+/// no time (is_timed_figure()). Ratios to a peer must have ranges that overlap.
 struct BenchComparison {
   std::size_t exact{};     ///< figures that must be equal, found in both
   std::size_t ratios{};    ///< ratios with a range, found in both

@@ -3,9 +3,9 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "firmware_like/bench/bench_all.hpp"
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/importers/input_error.hpp"
 
 namespace sortie::firmware {
@@ -20,12 +20,9 @@ ComparedJson read_object(const std::string& path) {
   return ComparedJson::parse(in, nullptr, false);
 }
 
-// What depends on the machine: times, what is per time, and shares of them.
+// The benchmark of the real-time ground has nothing but times.
 bool is_timed(const std::string& part, const ComparedJson& figure) {
-  static const std::set<std::string> kTimes{"ns", "us", "ms", "times", "M/s", "us/s", "1/s"};
-  const ComparedJson ours = figure.value("ours", ComparedJson());
-  const bool has_range = ours.is_object() && ours.contains("low");
-  return part == "rt" || has_range || kTimes.count(figure.value("unit", "")) != 0;
+  return part == "rt" || is_timed_figure(figure);
 }
 
 // The place of a figure; twins are counted.
@@ -38,10 +35,7 @@ void take_figure(ComparedFigures& figures, std::string name, const ComparedJson&
 ComparedFigures figures_of(const std::string& part, const ComparedJson& result) {
   ComparedFigures figures;
   for (const ComparedJson& figure : result.value("figures", ComparedJson::array())) {
-    take_figure(figures,
-                part + ", " + figure.value("group", "") + ": " + figure.value("what", "") +
-                    (figure.value("peer", "").empty() ? "" : ", beside " + figure.value("peer", "")),
-                figure);
+    take_figure(figures, part + ", " + figure_name(figure), figure);
   }
   // The odometry's benchmark has cells instead: an error each.
   for (const ComparedJson& cell : result.value("cells", ComparedJson::array())) {
@@ -67,20 +61,12 @@ bool meet(const ComparedJson& a, const ComparedJson& b) {
          b["low"].get<double>() <= a["high"].get<double>();
 }
 
-// The part of a figure that must not change: without what belongs to times.
-ComparedJson exact_part(const ComparedJson& figure) {
-  ComparedJson exact = ComparedJson::object();
-  for (const char* key : {"ours", "naive", "measured"})
-    if (figure.contains(key)) exact[key] = figure[key];
-  return exact;
-}
-
 void compare_figure(const std::string& part, const std::string& name, const ComparedJson& before,
                     const ComparedJson& now, BenchComparison& result) {
   if (!is_timed(part, before)) {
     ++result.exact;
-    const ComparedJson was = exact_part(before);
-    const ComparedJson is = exact_part(now);
+    const ComparedJson was = exact_figure(before);
+    const ComparedJson is = exact_figure(now);
     if (was != is) result.changed.push_back(name + ": was " + was.dump() + ", is " + is.dump());
     return;
   }

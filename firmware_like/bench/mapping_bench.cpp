@@ -45,7 +45,7 @@ void mark_mapping_fronts(MappingJson& sweep) {
 }  // namespace
 
 MappingJson run_mapping_bench(const MappingBenchOptions& options) {
-  PeerProgram program{"sortie-bench-mapping", options.program, {}, -1};
+  PeerProgram program{"sortie-bench-mapping", options.program, {}, -1, options.passes};
   program.arguments = {"--stride", std::to_string(options.stride), "--every", std::to_string(options.every)};
   const auto pass = [&program](const char* option, const std::string& value) {
     if (!value.empty()) program.arguments.insert(program.arguments.end(), {option, value});

@@ -21,6 +21,7 @@ struct MappingBenchOptions {
   std::string stream;   ///< one stream of the sweep alone: walk, dense or hall
   std::string file;     ///< another recorded drive
   std::string program;  ///< sortie-bench-mapping, if it is not where a build or an installation puts it
+  unsigned passes{1};   ///< runs of that program, a process each
 };
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the

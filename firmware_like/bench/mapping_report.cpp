@@ -2,6 +2,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/bench/mapping_bench.hpp"
 #include "firmware_like/text_format.hpp"
@@ -19,7 +20,7 @@ std::vector<std::string> mapping_conditions(const MappingData& result) {
   lines.push_back("settings  every " + std::to_string(settings.value("stride", 0)) +
                   ". point, PCL at every " + std::to_string(settings.value("every", 0)) +
                   ". scan, load average " + result.value("load_before", "?") + " before, " +
-                  result.value("load_after", "?") + " after");
+                  result.value("load_after", "?") + " after" + passes_words(result));
   if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
   return lines;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "firmware_like/bench/child_process.hpp"
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/results.hpp"
 
@@ -28,13 +29,7 @@ std::string find_program(const PeerProgram& program) {
   throw BenchRefused(text + "; cure: cmake --build --preset release --target " + program.name);
 }
 
-}  // namespace
-
-nlohmann::ordered_json run_peer_program(const PeerProgram& program) {
-  ChildCommand command;
-  command.arguments = {find_program(program)};
-  command.arguments.insert(command.arguments.end(), program.arguments.begin(), program.arguments.end());
-  const Doctor doctor({"/", program.core});
+nlohmann::ordered_json run_pass(const ChildCommand& command) {
   std::string text;
   const ChildEnd end = run_child(command, [&text](std::string_view line) { text += line; });
   if (end.exit_code != 0) {
@@ -44,6 +39,20 @@ nlohmann::ordered_json run_peer_program(const PeerProgram& program) {
   nlohmann::ordered_json result = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!result.is_object() || !result.contains("figures"))
     throw BenchRefused(command.arguments[0] + " is of another version: its output is not understood");
+  return result;
+}
+
+}  // namespace
+
+nlohmann::ordered_json run_peer_program(const PeerProgram& program) {
+  ChildCommand command;
+  command.arguments = {find_program(program)};
+  command.arguments.insert(command.arguments.end(), program.arguments.begin(), program.arguments.end());
+  const Doctor doctor({"/", program.core});
+  nlohmann::ordered_json result = run_pass(command);
+  for (unsigned pass = 1; pass < program.passes; ++pass)
+    take_pass(result, run_pass(command), pass, program.all_timed);
+  if (program.passes > 1) result["settings"]["passes"] = program.passes;
   result["machine"] = machine_description();
   result["compiler"] = compiler_description();
   result["doctor"] = to_json(doctor.report());

@@ -21,10 +21,14 @@ struct PeerProgram {
   std::string given;                   ///< its path, if it is not where a build or an installation puts it
   std::vector<std::string> arguments;  ///< without the program itself
   int core{-1};                        ///< that it measures on, for the doctor; -1: the last one
+  unsigned passes{1};                  ///< so many times, a process each
+  bool all_timed{};                    ///< none of its figures is the same at every run
 };
 
 /// Runs it (its progress goes to stderr) and returns the object that it printed, with machine, compiler and
-/// the doctor's verdict added. Throws BenchRefused with the cure.
+/// the doctor's verdict added. What lies where in memory differs from process to process and moves times by
+/// more than the rounds of one of them show: with several passes the ranges hold all of them (take_pass()).
+/// Throws BenchRefused with the cure.
 nlohmann::ordered_json run_peer_program(const PeerProgram& program);
 
 }  // namespace sortie::firmware

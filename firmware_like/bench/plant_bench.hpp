@@ -18,6 +18,7 @@ struct PlantBenchOptions {
   std::string only;     ///< one part alone: speed, count, metrics, belt, steps, depth, pictures
   std::string scene;    ///< one scene alone
   std::string program;  ///< sortie-bench-plant, if it is not where a build or an installation puts it
+  unsigned passes{1};   ///< runs of that program, a process each
 };
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ostream>
 
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/bench/plant_bench.hpp"
 #include "firmware_like/text_format.hpp"
@@ -17,7 +18,7 @@ std::vector<std::string> plant_conditions(const PlantJson& result) {
   const PlantJson settings = result.value("settings", PlantJson::object());
   lines.push_back("settings  " + std::to_string(settings.value("rounds", 0)) + " rounds, load average " +
                   result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
-                  " after");
+                  " after" + passes_words(result));
   if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
   return lines;
 }

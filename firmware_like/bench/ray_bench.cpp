@@ -3,6 +3,7 @@
 
 #include <ostream>
 
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/bench/peer_program.hpp"
 
@@ -17,13 +18,14 @@ std::vector<std::string> ray_conditions(const RayJson& result) {
   return {"machine   " + result.value("machine", "") + "; " + result.value("compiler", ""),
           "settings  " + std::to_string(settings.value("rounds", 0)) + " rounds, " +
               std::to_string(settings.value("seeds", 0)) + " streets of each kind, load average " +
-              result.value("load_before", "?") + " before, " + result.value("load_after", "?") + " after"};
+              result.value("load_before", "?") + " before, " + result.value("load_after", "?") + " after" +
+              passes_words(result)};
 }
 
 }  // namespace
 
 RayJson run_ray_bench(const RayBenchOptions& options) {
-  PeerProgram program{"sortie-bench-rays", options.program, {}, -1};
+  PeerProgram program{"sortie-bench-rays", options.program, {}, -1, options.passes};
   program.arguments = {"--rounds", std::to_string(options.rounds), "--seeds", std::to_string(options.seeds)};
   if (!options.only.empty()) program.arguments.insert(program.arguments.end(), {"--only", options.only});
   return run_peer_program(program);

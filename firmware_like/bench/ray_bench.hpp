@@ -18,6 +18,7 @@ struct RayBenchOptions {
   int seeds{2};         ///< streets of each kind
   std::string only;     ///< one part alone: curves, units, picture
   std::string program;  ///< sortie-bench-rays, if it is not where a build or an installation puts it
+  unsigned passes{1};   ///< runs of that program, a process each
 };
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the

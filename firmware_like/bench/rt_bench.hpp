@@ -19,6 +19,7 @@ struct RtBenchOptions {
   int load{0};          ///< busy processes beside the wake-up slices
   std::string only;     ///< one part alone: wake, queue, count, mailbox, executive, calls, cause, load
   std::string program;  ///< sortie-bench-rt, if it is not where a build or an installation puts it
+  unsigned passes{1};   ///< runs of that program, a process each
 };
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the

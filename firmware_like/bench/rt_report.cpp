@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ostream>
 
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/bench/rt_bench.hpp"
 #include "firmware_like/text_format.hpp"
@@ -30,7 +31,7 @@ std::vector<std::string> conditions(const Json& result) {
                     ", " + std::to_string(s.value("load", 0)) + " busy processes beside, " +
                     (s.value("realtime", false) ? "SCHED_FIFO" : "ordinary scheduling") + ", load average " +
                     result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
-                    " after");
+                    " after" + passes_words(result));
   }
   if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
   for (const char* when : {"before", "after"}) {

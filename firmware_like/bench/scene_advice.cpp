@@ -134,6 +134,10 @@ class Adviser {
       line(part, PartVerdict::no_input, std::string("the log has 0 samples on ") + part.input);
       return;
     }
+    if (part.code == rt::Part::recorder || part.code == rt::Part::telemetry) {
+      line(part, PartVerdict::not_judged, "no replay knows who reads what leaves the robot");
+      return;
+    }
     if (only_acts(part)) {
       line(part, PartVerdict::not_judged, "it acts on the robot: `sortie scenes --cost` drives without it");
       return;
@@ -189,7 +193,8 @@ class Adviser {
                " that nobody reads; the part needs more keys than one");
       return;
     }
-    if (!has_parent || *part.with == '\0' || only_acts(part)) return;
+    const bool is_outlet = part.code == rt::Part::recorder || part.code == rt::Part::telemetry;
+    if (!has_parent || *part.with == '\0' || is_outlet || only_acts(part)) return;
     if (*part.input != '\0' && samples(part) == 0) return;
     try {
       const ReplayOutcome other = again(overrides_with(part));

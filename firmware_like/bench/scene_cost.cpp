@@ -8,9 +8,11 @@
 #include "firmware_like/bench/part_sizes.hpp"
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/bench/wcet.hpp"
+#include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/replay.hpp"
 #include "firmware_like/scene_parts.hpp"
+#include "firmware_like/telemetry.hpp"
 
 namespace sortie::firmware {
 
@@ -44,29 +46,36 @@ class Measurement {
       costs.drive_us = drive(options_.overrides, "").us_per_tick;
       if (!recorded.outcome.truth.empty()) end_ = recorded.outcome.truth.back();
     }
+    if (simulated && options_.live_s > 0) measure_outlets(costs);
     ticks_ = &costs.ticks;
     costs.whole = replays({});
     costs.whole.program_bytes = program_bytes(costs.scene, "");
     const auto parts = parts_of(profile);
     for (const ScenePart* part : parts) {
+      const auto gone = with_dependants(*part, parts);
       PartCost& line = costs.without.emplace_back();
-      line.part = part->name;
+      line.part = joined_names(gone);
       line.what = part->what;
-      line.refused = why_needed(*part, parts);
-      if (!line.refused.empty()) continue;
+      line.is_outlet = part->code == rt::Part::recorder || part->code == rt::Part::telemetry;
       try {
-        const Overrides without = overrides_without(*part);
+        const Overrides without = overrides_without(gone);
         // First by itself: what cannot be left out is told with the place in the scene's own file.
         Overrides all = options_.overrides;
         all.insert(all.end(), without.begin(), without.end());
-        static_cast<void>(Runtime(load_scene(options_.scene, all), vehicles_, RuntimeStart{}));
-        line.cost = replays(without);
-        line.cost.program_bytes = program_bytes(costs.scene, part->name);
-        if (simulated) drive_without(without, line.cost);
+        const Runtime own(load_scene(options_.scene, all), vehicles_, RuntimeStart{});
+        if (line.is_outlet) {
+          line.cost = costs.whole;
+          line.cost.bytes = own.memory_bytes() + outlet_bytes(own);
+        } else {
+          line.cost = replays(without);
+          if (simulated) drive_without(without, line.cost);
+        }
+        line.cost.program_bytes = program_bytes(costs.scene, line.part);
       } catch (const ProfileError& error) {
         line.refused = error.what();
       }
     }
+    add_outlets(costs);
     return costs;
   }
 
@@ -85,6 +94,42 @@ class Measurement {
     drive.us_per_tick =
         took.count() / static_cast<double>(std::max<std::uint64_t>(drive.outcome.results.ticks, 1));
     return drive;
+  }
+
+  static std::uint64_t outlet_bytes(const Runtime& runtime) {
+    return FlightRecorder::bytes_for(runtime, runtime.outlets().recorder) +
+           (runtime.outlets().telemetry ? Telemetry::bytes() : 0);
+  }
+
+  // A live drive on ordinary threads: what those of recorder and telemetry took.
+  void measure_outlets(SceneCosts& costs) const {
+    LiveRunOptions run;
+    run.scene = options_.scene;
+    run.overrides = options_.overrides;
+    run.seconds = options_.live_s;
+    run.realtime = false;
+    run.lcm_url = options_.lcm_url;
+    run.record = folder_.file("live.lcm");
+    const LiveRunOutcome outcome = run_live(vehicles_, bench_, run);
+    const auto per_tick = [&outcome](const char* counter) {
+      const auto found = outcome.results.counters.find(counter);
+      const auto us = found == outcome.results.counters.end() ? 0 : found->second;
+      return static_cast<double>(us) / static_cast<double>(std::max<std::uint64_t>(outcome.results.ticks, 1));
+    };
+    costs.has_live = true;
+    costs.recorder_us = per_tick("recorder_cpu_us");
+    costs.telemetry_us = per_tick("telemetry_cpu_us");
+  }
+
+  // Every variant but the one without it has the outlet's time as well.
+  static void add_outlets(SceneCosts& costs) {
+    const auto add = [&costs](SceneCost& cost, std::string_view left_out) {
+      for (double* us : {&cost.us_per_tick, &cost.least_us, &cost.most_us})
+        *us += (left_out == "recorder" ? 0 : costs.recorder_us) +
+               (left_out == "telemetry" ? 0 : costs.telemetry_us);
+    };
+    add(costs.whole, "");
+    for (PartCost& line : costs.without) add(line.cost, line.part);
   }
 
   void drive_without(const Overrides& without, SceneCost& cost) const {
@@ -116,7 +161,7 @@ class Measurement {
       for (std::uint32_t t = 0; t < executive.task_count(); ++t)
         ns += static_cast<double>(executive.task(t).wall_time().sum());
       times.push_back(1e-3 * ns / static_cast<double>(std::max<std::uint64_t>(outcome.results.ticks, 1)));
-      cost.bytes = outcome.runtime->memory_bytes();
+      cost.bytes = outcome.runtime->memory_bytes() + outlet_bytes(*outcome.runtime);
       cost.errors = outcome.results.errors;
       if (without.empty()) *ticks_ = outcome.results.ticks;
     }

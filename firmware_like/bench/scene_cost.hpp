@@ -20,14 +20,18 @@ struct SceneCostOptions {
   double seconds{20};                  ///< of the simulated drive
   unsigned runs{3};                    ///< replays of each; times are the median's
   bool instructions{};                 ///< count them under callgrind as well
+  double live_s{};      ///< length of a live drive that shows what recorder and telemetry take; 0: none
+  std::string lcm_url;  ///< where that drive's telemetry goes
 };
 
 /// One variant of the scene.
 struct SceneCost {
-  std::uint64_t bytes{};          ///< of the runtime's block
+  std::uint64_t bytes{};          ///< of the runtime's block, of recorder and telemetry
   std::uint64_t program_bytes{};  ///< of the program of this scene alone; 0: nobody built it
-  double us_per_tick{};           ///< all tasks' own time over all ticks, median of the runs
-  double least_us{};              ///< of the runs
+  /// All tasks' own time over all ticks, median of the runs; with a live drive also the processor time of
+  /// the threads of recorder and telemetry.
+  double us_per_tick{};
+  double least_us{};  ///< of the runs
   double most_us{};
   double instructions_per_tick{};        ///< 0: not counted
   std::map<std::string, double> errors;  ///< of the replay of the same inputs, against truth
@@ -35,12 +39,13 @@ struct SceneCost {
   double end_off_m{};                    ///< where that drive ended, from where the whole scene's did
 };
 
-/// A part left out. What is left out with it is what stands on it.
+/// A part left out, and with it what stands on it.
 struct PartCost {
-  std::string part;
+  std::string part;  ///< "odometry+drive": more than one
   std::string what;
   std::string refused;  ///< why it cannot be left out; empty: it can
   SceneCost cost;
+  bool is_outlet{};  ///< recorder or telemetry: no task
 };
 
 /// The whole scene and each of its parts.
@@ -53,6 +58,9 @@ struct SceneCosts {
   /// Of a simulated drive, all that it takes, us a tick on the wall: beside no log, and with one.
   double drive_us{};
   double recorded_us{};
+  bool has_live{};  ///< the live drive was made
+  double recorder_us{};
+  double telemetry_us{};
 };
 
 /// Runs and replays. Throws ProfileError with the cure for a scene that has neither a simulated robot nor a

@@ -58,6 +58,10 @@ nlohmann::ordered_json to_json(const SceneCosts& costs) {
     object["drive_us_per_tick"] = costs.drive_us;
     object["recorded_drive_us_per_tick"] = costs.recorded_us;
   }
+  if (costs.has_live) {
+    object["recorder_us_per_tick"] = costs.recorder_us;
+    object["telemetry_us_per_tick"] = costs.telemetry_us;
+  }
   object["without"] = nlohmann::ordered_json::array();
   for (const PartCost& line : costs.without) {
     nlohmann::ordered_json entry{{"part", line.part}, {"what", line.what}};
@@ -65,7 +69,11 @@ nlohmann::ordered_json to_json(const SceneCosts& costs) {
       entry.update(to_json(line.cost));
       entry["saves_bytes"] =
           static_cast<std::int64_t>(costs.whole.bytes) - static_cast<std::int64_t>(line.cost.bytes);
-      entry["saves_us_per_tick"] = costs.whole.us_per_tick - line.cost.us_per_tick;
+      if (line.is_outlet && !costs.has_live) {
+        for (const char* key : {"us_per_tick", "us_per_tick_least", "us_per_tick_most"}) entry.erase(key);
+      } else {
+        entry["saves_us_per_tick"] = costs.whole.us_per_tick - line.cost.us_per_tick;
+      }
     } else {
       entry["refused"] = line.refused;
     }
@@ -79,17 +87,17 @@ std::string scene_cost_table(const SceneCosts& costs) {
   const bool counted = costs.whole.instructions_per_tick > 0;
   std::string text = costs.scene + ", " + std::to_string(costs.ticks) + " ticks, " + costs.machine + "\n";
   text += cost_row("without", "bytes", "program", "us/tick", "instr/tick", "error", "driven", "ends off");
-  const auto line = [&](const std::string& name, const SceneCost& cost, bool is_whole) {
+  const auto line = [&](const std::string& name, const SceneCost& cost, bool is_whole, bool has_time) {
     text += cost_row(name, std::to_string(cost.bytes),
                      cost.program_bytes > 0 ? std::to_string(cost.program_bytes) : "-",
-                     cost_figure("%.3f", cost.us_per_tick),
+                     has_time ? cost_figure("%.3f", cost.us_per_tick) : "-",
                      counted ? cost_figure("%.1f", cost.instructions_per_tick) : "-",
                      cost_error(cost.errors, judge), cost_error(cost.driven, judge),
                      cost.driven.empty() || is_whole ? "-" : cost_figure("%.3f m", cost.end_off_m));
   };
-  line("(nothing)", costs.whole, true);
+  line("(nothing)", costs.whole, true, true);
   for (const PartCost& part : costs.without) {
-    if (part.refused.empty()) line(part.part, part.cost, false);
+    if (part.refused.empty()) line(part.part, part.cost, false, !part.is_outlet || costs.has_live);
   }
   for (const PartCost& part : costs.without) {
     if (!part.refused.empty()) text += "stays: " + part.part + ": " + part.refused + "\n";
@@ -98,6 +106,10 @@ std::string scene_cost_table(const SceneCosts& costs) {
           " of the same inputs replayed; driven: of a simulated drive of its own\n";
   if (costs.whole.program_bytes > 0)
     text += "program: of -DSORTIE_SCENE, x86-64, as built when this program was released\n";
+  if (costs.has_live) {
+    text += "us/tick holds what recorder and telemetry took in a live drive: " +
+            cost_figure("%.3f", costs.recorder_us) + " and " + cost_figure("%.3f", costs.telemetry_us) + "\n";
+  }
   if (costs.drive_us > 0) {
     text += "the simulated drive takes " + cost_figure("%.2f", costs.drive_us) +
             " us/tick with all of its plant, recorded " + cost_figure("%.2f", costs.recorded_us) + "\n";

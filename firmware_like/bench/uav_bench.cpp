@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/bench/peer_program.hpp"
 
@@ -21,7 +22,7 @@ std::vector<std::string> uav_conditions(const UavJson& result) {
   lines.push_back("settings  " + std::to_string(settings.value("seeds", 0)) + " seeds, " +
                   std::to_string(settings.value("fleet", 0)) + " drawn vehicles, load average " +
                   result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
-                  " after");
+                  " after" + passes_words(result));
   if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
   return lines;
 }
@@ -96,7 +97,7 @@ double fitting_height(const Plot& plot) {
 }  // namespace
 
 nlohmann::ordered_json run_uav_bench(const UavBenchOptions& options) {
-  PeerProgram program{"sortie-bench-uav", options.program, {}, -1};
+  PeerProgram program{"sortie-bench-uav", options.program, {}, -1, options.passes};
   program.arguments = {"--seeds", std::to_string(options.seeds), "--fleet", std::to_string(options.fleet)};
   if (!options.only.empty()) program.arguments.insert(program.arguments.end(), {"--only", options.only});
   return run_peer_program(program);

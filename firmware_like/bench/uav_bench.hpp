@@ -19,6 +19,7 @@ struct UavBenchOptions {
   std::uint64_t fleet{40};  ///< vehicles that are drawn
   std::string only;         ///< one part alone
   std::string program;      ///< sortie-bench-uav, if it is not where a build or an installation puts it
+  unsigned passes{1};       ///< runs of that program, a process each
 };
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the

@@ -3,6 +3,12 @@
 
 namespace sortie::firmware {
 
+void add_passes(CLI::App& command, unsigned& passes) {
+  command.add_option("--passes", passes, "Runs, a process each; ranges then hold all of them")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+}
+
 void add_bench(CLI::App& app, CommandContext& context) {
   CLI::App* command =
       app.add_subcommand("bench",

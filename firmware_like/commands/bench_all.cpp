@@ -72,6 +72,11 @@ void add_bench_all(CLI::App& bench, CommandContext& context) {
   command->add_option("--only", options->bench.only, "These parts alone")
       ->check(CLI::IsMember(names))
       ->take_all();
+  command
+      ->add_option("--passes", options->bench.passes,
+                   "Processes a part that has peers; their ranges hold all of them")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
   command->add_option("--compare", options->compare, "An earlier --out: what changed since")
       ->type_name("FOLDER");
   command->add_flag("--no-run", options->no_run, "Only compare what is in --out already");

@@ -6,6 +6,8 @@
 
 namespace sortie::firmware {
 
+/// --passes of a benchmark that has a program of its own.
+void add_passes(CLI::App& command, unsigned& passes);
 /// `bench LOG... --sweep`: the options of `bench` itself.
 void add_bench_sweep(CLI::App& bench, CommandContext& context);
 /// `bench all`: every part below, one after another.

@@ -68,6 +68,7 @@ void add_bench_mapping(CLI::App& bench, CommandContext& context) {
       ->add_option("--program", options->bench.program,
                    "sortie-bench-mapping, where it is not found by itself")
       ->type_name("FILE");
+  add_passes(*command, options->bench.passes);
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   command
       ->add_option("--out", options->output.out,

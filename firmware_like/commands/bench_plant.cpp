@@ -64,6 +64,7 @@ void add_bench_plant(CLI::App& bench, CommandContext& context) {
   command
       ->add_option("--program", options->bench.program, "sortie-bench-plant, where it is not found by itself")
       ->type_name("FILE");
+  add_passes(*command, options->bench.passes);
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   command
       ->add_option("--out", options->output.out, "Folder for bench-plant.md, bench-plant.json and pictures")

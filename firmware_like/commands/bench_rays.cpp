@@ -76,6 +76,7 @@ void add_bench_rays(CLI::App& bench, CommandContext& context) {
   command
       ->add_option("--program", options->bench.program, "sortie-bench-rays, where it is not found by itself")
       ->type_name("FILE");
+  add_passes(*command, options->bench.passes);
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   command->add_option("--out", options->output.out, "Folder for bench-rays.md, bench-rays.json and pictures")
       ->type_name("DIR");

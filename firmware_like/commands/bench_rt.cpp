@@ -70,6 +70,7 @@ void add_bench_rt(CLI::App& bench, CommandContext& context) {
       ->check(CLI::IsMember({"wake", "queue", "count", "mailbox", "executive", "calls", "cause", "load"}));
   command->add_option("--program", options->bench.program, "sortie-bench-rt, where it is not found by itself")
       ->type_name("FILE");
+  add_passes(*command, options->bench.passes);
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   command->add_option("--out", options->output.out, "Folder for bench-rt.md, bench-rt.json and the plot")
       ->type_name("DIR");

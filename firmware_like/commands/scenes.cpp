@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "drivers/lcm_url.hpp"
 #include "firmware_like/bench/scene_advice.hpp"
 #include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/commands/commands.hpp"
@@ -54,8 +55,8 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
   const std::vector<const ScenePart*> parts = parts_of(runtime.profile());
   for (const ScenePart* part : parts) {
     line.parts.emplace_back(part->name);
-    if (part->code != rt::Part::count && why_needed(*part, parts).empty())
-      line.without[part->name] = overrides_without(*part);
+    const std::vector<const ScenePart*> gone = with_dependants(*part, parts);
+    if (part->code != rt::Part::count) line.without[joined_names(gone)] = overrides_without(gone);
   }
   for (const DeclaredChain& chain : runtime.chains()) line.chains.push_back(chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
@@ -231,6 +232,12 @@ void add_costs(CLI::App& command, CostLine& line) {
   command.add_option("--runs", line.cost.runs, "With --cost: replays of each; times are the median's")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      .add_option("--live", line.cost.live_s,
+                  "With --cost: seconds of a live drive that shows what recorder and telemetry take")
+      ->check(CLI::Range(0.1, 100000.0));
+  line.cost.lcm_url = std::string(drivers::kDefaultLcmUrl);
+  command.add_option("--lcm-url", line.cost.lcm_url, "With --live: where its telemetry goes");
   command.add_flag("--instructions", line.cost.instructions, "With --cost: count them under callgrind, too");
 }
 

@@ -8,8 +8,8 @@
 
 #include "drivers/can_codec.hpp"
 #include "estimators/uav_state/uav_estimator.hpp"
+#include "firmware_like/owned_part.hpp"
 #include "firmware_like/vehicle.hpp"
-#include "firmware_like/vehicles/owned_part.hpp"
 #include "firmware_like/vehicles/uav_config.hpp"
 #include "firmware_like/vehicles/uav_sensing.hpp"
 #include "planner/uav_guide.hpp"

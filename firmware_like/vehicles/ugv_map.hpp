@@ -4,9 +4,9 @@
 
 #include <memory>
 
+#include "firmware_like/owned_part.hpp"
 #include "firmware_like/vehicle.hpp"
 #include "firmware_like/vehicles/chosen_map.hpp"
-#include "firmware_like/vehicles/owned_part.hpp"
 #include "firmware_like/vehicles/segment_report.hpp"
 #include "mapping/sweep.hpp"
 #include "planner/flipper_postures.hpp"

@@ -9,6 +9,7 @@
 #include "firmware_like/bench/scene_advice.hpp"
 #include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/scene_parts.hpp"
+#include "firmware_like/telemetry.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
@@ -61,7 +62,7 @@ TEST_CASE("the cost of each part is that of a run without it") {
   CHECK(costs.whole.errors.at("ate_n") > 100);
   const PartCost& map = part_of(costs, "map");
   CHECK(map.refused.empty());
-  CHECK(map.cost.bytes < costs.whole.bytes / 2);
+  CHECK(costs.whole.bytes - map.cost.bytes > 2'000'000);
   CHECK(map.cost.errors == costs.whole.errors);  // the pose does not come from the map
   CHECK(map.cost.end_off_m == 0.0);
   const PartCost& segments = part_of(costs, "segments");
@@ -72,8 +73,37 @@ TEST_CASE("the cost of each part is that of a run without it") {
   CHECK(stands.cost.errors == costs.whole.errors);
   CHECK(stands.cost.driven != costs.whole.errors);
   CHECK(stands.cost.end_off_m > 0.01);
-  CHECK(part_of(costs, "attitude").refused == "attitude is needed by odometry: leave that out first");
+  // What stands on a part goes with it.
+  const PartCost& blind = part_of(costs, "attitude+odometry+drive");
+  CHECK(blind.refused.empty());
+  CHECK(blind.cost.errors.empty());
+  CHECK(blind.cost.bytes < stands.cost.bytes);
+  // What tells the outside is no task: it saves memory, and its time is that of its threads in a live drive.
+  const PartCost& mute = part_of(costs, "telemetry");
+  CHECK(mute.is_outlet);
+  CHECK(costs.whole.bytes - mute.cost.bytes == Telemetry::bytes());
+  CHECK(mute.cost.errors == costs.whole.errors);
+  CHECK(part_of(costs, "recorder").cost.bytes < costs.whole.bytes);
+  CHECK_FALSE(costs.has_live);
+  CHECK_FALSE(to_json(costs)["without"].back().contains("us_per_tick"));
   CHECK(part_of(costs, "track_aid").cost.errors != costs.whole.errors);
+}
+
+TEST_CASE("a live drive shows what the threads of recorder and telemetry take") {
+  const TempFolder folder;
+  SceneCostOptions options = small_hall();
+  options.seconds = 0.2;
+  options.live_s = 1;
+  options.lcm_url = "file://" + folder.file("told.lcm") + "?mode=w";
+  const SceneCosts costs = measure_scene_cost(own_vehicles(), make_own_bench, options);
+  REQUIRE(costs.has_live);
+  CHECK(costs.recorder_us > 0);
+  CHECK(costs.telemetry_us > 0);
+  CHECK(part_of(costs, "telemetry").cost.us_per_tick ==
+        Approx(costs.whole.us_per_tick - costs.telemetry_us).epsilon(1e-9));
+  CHECK(part_of(costs, "recorder").cost.us_per_tick ==
+        Approx(costs.whole.us_per_tick - costs.recorder_us).epsilon(1e-9));
+  CHECK(scene_cost_table(costs).find("took in a live drive") != std::string::npos);
 }
 
 TEST_CASE("costs as an object and as a table say the same") {
@@ -106,10 +136,12 @@ TEST_CASE("programs that were built without a part belong to scenes that have it
     INFO(size.scene << " without " << size.without);
     const auto parts = parts_of(load_scene(size.scene));
     if (*size.without == '\0') continue;
-    const ScenePart* part = find_scene_part(size.without);
+    const std::string without = size.without;  // "odometry+drive": what stands on it, too
+    const ScenePart* part = find_scene_part(without.substr(0, without.find('+')));
     REQUIRE(part != nullptr);
     CHECK(part->code != rt::Part::count);
     CHECK(std::find(parts.begin(), parts.end(), part) != parts.end());
+    CHECK(joined_names(with_dependants(*part, parts)) == without);
     CHECK(size.bytes < program_bytes(size.scene, ""));
   }
   CHECK(program_bytes("ugv_hall", "track_aid") == program_bytes("ugv_hall", ""));  // shares its parent's code

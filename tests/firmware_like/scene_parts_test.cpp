@@ -66,7 +66,8 @@ TEST_CASE("the parts that a scene names are the ones that its vehicle builds") {
   for (const ScenePart* left_out : parts_of(runtime.profile())) {
     auto fewer = names_of(parts_of(runtime.profile()));
     fewer.erase(left_out->name);
-    const std::set<std::string> unseen = {"segment_lists", "parameters", "canopen", "odrive"};
+    const std::set<std::string> unseen = {"segment_lists", "parameters", "canopen",
+                                          "odrive",        "telemetry",  "recorder"};
     CHECK((first_disagreement(fewer, runtime) == "") == (unseen.count(left_out->name) != 0));
   }
 }
@@ -90,6 +91,13 @@ TEST_CASE("each part of each scene can be left out, or a line says what needs it
         "attitude is needed by odometry: leave that out first");
   CHECK(why_needed(*find_scene_part("drive"), parts) == "drive is needed by flippers: leave that out first");
   CHECK(why_needed(*find_scene_part("map"), parts).empty());
+  CHECK(joined_names(with_dependants(*find_scene_part("attitude"), parts)) ==
+        "attitude+odometry+drive+flippers");
+  CHECK(joined_names(with_dependants(*find_scene_part("map"), parts)) == "map");
+  const auto after = names_of(parts_of(
+      load_scene("ugv_stairs", overrides_without(with_dependants(*find_scene_part("odometry"), parts)))));
+  for (const char* gone : {"odometry", "drive", "flippers", "obstacles"}) CHECK(after.count(gone) == 0);
+  CHECK(after.count("attitude") == 1);
 }
 
 TEST_CASE("leaving a part out gives its memory back, and keeps what stays the same") {

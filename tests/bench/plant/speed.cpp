@@ -135,7 +135,8 @@ void measure_plant_speed(const PlantSettings& settings, Report& report) {
   if (all.size() > 1) report_set(set, all.size(), report);
   const auto real_time = [&](const std::string& what, std::size_t n, double us) {
     Figure figure{
-        kGroup, "real-time factor at 1 ms, " + what, "", n, spread(kStep_s * 1e6 / us), {}, {}, {}, {}, {}};
+        kGroup, "real-time factor at 1 ms, " + what, "times", n, spread(kStep_s * 1e6 / us), {}, {}, {}, {},
+        {}};
     set_goal(figure, ">= 100", kStep_s * 1e6 / us >= 100);
     report.add(figure);
   };

@@ -41,7 +41,7 @@ void measure_ray_units(const RaySettings& settings, Report& report) {
       "hard maps",
       {"map", "ns a unit", "units of 2,000,000", "worth, nats", "traced", "evaluations", "lines"}, rows);
   Figure spread_of_units{
-      "hard maps", "dearest unit over cheapest", "", 9, spread(most / least), {}, {}, {}, {}, {}};
+      "hard maps", "dearest unit over cheapest", "times", 9, spread(most / least), {}, {}, {}, {}, {}};
   set_goal(spread_of_units, "<= 3", most / least <= 3);
   report.add(spread_of_units);
   Figure budgets{"hard maps", "budgets kept", "", 9, spread(kept ? 1 : 0), {}, {}, {}, {}, {}};
