@@ -137,11 +137,6 @@ void LcmPublisher::send_waiting() noexcept {
   }
 }
 
-std::size_t LcmPublisher::bytes_for(const LcmPublisherConfig& config) noexcept {
-  const std::size_t slot = config.slot_bytes + sizeof(std::uint32_t) + sizeof(Ready);
-  return sizeof(LcmPublisher) + rt::ring_capacity_for(config.slots) * slot;
-}
-
 LcmPublisherCounters LcmPublisher::counters() const noexcept {
   const auto read = [](const Count& count) {
     return std::uint64_t{count.value.load(std::memory_order_relaxed)};

@@ -69,7 +69,10 @@ class LcmPublisher {
   /// Processor time of the sending thread up to its newest round [ns]. Any thread.
   [[nodiscard]] std::int64_t cpu_ns() const noexcept { return cpu_ns_.load(std::memory_order_relaxed); }
   /// Memory of a publisher that is on; what liblcm takes for itself is not in it.
-  [[nodiscard]] static std::size_t bytes_for(const LcmPublisherConfig& config) noexcept;
+  [[nodiscard]] static std::size_t bytes_for(const LcmPublisherConfig& config) noexcept {
+    const std::size_t slot = config.slot_bytes + sizeof(std::uint32_t) + sizeof(Ready);
+    return sizeof(LcmPublisher) + rt::ring_capacity_for(config.slots) * slot;
+  }
 
  private:
   struct Ready {

@@ -5,10 +5,19 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "drivers/lcm_log.hpp"
+#include "firmware_like/owned_part.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::firmware {
+
+// A build of a scene without recorder neither makes nor destroys a writer.
+struct FlightRecorder::Log {
+  OwnedPart<drivers::LcmLogWriter, rt::Part::recorder> writer;
+};
+
+inline bool FlightRecorder::has_log() const { return rt::kBuilt<rt::Part::recorder> && log_ != nullptr; }
 
 FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& options,
                                const drivers::LogHeader& header)
@@ -32,7 +41,8 @@ FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& op
 }
 
 void FlightRecorder::open_log(const drivers::LogHeader& header) {
-  writer_ = std::make_unique<drivers::LcmLogWriter>(options_.path, kLogBufferBytes);
+  log_ = std::make_unique<Log>();
+  log_->writer = std::make_unique<drivers::LcmLogWriter>(options_.path, kLogBufferBytes);
   buffer_.resize(drivers::encoded_bytes(header) + sizeof(rt::JobRecord) + 1024);
   std::size_t size = 0;
   if (drivers::encode(header, buffer_, size) != Status::ok) {
@@ -40,7 +50,7 @@ void FlightRecorder::open_log(const drivers::LogHeader& header) {
                              ": the log's header cannot be encoded; a text in the profile holds a zero byte");
   }
   append(drivers::kChannelHeader, header.epoch_ns / 1000, {buffer_.data(), size});
-  if (!writer_->error().empty()) throw std::runtime_error(writer_->error());
+  if (!log_->writer->error().empty()) throw std::runtime_error(log_->writer->error());
 }
 
 FlightRecorder::~FlightRecorder() { stop(); }
@@ -59,7 +69,7 @@ void FlightRecorder::job(const rt::JobRecord& record) {
 
 void FlightRecorder::sample(const std::string& channel, rt::Nanoseconds stamp_ns,
                             std::span<const std::uint8_t> message) {
-  if (!writer_) return;
+  if (!has_log()) return;
   const std::lock_guard lock(samples_mutex_);
   const std::size_t cost = sizeof(QueuedSample) + message.size();
   if (waiting_bytes_ + cost > options_.sample_bytes) {
@@ -73,7 +83,7 @@ void FlightRecorder::sample(const std::string& channel, rt::Nanoseconds stamp_ns
 void FlightRecorder::append(std::string_view channel, std::int64_t stamp_us,
                             std::span<const std::uint8_t> bytes) {
   // A file that cannot take more says so in error(), counts every refusal, and keeps what it has.
-  static_cast<void>(writer_->append(channel, stamp_us, bytes));
+  static_cast<void>(log_->writer->append(channel, stamp_us, bytes));
 }
 
 void FlightRecorder::write_gap(rt::Tick tick, std::uint64_t lost, const char* reason) {
@@ -118,7 +128,7 @@ void FlightRecorder::write_job(const rt::JobRecord& record) {
     if (written_jobs_.size() == kMost)
       written_jobs_.erase(written_jobs_.begin(), written_jobs_.begin() + kMost / 2);
     const rt::Tick before = written_jobs_.empty() ? 0 : written_jobs_.back().newest;
-    written_jobs_.push_back({writer_->events() - 1, std::max(before, record.tick)});
+    written_jobs_.push_back({log_->writer->events() - 1, std::max(before, record.tick)});
   }
   const drivers::JobTiming timing{
       view.tick, view.group, record.started_ns, {record.duration_ns, record.tasks}};
@@ -152,10 +162,10 @@ void FlightRecorder::drain() {
       }
       if (options_.on_job) options_.on_job(*current_);
       whole_[group] = current_->tick + 1;
-      if (writer_) write_job(*current_);
+      if (has_log()) write_job(*current_);
     }
   }
-  if (!writer_) return;
+  if (!has_log()) return;
   if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
     write_gap(whole_until, lost - reported_jobs_, "jobs were lost: the disk was too slow");
     reported_jobs_ = lost;
@@ -167,30 +177,32 @@ void FlightRecorder::drain() {
 }
 
 void FlightRecorder::close_log() {
-  static_cast<void>(writer_->flush());
-  if (!writer_->error().empty()) {
+  static_cast<void>(log_->writer->flush());
+  if (!log_->writer->error().empty()) {
     // The file ends with what the disk took; a last event says in it that more was meant to come.
     rt::Tick end = 0;
     for (const WrittenJob& job : written_jobs_) {
-      if (job.event < writer_->events()) end = job.newest + 1;
+      if (job.event < log_->writer->events()) end = job.newest + 1;
     }
     std::size_t size = 0;
-    const auto lost = static_cast<std::int64_t>(writer_->lost() + writer_->refused());
+    const auto lost = static_cast<std::int64_t>(log_->writer->lost() + log_->writer->refused());
     const drivers::GapRecord gap{static_cast<std::int64_t>(end), -1, lost,
                                  "events were lost: the disk was full or failed"};
     if (drivers::encode(gap, buffer_, size) == Status::ok) {
-      static_cast<void>(writer_->append_last(drivers::kChannelGap, runtime_.executive().time_of(end) / 1000,
-                                             {buffer_.data(), size}));  // no room: error() still tells
+      static_cast<void>(log_->writer->append_last(drivers::kChannelGap,
+                                                  runtime_.executive().time_of(end) / 1000,
+                                                  {buffer_.data(), size}));  // no room: error() still tells
     }
   }
-  static_cast<void>(writer_->close());  // what went wrong stands in error()
+  static_cast<void>(log_->writer->close());  // what went wrong stands in error()
 }
 
 void FlightRecorder::start() {
   thread_ = std::thread([this] {
     for (int round = 1; !stop_.load(std::memory_order_relaxed); ++round) {
       drain();
-      if (writer_ && round % 200 == 0) static_cast<void>(writer_->start_writeback());  // about once a second
+      if (has_log() && round % 200 == 0)
+        static_cast<void>(log_->writer->start_writeback());  // about once a second
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     cpu_ns_.store(rt::posix::thread_cpu_now(), std::memory_order_relaxed);
@@ -201,7 +213,7 @@ void FlightRecorder::stop() {
   stop_.store(true);
   if (thread_.joinable()) thread_.join();
   drain();
-  if (writer_) close_log();
+  if (has_log()) close_log();
 }
 
 std::vector<drivers::TaskTiming> FlightRecorder::timings() const {
@@ -222,8 +234,12 @@ std::vector<drivers::TaskTiming> FlightRecorder::timings() const {
   return result;
 }
 
+std::uint64_t FlightRecorder::bytes() const { return has_log() ? log_->writer->bytes() : 0; }
+
+std::uint64_t FlightRecorder::events() const { return has_log() ? log_->writer->events() : 0; }
+
 std::string FlightRecorder::error() const {
-  if (writer_ && !writer_->error().empty()) return writer_->error();
+  if (has_log() && !log_->writer->error().empty()) return log_->writer->error();
   if (lost_jobs() + lost_samples() != 0) {
     return "the log has gaps: " + std::to_string(lost_jobs()) + " jobs and " +
            std::to_string(lost_samples()) +

@@ -12,11 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "drivers/lcm_log.hpp"
 #include "drivers/wire_telemetry.hpp"
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/input_port.hpp"
-#include "firmware_like/owned_part.hpp"
 #include "firmware_like/runtime.hpp"
 #include "rt/spsc_ring.hpp"
 
@@ -63,12 +61,14 @@ class FlightRecorder final : public SampleSink {
   std::vector<drivers::TaskTiming> timings() const;
   std::uint64_t lost_jobs() const { return lost_jobs_.load(); }
   std::uint64_t lost_samples() const { return lost_samples_.load(); }
-  std::uint64_t bytes() const { return writer_ ? writer_->bytes() : 0; }
-  std::uint64_t events() const { return writer_ ? writer_->events() : 0; }
+  /// Of the log; 0 without one.
+  std::uint64_t bytes() const;
+  std::uint64_t events() const;
   /// Empty, or why the log is not whole.
   std::string error() const;
 
  private:
+  struct Log;  // of a build that may have none
   struct QueuedSample {
     std::string channel;
     std::int64_t stamp_us;
@@ -77,6 +77,7 @@ class FlightRecorder final : public SampleSink {
 
   static constexpr std::size_t kLogBufferBytes = std::size_t{1} << 20;
 
+  bool has_log() const;
   void open_log(const drivers::LogHeader& header);
   void job(const rt::JobRecord& record);
   void write_job(const rt::JobRecord& record);
@@ -86,7 +87,7 @@ class FlightRecorder final : public SampleSink {
 
   const Runtime& runtime_;
   RecorderOptions options_;
-  OwnedPart<drivers::LcmLogWriter, rt::Part::recorder> writer_;  // null: no log
+  std::unique_ptr<Log> log_;  // null: none is written
   std::vector<std::unique_ptr<rt::JobRecord[]>> slots_;
   std::vector<std::unique_ptr<rt::SpscSpanRing<rt::JobRecord>>> rings_;
   std::vector<std::vector<rt::LatencyHistogram>> histograms_;  // by group, by task

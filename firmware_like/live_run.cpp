@@ -13,6 +13,7 @@
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/live_threads.hpp"
 #include "firmware_like/log_clock.hpp"
+#include "firmware_like/owned_part.hpp"
 #include "firmware_like/parameter_desk.hpp"
 #include "firmware_like/telemetry.hpp"
 #include "rt/built_parts.hpp"

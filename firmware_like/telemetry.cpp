@@ -13,12 +13,10 @@ namespace sortie::firmware {
 
 namespace {
 
-constexpr std::size_t kLongestMessage = 16 * 1024;
-
 drivers::LcmPublisherConfig publisher_config(const std::string& url) {
   drivers::LcmPublisherConfig config;
   config.url = url;
-  config.slot_bytes = kLongestMessage;
+  config.slot_bytes = Telemetry::kLongestMessage;
   return config;
 }
 
@@ -40,10 +38,6 @@ Telemetry::Telemetry(Runtime& runtime, const FlightRecorder& recorder, const Par
 }
 
 Telemetry::~Telemetry() { stop(); }
-
-std::size_t Telemetry::bytes() {
-  return sizeof(Telemetry) + drivers::LcmPublisher::bytes_for(publisher_config(""));
-}
 
 void Telemetry::publish_outputs(std::int64_t utime) {
   rt::Executive& executive = runtime_.executive();

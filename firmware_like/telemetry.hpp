@@ -38,7 +38,12 @@ class Telemetry {
   /// Processor time of its threads; whole after stop().
   rt::Nanoseconds cpu_ns() const { return cpu_ns_.load() + publisher_.cpu_ns(); }
   /// Memory while it is on.
-  static std::size_t bytes();
+  static std::size_t bytes() {
+    drivers::LcmPublisherConfig config;
+    config.slot_bytes = kLongestMessage;
+    return sizeof(Telemetry) + drivers::LcmPublisher::bytes_for(config);
+  }
+  static constexpr std::size_t kLongestMessage = std::size_t{16} << 10;
 
  private:
   void publish_outputs(std::int64_t utime);
