@@ -76,7 +76,6 @@ DelaySplit split_delay(const DelaySample& sample) {
   DelaySplit split = sample.inherited;
   Nanoseconds pause = sample.pause_ns;
   Nanoseconds interrupts = Nanoseconds{sample.interrupts} * kInterruptCostNs;
-  split[DelayCause::run_queue] += at_least_zero(sample.run_queue_ns);
 
   // Time that nobody was charged for. Without a context switch the core itself was away. With one, the thread
   // was stopped or it blocked: everybody's heart stood still, or it was the program's own call.
@@ -103,6 +102,12 @@ DelaySplit split_delay(const DelaySample& sample) {
   if (sample.steal_charged) split[DelayCause::stolen] += take(excess, take(pause, excess));
   split[DelayCause::interrupt] += take(excess, take(interrupts, excess));
   split[DelayCause::own] += excess;
+
+  // Ready, and kept waiting: by another thread, or by handlers that held the core before it was switched in.
+  // What the handlers have not taken elsewhere they took here.
+  Nanoseconds queued = at_least_zero(sample.run_queue_ns);
+  split[DelayCause::interrupt] += take(queued, take(interrupts, queued));
+  split[DelayCause::run_queue] += queued;
   return split.fitted_to(sample.late_ns);
 }
 

@@ -126,12 +126,9 @@ void CoreEvidence::read_interrupts(Nanoseconds now_ns) noexcept {
     const auto more = static_cast<double>(counts[core] - counts_[core]);
     counts_[core] = counts[core];
     if (first || seconds <= 0.0) continue;
-    // What is usual follows slowly, and a flood hardly moves it.
-    double& usual = usual_per_s_[core];
-    const double rate = more / seconds;
-    usual =
-        usual == 0.0 ? std::min(rate, 2000.0) : usual + (std::min(rate, 2.0 * usual + 50.0) - usual) / 32.0;
-    const double beyond = more - 2.0 * usual * seconds - 30.0;
+    UsualRate& usual = usual_[core];
+    usual.take(more / seconds);
+    const double beyond = more - 2.0 * usual.per_s() * seconds - 30.0;
     if (beyond > 0.0) unusual_[core].add(sampled_ns_, now_ns, static_cast<std::uint64_t>(beyond));
     unusual_[core].cover(now_ns);
   }

@@ -43,8 +43,9 @@ TEST_CASE("injected causes are told right in 95 of 100 delays and hardly any lat
       "| injected | n | delays above 100 us | own work | interrupt | run queue | stolen | unknown | right | "
       "time [ms] | of it unknown |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   ConfusionRow others;
-  for (const Injection injection : {Injection::hog, Injection::own_work, Injection::signals,
-                                    Injection::timers, Injection::pause, Injection::none}) {
+  for (const Injection injection :
+       {Injection::hog, Injection::own_work, Injection::signals, Injection::queued_signals, Injection::timers,
+        Injection::pause, Injection::none}) {
     SharedResult result;
     CauseRig(injection, 20'26u, seconds(), *result).run();
     REQUIRE(std::string(result->refused).empty());

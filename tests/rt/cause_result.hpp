@@ -13,7 +13,7 @@
 namespace sortie::rt::posix::test {
 
 /// What the rig does to its worker.
-enum class Injection { none, hog, own_work, signals, timers, pause };
+enum class Injection { none, hog, own_work, signals, queued_signals, timers, pause };
 
 inline const char* to_string(Injection injection) {
   switch (injection) {
@@ -25,6 +25,8 @@ inline const char* to_string(Injection injection) {
       return "own work beyond the budget";
     case Injection::signals:
       return "signal flood";
+    case Injection::queued_signals:
+      return "signals that queue up";
     case Injection::timers:
       return "timer interrupt flood";
     case Injection::pause:
@@ -40,6 +42,7 @@ inline DelayCause truth_of(Injection injection) {
     case Injection::own_work:
       return DelayCause::own;
     case Injection::signals:
+    case Injection::queued_signals:
     case Injection::timers:
       return DelayCause::interrupt;
     case Injection::pause:

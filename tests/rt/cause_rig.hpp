@@ -140,7 +140,8 @@ class CauseRig {
         continue;
       }
       // A flood of interrupts stretches a job; it shows in one that nearly fills its budget.
-      Nanoseconds busy = injection_ == Injection::timers ? 170'000 : 30'000;
+      const bool stretches = injection_ == Injection::timers || injection_ == Injection::signals;
+      Nanoseconds busy = stretches ? 170'000 : 30'000;
       if (injection_ == Injection::own_work && tick >= next_own) {
         busy = 400'000 + static_cast<Nanoseconds>(random() % 1'500'000);
         next_own = static_cast<std::uint32_t>(tick + 20 + random() % 20);
@@ -205,7 +206,7 @@ inline void handle_signal(int) { signals_handled.fetch_add(1, std::memory_order_
 inline void CauseRig::inject() {
   sleep_until(start_ns_ + 50 * kNanosecondsPerMillisecond);
   if (injection_ == Injection::hog) inject_hog();
-  if (injection_ == Injection::signals) inject_signals();
+  if (injection_ == Injection::signals || injection_ == Injection::queued_signals) inject_signals();
   if (injection_ == Injection::timers) inject_timers();
 }
 
@@ -228,6 +229,7 @@ inline void CauseRig::inject_hog() {
   }
 }
 
+// Each signal after the one before was handled, so that each comes with an interrupt; or all at once.
 inline void CauseRig::inject_signals() {
   struct sigaction action {};
   action.sa_handler = handle_signal;
@@ -239,13 +241,17 @@ inline void CauseRig::inject_signals() {
     rest();
     const Nanoseconds begin = monotonic_now();
     const std::uint32_t burst = 300 + static_cast<std::uint32_t>(dice_() % 1000);
-    const std::uint32_t goal = signals_handled.load() + burst;
-    for (std::uint32_t i = 0; i < burst; ++i) {
-      if (pthread_sigqueue(worker_, SIGRTMIN, sigval{}) != 0) break;
-    }
+    const std::uint32_t handled = signals_handled.load();
     const Nanoseconds patience = begin + 50 * kNanosecondsPerMillisecond;
-    while (!stop_ && signals_handled.load() < goal && monotonic_now() < patience) {
+    const auto await = [&](std::uint32_t goal) {
+      while (!stop_ && signals_handled.load() < goal && monotonic_now() < patience) {
+      }
+    };
+    for (std::uint32_t i = 0; i < burst && monotonic_now() < patience; ++i) {
+      if (pthread_sigqueue(worker_, SIGRTMIN, sigval{}) != 0) break;
+      if (injection_ == Injection::signals) await(handled + i + 1);
     }
+    await(handled + burst);
     result_.inject(begin, monotonic_now());
   }
 }

@@ -39,6 +39,25 @@ TEST_CASE("growth of the run-queue delay is the run queue's") {
   CHECK(split[DelayCause::unknown] == 100'000);
 }
 
+TEST_CASE("a thread that was ready waited for interrupts as far as there were more than usual") {
+  DelaySample sample;
+  sample.late_ns = 3'000'000;
+  sample.run_queue_ns = 3'000'000;
+  sample.interrupts = 160;
+  DelaySplit split = split_delay(sample);
+  CHECK(split[DelayCause::interrupt] == 160 * kInterruptCostNs);
+  CHECK(split[DelayCause::run_queue] == 3'000'000 - 160 * kInterruptCostNs);
+  // What the same interrupts took from the job is not taken a second time.
+  sample.late_ns = 5'000'000;
+  sample.charged_ns = 2'000'000;
+  split = split_delay(sample);
+  CHECK(split[DelayCause::interrupt] == 160 * kInterruptCostNs);
+  CHECK(split[DelayCause::own] == 0);
+  CHECK(split[DelayCause::run_queue] == 5'000'000 - 160 * kInterruptCostNs);
+  sample.interrupts = 0;
+  CHECK(split_delay(sample)[DelayCause::run_queue] == 3'000'000);
+}
+
 TEST_CASE("time that nobody was charged for is stolen unless the thread itself left the core") {
   DelaySample sample = late_by(kMs);
   sample.uncharged_ns = kMs;
