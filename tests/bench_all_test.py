@@ -38,12 +38,26 @@ stub("sortie-bench-plant", plant)
 out = work / "out"
 (out / "plant").mkdir(parents=True)
 (out / "plant" / "mine.txt").write_text("kept")
-ran = run(program, "bench", "all", "--only", "plant", "--out", out)
+ran = run(program, "bench", "all", "--only", "plant", "--out", out, "--passes", "1")
 page = (out / "index.md").read_text() if (out / "index.md").exists() else ""
 check(ran.returncode == 0 and ran.stdout == page and "part 1 of 1" in ran.stderr, "one part runs", ran)
 check("| [plant](plant/) | 2 of 3 | " in page and "- plant: g: depth, <= 1 mm" in page, "goals stand on the page", ran)
 check("ODE" in page.split("## Missed")[-1], "what was left out stands on the page", ran)
 check((out / "plant" / "mine.txt").read_text() == "kept", "other files stay")
+
+# Two processes of it, the second with another time and another error.
+calls = program.parent / "calls"
+second = copy.deepcopy(plant)
+second["figures"][0]["ours"]["value"] = 0.2
+second["figures"][2]["ratio"] = {"value": 0.9, "low": 0.8, "high": 1.5}
+for number, result in enumerate((plant, second)):
+    (program.parent / f"pass{number}").write_text(json.dumps(result))
+(program.parent / "sortie-bench-plant").write_text(f"#!/bin/sh\necho x >> {calls}\ncat {program.parent}/pass$((($(wc -l < {calls}) + 1) % 2))\n")
+both = run(program, "bench", "all", "--only", "plant", "--out", out)
+kept = json.loads((out / "plant" / "bench-plant.json").read_text())
+check(calls.read_text().count("x") == 2 and kept["settings"]["passes"] == 2, "two processes a part", both)
+check(kept["figures"][2]["ratio"] == {"value": 0.7, "low": 0.4, "high": 1.5}, "the range holds both passes", both)
+check("- plant, not the same in every pass: g: end" in both.stdout, "an error that two processes do not share is named", both)
 
 # A program that is not there: named, and what an earlier run left is not taken for its result.
 (program.parent / "sortie-bench-plant").unlink()

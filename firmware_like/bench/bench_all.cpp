@@ -86,6 +86,7 @@ const std::vector<BenchPart>& bench_parts() {
       {"rt", {}, "bench-rt.json", true},
       {"mapping", {"--every", "35"}, "bench-local-map.json", true},
       {"odometry", {"--quiet"}, "bench-odometry.json"},
+      {"knobs", {"--quiet"}, "bench-knobs.json"},
       {"plant", {}, "bench-plant.json", true},
       {"rays", {}, "bench-rays.json", true},
       {"uav", {}, "bench-uav.json", true},

@@ -67,18 +67,21 @@ std::string passes_words(const PassJson& result) {
 }
 
 void take_pass(PassJson& result, const PassJson& later, unsigned passes, bool all_timed) {
+  PassJson unsteady = result.value("unsteady", PassJson::array());
   PassJson& figures = result["figures"];
   const PassJson others = later.value("figures", PassJson::array());
   for (std::size_t i = 0; i < figures.size(); ++i) {
     // The same program reports in the same order, unless something was skipped in one of the runs.
-    const bool is_same = i < others.size() && figure_name(figures[i]) == figure_name(others[i]);
+    const bool is_same =
+        others.is_array() && i < others.size() && figure_name(figures[i]) == figure_name(others[i]);
     const bool is_timed = all_timed || is_timed_figure(figures[i]);
     if (!is_same || (!is_timed && exact_figure(figures[i]) != exact_figure(others[i]))) {
-      result["unsteady"].push_back(figure_name(figures[i]));
+      unsteady.push_back(figure_name(figures[i]));
     } else if (is_timed) {
       take_figure_pass(figures[i], others[i], passes);
     }
   }
+  if (!unsteady.empty()) result["unsteady"] = std::move(unsteady);  // moves all others
 }
 
 }  // namespace sortie::firmware

@@ -35,6 +35,7 @@ void add_bench(CLI::App& app, CommandContext& context) {
   add_bench_rays(*command, context);
   add_bench_uav(*command, context);
   add_bench_odometry(*command, context);
+  add_bench_knobs(*command, context);
   add_bench_stability(*command, context);
   add_bench_campaign(*command, context);
   add_bench_wcet(*command, context);

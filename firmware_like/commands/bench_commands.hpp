@@ -24,6 +24,8 @@ void add_bench_rays(CLI::App& bench, CommandContext& context);
 void add_bench_uav(CLI::App& bench, CommandContext& context);
 /// `bench odometry`: attitude and odometry, error against run time.
 void add_bench_odometry(CLI::App& bench, CommandContext& context);
+/// `bench knobs`: every knob alone, error against run time.
+void add_bench_knobs(CLI::App& bench, CommandContext& context);
 /// `bench stability`: stiff and extreme cases beside the naive method.
 void add_bench_stability(CLI::App& bench, CommandContext& context);
 /// `bench campaign`: hostile random sequences for every module.
