@@ -18,6 +18,8 @@ namespace {
 // A cell differs from the profile's choice where its error does so by this share.
 constexpr double kSeenShare = 0.02;
 
+bool is_map(const Knob& knob) { return std::string_view(knob.part) == "map"; }
+
 double error_of(const Sweep& sweep, const SweepCell& cell) {
   const auto found = cell.errors.find(sweep.error);
   return found == cell.errors.end() ? std::nan("") : found->second;
@@ -59,7 +61,7 @@ std::vector<KnobSweep> sweep_knobs(const KnobSet& set, const VehicleRegistry& ve
       options.replay.overrides.push_back(std::move(without));
     options.replay.evaluation = set.evaluation;
     options.knobs = {{trials[i].knob.key, trials[i].tried}};
-    if (std::string_view(trials[i].knob.part) == "map") options.error = "map_disagreement";
+    if (is_map(trials[i].knob)) options.error = "map_disagreement";
     options.repeat = repeat;
     if (progress) {
       options.progress = [&, i](double share) {
@@ -151,7 +153,7 @@ Plot plot_knobs(const std::string& set, const std::vector<KnobSweep>& sweeps) {
   std::map<std::string, Series> parts;
   for (const KnobSweep& knob : sweeps) {
     const SweepCell* own = own_cell(knob.sweep);
-    if (own == nullptr) continue;
+    if (own == nullptr || is_map(knob.trial.knob)) continue;
     const double own_error = error_of(knob.sweep, *own);
     for (const SweepCell& cell : knob.sweep.cells) {
       const double error = error_of(knob.sweep, cell) / own_error;

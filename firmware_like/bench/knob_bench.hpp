@@ -43,7 +43,7 @@ std::string knob_table(const std::vector<KnobSweep>& sweeps);
 void print_knobs(std::ostream& out, const std::string& set, const std::vector<KnobSweep>& sweeps);
 
 /// Error and run time of each cell as shares of what the profile's own choice has. Cells that differ by less
-/// than a fiftieth in error are dots without a name.
+/// than a fiftieth in error are dots without a name. Without the map, whose error is of another kind.
 Plot plot_knobs(const std::string& set, const std::vector<KnobSweep>& sweeps);
 
 }  // namespace sortie::firmware

@@ -64,7 +64,8 @@ int run(const CommandContext& context, const KnobCommandLine& options) {
       "at a quarter, half, twice and four times, a choice at all it may be. `<` is what the "
       "profile says, `*` what no other value is as cheap and better than. Errors repeat "
       "to the bit; load is processor time of the knob's tasks per second of the robot's time, and "
-      "moves with the machine. Where a knob is not the map's, the replay has no map.\n\n```\n" +
+      "moves with the machine. Where a knob is not the map's, the replay has no map; the pictures leave the "
+      "map out, whose error is of another kind.\n\n```\n" +
       machine_description() + "; " + compiler_description() + "\n```\n";
   const std::vector<KnobSet> sets = sets_of(context, options, drives.file("drives"));
   for (std::size_t i = 0; i < sets.size(); ++i) {

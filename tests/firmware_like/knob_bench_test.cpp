@@ -102,5 +102,5 @@ TEST_CASE("a knob alone moves its own error, and the map is left out where it is
   CHECK(names.size() == cells);  // `bench all --compare` tells them by these
   const std::string table = knob_table(sweeps);
   CHECK(table.find("`attitude.track_aid`: the tracks' acceleration is taken out") != std::string::npos);
-  CHECK(plot_knobs("hall", sweeps).series.size() == 3);
+  CHECK(plot_knobs("hall", sweeps).series.size() == 2);
 }
