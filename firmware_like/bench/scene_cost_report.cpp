@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -39,14 +40,14 @@ std::string cost_error(const std::map<std::string, double>& errors, const char* 
   return found == errors.end() ? "-" : cost_figure("%.4f", found->second);
 }
 
-std::string cost_row(const std::string& name, const std::string& bytes, const std::string& program,
-                     const std::string& time, const std::string& instructions, const std::string& error,
-                     const std::string& driven, const std::string& end) {
+// The first column is as wide as the longest name.
+std::string cost_row(std::size_t wide, const std::string& name, const std::string& bytes,
+                     const std::string& program, const std::string& time, const std::string& instructions,
+                     const std::string& error, const std::string& driven, const std::string& end) {
   char text[256];
-  std::snprintf(text, sizeof(text), "%-16s %12s %10s %10s %12s %10s %10s %9s\n", name.c_str(), bytes.c_str(),
-                program.c_str(), time.c_str(), instructions.c_str(), error.c_str(), driven.c_str(),
-                end.c_str());
-  return text;
+  std::snprintf(text, sizeof(text), "%12s %10s %10s %12s %10s %10s %9s\n", bytes.c_str(), program.c_str(),
+                time.c_str(), instructions.c_str(), error.c_str(), driven.c_str(), end.c_str());
+  return name + std::string(wide - std::min(wide, name.size()) + 1, ' ') + text;
 }
 
 }  // namespace
@@ -86,9 +87,12 @@ std::string scene_cost_table(const SceneCosts& costs) {
   const char* const judge = judge_of(costs.whole);
   const bool counted = costs.whole.instructions_per_tick > 0;
   std::string text = costs.scene + ", " + std::to_string(costs.ticks) + " ticks, " + costs.machine + "\n";
-  text += cost_row("without", "bytes", "program", "us/tick", "instr/tick", "error", "driven", "ends off");
+  std::size_t wide = 9;  // (nothing)
+  for (const PartCost& part : costs.without) wide = std::max(wide, part.part.size());
+  text +=
+      cost_row(wide, "without", "bytes", "program", "us/tick", "instr/tick", "error", "driven", "ends off");
   const auto line = [&](const std::string& name, const SceneCost& cost, bool is_whole, bool has_time) {
-    text += cost_row(name, std::to_string(cost.bytes),
+    text += cost_row(wide, name, std::to_string(cost.bytes),
                      cost.program_bytes > 0 ? std::to_string(cost.program_bytes) : "-",
                      has_time ? cost_figure("%.3f", cost.us_per_tick) : "-",
                      counted ? cost_figure("%.1f", cost.instructions_per_tick) : "-",
