@@ -159,12 +159,16 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
   const auto length_ns = static_cast<rt::Nanoseconds>(options.seconds * 1e9);
   rt::Nanoseconds next_ns = zero_ns;
   rt::Nanoseconds since_ns = 0;
+  rt::Nanoseconds looked_ns = rt::posix::monotonic_now();
+  rt::Nanoseconds longest_ns = 0;  // between two looks at the bus: a drive hears and acts that much late
   std::uint64_t late = 0;
   while ((options.interrupted == nullptr || !options.interrupted->load()) &&
          (length_ns == 0 || since_ns < length_ns)) {
     rt::posix::sleep_until(next_ns);
     const rt::Nanoseconds woke_ns = rt::posix::monotonic_now();
     if (woke_ns - next_ns > 10 * rt::kNanosecondsPerMillisecond) ++late;
+    longest_ns = std::max(longest_ns, woke_ns - looked_ns);
+    looked_ns = woke_ns;
     since_ns = woke_ns - zero_ns;
     carry_frames(outside, *bench->vehicle_can());
     if (solid_state != nullptr) rays.deliver(*solid_state);
@@ -189,6 +193,8 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
     add_counters("rays_", rays.counters(), outcome.counters);
   }
   outcome.counters["late_wakes"] = late;
+  outcome.counters["longest_step_us"] =
+      static_cast<std::uint64_t>(longest_ns / rt::kNanosecondsPerMicrosecond);
   outcome.counters["truth_contacts_dropped"] = truth.contacts_dropped;
   if (judged.counters().peers == 0) outcome.warnings.push_back("no runtime was heard");
   if (late != 0)

@@ -157,7 +157,9 @@ def trouble():
     check(last < killed, "a killed runtime is silent", last, killed)
     noticed = {n: next((t for t, i, d in frames if t > killed and i == f"08{n[1]}" and d.startswith("3081")), 9e9) for n in NODES}
     slowest = max(noticed.values()) - last
-    check(slowest <= HEARTBEAT_S + 0.005, "killed runtime: every drive says that its master is gone", noticed, last)
+    # The simulated drives hear and act once in a step of their process, which is slow on the emulated board: it says how slow.
+    step = read("trouble", "killed", "plant.json")["counters"]["longest_step_us"] * 1e-6
+    check(slowest <= HEARTBEAT_S + 2 * step + 0.001, "killed runtime: every drive says that its master is gone", noticed, last, step)
     stopped, speed = standstill(work / "trouble/killed/truth.lcm", killed)
     check(speed > 0.1, "the robot was driving when its runtime was killed", speed)
     check(stopped - last <= HEARTBEAT_S + TORQUE_OFF_S, "killed runtime: the robot stands", stopped - last)
