@@ -16,5 +16,5 @@ target_compile_definitions(sortie_strict INTERFACE SORTIE_ONE_SCENE)
 target_include_directories(sortie_strict INTERFACE $<BUILD_INTERFACE:${scene_folder}>)
 target_compile_options(sortie_strict INTERFACE -ffunction-sections -fdata-sections)
 
-list(APPEND not_in_library "/firmware_like/bench/" "/commands/(all_commands|bench|spy|drive|fly|plant|import|report|diff)[^/]*\\.cpp$")
-set(benches "")
+list(APPEND not_in_desk "/firmware_like/bench/" "/commands/(all_commands|bench|spy|drive|fly|plant|import|report|diff)[^/]*\\.cpp$")
+set(simulated_robots "")

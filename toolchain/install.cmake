@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Sortie)
 
 install(TARGETS sortie_strict sortie_rt sortie_rt_convex sortie_rt_posix sortie_messages sortie_drivers sortie_estimators sortie_mapping
-  sortie_planner sortie_hil sortie_firmware EXPORT SortieTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  sortie_planner sortie_hil sortie_runtime sortie_firmware EXPORT SortieTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 if(TARGET sortie_heap_trap)
   install(TARGETS sortie_heap_trap EXPORT SortieTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     OBJECTS DESTINATION ${CMAKE_INSTALL_LIBDIR}/sortie)

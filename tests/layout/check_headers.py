@@ -1,27 +1,34 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_headers.py ROOT JOBS FLAGS_FILE COMPILER: every header compiles alone, without what others included before it.
-FLAGS_FILE: one compiler flag a line."""
+"""check_headers.py ROOT COMPILE_COMMANDS: every header is the first thing that some compiled file includes, so that the
+build shows that it needs nothing before it. That file is the header's own .cpp, unless it is compiled in a batch with
+others; then it is one of those that tests/layout/CMakeLists.txt makes."""
 
-import concurrent.futures
-import subprocess
+import json
+import re
 import sys
 
 import tree
 
-
-def compile_alone(root, command, header):
-    line = [*command, "-fsyntax-only", "-x", "c++", "-include", header, "/dev/null"]
-    result = subprocess.run(line, cwd=root, capture_output=True, text=True, check=False)
-    errors = [text for text in result.stderr.splitlines() if "error" in text]
-    return None if result.returncode == 0 else f"{header}: does not compile alone: {' | '.join(errors[:3])}"
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
-def main(root, jobs, command):
-    headers = [str(path) for path in tree.files(root, {".hpp"}, tree.FOLDERS)]
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        results = list(pool.map(lambda header: compile_alone(root, command, header), headers))
-    tree.finish([result for result in results if result], len(headers), "headers")
+def first_include(path):
+    found = INCLUDE.search(path.read_text(errors="replace"))
+    return found[1] if found else None
 
 
-FLAGS = [line for line in tree.pathlib.Path(sys.argv[3]).read_text().splitlines() if line]
-main(sys.argv[1], int(sys.argv[2]), [sys.argv[4], *FLAGS])
+def main(root, commands):
+    compiled = [tree.pathlib.Path(entry["file"]) for entry in json.loads(tree.pathlib.Path(commands).read_text())]
+    first = {first_include(path) for path in compiled if path.exists() and "Unity" not in path.parts}
+    findings, checked = [], 0
+    for header in tree.files(root, {".hpp"}, tree.FOLDERS):
+        checked += 1
+        if header.as_posix() in first:
+            continue
+        own = header.with_suffix(".cpp")
+        cure = f"{own} must include it first" if (tree.pathlib.Path(root) / own).exists() else "configure the build again"
+        findings.append(f"{header}: nothing compiles it alone: {cure}")
+    tree.finish(findings, checked, "headers")
+
+
+main(sys.argv[1], sys.argv[2])

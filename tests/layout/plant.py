@@ -2,6 +2,7 @@
 """plant.py CHECK [COMPILER AR NM CLANG_FORMAT]: proves that a check can fail. It makes a tiny clean tree, sees the
 check pass, plants one fault after another and sees each one caught, at the right place."""
 
+import json
 import pathlib
 import shutil
 import subprocess
@@ -46,8 +47,8 @@ FAULTS = {
         ("estimators/filter.hpp", '#include "rt/convex/query.hpp"\n', "estimators may not include rt/convex"),
     ],
     "headers": [
-        ("rt/base.hpp", "namespace tiny { std::vector<int> all(); }\n", "rt/base.hpp: does not compile alone"),
-        ("estimators/filter.hpp", "#error broken\n", "estimators/filter.hpp: does not compile alone"),
+        ("rt/other.hpp", "\n", "rt/other.hpp: nothing compiles it alone: configure"),
+        ("drivers/bus.hpp", "#pragma once\n", "drivers/bus.hpp: nothing compiles it alone: drivers/bus.cpp must include it first"),
     ],
     "freestanding": [
         ("rt/base.cpp", "namespace tiny { int* sink; void f() { sink = new int(1); } }\n", "asks for the heap: operator new"),
@@ -112,8 +113,9 @@ def check(name, root, tools):
     if name in ("freestanding", "arithmetic-symbols", "collision-symbols"):
         command = ["check_symbols.py", name.split("-")[0], tools[2], archive(root, tools)]
     elif name == "headers":
-        (root / "flags.txt").write_text("-std=c++20\n-I.\n")
-        command = ["check_headers.py", str(root), "2", str(root / "flags.txt"), tools[0]]
+        compiled = [str(path) for path in root.rglob("*.cpp")]
+        (root / "commands.json").write_text(json.dumps([{"file": path} for path in compiled]))
+        command = ["check_headers.py", str(root), str(root / "commands.json")]
     elif name == "format":
         shutil.copy(HERE / "../../.clang-format", root)
         command = ["check_format.py", str(root), tools[3]]
