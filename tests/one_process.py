@@ -3,7 +3,7 @@
 """one_process.py [--limit SECONDS] [--notes FILE] [--tags SPEC] COMMAND...: runs the cases of a Catch2 binary in one
 process. Where it fails, dies or hangs, the cases that are not known to be good run again, each in a process of its own, so
 that the culprit has its name. FILE gets a line a case: passed, failed or skipped, seconds, name, why.
-Exit code 0: every case passed, 1: not, or there was no case."""
+Exit code 0: every case passed, 1: not, or there was no case, 77: the tags leave none of the cases."""
 
 import argparse
 import os
@@ -54,9 +54,9 @@ def run(arguments, limit):
     return code, end, cases
 
 
-def names():
+def names(tags):
     """All cases of the binary that fit the tags."""
-    words = [options.tags] if options.tags else []
+    words = [tags] if tags else []
     listed = subprocess.run([*options.command, "--list-test-names-only", *words], capture_output=True, text=True, check=False)
     return [line.strip() for line in listed.stdout.splitlines() if line.strip()]
 
@@ -76,6 +76,9 @@ def alone(name, limit):
 
 def main():
     code, end, cases = run([options.tags] if options.tags else [], options.limit)
+    if not cases and options.tags and not names(options.tags) and names(""):
+        print(f"skipped: no case fits {options.tags}")
+        return 77, []
     if not cases:
         print(f"no case ran: {end}")
         return 1, []
@@ -85,7 +88,7 @@ def main():
     done = {case.name: case for case in cases}
     # Asserts that failed name their case; a process that died or said "leak" at its end does not.
     suspects = [case.name for case in cases if case.verdict in ("failed", "died")]
-    missing = [name for name in names() if name not in done]
+    missing = [name for name in names(options.tags) if name not in done]
     if not suspects and not missing:
         suspects = [case.name for case in cases]
     for name in [*suspects, *missing]:

@@ -59,6 +59,32 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU
   target_compile_options(sortie_warnings INTERFACE -Wno-psabi)
 endif()
 
+# Most of a file's time goes into what it includes. Not for release, whose tasks' instructions are counted.
+option(SORTIE_JUMBO "Compile all files in batches: less time from nothing, more after a small change" OFF)
+
+# sortie_batches(<target> <size> [<folders>...]): compiles `size` files of a folder at a time, in the order of their names, in
+# these folders or in all. Files with definitions of their own stay alone. By folder, so that names meet only where a reader
+# looks for both.
+function(sortie_batches target size)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE absolute)
+    cmake_path(GET absolute PARENT_PATH folder)
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    if(NOT ARGN OR folder IN_LIST ARGN)
+      string(MAKE_C_IDENTIFIER "${folder}" name)
+      math(EXPR count_${name} "0${count_${name}} + 1")
+      math(EXPR batch "(${count_${name}} - 1) / ${size}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${target}_${name}_${batch}")
+      get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+      if(NOT alone)
+        set_property(GLOBAL APPEND PROPERTY SORTIE_BATCHED ${absolute})
+      endif()
+    endif()
+  endforeach()
+endfunction()
+
 # sortie_library(<folder> [SOURCES <files>...] [DEPENDS <targets>...]): a static library of every .cpp below the folder, or
 # of those named.
 function(sortie_library name)
@@ -81,30 +107,11 @@ function(sortie_library name)
   target_include_directories(sortie_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sortie>)
   target_link_libraries(sortie_${name} PUBLIC sortie_strict ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:sortie_warnings> ${ARG_PRIVATE_DEPENDS})
+  if(SORTIE_JUMBO)
+    sortie_batches(sortie_${name} 12)
+  endif()
 endfunction()
 
 # What the program and the tests, but not the libraries, are compiled with on top: their compilation costs more than
 # their run where only tests run.
 set(SORTIE_PROGRAM_FLAGS "" CACHE STRING "Compiler flags of firmware_like and tests alone")
-
-# sortie_batches(<target> <size> <folders>...): compiles `size` files of a folder at a time, in the order of their names.
-# Files with definitions of their own stay alone. By folder, so that names meet only where a reader looks for both.
-function(sortie_batches target size)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  get_target_property(sources ${target} SOURCES)
-  foreach(source IN LISTS sources)
-    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE absolute)
-    cmake_path(GET absolute PARENT_PATH folder)
-    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
-    if(folder IN_LIST ARGN)
-      string(MAKE_C_IDENTIFIER "${folder}" name)
-      math(EXPR count_${name} "0${count_${name}} + 1")
-      math(EXPR batch "(${count_${name}} - 1) / ${size}")
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${target}_${name}_${batch}")
-      get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
-      if(NOT alone)
-        set_property(GLOBAL APPEND PROPERTY SORTIE_BATCHED ${absolute})
-      endif()
-    endif()
-  endforeach()
-endfunction()
