@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <ostream>
 #include <stdexcept>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -78,8 +79,8 @@ void print_bus(std::ostream& out, const BusCheck& bus) {
   out << line;
 }
 
-nlohmann::ordered_json to_json(const BusCheck& bus) {
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+Json to_json(const BusCheck& bus) {
+  Json frames = Json::array();
   for (std::size_t i = 0; i < bus.frames.size(); ++i) {
     const drivers::CanStreamLoad& load = bus.load.streams[i];
     frames.push_back({{"name", bus.frames[i].name},

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,8 @@
 #include "firmware_like/profile.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// The frames and what becomes of them; `load` has the same order.
 struct BusCheck {
@@ -27,6 +28,6 @@ BusCheck check_bus(Profile& profile, const std::vector<drivers::CanStream>& fram
 
 /// A table, the most urgent frame first; nothing without frames.
 void print_bus(std::ostream& out, const BusCheck& bus);
-nlohmann::ordered_json to_json(const BusCheck& bus);
+Json to_json(const BusCheck& bus);
 
 }  // namespace sortie::firmware

@@ -4,13 +4,12 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
-namespace sortie::firmware {
+#include "firmware_like/json.hpp"
 
-using Json = nlohmann::ordered_json;
+namespace sortie::firmware {
 
 /// A figure as JSON; null when it is not finite.
 inline Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <iosfwd>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,8 @@
 #include "firmware_like/results_schedule.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// One bar of a latency histogram: `count` jobs took between `from_us` and `to_us`.
 struct HistogramBar {
@@ -101,11 +102,11 @@ struct Results {
 /// The interface object of `--json`. Key names are fixed: digest, ticks, scene, errors{}, tasks[]{name,
 /// period_us, budget_us, count, missed, p50_us, p99_us, p999_us, max_us}, pools[]{name, capacity, high_water,
 /// refused}, counters{}; more keys may follow them. A figure that is not finite becomes null.
-nlohmann::ordered_json to_json(const Results& results);
+Json to_json(const Results& results);
 
 /// Reads back what to_json wrote; missing keys keep their defaults, null becomes NaN.
 /// Throws std::runtime_error naming the key if a value has the wrong type.
-Results results_from_json(const nlohmann::ordered_json& object);
+Results results_from_json(const Json& object);
 
 /// The short table that ends a run: at most about 25 lines and 100 columns. Colour (misses, refusals,
 /// warnings) only if `colour`, which the caller sets when the stream is a terminal and NO_COLOR is unset.

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,8 @@ struct DelayStatistics;
 }
 
 namespace sortie::firmware {
+
+class Json;
 
 /// Delays with one cause.
 struct CauseResult {
@@ -46,9 +47,9 @@ struct GroupDelays {
   std::vector<DelayResult> last;  ///< oldest first
 };
 
-nlohmann::ordered_json to_json(const GroupDelays& delays);
+Json to_json(const GroupDelays& delays);
 /// Reads back what to_json wrote. Throws std::runtime_error naming the key if a value has the wrong type.
-GroupDelays delays_from_json(const nlohmann::ordered_json& object, const std::string& place);
+GroupDelays delays_from_json(const Json& object, const std::string& place);
 
 /// What the observer of a group has found.
 GroupDelays collect_delays(const rt::posix::DelayStatistics& statistics);

@@ -5,11 +5,12 @@
 
 #include <cstdint>
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 namespace sortie::firmware {
+
+class Json;
 
 /// What was computed for a group. Times in microseconds.
 struct ScheduledGroup {
@@ -70,11 +71,11 @@ struct ChainResult {
   std::uint64_t unmeasured{};
 };
 
-nlohmann::ordered_json to_json(const ScheduleResult& schedule);
-nlohmann::ordered_json to_json(const ChainResult& chain);
+Json to_json(const ScheduleResult& schedule);
+Json to_json(const ChainResult& chain);
 /// Read back what to_json wrote; missing keys keep their defaults. Throw std::runtime_error naming the key.
-ScheduleResult schedule_from_json(const nlohmann::ordered_json& object);
-ChainResult chain_from_json(const nlohmann::ordered_json& object);
+ScheduleResult schedule_from_json(const Json& object);
+ChainResult chain_from_json(const Json& object);
 
 /// The table of groups with its verdict and findings, for a person: about as many lines as groups and
 /// processors.

@@ -6,11 +6,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/child_process.hpp"
 #include "firmware_like/bench/figure_table.hpp"
 #include "firmware_like/doctor/doctor.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/results.hpp"
 #include "firmware_like/text_format.hpp"
 
@@ -18,7 +18,6 @@ namespace sortie::firmware {
 
 namespace {
 
-using AllJson = nlohmann::ordered_json;
 using AllClock = std::chrono::steady_clock;
 
 double since(AllClock::time_point begin) {
@@ -31,11 +30,11 @@ double load_average() {
 }
 
 // Goals of a part's figures: how many, how many are met, which are not.
-void count_goals(const AllJson& result, AllJson& part) {
+void count_goals(const Json& result, Json& part) {
   std::uint64_t goals = 0;
   std::uint64_t met = 0;
-  AllJson missed = AllJson::array();
-  for (const AllJson& figure : result.value("figures", AllJson::array())) {
+  Json missed = Json::array();
+  for (const Json& figure : result.value("figures", Json::array())) {
     if (!figure.contains("met") || !figure["met"].is_boolean()) continue;
     ++goals;
     if (figure["met"].get<bool>()) {
@@ -48,11 +47,11 @@ void count_goals(const AllJson& result, AllJson& part) {
   part["goals"] = goals;
   part["met"] = met;
   part["missed"] = std::move(missed);
-  part["unsteady"] = result.value("unsteady", AllJson::array());
-  part["skipped"] = result.contains("skipped") ? AllJson(figure_skips(result)) : AllJson::array();
+  part["unsteady"] = result.value("unsteady", Json::array());
+  part["skipped"] = result.contains("skipped") ? Json(figure_skips(result)) : Json::array();
 }
 
-AllJson run_part(BenchPart part, const BenchAllOptions& options) {
+Json run_part(BenchPart part, const BenchAllOptions& options) {
   const std::string& folder = options.folder;
   if (part.has_passes && options.passes > 1)
     part.arguments.insert(part.arguments.end(), {"--passes", std::to_string(options.passes)});
@@ -66,15 +65,15 @@ AllJson run_part(BenchPart part, const BenchAllOptions& options) {
   child.arguments.insert(child.arguments.end(), {"--out", place});
   std::string command = "sortie bench " + part.name;
   for (const std::string& word : part.arguments) command += " " + word;
-  AllJson row{{"name", part.name}, {"command", command}, {"load_before", load_average()}};
+  Json row{{"name", part.name}, {"command", command}, {"load_before", load_average()}};
   const AllClock::time_point begin = AllClock::now();
   row["exit_code"] = run_child(child, [](std::string_view) {}).exit_code;
   row["took_s"] = since(begin);
   row["json"] = part.name + "/" + part.json_file;
   std::ifstream in(place + "/" + part.json_file, std::ios::binary);
-  const AllJson result = AllJson::parse(in, nullptr, false);
+  const Json result = Json::parse_or_null(in);
   row["written"] = result.is_object();
-  count_goals(result.is_object() ? result : AllJson::object(), row);
+  count_goals(result.is_object() ? result : Json::object(), row);
   return row;
 }
 
@@ -94,7 +93,7 @@ const std::vector<BenchPart>& bench_parts() {
   return parts;
 }
 
-nlohmann::ordered_json run_bench_all(const BenchAllOptions& options) {
+Json run_bench_all(const BenchAllOptions& options) {
   std::vector<BenchPart> parts;
   for (const BenchPart& part : bench_parts()) {
     const auto asked = std::find(options.only.begin(), options.only.end(), part.name);
@@ -102,10 +101,10 @@ nlohmann::ordered_json run_bench_all(const BenchAllOptions& options) {
   }
   std::filesystem::create_directories(options.folder);
   const Doctor doctor({"/", -1});
-  AllJson index{{"machine", machine_description()},
-                {"compiler", compiler_description()},
-                {"load_before", load_average()},
-                {"parts", AllJson::array()}};
+  Json index{{"machine", machine_description()},
+             {"compiler", compiler_description()},
+             {"load_before", load_average()},
+             {"parts", Json::array()}};
   const AllClock::time_point begin = AllClock::now();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (options.on_part) options.on_part(i, parts.size(), parts[i].name, since(begin));
@@ -117,8 +116,8 @@ nlohmann::ordered_json run_bench_all(const BenchAllOptions& options) {
   return index;
 }
 
-std::string bench_all_page(const nlohmann::ordered_json& index, const std::string& command) {
-  const auto number = [](const AllJson& object, const char* key, int decimals) {
+std::string bench_all_page(const Json& index, const std::string& command) {
+  const auto number = [](const Json& object, const char* key, int decimals) {
     return format_fixed(object.value(key, 0.0), decimals);
   };
   std::string text = "# All benchmarks\n\nWritten by `" + command + "`.\n\n```\n";
@@ -129,7 +128,7 @@ std::string bench_all_page(const nlohmann::ordered_json& index, const std::strin
   if (index.contains("doctor")) text += "doctor    " + index["doctor"].value("summary", "") + "\n";
   text += "```\n\n| part | goals met | took | load before | command |\n|---|---:|---:|---:|---|\n";
   std::string missed;
-  for (const AllJson& part : index.value("parts", AllJson::array())) {
+  for (const Json& part : index.value("parts", Json::array())) {
     const std::string name = part.value("name", "");
     const bool ran = part.value("written", false);
     const std::string goals = !ran ? "did not run: exit code " + std::to_string(part.value("exit_code", 0))
@@ -139,11 +138,11 @@ std::string bench_all_page(const nlohmann::ordered_json& index, const std::strin
     text += "| " + (ran ? "[" + name + "](" + name + "/)" : name) + " | " + goals + " | " +
             number(part, "took_s", 0) + " s | " + number(part, "load_before", 2) + " | `" +
             part.value("command", "") + "` |\n";
-    for (const AllJson& line : part.value("missed", AllJson::array()))
+    for (const Json& line : part.value("missed", Json::array()))
       missed += "- " + name + ": " + line.get<std::string>() + "\n";
-    for (const AllJson& line : part.value("unsteady", AllJson::array()))
+    for (const Json& line : part.value("unsteady", Json::array()))
       missed += "- " + name + ", not the same in every pass: " + line.get<std::string>() + "\n";
-    for (const AllJson& line : part.value("skipped", AllJson::array()))
+    for (const Json& line : part.value("skipped", Json::array()))
       missed += "- " + name + ", left out: " + line.get<std::string>() + "\n";
   }
   if (!missed.empty()) text += "\n## Missed or left out\n\n" + missed;

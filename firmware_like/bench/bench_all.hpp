@@ -4,11 +4,12 @@
 #pragma once
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 namespace sortie::firmware {
+
+class Json;
 
 /// One part: `bench NAME ARGUMENTS --out FOLDER/NAME` writes FOLDER/NAME/JSON_FILE.
 struct BenchPart {
@@ -34,10 +35,10 @@ struct BenchAllOptions {
 /// part that cannot run (program not built) is named with its exit code. Gives {machine, compiler, doctor,
 /// load_before, load_after, took_s, parts[]{name, command, exit_code, took_s, load_before, goals, met,
 /// missed[], skipped[]}}. Throws InputError.
-nlohmann::ordered_json run_bench_all(const BenchAllOptions& options);
+Json run_bench_all(const BenchAllOptions& options);
 
 /// The page of a folder, Markdown: machine, load, goals met and missed of each part with links.
-std::string bench_all_page(const nlohmann::ordered_json& index, const std::string& command);
+std::string bench_all_page(const Json& index, const std::string& command);
 
 /// Two runs beside each other. Figures that are no times must be equal to the bit: all of those whose unit is
 /// no time (is_timed_figure()). Ratios to a peer must have ranges that overlap.

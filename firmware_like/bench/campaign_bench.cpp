@@ -10,30 +10,29 @@ namespace sortie::firmware {
 
 namespace {
 
-using CampaignJson = nlohmann::ordered_json;
 constexpr const char* kCampaignCounts[] = {"sequences", "operations", "given",
                                            "accepted",  "refused",    "checks"};
 
-std::string campaign_count(const CampaignJson& row, const char* key) {
+std::string campaign_count(const Json& row, const char* key) {
   return std::to_string(row.value(key, std::uint64_t{0}));
 }
 
-std::string campaign_summary(const CampaignJson& result) {
-  const CampaignJson rows = result.value("figures", CampaignJson::array());
+std::string campaign_summary(const Json& result) {
+  const Json rows = result.value("figures", Json::array());
   std::uint64_t failed = 0;
   std::uint64_t operations = 0;
-  for (const CampaignJson& row : rows) {
+  for (const Json& row : rows) {
     failed += row.value("met", false) ? 0 : 1;
     operations += row.value("operations", std::uint64_t{0});
   }
-  const CampaignJson settings = result.value("settings", CampaignJson::object());
+  const Json settings = result.value("settings", Json::object());
   return "seed " + campaign_count(settings, "seed") + ": " + std::to_string(rows.size()) + " modules, " +
          std::to_string(operations) + " operations, " + std::to_string(failed) + " modules with a fault";
 }
 
 }  // namespace
 
-CampaignJson run_campaign_bench(const CampaignBenchOptions& options) {
+Json run_campaign_bench(const CampaignBenchOptions& options) {
   PeerProgram program{
       "sortie-bench-campaign", options.program, {"--count", std::to_string(options.count)}, -1};
   const auto add = [&program](const char* option, const std::string& value) {
@@ -45,19 +44,19 @@ CampaignJson run_campaign_bench(const CampaignBenchOptions& options) {
   return run_peer_program(program);
 }
 
-bool is_faultless(const CampaignJson& result) {
-  const CampaignJson figures = result.value("figures", CampaignJson::array());
-  for (const CampaignJson& row : figures) {
+bool is_faultless(const Json& result) {
+  const Json figures = result.value("figures", Json::array());
+  for (const Json& row : figures) {
     if (!row.value("met", false)) return false;
   }
   return !figures.empty();
 }
 
-void print_campaign_bench(std::ostream& out, const CampaignJson& result) {
+void print_campaign_bench(std::ostream& out, const Json& result) {
   out << pad_right("module", 26);
   for (const char* key : kCampaignCounts) out << pad_left(key, 12);
   out << "\n";
-  for (const CampaignJson& row : result.value("figures", CampaignJson::array())) {
+  for (const Json& row : result.value("figures", Json::array())) {
     out << pad_right(row.value("group", "") + " " + row.value("module", ""), 26);
     for (const char* key : kCampaignCounts) out << pad_left(campaign_count(row, key), 12);
     out << (row.value("met", false) ? "  kept" : "  FAULT") << "\n";
@@ -70,7 +69,7 @@ void print_campaign_bench(std::ostream& out, const CampaignJson& result) {
   out << "\n" << campaign_summary(result) << "\n";
 }
 
-std::string campaign_bench_page(const CampaignJson& result, const std::string& command) {
+std::string campaign_bench_page(const Json& result, const std::string& command) {
   std::string text =
       "# Random campaign\n\nWritten by `" + command +
       "`. Sequences of hostile inputs for every module, drawn from the seed, each run twice. "
@@ -79,14 +78,14 @@ std::string campaign_bench_page(const CampaignJson& result, const std::string& c
       campaign_summary(result) +
       ".\n\n| module | sequences | operations | given | accepted | refused | checks | digest | |\n"
       "|---|---:|---:|---:|---:|---:|---:|---|---|\n";
-  for (const CampaignJson& row : result.value("figures", CampaignJson::array())) {
+  for (const Json& row : result.value("figures", Json::array())) {
     text += "| " + row.value("group", "") + " " + row.value("module", "");
     for (const char* key : kCampaignCounts) text += " | " + campaign_count(row, key);
     text += " | " + row.value("digest", "") + " | " +
             (row.value("met", false) ? "kept" : "FAULT: " + row.value("fault", "")) + " |\n";
   }
   text += "\n| module | an operation is | what is checked |\n|---|---|---|\n";
-  for (const CampaignJson& row : result.value("figures", CampaignJson::array()))
+  for (const Json& row : result.value("figures", Json::array()))
     text += "| " + row.value("module", "") + " | " + row.value("tries", "") + " | " + row.value("keeps", "") +
             " |\n";
   return text;

@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -21,16 +22,16 @@ struct CampaignBenchOptions {
 
 /// Runs the campaign (seed and modules go to stderr) and returns the program's object, with machine, compiler
 /// and the doctor's verdict added. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_campaign_bench(const CampaignBenchOptions& options);
+Json run_campaign_bench(const CampaignBenchOptions& options);
 
 /// True when no module has a fault.
-bool is_faultless(const nlohmann::ordered_json& result);
+bool is_faultless(const Json& result);
 
 /// One line a module: sequences, operations, accepted, refused, verdict; then what failed, as text to run
 /// again.
-void print_campaign_bench(std::ostream& out, const nlohmann::ordered_json& result);
+void print_campaign_bench(std::ostream& out, const Json& result);
 
 /// The same as a Markdown page, with `command` as how to get it again.
-std::string campaign_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string campaign_bench_page(const Json& result, const std::string& command);
 
 }  // namespace sortie::firmware

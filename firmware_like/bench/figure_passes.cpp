@@ -2,25 +2,24 @@
 #include "firmware_like/bench/figure_passes.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-using PassJson = nlohmann::ordered_json;
-
-double bound(const PassJson& spread, const char* name) {
+double bound(const Json& spread, const char* name) {
   const auto found = spread.find(name);
   return found != spread.end() && found->is_number() ? found->get<double>() : spread["value"].get<double>();
 }
 
-bool is_spread(const PassJson& object) {
+bool is_spread(const Json& object) {
   return object.is_object() && object.contains("value") && object["value"].is_number();
 }
 
-void widen(PassJson& spread, const PassJson& later, unsigned passes) {
+void widen(Json& spread, const Json& later, unsigned passes) {
   if (!is_spread(spread) || !is_spread(later)) return;
   const double low = std::min(bound(spread, "low"), bound(later, "low"));
   const double high = std::max(bound(spread, "high"), bound(later, "high"));
@@ -29,47 +28,47 @@ void widen(PassJson& spread, const PassJson& later, unsigned passes) {
   spread = {{"value", mean}, {"low", low}, {"high", high}};
 }
 
-void take_figure_pass(PassJson& figure, const PassJson& later, unsigned passes) {
+void take_figure_pass(Json& figure, const Json& later, unsigned passes) {
   for (const char* side : {"ours", "theirs", "ratio"})
     if (figure.contains(side) && later.contains(side)) widen(figure[side], later[side], passes);
   if (figure.contains("n") && figure["n"].is_number_unsigned() && later.contains("n"))
     figure["n"] = figure["n"].get<std::uint64_t>() + later["n"].get<std::uint64_t>();
   if (figure.contains("met") && figure["met"].is_boolean())
-    figure["met"] = figure["met"].get<bool>() && later.value("met", PassJson(true)) == true;
+    figure["met"] = figure["met"].get<bool>() && later.value("met", Json(true)) == true;
 }
 
 }  // namespace
 
-bool is_timed_figure(const PassJson& figure) {
+bool is_timed_figure(const Json& figure) {
   static const std::set<std::string> kTimes{"ns", "us", "ms", "times", "M/s", "us/s", "1/s"};
   const std::string unit = figure.value("unit", "");
-  const PassJson ours = figure.value("ours", PassJson());
+  const Json ours = figure.value("ours", Json());
   const bool has_range = ours.is_object() && ours.contains("low");
   return kTimes.count(unit) != 0 || (unit.empty() && has_range);
 }
 
-PassJson exact_figure(const PassJson& figure) {
-  PassJson exact = PassJson::object();
+Json exact_figure(const Json& figure) {
+  Json exact = Json::object();
   for (const char* key : {"ours", "naive", "measured"})
     if (figure.contains(key)) exact[key] = figure[key];
   return exact;
 }
 
-std::string figure_name(const PassJson& figure) {
+std::string figure_name(const Json& figure) {
   const std::string peer = figure.value("peer", "");
   return figure.value("group", "") + ": " + figure.value("what", "") +
          (peer.empty() ? "" : ", beside " + peer);
 }
 
-std::string passes_words(const PassJson& result) {
-  const unsigned passes = result.value("settings", PassJson::object()).value("passes", 1u);
+std::string passes_words(const Json& result) {
+  const unsigned passes = result.value("settings", Json::object()).value("passes", 1u);
   return passes > 1 ? ", " + std::to_string(passes) + " passes" : "";
 }
 
-void take_pass(PassJson& result, const PassJson& later, unsigned passes, bool all_timed) {
-  PassJson unsteady = result.value("unsteady", PassJson::array());
-  PassJson& figures = result["figures"];
-  const PassJson others = later.value("figures", PassJson::array());
+void take_pass(Json& result, const Json& later, unsigned passes, bool all_timed) {
+  Json unsteady = result.value("unsteady", Json::array());
+  Json& figures = result["figures"];
+  const Json others = later.value("figures", Json::array());
   for (std::size_t i = 0; i < figures.size(); ++i) {
     // The same program reports in the same order, unless something was skipped in one of the runs.
     const bool is_same =

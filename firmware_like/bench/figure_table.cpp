@@ -10,8 +10,6 @@ namespace sortie::firmware {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // One line of the table as texts.
 struct FigureRow {
   std::string what;

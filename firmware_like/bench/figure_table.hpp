@@ -3,31 +3,31 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
 /// Groups of figures and tables, in the order in which they come.
-std::vector<std::string> figure_groups(const nlohmann::ordered_json& result);
+std::vector<std::string> figure_groups(const Json& result);
 
 /// The words below a group's table, one line each.
-std::vector<std::string> figure_notes(const nlohmann::ordered_json& result, const std::string& group);
+std::vector<std::string> figure_notes(const Json& result, const std::string& group);
 
 /// What could not be measured and why, one line each.
-std::vector<std::string> figure_skips(const nlohmann::ordered_json& result);
+std::vector<std::string> figure_skips(const Json& result);
 
 /// A group's figures: ours, theirs, ratio, each with its range over the rounds, and the goals; then its
 /// notes.
-void print_figures(std::ostream& out, const nlohmann::ordered_json& result, const std::string& group,
-                   bool colour);
+void print_figures(std::ostream& out, const Json& result, const std::string& group, bool colour);
 
 /// The same as a Markdown table with the notes below it; empty where the group has neither.
-std::string figures_page(const nlohmann::ordered_json& result, const std::string& group);
+std::string figures_page(const Json& result, const std::string& group);
 
 /// A group's plain tables (columns and rows of texts and numbers) as text and as Markdown.
-void print_tables(std::ostream& out, const nlohmann::ordered_json& result, const std::string& group);
-std::string tables_page(const nlohmann::ordered_json& result, const std::string& group);
+void print_tables(std::ostream& out, const Json& result, const std::string& group);
+std::string tables_page(const Json& result, const std::string& group);
 
 }  // namespace sortie::firmware

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <string_view>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -74,14 +74,14 @@ std::vector<KnobSweep> sweep_knobs(const KnobSet& set, const VehicleRegistry& ve
   return sweeps;
 }
 
-nlohmann::ordered_json to_json(const std::string& set, const std::vector<KnobSweep>& sweeps) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+Json to_json(const std::string& set, const std::vector<KnobSweep>& sweeps) {
+  Json rows = Json::array();
   for (const KnobSweep& knob : sweeps) {
     for (const SweepCell& cell : knob.sweep.cells) {
       const SweepTiming timing = timing_of(cell);
-      nlohmann::ordered_json errors = nlohmann::ordered_json::object();
+      Json errors = Json::object();
       for (const auto& [name, value] : cell.errors)
-        errors[name] = std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+        errors[name] = std::isfinite(value) ? Json(value) : Json();
       rows.push_back({{"set", set},
                       {"part", knob.trial.knob.part},
                       {"knob", knob.trial.knob.key},

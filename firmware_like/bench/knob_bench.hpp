@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,8 @@
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// One recording and how it is judged.
 struct KnobSet {
@@ -36,7 +37,7 @@ std::vector<KnobSweep> sweep_knobs(const KnobSet& set, const VehicleRegistry& ve
 /// A row a cell: {set, part, knob, value, error, errors{}, load_us_per_s, p50_us, p99_us, max_us,
 /// memory_bytes, front, profile}. Names and values are texts, so that `bench all --compare` tells cells by
 /// them.
-nlohmann::ordered_json to_json(const std::string& set, const std::vector<KnobSweep>& sweeps);
+Json to_json(const std::string& set, const std::vector<KnobSweep>& sweeps);
 
 /// The same as Markdown, each knob with unit, range and meaning; and as text.
 std::string knob_table(const std::vector<KnobSweep>& sweeps);

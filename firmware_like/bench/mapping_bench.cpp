@@ -11,23 +11,21 @@ namespace sortie::firmware {
 
 namespace {
 
-using MappingJson = nlohmann::ordered_json;
-
 // Below these differences nothing is decided: run times of a busy machine repeat to some percent.
 constexpr double kSameMappingTime = 0.05;
 constexpr double kSameMappingError = 0.001;
 
-double mapping_number(const MappingJson& row, const char* key) {
+double mapping_number(const Json& row, const char* key) {
   const auto found = row.find(key);
   return found != row.end() && found->is_number() ? found->get<double>()
                                                   : std::numeric_limits<double>::quiet_NaN();
 }
 
 // Error is what is not shown, and what is shown and belongs elsewhere. Each stream and policy has its front.
-void mark_mapping_fronts(MappingJson& sweep) {
+void mark_mapping_fronts(Json& sweep) {
   std::map<std::string, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < sweep.size(); ++i) {
-    MappingJson& row = sweep[i];
+    Json& row = sweep[i];
     row["error"] = 1.0 - mapping_number(row, "agreement") * (1.0 - mapping_number(row, "missed"));
     groups[row.value("stream", "") + row.value("policy", "")].push_back(i);
   }
@@ -44,7 +42,7 @@ void mark_mapping_fronts(MappingJson& sweep) {
 
 }  // namespace
 
-MappingJson run_mapping_bench(const MappingBenchOptions& options) {
+Json run_mapping_bench(const MappingBenchOptions& options) {
   PeerProgram program{"sortie-bench-mapping", options.program, {}, -1, options.passes};
   program.arguments = {"--stride", std::to_string(options.stride), "--every", std::to_string(options.every)};
   const auto pass = [&program](const char* option, const std::string& value) {
@@ -54,7 +52,7 @@ MappingJson run_mapping_bench(const MappingBenchOptions& options) {
   pass("--only", options.only);
   pass("--stream", options.stream);
   pass("--file", options.file);
-  MappingJson result = run_peer_program(program);
+  Json result = run_peer_program(program);
   if (result.contains("sweep")) mark_mapping_fronts(result["sweep"]);
   return result;
 }

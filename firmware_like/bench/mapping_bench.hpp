@@ -4,10 +4,10 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
@@ -26,13 +26,13 @@ struct MappingBenchOptions {
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
 /// doctor's verdict added, and `front` in each cell of the sweep. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_mapping_bench(const MappingBenchOptions& options);
+Json run_mapping_bench(const MappingBenchOptions& options);
 
 /// The goals in one table, then all parts.
-void print_mapping_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+void print_mapping_bench(std::ostream& out, const Json& result, bool colour = false);
 
 /// The same as a Markdown page, with `command` as how to get it again.
-std::string mapping_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string mapping_bench_page(const Json& result, const std::string& command);
 
 /// A picture and the name of its file.
 struct MappingPicture {
@@ -41,6 +41,6 @@ struct MappingPicture {
 };
 
 /// Error over run time of each stream, and the mapped places coloured by segment.
-std::vector<MappingPicture> mapping_pictures(const nlohmann::ordered_json& result);
+std::vector<MappingPicture> mapping_pictures(const Json& result);
 
 }  // namespace sortie::firmware

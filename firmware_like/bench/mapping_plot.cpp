@@ -9,10 +9,8 @@ namespace sortie::firmware {
 
 namespace {
 
-using MappingRows = nlohmann::ordered_json;
-
 // What sets a cell apart from the defaults.
-std::string mapping_cell_name(const MappingRows& row) {
+std::string mapping_cell_name(const Json& row) {
   const std::string knob = row.value("knob", "");
   if (knob == "voxel") return format_short(row.value("voxel_m", 0.0)) + " m";
   if (knob == "points") return format_short(row.value("min_points", 0.0)) + " points";
@@ -22,7 +20,7 @@ std::string mapping_cell_name(const MappingRows& row) {
   return "";
 }
 
-Plot mapping_error_over_time(const MappingRows& sweep, const std::string& stream) {
+Plot mapping_error_over_time(const Json& sweep, const std::string& stream) {
   Plot plot;
   plot.title = "Segments: error over run time, " + stream;
   plot.x = {"run time of a step, median, ms", true};
@@ -46,7 +44,7 @@ Plot mapping_error_over_time(const MappingRows& sweep, const std::string& stream
     defaults.colour = kBlack;
     defaults.width = 5;
     std::vector<std::pair<double, double>> on_front;
-    for (const MappingRows& row : sweep) {
+    for (const Json& row : sweep) {
       if (row.value("stream", "") != stream || row.value("policy", "") != policy) continue;
       if (!row["error"].is_number()) continue;
       const double ms = row.value("p50_ms", 0.0);
@@ -70,7 +68,7 @@ Plot mapping_error_over_time(const MappingRows& sweep, const std::string& stream
 }
 
 // The largest segments by colour, all others in grey.
-Plot map_seen_from_above(const MappingRows& picture) {
+Plot map_seen_from_above(const Json& picture) {
   const auto x = picture.value("x", std::vector<double>{});
   const auto y = picture.value("y", std::vector<double>{});
   const auto segment = picture.value("segment", std::vector<std::uint32_t>{});
@@ -110,17 +108,17 @@ Plot map_seen_from_above(const MappingRows& picture) {
 
 }  // namespace
 
-std::vector<MappingPicture> mapping_pictures(const MappingRows& result) {
+std::vector<MappingPicture> mapping_pictures(const Json& result) {
   std::vector<MappingPicture> pictures;
-  const MappingRows sweep = result.value("sweep", MappingRows::array());
+  const Json sweep = result.value("sweep", Json::array());
   std::vector<std::string> streams;
-  for (const MappingRows& row : sweep) {
+  for (const Json& row : sweep) {
     const std::string stream = row.value("stream", "");
     if (std::find(streams.begin(), streams.end(), stream) == streams.end()) streams.push_back(stream);
   }
   for (const std::string& stream : streams)
     pictures.push_back({"bench-local-map-" + stream + ".svg", mapping_error_over_time(sweep, stream)});
-  for (const MappingRows& picture : result.value("pictures", MappingRows::array())) {
+  for (const Json& picture : result.value("pictures", Json::array())) {
     if (picture.value("policy", "") != "smoothness" || picture.value("stream", "") == "dense") continue;
     pictures.push_back(
         {"bench-local-map-" + picture.value("stream", "") + "-segments.svg", map_seen_from_above(picture)});

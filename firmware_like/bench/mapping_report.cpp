@@ -11,12 +11,10 @@ namespace sortie::firmware {
 
 namespace {
 
-using MappingData = nlohmann::ordered_json;
-
-std::vector<std::string> mapping_conditions(const MappingData& result) {
+std::vector<std::string> mapping_conditions(const Json& result) {
   std::vector<std::string> lines;
   lines.push_back("machine   " + result.value("machine", "") + "; " + result.value("compiler", ""));
-  const MappingData settings = result.value("settings", MappingData::object());
+  const Json settings = result.value("settings", Json::object());
   lines.push_back("settings  every " + std::to_string(settings.value("stride", 0)) +
                   ". point, PCL at every " + std::to_string(settings.value("every", 0)) +
                   ". scan, load average " + result.value("load_before", "?") + " before, " +
@@ -26,10 +24,10 @@ std::vector<std::string> mapping_conditions(const MappingData& result) {
 }
 
 // Every figure that has a goal, in one group.
-MappingData mapping_goals(const MappingData& result) {
-  MappingData goals;
-  goals["figures"] = MappingData::array();
-  for (MappingData figure : result.value("figures", MappingData::array())) {
+Json mapping_goals(const Json& result) {
+  Json goals;
+  goals["figures"] = Json::array();
+  for (Json figure : result.value("figures", Json::array())) {
     if (figure.value("goal", "").empty()) continue;
     figure["what"] = figure.value("group", "") + ": " + figure.value("what", "");
     figure["group"] = "goals";
@@ -38,36 +36,38 @@ MappingData mapping_goals(const MappingData& result) {
   return goals;
 }
 
-std::string mapping_figure_text(const MappingData& value) {
+std::string mapping_figure_text(const Json& value) {
   return value.is_number() ? format_short(value.get<double>()) : "";
 }
 
 // The cells of one stream and policy as a table of the usual form.
-MappingData mapping_sweep_tables(const MappingData& result) {
-  MappingData all;
-  all["tables"] = MappingData::array();
-  for (const MappingData& row : result.value("sweep", MappingData::array())) {
+Json mapping_sweep_tables(const Json& result) {
+  Json all;
+  all["tables"] = Json::array();
+  for (const Json& row : result.value("sweep", Json::array())) {
     const std::string group = row.value("stream", "") + ", " + row.value("policy", "");
     const bool smooth = row.value("policy", "") == "smoothness";
     if (all["tables"].empty() || all["tables"].back().value("group", "") != group) {
-      MappingData columns = {"voxel m", "points", "units",  "error",  "agreement", "missed", "own batch",
-                             "p50 ms",  "p99 ms", "max ms", "voxels", "B a voxel", "MB",     "waiting"};
-      if (smooth) columns.insert(columns.end(), {"solves", "restate m", "normal p50 deg", "normal p95 deg"});
+      Json columns = {"voxel m", "points", "units",  "error",  "agreement", "missed", "own batch",
+                      "p50 ms",  "p99 ms", "max ms", "voxels", "B a voxel", "MB",     "waiting"};
+      if (smooth) {
+        for (const char* name : {"solves", "restate m", "normal p50 deg", "normal p95 deg"})
+          columns.push_back(name);
+      }
       columns.push_back("");
-      all["tables"].push_back({{"group", group}, {"columns", columns}, {"rows", MappingData::array()}});
+      all["tables"].push_back({{"group", group}, {"columns", columns}, {"rows", Json::array()}});
     }
     const auto limit = [&row](const char* key) {
       const double value = row.value(key, 0.0);
       return value > 0 ? format_short(value) : std::string("all");
     };
-    MappingData line = {row["voxel_m"],   row["min_points"],    limit("units"),       row["error"],
-                        row["agreement"], row["missed"],        row["own_agreement"], row["p50_ms"],
-                        row["p99_ms"],    row["max_ms"],        row["voxels"],        row["bytes_a_voxel"],
-                        row["mb"],        row["waiting_blocks"]};
+    Json line = {row["voxel_m"], row["min_points"],    limit("units"), row["error"],         row["agreement"],
+                 row["missed"],  row["own_agreement"], row["p50_ms"],  row["p99_ms"],        row["max_ms"],
+                 row["voxels"],  row["bytes_a_voxel"], row["mb"],      row["waiting_blocks"]};
     if (smooth) {
       line.push_back(limit("solves"));
       for (const char* key : {"restate_m", "normal_deg", "normal_p95_deg"})
-        line.push_back(mapping_figure_text(row.value(key, MappingData())));
+        line.push_back(mapping_figure_text(row.value(key, Json())));
     }
     std::string mark = row.value("front", false) ? "front" : "";
     if (row.value("knob", "") == "defaults") mark += mark.empty() ? "defaults" : ", defaults";
@@ -89,7 +89,7 @@ constexpr const char* kMappingSweepWords =
 
 }  // namespace
 
-void print_mapping_bench(std::ostream& out, const MappingData& result, bool colour) {
+void print_mapping_bench(std::ostream& out, const Json& result, bool colour) {
   for (const std::string& line : mapping_conditions(result)) out << line << "\n";
   print_figures(out, mapping_goals(result), "goals", colour);
   for (const std::string& group : figure_groups(result)) {
@@ -97,7 +97,7 @@ void print_mapping_bench(std::ostream& out, const MappingData& result, bool colo
     print_figures(out, result, group, colour);
     print_tables(out, result, group);
   }
-  const MappingData sweep = mapping_sweep_tables(result);
+  const Json sweep = mapping_sweep_tables(result);
   for (const std::string& group : figure_groups(sweep)) {
     out << "\n" << group << "\n";
     print_tables(out, sweep, group);
@@ -106,7 +106,7 @@ void print_mapping_bench(std::ostream& out, const MappingData& result, bool colo
   for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
 }
 
-std::string mapping_bench_page(const MappingData& result, const std::string& command) {
+std::string mapping_bench_page(const Json& result, const std::string& command) {
   std::string text = "# The local map beside PCL, and its error over run time\n\n";
   text += "Written by `" + command +
           "`. Times are of the thread's processor, medians; **the ratios travel, absolute times do not**. "
@@ -118,7 +118,7 @@ std::string mapping_bench_page(const MappingData& result, const std::string& com
     if (group == "bounds") continue;
     text += "\n## " + group + "\n" + figures_page(result, group) + tables_page(result, group);
   }
-  const MappingData sweep = mapping_sweep_tables(result);
+  const Json sweep = mapping_sweep_tables(result);
   if (!sweep["tables"].empty())
     text += std::string("\n## Error over run time\n\n") + kMappingSweepWords + "\n";
   for (const MappingPicture& picture : mapping_pictures(result))

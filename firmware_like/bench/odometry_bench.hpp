@@ -3,11 +3,11 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "firmware_like/bench/odometry_sets.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
@@ -49,6 +49,6 @@ void print_odometry(std::ostream& out, const OdometrySet& set, const std::vector
 std::string odometry_table(const OdometrySet& set, const std::vector<OdometryCell>& cells);
 
 /// The cells as rows of JSON.
-nlohmann::ordered_json to_json(const std::vector<OdometryCell>& cells);
+Json to_json(const std::vector<OdometryCell>& cells);
 
 }  // namespace sortie::firmware

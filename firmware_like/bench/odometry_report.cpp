@@ -158,10 +158,10 @@ Plot plot_heights(const OdometrySet& set) {
   return plot;
 }
 
-nlohmann::ordered_json to_json(const std::vector<OdometryCell>& cells) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+Json to_json(const std::vector<OdometryCell>& cells) {
+  Json rows = Json::array();
   for (const OdometryCell& cell : cells) {
-    nlohmann::ordered_json errors = nlohmann::ordered_json::object();
+    Json errors = Json::object();
     for (const auto& [name, value] : cell.errors) errors[name] = value;
     rows.push_back({{"set", cell.set},
                     {"variant", cell.variant},

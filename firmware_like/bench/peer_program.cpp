@@ -29,14 +29,14 @@ std::string find_program(const PeerProgram& program) {
   throw BenchRefused(text + "; cure: cmake --build --preset release --target " + program.name);
 }
 
-nlohmann::ordered_json run_pass(const ChildCommand& command) {
+Json run_pass(const ChildCommand& command) {
   std::string text;
   const ChildEnd end = run_child(command, [&text](std::string_view line) { text += line; });
   if (end.exit_code != 0) {
     throw BenchRefused(command.arguments[0] + " ended with " + std::to_string(end.exit_code) +
                        (end.exit_code == 126 || end.exit_code == 127 ? "; build it for this processor" : ""));
   }
-  nlohmann::ordered_json result = nlohmann::ordered_json::parse(text, nullptr, false);
+  Json result = Json::parse_or_null(text);
   if (!result.is_object() || !result.contains("figures"))
     throw BenchRefused(command.arguments[0] + " is of another version: its output is not understood");
   return result;
@@ -44,12 +44,12 @@ nlohmann::ordered_json run_pass(const ChildCommand& command) {
 
 }  // namespace
 
-nlohmann::ordered_json run_peer_program(const PeerProgram& program) {
+Json run_peer_program(const PeerProgram& program) {
   ChildCommand command;
   command.arguments = {find_program(program)};
   command.arguments.insert(command.arguments.end(), program.arguments.begin(), program.arguments.end());
   const Doctor doctor({"/", program.core});
-  nlohmann::ordered_json result = run_pass(command);
+  Json result = run_pass(command);
   for (unsigned pass = 1; pass < program.passes; ++pass)
     take_pass(result, run_pass(command), pass, program.all_timed);
   if (program.passes > 1) result["settings"]["passes"] = program.passes;

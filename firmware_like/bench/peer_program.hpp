@@ -2,10 +2,11 @@
 // Benchmarks that link what the product does not are programs of their own: found, run and read here.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -29,6 +30,6 @@ struct PeerProgram {
 /// the doctor's verdict added. What lies where in memory differs from process to process and moves times by
 /// more than the rounds of one of them show: with several passes the ranges hold all of them (take_pass()).
 /// Throws BenchRefused with the cure.
-nlohmann::ordered_json run_peer_program(const PeerProgram& program);
+Json run_peer_program(const PeerProgram& program);
 
 }  // namespace sortie::firmware

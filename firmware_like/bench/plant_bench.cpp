@@ -5,7 +5,7 @@
 
 namespace sortie::firmware {
 
-nlohmann::ordered_json run_plant_bench(const PlantBenchOptions& options) {
+Json run_plant_bench(const PlantBenchOptions& options) {
   PeerProgram program{"sortie-bench-plant", options.program, {}, -1, options.passes};
   program.arguments = {"--rounds", std::to_string(options.rounds)};
   const auto pass = [&program](const char* option, const std::string& value) {

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
@@ -23,13 +23,13 @@ struct PlantBenchOptions {
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
 /// doctor's verdict added. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_plant_bench(const PlantBenchOptions& options);
+Json run_plant_bench(const PlantBenchOptions& options);
 
 /// The tables, part by part: ours, theirs, ratio, and the goals.
-void print_plant_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+void print_plant_bench(std::ostream& out, const Json& result, bool colour = false);
 
 /// The same as a Markdown page, with `command` as how to get it again.
-std::string plant_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string plant_bench_page(const Json& result, const std::string& command);
 
 /// A picture and the name of its file.
 struct PlantPicture {
@@ -38,6 +38,6 @@ struct PlantPicture {
 };
 
 /// What was measured as pictures: error over run time, and a side view of each drive over obstacles.
-std::vector<PlantPicture> plant_pictures(const nlohmann::ordered_json& result);
+std::vector<PlantPicture> plant_pictures(const Json& result);
 
 }  // namespace sortie::firmware

@@ -9,8 +9,6 @@ namespace sortie::firmware {
 
 namespace {
 
-using PlantData = nlohmann::ordered_json;
-
 constexpr const char* kStepFile = "bench-plant-step.svg";
 // Below this an error is rounding on a plane: it would only stretch the axis.
 constexpr double kLeastError_mm = 1e-3;
@@ -20,9 +18,9 @@ struct Curve {
   Series line;
 };
 
-Plot plot_steps(const PlantData& curves) {
+Plot plot_steps(const Json& curves) {
   std::vector<Curve> found;
-  for (const PlantData& point : curves) {
+  for (const Json& point : curves) {
     const std::string name = point.value("kind", "") + ": " + point.value("way", "");
     auto curve = std::find_if(found.begin(), found.end(), [&](const Curve& c) { return c.name == name; });
     if (curve == found.end()) {
@@ -47,7 +45,7 @@ Plot plot_steps(const PlantData& curves) {
   return plot;
 }
 
-Series outline(const PlantData& shape, int colour, double width) {
+Series outline(const Json& shape, int colour, double width) {
   Series line;
   line.x = shape.value("x", std::vector<double>{});
   line.y = shape.value("z", std::vector<double>{});
@@ -57,7 +55,7 @@ Series outline(const PlantData& shape, int colour, double width) {
 }
 
 // Neighbours in time overlap: they take turns between two colours.
-Plot side_view(const PlantData& picture) {
+Plot side_view(const Json& picture) {
   Plot plot;
   plot.title = picture.value("scene", "") + ": " + picture.value("about", "") + ", friction " +
                format_short(picture.value("friction", 0.0)) + ", contact surface motion";
@@ -65,7 +63,7 @@ Plot side_view(const PlantData& picture) {
   plot.y = {"z, m"};
   plot.equal_aspect = true;
   plot.width = 1000;
-  for (const PlantData& solid : picture.value("solids", PlantData::array()))
+  for (const Json& solid : picture.value("solids", Json::array()))
     plot.series.push_back(outline(solid, kGrey, 1.2));
   if (!plot.series.empty()) plot.series.front().name = "obstacles";
   Series contacts;
@@ -77,10 +75,10 @@ Plot side_view(const PlantData& picture) {
   double high = -1e9;
   double top = 0;
   int number = 0;
-  for (const PlantData& moment : picture.value("moments", PlantData::array())) {
+  for (const Json& moment : picture.value("moments", Json::array())) {
     const int colour = number++ % 2 == 0 ? kBlue : kGreen;
     bool first = true;
-    for (const PlantData& shape : moment.value("outlines", PlantData::array())) {
+    for (const Json& shape : moment.value("outlines", Json::array())) {
       Series line = outline(shape, colour, 1.4);
       if (line.x.empty()) continue;
       low = std::min(low, *std::min_element(line.x.begin(), line.x.end()));
@@ -102,7 +100,7 @@ Plot side_view(const PlantData& picture) {
       first = false;
       plot.series.push_back(std::move(line));
     }
-    const PlantData points = moment.value("contacts", PlantData::object());
+    const Json points = moment.value("contacts", Json::object());
     for (const double x : points.value("x", std::vector<double>{})) contacts.x.push_back(x);
     for (const double z : points.value("z", std::vector<double>{})) contacts.y.push_back(z);
   }
@@ -124,11 +122,11 @@ Plot side_view(const PlantData& picture) {
 
 }  // namespace
 
-std::vector<PlantPicture> plant_pictures(const PlantData& result) {
+std::vector<PlantPicture> plant_pictures(const Json& result) {
   std::vector<PlantPicture> pictures;
-  if (const PlantData curves = result.value("step_curves", PlantData::array()); !curves.empty())
+  if (const Json curves = result.value("step_curves", Json::array()); !curves.empty())
     pictures.push_back({kStepFile, plot_steps(curves)});
-  for (const PlantData& picture : result.value("pictures", PlantData::array()))
+  for (const Json& picture : result.value("pictures", Json::array()))
     pictures.push_back({"bench-plant-" + picture.value("scene", "") + ".svg", side_view(picture)});
   return pictures;
 }

@@ -10,12 +10,10 @@ namespace sortie::firmware {
 
 namespace {
 
-using PlantJson = nlohmann::ordered_json;
-
-std::vector<std::string> plant_conditions(const PlantJson& result) {
+std::vector<std::string> plant_conditions(const Json& result) {
   std::vector<std::string> lines;
   lines.push_back("machine   " + result.value("machine", "") + "; " + result.value("compiler", ""));
-  const PlantJson settings = result.value("settings", PlantJson::object());
+  const Json settings = result.value("settings", Json::object());
   lines.push_back("settings  " + std::to_string(settings.value("rounds", 0)) + " rounds, load average " +
                   result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
                   " after" + passes_words(result));
@@ -34,9 +32,9 @@ std::string heading(const std::string& group) {
   return group;
 }
 
-std::string scene_list(const PlantJson& result) {
+std::string scene_list(const Json& result) {
   std::string text = "\n| scene | drive | friction |\n|---|---|---:|\n";
-  for (const PlantJson& scene : result.value("scenes", PlantJson::array())) {
+  for (const Json& scene : result.value("scenes", Json::array())) {
     text += "| " + scene.value("name", "") + " | " + scene.value("about", "") + " | " +
             format_short(scene.value("friction", 0.0)) + " |\n";
   }
@@ -45,7 +43,7 @@ std::string scene_list(const PlantJson& result) {
 
 }  // namespace
 
-void print_plant_bench(std::ostream& out, const PlantJson& result, bool colour) {
+void print_plant_bench(std::ostream& out, const Json& result, bool colour) {
   for (const std::string& line : plant_conditions(result)) out << line << "\n";
   for (const std::string& group : figure_groups(result)) {
     print_figures(out, result, group, colour);
@@ -55,7 +53,7 @@ void print_plant_bench(std::ostream& out, const PlantJson& result, bool colour) 
   for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
 }
 
-std::string plant_bench_page(const PlantJson& result, const std::string& command) {
+std::string plant_bench_page(const Json& result, const std::string& command) {
   std::string text = "# The tracked plant beside ODE\n\n";
   text +=
       "Written by `" + command +

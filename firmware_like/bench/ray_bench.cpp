@@ -11,10 +11,8 @@ namespace sortie::firmware {
 
 namespace {
 
-using RayJson = nlohmann::ordered_json;
-
-std::vector<std::string> ray_conditions(const RayJson& result) {
-  const RayJson settings = result.value("settings", RayJson::object());
+std::vector<std::string> ray_conditions(const Json& result) {
+  const Json settings = result.value("settings", Json::object());
   return {"machine   " + result.value("machine", "") + "; " + result.value("compiler", ""),
           "settings  " + std::to_string(settings.value("rounds", 0)) + " rounds, " +
               std::to_string(settings.value("seeds", 0)) + " streets of each kind, load average " +
@@ -24,14 +22,14 @@ std::vector<std::string> ray_conditions(const RayJson& result) {
 
 }  // namespace
 
-RayJson run_ray_bench(const RayBenchOptions& options) {
+Json run_ray_bench(const RayBenchOptions& options) {
   PeerProgram program{"sortie-bench-rays", options.program, {}, -1, options.passes};
   program.arguments = {"--rounds", std::to_string(options.rounds), "--seeds", std::to_string(options.seeds)};
   if (!options.only.empty()) program.arguments.insert(program.arguments.end(), {"--only", options.only});
   return run_peer_program(program);
 }
 
-void print_ray_bench(std::ostream& out, const RayJson& result, bool colour) {
+void print_ray_bench(std::ostream& out, const Json& result, bool colour) {
   for (const std::string& line : ray_conditions(result)) out << line << "\n";
   for (const std::string& group : figure_groups(result)) {
     print_figures(out, result, group, colour);
@@ -40,7 +38,7 @@ void print_ray_bench(std::ostream& out, const RayJson& result, bool colour) {
   out << "\n";
 }
 
-std::string ray_bench_page(const RayJson& result, const std::string& command) {
+std::string ray_bench_page(const Json& result, const std::string& command) {
   std::string text = "# The ray scheduler beside the published planners\n\n";
   text +=
       "Written by `" + command +

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
@@ -23,13 +23,13 @@ struct RayBenchOptions {
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
 /// doctor's verdict added. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_ray_bench(const RayBenchOptions& options);
+Json run_ray_bench(const RayBenchOptions& options);
 
 /// The tables, part by part.
-void print_ray_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+void print_ray_bench(std::ostream& out, const Json& result, bool colour = false);
 
 /// The same as a Markdown page, with `command` as how to get it again.
-std::string ray_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string ray_bench_page(const Json& result, const std::string& command);
 
 /// A picture and the name of its file.
 struct RayPicture {
@@ -38,6 +38,6 @@ struct RayPicture {
 };
 
 /// Worth over run time, and the chosen rays over the entropy of the map.
-std::vector<RayPicture> ray_pictures(const nlohmann::ordered_json& result);
+std::vector<RayPicture> ray_pictures(const Json& result);
 
 }  // namespace sortie::firmware

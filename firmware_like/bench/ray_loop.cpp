@@ -6,18 +6,14 @@
 
 namespace sortie::firmware {
 
-namespace {
-using LoopJson = nlohmann::ordered_json;
-}
-
-LoopJson run_ray_loop(int seeds, const std::string& program) {
+Json run_ray_loop(int seeds, const std::string& program) {
   PeerProgram peer{"sortie-bench-rays-loop", program, {}, -1};
   peer.arguments = {"--seeds", std::to_string(seeds)};
   return run_peer_program(peer);
 }
 
-std::string ray_loop_page(const LoopJson& result, const std::string& command) {
-  const LoopJson settings = result.value("settings", LoopJson::object());
+std::string ray_loop_page(const Json& result, const std::string& command) {
+  const Json settings = result.value("settings", Json::object());
   std::string text = "# Who aims the rays: closed loops\n\n";
   text +=
       "Written by `" + command + "`. " + std::to_string(settings.value("seeds", 0)) + " seeds a scene, " +
@@ -57,10 +53,10 @@ std::string ray_loop_page(const LoopJson& result, const std::string& command) {
   return text;
 }
 
-std::vector<RayPicture> ray_loop_pictures(const LoopJson& result) {
+std::vector<RayPicture> ray_loop_pictures(const Json& result) {
   std::vector<RayPicture> pictures;
   std::string scene;
-  for (const LoopJson& curve : result.value("loop_curves", LoopJson::array())) {
+  for (const Json& curve : result.value("loop_curves", Json::array())) {
     if (curve.value("scene", "") != scene) {
       scene = curve.value("scene", "");
       RayPicture& picture = pictures.emplace_back();
@@ -75,7 +71,7 @@ std::vector<RayPicture> ray_loop_pictures(const LoopJson& result) {
     series.name = curve.value("policy", "");
     series.colour = static_cast<int>(plot.series.size());
     series.dashed = series.name.rfind("scheduled", 0) != 0;
-    for (const LoopJson& loss : curve.value("loss", LoopJson::array())) {
+    for (const Json& loss : curve.value("loss", Json::array())) {
       series.x.push_back(1.0 + static_cast<double>(series.x.size()));
       series.y.push_back(loss.get<double>());
     }

@@ -11,12 +11,12 @@ namespace sortie::firmware {
 inline constexpr int kLoopSeeds = 12;
 
 /// Runs the benchmark; `seeds` pairs a scene. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_ray_loop(int seeds, const std::string& program);
+Json run_ray_loop(int seeds, const std::string& program);
 
 /// The result as a Markdown page, with `command` as how to get it again.
-std::string ray_loop_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string ray_loop_page(const Json& result, const std::string& command);
 
 /// The course of the loss, scene by scene.
-std::vector<RayPicture> ray_loop_pictures(const nlohmann::ordered_json& result);
+std::vector<RayPicture> ray_loop_pictures(const Json& result);
 
 }  // namespace sortie::firmware

@@ -9,12 +9,10 @@ namespace sortie::firmware {
 
 namespace {
 
-using RayData = nlohmann::ordered_json;
-
 constexpr double kLeastLoss = 1e-4;  // below this the curve would only stretch the axis
 
 // What a planner leaves on the table over the time that it takes, task by task.
-std::vector<RayPicture> plot_tasks(const RayData& curves) {
+std::vector<RayPicture> plot_tasks(const Json& curves) {
   std::vector<RayPicture> pictures;
   std::string task;
   Series ours;
@@ -23,7 +21,7 @@ std::vector<RayPicture> plot_tasks(const RayData& curves) {
     if (!pictures.empty() && !ours.x.empty()) pictures.back().plot.series.push_back(ours);
     ours = {};
   };
-  for (const RayData& point : curves) {
+  for (const Json& point : curves) {
     if (point.value("task", "") != task) {
       flush();
       task = point.value("task", "");
@@ -59,7 +57,7 @@ std::vector<RayPicture> plot_tasks(const RayData& curves) {
   return pictures;
 }
 
-Plot plot_rays(const RayData& picture) {
+Plot plot_rays(const Json& picture) {
   Plot plot;
   plot.title = "Chosen rays over the map's entropy, from above";
   plot.x = {"x, m"};
@@ -75,7 +73,7 @@ Plot plot_rays(const RayData& picture) {
     levels[i].width = 0.6 + 0.7 * i;
   }
   levels[3].name = "mean entropy of a column: larger dots for more";
-  for (const RayData& block : picture.value("blocks", RayData::array())) {
+  for (const Json& block : picture.value("blocks", Json::array())) {
     const double entropy = block[2].get<double>();
     for (int i = 3; i >= 0; --i) {
       if (entropy < kSteps[i]) continue;
@@ -90,7 +88,7 @@ Plot plot_rays(const RayData& picture) {
   rays.colour = kVermilion;
   rays.width = 0.7;
   const double none = std::numeric_limits<double>::quiet_NaN();
-  for (const RayData& ray : picture.value("rays", RayData::array())) {
+  for (const Json& ray : picture.value("rays", Json::array())) {
     rays.x.insert(rays.x.end(), {picture["from"][0].get<double>(), ray[0].get<double>(), none});
     rays.y.insert(rays.y.end(), {picture["from"][1].get<double>(), ray[1].get<double>(), none});
   }
@@ -100,8 +98,8 @@ Plot plot_rays(const RayData& picture) {
 
 }  // namespace
 
-std::vector<RayPicture> ray_pictures(const RayData& result) {
-  std::vector<RayPicture> pictures = plot_tasks(result.value("ray_curves", RayData::array()));
+std::vector<RayPicture> ray_pictures(const Json& result) {
+  std::vector<RayPicture> pictures = plot_tasks(result.value("ray_curves", Json::array()));
   if (result.contains("ray_picture"))
     pictures.push_back({"bench-rays-picture.svg", plot_rays(result["ray_picture"])});
   return pictures;

@@ -5,7 +5,7 @@
 
 namespace sortie::firmware {
 
-nlohmann::ordered_json run_rt_bench(const RtBenchOptions& options) {
+Json run_rt_bench(const RtBenchOptions& options) {
   PeerProgram program{"sortie-bench-rt", options.program, {}, options.core, options.passes, true};
   program.arguments = {"--rounds", std::to_string(options.rounds), "--slice", std::to_string(options.slice_s),
                        "--load",   std::to_string(options.load)};

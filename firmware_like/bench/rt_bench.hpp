@@ -4,9 +4,9 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
@@ -24,15 +24,15 @@ struct RtBenchOptions {
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
 /// doctor's verdict added. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_rt_bench(const RtBenchOptions& options);
+Json run_rt_bench(const RtBenchOptions& options);
 
 /// The table, part by part: ours, theirs, ratio, each with its range over the rounds, and the goals.
-void print_rt_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+void print_rt_bench(std::ostream& out, const Json& result, bool colour = false);
 
 /// The same as a Markdown page, with `command` as how to get it again.
-std::string rt_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string rt_bench_page(const Json& result, const std::string& command);
 
 /// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the period.
-Plot plot_wake_ups(const nlohmann::ordered_json& result);
+Plot plot_wake_ups(const Json& result);
 
 }  // namespace sortie::firmware

@@ -12,8 +12,6 @@ namespace sortie::firmware {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kWakeBinsPerDecade = 12;
 constexpr double kFloorUs = 0.01;  // a log axis has no zero: what was faster counts as this
 constexpr double kNothing = 0.7;   // below one sample

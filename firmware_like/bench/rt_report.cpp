@@ -10,8 +10,6 @@ namespace sortie::firmware {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string noise_line(const Json& noise, const char* when) {
   if (!noise.contains(when)) return {};
   const Json& one = noise[when];

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,8 @@
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// What a replay with one part left out, or put in, says of it.
 enum class PartVerdict : std::uint8_t {
@@ -51,7 +52,7 @@ struct Advice {
 Advice advise(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options);
 
 /// The object of --json, and one line a part.
-nlohmann::ordered_json to_json(const Advice& advice);
+Json to_json(const Advice& advice);
 std::string advice_text(const Advice& advice);
 
 }  // namespace sortie::firmware

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/scene_advice.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -30,16 +30,15 @@ const char* verdict_word(PartVerdict verdict) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const Advice& advice) {
-  nlohmann::ordered_json object{{"scene", advice.scene},
-                                {"log", advice.log},
-                                {"ticks", advice.ticks},
-                                {"judged_by", advice.judged_by},
-                                {"most_inclined_deg", advice.most_inclined_deg}};
-  object["parts"] = nlohmann::ordered_json::array();
+Json to_json(const Advice& advice) {
+  Json object{{"scene", advice.scene},
+              {"log", advice.log},
+              {"ticks", advice.ticks},
+              {"judged_by", advice.judged_by},
+              {"most_inclined_deg", advice.most_inclined_deg}};
+  object["parts"] = Json::array();
   for (const AdviceLine& line : advice.lines) {
-    nlohmann::ordered_json entry{
-        {"part", line.part}, {"verdict", verdict_word(line.verdict)}, {"figure", line.figure}};
+    Json entry{{"part", line.part}, {"verdict", verdict_word(line.verdict)}, {"figure", line.figure}};
     entry["pose_moved_m"] = line.pose_moved_m;
     if (line.error) entry["error"] = *line.error;
     if (line.changed) entry["error_changed"] = *line.changed;

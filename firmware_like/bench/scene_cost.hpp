@@ -4,13 +4,14 @@
 
 #include <cstdint>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "firmware_like/bench_robot.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// What to measure.
 struct SceneCostOptions {
@@ -69,7 +70,7 @@ SceneCosts measure_scene_cost(const VehicleRegistry& vehicles, const BenchFactor
                               const SceneCostOptions& options);
 
 /// The object of --json, and the table.
-nlohmann::ordered_json to_json(const SceneCosts& costs);
+Json to_json(const SceneCosts& costs);
 std::string scene_cost_table(const SceneCosts& costs);
 
 }  // namespace sortie::firmware

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/scene_cost.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-nlohmann::ordered_json to_json(const SceneCost& cost) {
-  nlohmann::ordered_json object{{"bytes", cost.bytes},
-                                {"us_per_tick", cost.us_per_tick},
-                                {"us_per_tick_least", cost.least_us},
-                                {"us_per_tick_most", cost.most_us}};
+Json to_json(const SceneCost& cost) {
+  Json object{{"bytes", cost.bytes},
+              {"us_per_tick", cost.us_per_tick},
+              {"us_per_tick_least", cost.least_us},
+              {"us_per_tick_most", cost.most_us}};
   if (cost.program_bytes > 0) object["program_bytes"] = cost.program_bytes;
   if (cost.instructions_per_tick > 0) object["instructions_per_tick"] = cost.instructions_per_tick;
   object["errors"] = cost.errors;
@@ -52,8 +52,8 @@ std::string cost_row(std::size_t wide, const std::string& name, const std::strin
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const SceneCosts& costs) {
-  nlohmann::ordered_json object{{"scene", costs.scene}, {"machine", costs.machine}, {"ticks", costs.ticks}};
+Json to_json(const SceneCosts& costs) {
+  Json object{{"scene", costs.scene}, {"machine", costs.machine}, {"ticks", costs.ticks}};
   object["whole"] = to_json(costs.whole);
   if (costs.drive_us > 0) {
     object["drive_us_per_tick"] = costs.drive_us;
@@ -63,9 +63,9 @@ nlohmann::ordered_json to_json(const SceneCosts& costs) {
     object["recorder_us_per_tick"] = costs.recorder_us;
     object["telemetry_us_per_tick"] = costs.telemetry_us;
   }
-  object["without"] = nlohmann::ordered_json::array();
+  object["without"] = Json::array();
   for (const PartCost& line : costs.without) {
-    nlohmann::ordered_json entry{{"part", line.part}, {"what", line.what}};
+    Json entry{{"part", line.part}, {"what", line.what}};
     if (line.refused.empty()) {
       entry.update(to_json(line.cost));
       entry["saves_bytes"] =

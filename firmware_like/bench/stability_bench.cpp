@@ -12,10 +12,8 @@ namespace sortie::firmware {
 
 namespace {
 
-using StabilityJson = nlohmann::ordered_json;
-
 // A figure is a number, or a word for what is none.
-std::string stability_figure(const StabilityJson& row, const char* key) {
+std::string stability_figure(const Json& row, const char* key) {
   const auto found = row.find(key);
   if (found == row.end()) return "?";
   if (found->is_string()) return found->get<std::string>();
@@ -25,13 +23,13 @@ std::string stability_figure(const StabilityJson& row, const char* key) {
   return text;
 }
 
-std::string stability_verdict(const StabilityJson& row) {
+std::string stability_verdict(const Json& row) {
   if (!row.value("ours_within", false)) return "OUTSIDE";
   return row.value("naive_outside", false) ? "kept" : "NOT TOLD APART";
 }
 
-std::string stability_summary(const StabilityJson& result) {
-  const StabilityJson counts = result.value("summary", StabilityJson::object());
+std::string stability_summary(const Json& result) {
+  const Json counts = result.value("summary", Json::object());
   return std::to_string(counts.value("cases", 0)) + " cases: ours within the bound in " +
          std::to_string(counts.value("ours_within", 0)) + ", the naive method outside in " +
          std::to_string(counts.value("naive_outside", 0));
@@ -39,23 +37,23 @@ std::string stability_summary(const StabilityJson& result) {
 
 }  // namespace
 
-StabilityJson run_stability_bench(const StabilityBenchOptions& options) {
+Json run_stability_bench(const StabilityBenchOptions& options) {
   PeerProgram program{"sortie-bench-stability", options.program, {}, -1};
   if (!options.only.empty()) program.arguments = {"--only", options.only};
   return run_peer_program(program);
 }
 
-bool is_stable(const StabilityJson& result) {
-  const StabilityJson figures = result.value("figures", StabilityJson::array());
-  for (const StabilityJson& row : figures) {
+bool is_stable(const Json& result) {
+  const Json figures = result.value("figures", Json::array());
+  for (const Json& row : figures) {
     if (!row.value("met", false)) return false;
   }
   return !figures.empty();
 }
 
-void print_stability_bench(std::ostream& out, const StabilityJson& result) {
+void print_stability_bench(std::ostream& out, const Json& result) {
   std::string group;
-  for (const StabilityJson& row : result.value("figures", StabilityJson::array())) {
+  for (const Json& row : result.value("figures", Json::array())) {
     if (row.value("group", "") != group) {
       group = row.value("group", "");
       out << "\n"
@@ -70,14 +68,14 @@ void print_stability_bench(std::ostream& out, const StabilityJson& result) {
   out << "\n" << stability_summary(result) << "\n";
 }
 
-std::string stability_bench_page(const StabilityJson& result, const std::string& command) {
+std::string stability_bench_page(const Json& result, const std::string& command) {
   std::string text = "# Stiff and extreme cases\n\nWritten by `" + command +
                      "`. Each case was run by the code of this repository and by the naive method; the bound "
                      "must lie between them. [What each case is](../stability.md).\n\n```\nmachine   " +
                      result.value("machine", "") + "; " + result.value("compiler", "") + "\n```\n\n" +
                      stability_summary(result) + ".\n";
   std::string group;
-  for (const StabilityJson& row : result.value("figures", StabilityJson::array())) {
+  for (const Json& row : result.value("figures", Json::array())) {
     if (row.value("group", "") != group) {
       group = row.value("group", "");
       text += "\n## " + group +

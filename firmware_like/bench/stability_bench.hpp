@@ -4,8 +4,9 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -17,15 +18,15 @@ struct StabilityBenchOptions {
 
 /// Runs the cases (their names go to stderr) and returns the program's object, with machine, compiler and the
 /// doctor's verdict added. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_stability_bench(const StabilityBenchOptions& options);
+Json run_stability_bench(const StabilityBenchOptions& options);
 
 /// True when every case has ours within its bound and the naive method outside.
-bool is_stable(const nlohmann::ordered_json& result);
+bool is_stable(const Json& result);
 
 /// One line a case: bound, ours, naive, verdict.
-void print_stability_bench(std::ostream& out, const nlohmann::ordered_json& result);
+void print_stability_bench(std::ostream& out, const Json& result);
 
 /// The same as a Markdown page, with `command` as how to get it again.
-std::string stability_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string stability_bench_page(const Json& result, const std::string& command);
 
 }  // namespace sortie::firmware

@@ -4,21 +4,19 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/sweep_folder.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-using CellJson = nlohmann::ordered_json;
-
 // Cell numbers are sorted: steps between them are short in text.
-CellJson to_json(const MapVolume& map) {
-  CellJson steps = CellJson::array();
+Json to_json(const MapVolume& map) {
+  Json steps = Json::array();
   std::uint64_t last = 0;
   for (const std::uint64_t cell : map.cells) {
     steps.push_back(cell - last);
@@ -27,16 +25,16 @@ CellJson to_json(const MapVolume& map) {
   return {{"voxel_m", map.voxel_m}, {"refused", map.refused}, {"steps", std::move(steps)}};
 }
 
-MapVolume map_from_json(const CellJson& json) {
+MapVolume map_from_json(const Json& json) {
   MapVolume map;
   json.at("voxel_m").get_to(map.voxel_m);
   json.at("refused").get_to(map.refused);
   std::uint64_t last = 0;
-  for (const CellJson& step : json.at("steps")) map.cells.push_back(last += step.get<std::uint64_t>());
+  for (const Json& step : json.at("steps")) map.cells.push_back(last += step.get<std::uint64_t>());
   return map;
 }
 
-SweepCellResult result_from_json(const CellJson& json) {
+SweepCellResult result_from_json(const Json& json) {
   SweepCellResult result;
   SweepCell& cell = result.cell;
   json.at("values").get_to(cell.values);
@@ -49,7 +47,7 @@ SweepCellResult result_from_json(const CellJson& json) {
   json.at("memory_bytes").get_to(cell.memory_bytes);
   json.at("load_us_per_s").get_to(cell.load_us_per_s);
   json.at("instructions_per_s").get_to(cell.instructions_per_s);
-  for (const CellJson& entry : json.at("tasks")) {
+  for (const Json& entry : json.at("tasks")) {
     cell.timing.push_back({entry.at("name").get<std::string>(), entry.at("n").get<std::uint64_t>(),
                            entry.at("p50_us").get<double>(), entry.at("p99_us").get<double>(),
                            entry.at("max_us").get<double>()});
@@ -83,10 +81,10 @@ std::string cell_file(std::size_t cell) {
 void write_cell(const std::string& folder, std::size_t cell, const std::string& key,
                 const SweepCellResult& result) {
   const SweepCell& figures = result.cell;
-  CellJson errors = CellJson::object();
+  Json errors = Json::object();
   for (const auto& [name, value] : figures.errors)
-    errors[name] = std::isfinite(value) ? CellJson(value) : CellJson(nullptr);
-  CellJson tasks = CellJson::array();
+    errors[name] = std::isfinite(value) ? Json(value) : Json(nullptr);
+  Json tasks = Json::array();
   for (const SweepTiming& timing : figures.timing) {
     tasks.push_back({{"name", timing.task},
                      {"n", timing.n},
@@ -94,18 +92,18 @@ void write_cell(const std::string& folder, std::size_t cell, const std::string& 
                      {"p99_us", timing.p99_us},
                      {"max_us", timing.max_us}});
   }
-  CellJson json{{"key", key},
-                {"values", figures.values},
-                {"profile_choice", figures.profile_choice},
-                {"errors", std::move(errors)},
-                {"digest", figures.digest},
-                {"voxels", figures.voxels},
-                {"voxels_refused", figures.voxels_refused},
-                {"memory_bytes", figures.memory_bytes},
-                {"load_us_per_s", figures.load_us_per_s},
-                {"instructions_per_s", figures.instructions_per_s},
-                {"tasks", std::move(tasks)},
-                {"duration_s", result.duration_s}};
+  Json json{{"key", key},
+            {"values", figures.values},
+            {"profile_choice", figures.profile_choice},
+            {"errors", std::move(errors)},
+            {"digest", figures.digest},
+            {"voxels", figures.voxels},
+            {"voxels_refused", figures.voxels_refused},
+            {"memory_bytes", figures.memory_bytes},
+            {"load_us_per_s", figures.load_us_per_s},
+            {"instructions_per_s", figures.instructions_per_s},
+            {"tasks", std::move(tasks)},
+            {"duration_s", result.duration_s}};
   if (result.map) json["map"] = to_json(*result.map);
   write_shared(folder + "/" + cell_file(cell), json.dump() + "\n");
 }
@@ -114,11 +112,11 @@ std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t 
                                          const std::string& key) {
   std::ifstream in(folder + "/" + cell_file(cell), std::ios::binary);
   if (!in) return std::nullopt;
-  const CellJson json = CellJson::parse(in, nullptr, false);
+  const Json json = Json::parse_or_null(in);
   if (!json.is_object() || !json.contains("key") || json["key"] != key) return std::nullopt;
   try {
     return result_from_json(json);
-  } catch (const nlohmann::json::exception&) {
+  } catch (const JsonError&) {
     return std::nullopt;  // as good as not there: it is run again
   }
 }

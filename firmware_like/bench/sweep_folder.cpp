@@ -4,17 +4,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 #include "rt/digest.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-using PlanJson = nlohmann::ordered_json;
 constexpr int kPlanFormat = 1;
 
 std::string hex_digest(const std::string& bytes) {
@@ -31,8 +30,8 @@ std::string whole_file(const std::string& path, const std::string& cure) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-PlanJson to_json(const PlannedLog& log) {
-  PlanJson cells = PlanJson::array();
+Json to_json(const PlannedLog& log) {
+  Json cells = Json::array();
   for (std::size_t i = 0; i < log.plan.sweep.cells.size(); ++i) {
     cells.push_back({{"values", log.plan.sweep.cells[i].values},
                      {"profile_choice", log.plan.sweep.cells[i].profile_choice},
@@ -50,7 +49,7 @@ PlanJson to_json(const PlannedLog& log) {
           {"cells", std::move(cells)}};
 }
 
-PlannedLog log_from_json(const PlanJson& json) {
+PlannedLog log_from_json(const Json& json) {
   PlannedLog log;
   json.at("path").get_to(log.path);
   json.at("identity").get_to(log.identity);
@@ -60,7 +59,7 @@ PlannedLog log_from_json(const PlanJson& json) {
   json.at("tasks").get_to(log.plan.sweep.tasks);
   json.at("repeat").get_to(log.plan.sweep.repeat);
   json.at("warnings").get_to(log.plan.sweep.warnings);
-  for (const PlanJson& entry : json.at("cells")) {
+  for (const Json& entry : json.at("cells")) {
     SweepCell cell;
     entry.at("values").get_to(cell.values);
     entry.at("profile_choice").get_to(cell.profile_choice);
@@ -71,13 +70,13 @@ PlannedLog log_from_json(const PlanJson& json) {
   return log;
 }
 
-PlanJson to_json(const SweepRequest& request) {
+Json to_json(const SweepRequest& request) {
   return {{"logs", request.logs},   {"scene", request.scene},   {"set", request.overrides},
           {"sweep", request.knobs}, {"tasks", request.tasks},   {"error", request.error},
           {"align", request.align}, {"repeat", request.repeat}, {"instructions", request.instructions}};
 }
 
-SweepRequest request_from_json(const PlanJson& json) {
+SweepRequest request_from_json(const Json& json) {
   SweepRequest request;
   json.at("logs").get_to(request.logs);
   json.at("scene").get_to(request.scene);
@@ -143,12 +142,12 @@ std::string digest_of_file(const std::string& path) {
 
 void write_plan(const std::string& folder, const SweepFolderPlan& plan) {
   std::filesystem::create_directories(folder);
-  PlanJson logs = PlanJson::array();
+  Json logs = Json::array();
   for (const PlannedLog& log : plan.logs) logs.push_back(to_json(log));
-  const PlanJson json{{"format", kPlanFormat},
-                      {"request", to_json(plan.request)},
-                      {"program", plan.program},
-                      {"logs", std::move(logs)}};
+  const Json json{{"format", kPlanFormat},
+                  {"request", to_json(plan.request)},
+                  {"program", plan.program},
+                  {"logs", std::move(logs)}};
   write_shared(folder + "/plan.json", json.dump(1) + "\n");
 }
 
@@ -157,15 +156,15 @@ SweepFolderPlan read_plan(const std::string& folder) {
   const std::string text =
       whole_file(path, "give the folder of a sweep with --jobs, --shard or --slurm, its --out");
   try {
-    const PlanJson json = PlanJson::parse(text);
+    const Json json = Json::parse(text);
     if (json.at("format").get<int>() != kPlanFormat)
       throw InputError(path + ": is of another version; start the sweep again");
     SweepFolderPlan plan;
     plan.request = request_from_json(json.at("request"));
     json.at("program").get_to(plan.program);
-    for (const PlanJson& log : json.at("logs")) plan.logs.push_back(log_from_json(log));
+    for (const Json& log : json.at("logs")) plan.logs.push_back(log_from_json(log));
     return plan;
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const JsonError& error) {
     throw InputError(path + ": is damaged (" + error.what() + "); start the sweep again");
   }
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "firmware_like/bench/sweep.hpp"
@@ -11,13 +10,15 @@
 
 namespace sortie::firmware {
 
+class Json;
+
 /// One line a cell: values, errors, load, times, memory; "*" on the Pareto front, "<" the profile's choice.
 void print_sweep(std::ostream& out, const Sweep& sweep, bool colour = false);
 
 /// {scene, knobs[], tasks[], error, cost, repeat, duration_s, cells[]{values{}, profile_choice, on_front,
 /// errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s, instructions_per_s, tasks[]{name,
 /// n, p50_us, p99_us, max_us}}, machine, compiler, warnings[]}. What is not finite becomes null.
-nlohmann::ordered_json to_json(const Sweep& sweep);
+Json to_json(const Sweep& sweep);
 
 /// One row a cell, one column a figure; what a cell does not have is an empty field.
 void write_sweep_csv(std::ostream& out, const Sweep& sweep);

@@ -3,13 +3,14 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "firmware_like/bench/sweep_folder.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// The sweep of one log.
 struct LogSweep {
@@ -54,9 +55,9 @@ SweepSet gather_sweep(const SweepFolderPlan& plan, const std::vector<std::string
 void print_sweep_set(std::ostream& out, const SweepSet& set, bool colour = false);
 /// One log: the object of its sweep with `log`; several: {logs[], error, spread[]{values{}, logs, error{mean,
 /// low, high}, load_us_per_s{}, profile_choice, on_front}, warnings[]}.
-nlohmann::ordered_json to_json(const SweepSet& set);
+Json to_json(const SweepSet& set);
 /// One log: sweep.json, sweep.csv and sweep.svg; several: sweep.json, spread.csv and sweep-N.csv, sweep-N.svg
 /// of each. `object` is what sweep.json says. Throws InputError.
-void write_sweep_set(const std::string& folder, const SweepSet& set, const nlohmann::ordered_json& object);
+void write_sweep_set(const std::string& folder, const SweepSet& set, const Json& object);
 
 }  // namespace sortie::firmware

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "firmware_like/bench/sweep_report.hpp"
 #include "firmware_like/bench/sweep_set.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-using SetJson = nlohmann::ordered_json;
-
-SetJson to_json(const Spread& spread) {
+Json to_json(const Spread& spread) {
   return {{"mean", spread.mean}, {"low", spread.low}, {"high", spread.high}};
 }
 
@@ -82,36 +80,36 @@ void print_sweep_set(std::ostream& out, const SweepSet& set, bool colour) {
   for (const std::string& warning : set.warnings) out << "warning   " << warning << "\n";
 }
 
-nlohmann::ordered_json to_json(const SweepSet& set) {
+Json to_json(const SweepSet& set) {
   if (set.logs.size() == 1) {
-    SetJson object = to_json(set.logs.front().sweep);
+    Json object = to_json(set.logs.front().sweep);
     object["log"] = set.logs.front().log;
     return object;
   }
-  SetJson logs = SetJson::array();
+  Json logs = Json::array();
   for (const LogSweep& log : set.logs) {
     logs.push_back(to_json(log.sweep));
     logs.back()["log"] = log.log;
   }
-  SetJson rows = SetJson::array();
+  Json rows = Json::array();
   for (const SweepSpread& row : set.spread) {
-    SetJson values = SetJson::object();
+    Json values = Json::object();
     for (std::size_t i = 0; i < row.values.size(); ++i)
       values[set.logs.front().sweep.keys[i]] = row.values[i];
     rows.push_back({{"values", std::move(values)},
                     {"logs", row.logs},
-                    {"error", row.logs == 0 ? SetJson(nullptr) : to_json(row.error)},
-                    {"load_us_per_s", row.logs == 0 ? SetJson(nullptr) : to_json(row.load_us_per_s)},
+                    {"error", row.logs == 0 ? Json(nullptr) : to_json(row.error)},
+                    {"load_us_per_s", row.logs == 0 ? Json(nullptr) : to_json(row.load_us_per_s)},
                     {"profile_choice", row.profile_choice},
                     {"on_front", row.on_front}});
   }
-  return SetJson{{"logs", std::move(logs)},
-                 {"error", set.error},
-                 {"spread", std::move(rows)},
-                 {"warnings", set.warnings}};
+  return Json{{"logs", std::move(logs)},
+              {"error", set.error},
+              {"spread", std::move(rows)},
+              {"warnings", set.warnings}};
 }
 
-void write_sweep_set(const std::string& folder, const SweepSet& set, const nlohmann::ordered_json& object) {
+void write_sweep_set(const std::string& folder, const SweepSet& set, const Json& object) {
   std::filesystem::create_directories(folder);
   write_file(folder + "/sweep.json", [&object](std::ostream& out) { out << object.dump(2) << "\n"; });
   for (std::size_t i = 0; i < set.logs.size(); ++i) {

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -71,14 +71,14 @@ std::string cell_list(const std::vector<std::size_t>& cells) {
 }
 
 void remember_script(const std::string& folder, const std::string& script_path, const ArrayScript& script) {
-  const nlohmann::ordered_json note{{"script", script_path}, {"tasks", script.tasks()}};
+  const Json note{{"script", script_path}, {"tasks", script.tasks()}};
   write_file(note_path(folder), [&note](std::ostream& out) { out << note.dump() << "\n"; });
 }
 
 std::vector<std::string> resubmit_command(const std::string& program, const std::string& folder,
                                           const std::vector<std::size_t>& missing) {
   std::ifstream in(note_path(folder), std::ios::binary);
-  const auto note = nlohmann::ordered_json::parse(in, nullptr, false);
+  const auto note = Json::parse_or_null(in);
   if (!note.is_object() || !note.contains("script") || !note.contains("tasks"))
     return {program, "bench", "--cell", cell_list(missing), "--out", folder};
   const auto count = std::max<std::size_t>(1, note["tasks"].get<std::size_t>());

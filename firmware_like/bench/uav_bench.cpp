@@ -13,12 +13,10 @@ namespace sortie::firmware {
 
 namespace {
 
-using UavJson = nlohmann::ordered_json;
-
-std::vector<std::string> uav_conditions(const UavJson& result) {
+std::vector<std::string> uav_conditions(const Json& result) {
   std::vector<std::string> lines;
   lines.push_back("machine   " + result.value("machine", "") + "; " + result.value("compiler", ""));
-  const UavJson settings = result.value("settings", UavJson::object());
+  const Json settings = result.value("settings", Json::object());
   lines.push_back("settings  " + std::to_string(settings.value("seeds", 0)) + " seeds, " +
                   std::to_string(settings.value("fleet", 0)) + " drawn vehicles, load average " +
                   result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
@@ -50,17 +48,17 @@ std::string uav_heading(const std::string& group) {
 }
 
 // JSON has no NaN: what breaks a line comes as null.
-std::vector<double> numbers(const UavJson& list) {
+std::vector<double> numbers(const Json& list) {
   std::vector<double> out;
-  for (const UavJson& value : list) out.push_back(value.is_number() ? value.get<double>() : std::nan(""));
+  for (const Json& value : list) out.push_back(value.is_number() ? value.get<double>() : std::nan(""));
   return out;
 }
 
-Series uav_series(const UavJson& curve, int colour) {
+Series uav_series(const Json& curve, int colour) {
   Series line;
   line.name = curve.value("name", "");
-  line.x = numbers(curve.value("x", UavJson::array()));
-  line.y = numbers(curve.value("y", UavJson::array()));
+  line.x = numbers(curve.value("x", Json::array()));
+  line.y = numbers(curve.value("y", Json::array()));
   line.labels = curve.value("labels", std::vector<std::string>{});
   line.colour = colour;
   const std::string style = curve.value("style", "");
@@ -96,16 +94,16 @@ double fitting_height(const Plot& plot) {
 
 }  // namespace
 
-nlohmann::ordered_json run_uav_bench(const UavBenchOptions& options) {
+Json run_uav_bench(const UavBenchOptions& options) {
   PeerProgram program{"sortie-bench-uav", options.program, {}, -1, options.passes};
   program.arguments = {"--seeds", std::to_string(options.seeds), "--fleet", std::to_string(options.fleet)};
   if (!options.only.empty()) program.arguments.insert(program.arguments.end(), {"--only", options.only});
   return run_peer_program(program);
 }
 
-std::vector<UavPicture> uav_pictures(const nlohmann::ordered_json& result) {
+std::vector<UavPicture> uav_pictures(const Json& result) {
   std::vector<UavPicture> pictures;
-  for (const UavJson& wanted : result.value("pictures", UavJson::array())) {
+  for (const Json& wanted : result.value("pictures", Json::array())) {
     Plot plot;
     plot.title = wanted.value("title", "");
     plot.x.label = wanted.value("x", "");
@@ -115,7 +113,7 @@ std::vector<UavPicture> uav_pictures(const nlohmann::ordered_json& result) {
     plot.width = 860;
     plot.height = 440;
     int colour = 0;
-    for (const UavJson& curve : wanted.value("curves", UavJson::array()))
+    for (const Json& curve : wanted.value("curves", Json::array()))
       plot.series.push_back(uav_series(curve, colour++));
     plot.equal_aspect = wanted.value("equal", false);
     if (plot.equal_aspect) plot.height = fitting_height(plot);
@@ -124,7 +122,7 @@ std::vector<UavPicture> uav_pictures(const nlohmann::ordered_json& result) {
   return pictures;
 }
 
-void print_uav_bench(std::ostream& out, const UavJson& result, bool colour) {
+void print_uav_bench(std::ostream& out, const Json& result, bool colour) {
   for (const std::string& line : uav_conditions(result)) out << line << "\n";
   for (const std::string& group : figure_groups(result)) {
     print_figures(out, result, group, colour);
@@ -134,7 +132,7 @@ void print_uav_bench(std::ostream& out, const UavJson& result, bool colour) {
   for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
 }
 
-std::string uav_bench_page(const UavJson& result, const std::string& command) {
+std::string uav_bench_page(const Json& result, const std::string& command) {
   std::string text = "# The multirotor beside its peers\n\n";
   text += "Written by `" + command +
           "`. Flights are simulated and repeat exactly; run times are CPU time of one core and depend on the "

@@ -5,10 +5,10 @@
 
 #include <cstdint>
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/svg.hpp"
 
 namespace sortie::firmware {
@@ -24,13 +24,13 @@ struct UavBenchOptions {
 
 /// Runs the benchmark (its progress goes to stderr) and returns its object, with machine, compiler and the
 /// doctor's verdict added. Throws BenchRefused with the cure.
-nlohmann::ordered_json run_uav_bench(const UavBenchOptions& options);
+Json run_uav_bench(const UavBenchOptions& options);
 
 /// The tables, part by part: ours, theirs, ratio, and the goals.
-void print_uav_bench(std::ostream& out, const nlohmann::ordered_json& result, bool colour = false);
+void print_uav_bench(std::ostream& out, const Json& result, bool colour = false);
 
 /// The same as a Markdown page with its pictures, with `command` as how to get it again.
-std::string uav_bench_page(const nlohmann::ordered_json& result, const std::string& command);
+std::string uav_bench_page(const Json& result, const std::string& command);
 
 /// A picture, the name of its file and the part that it belongs to.
 struct UavPicture {
@@ -40,6 +40,6 @@ struct UavPicture {
 };
 
 /// What the benchmark asked to draw.
-std::vector<UavPicture> uav_pictures(const nlohmann::ordered_json& result);
+std::vector<UavPicture> uav_pictures(const Json& result);
 
 }  // namespace sortie::firmware

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <sstream>
 
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -78,11 +78,11 @@ void print_wcet(std::ostream& out, const Wcet& wcet) {
   out << "built by  " << wcet.built_by << "\n";
 }
 
-nlohmann::ordered_json to_json(const Wcet& wcet) {
-  nlohmann::ordered_json object;
+Json to_json(const Wcet& wcet) {
+  Json object;
   object["scene"] = wcet.scene;
   object["built_by"] = wcet.built_by;
-  object["tasks"] = nlohmann::ordered_json::array();
+  object["tasks"] = Json::array();
   for (const WcetRow& row : rows_of(wcet)) {
     object["tasks"].push_back({{"name", row.task},
                                {"group", row.group},

@@ -3,13 +3,14 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "firmware_like/bench/wcet.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// One task in one line.
 struct WcetRow {
@@ -29,7 +30,7 @@ std::vector<WcetRow> rows_of(const Wcet& wcet);
 
 void print_wcet(std::ostream& out, const Wcet& wcet);
 /// {scene, built_by, tasks[]{name, group, jobs, median, p99, worst, worst_tick, total, ratio}}.
-nlohmann::ordered_json to_json(const Wcet& wcet);
+Json to_json(const Wcet& wcet);
 /// tick,task,instructions: one row a job.
 void write_wcet_csv(std::ostream& out, const Wcet& wcet);
 

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/bench_all.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -40,7 +40,7 @@ int run(const CommandContext& context, BenchAllCommand& options) {
       std::fprintf(stderr, "part %zu of %zu, after %.0f s: %s\n", part + 1, parts, since_s, name.c_str());
     };
   }
-  const nlohmann::ordered_json index = run_bench_all(options.bench);
+  const Json index = run_bench_all(options.bench);
   const std::string page = bench_all_page(index, context.command_line);
   write_file(options.output.out + "/index.json", [&](std::ostream& out) { out << index.dump(2) << "\n"; });
   write_file(options.output.out + "/index.md", [&](std::ostream& out) { out << page; });

@@ -18,7 +18,7 @@ struct CampaignCommandLine {
 };
 
 int run(const CommandContext& context, const CampaignCommandLine& options) {
-  const nlohmann::ordered_json result = run_campaign_bench(options.bench);
+  const Json result = run_campaign_bench(options.bench);
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {

@@ -3,13 +3,13 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/knob_bench.hpp"
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/commands/sweep_drives.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -57,7 +57,7 @@ int run(const CommandContext& context, const KnobCommandLine& options) {
   const auto progress = progress_bar(options.output, "bench");
   const std::string& folder = options.output.out;
   if (!folder.empty()) std::filesystem::create_directories(folder);
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   std::string page =
       "# Every knob alone\n\nWritten by `" + context.command_line +
       "`. One recording a section, replayed with one key of the profile at other values: a number "
@@ -83,7 +83,7 @@ int run(const CommandContext& context, const KnobCommandLine& options) {
                  [&](std::ostream& out) { out << render(plot_knobs(sets[i].name, sweeps)) << "\n"; });
     }
   }
-  const nlohmann::ordered_json result{{"command", context.command_line}, {"cells", rows}};
+  const Json result{{"command", context.command_line}, {"cells", rows}};
   if (options.output.json) std::cout << result.dump(2) << "\n";
   if (folder.empty()) return 0;
   write_file(folder + "/bench-knobs.json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });

@@ -20,7 +20,7 @@ struct MappingCommandLine {
 };
 
 int run(const CommandContext& context, const MappingCommandLine& options) {
-  const nlohmann::ordered_json result = run_mapping_bench(options.bench);
+  const Json result = run_mapping_bench(options.bench);
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {

@@ -65,7 +65,7 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
   if (options.scenes.empty() && options.logs.empty() && !context.parts.bench)
     throw InputError("this program simulates no robot; give a log with --log", 2);
   const auto progress = progress_bar(options.output, "bench");
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   std::string page = "## Cells\n\nWritten by `" + context.command_line + "`.\n";
   const std::vector<OdometrySet> sets = read_sets(context, options);
   const std::string& folder = options.output.out;
@@ -91,7 +91,7 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
     done += 1.0;
     if (progress) progress(done / static_cast<double>(sets.size()));
   }
-  const nlohmann::ordered_json result{{"command", context.command_line}, {"cells", rows}};
+  const Json result{{"command", context.command_line}, {"cells", rows}};
   if (options.output.json) std::cout << result.dump(2) << "\n";
   if (folder.empty()) return 0;
   write_file(folder + "/bench-odometry.json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });

@@ -20,7 +20,7 @@ struct PlantCommandLine {
 };
 
 int run(const CommandContext& context, const PlantCommandLine& options) {
-  const nlohmann::ordered_json result = run_plant_bench(options.bench);
+  const Json result = run_plant_bench(options.bench);
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {

@@ -23,7 +23,7 @@ struct RayCommandLine {
 
 int run(const CommandContext& context, const RayCommandLine& options) {
   const bool loop = options.bench.only == "loop";
-  const nlohmann::ordered_json result =
+  const Json result =
       loop ? run_ray_loop(options.seeds_given ? options.bench.seeds : kLoopSeeds, options.bench.program)
            : run_ray_bench(options.bench);
   const std::string name = loop ? "/bench-rays-loop" : "/bench-rays";

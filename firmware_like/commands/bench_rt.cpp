@@ -20,7 +20,7 @@ struct RtCommand {
 };
 
 int run(const CommandContext& context, const RtCommand& options) {
-  const nlohmann::ordered_json result = run_rt_bench(options.bench);
+  const Json result = run_rt_bench(options.bench);
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {

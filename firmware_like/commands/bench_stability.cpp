@@ -18,7 +18,7 @@ struct StabilityCommandLine {
 };
 
 int run(const CommandContext& context, const StabilityCommandLine& options) {
-  const nlohmann::ordered_json result = run_stability_bench(options.bench);
+  const Json result = run_stability_bench(options.bench);
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 
@@ -19,6 +18,7 @@
 #include "firmware_like/commands/sweep_drives.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -102,7 +102,7 @@ std::vector<SimulatedDrive> take_drives(const CommandContext& context, SweepComm
 }
 
 void show(const CommandContext& context, const SweepCommand& command, const SweepSet& set) {
-  nlohmann::ordered_json object = to_json(set);
+  Json object = to_json(set);
   object["command"] = context.command_line;
   if (command.output.json) {
     std::cout << object.dump(2) << "\n";

@@ -20,7 +20,7 @@ struct UavCommandLine {
 };
 
 int run(const CommandContext& context, const UavCommandLine& options) {
-  const nlohmann::ordered_json result = run_uav_bench(options.bench);
+  const Json result = run_uav_bench(options.bench);
   if (options.output.json) {
     std::cout << result.dump(2) << "\n";
   } else {

@@ -5,12 +5,12 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/wcet_report.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/live_run.hpp"
 
 namespace sortie::firmware {

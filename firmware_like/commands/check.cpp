@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/gate.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
@@ -70,7 +70,7 @@ int run(const CommandContext& context, const CheckOptions& options) {
   }
 
   if (options.output.json) {
-    nlohmann::ordered_json object = to_json(outcome.results);
+    Json object = to_json(outcome.results);
     object["recorded_digest"] = log.header().has_ticks ? recorded : "";
     object["compared_jobs"] = outcome.compared_jobs;
     object["passed"] = failures.empty();

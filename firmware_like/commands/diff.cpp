@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
@@ -64,8 +64,7 @@ int run(const CommandContext& context, const DiffOptions& options) {
   const Results& b = second.outcome.results;
   const auto divergence = first_divergence(first, second);
   if (options.json) {
-    nlohmann::ordered_json object{
-        {"first", to_json(a)}, {"second", to_json(b)}, {"same_digest", a.digest == b.digest}};
+    Json object{{"first", to_json(a)}, {"second", to_json(b)}, {"same_digest", a.digest == b.digest}};
     if (divergence) {
       object["divergence"] = {{"tick", divergence->tick}, {"group", divergence->group},
                               {"task", divergence->task}, {"field", divergence->field},

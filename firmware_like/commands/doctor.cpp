@@ -4,12 +4,12 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/doctor/doctor_table.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 

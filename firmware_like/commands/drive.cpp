@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/drive_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/secret.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
@@ -105,13 +105,13 @@ std::int64_t find_session(const DriveOptions& options, const std::optional<drive
 void show(const DriveOptions& options, const DriveClient& client, bool taken) {
   const DriveState& state = client.state();
   if (options.json) {
-    std::cout << nlohmann::ordered_json{{"asked", options.what},
-                                        {"sent", client.sent()},
-                                        {"taken", taken},
-                                        {"in_control", source_name(state.source)},
-                                        {"stop", stop_names(state.stop)},
-                                        {"speed_m_s", state.speed_m_s},
-                                        {"turn_rad_s", state.turn_rad_s}}
+    std::cout << Json{{"asked", options.what},
+                      {"sent", client.sent()},
+                      {"taken", taken},
+                      {"in_control", source_name(state.source)},
+                      {"stop", stop_names(state.stop)},
+                      {"speed_m_s", state.speed_m_s},
+                      {"turn_rad_s", state.turn_rad_s}}
                      .dump(2)
               << "\n";
     return;

@@ -6,11 +6,11 @@
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/fly_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/secret.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "rt/uav_samples.hpp"
@@ -70,14 +70,14 @@ rt::FlyMode mode_of(const std::string& what) {
 void show_pilot(const FlyOptions& options, const FlyClient& client, bool taken, bool reached) {
   const FlyState& state = client.state();
   if (options.json) {
-    std::cout << nlohmann::ordered_json{{"asked", options.what},
-                                        {"sent", client.sent()},
-                                        {"taken", taken},
-                                        {"reached", reached},
-                                        {"step", step_name(state.step)},
-                                        {"in_control", state.remote ? "requests" : "mission"},
-                                        {"setpoint_m", state.setpoint_m},
-                                        {"error_m", state.error_m}}
+    std::cout << Json{{"asked", options.what},
+                      {"sent", client.sent()},
+                      {"taken", taken},
+                      {"reached", reached},
+                      {"step", step_name(state.step)},
+                      {"in_control", state.remote ? "requests" : "mission"},
+                      {"setpoint_m", {state.setpoint_m[0], state.setpoint_m[1], state.setpoint_m[2]}},
+                      {"error_m", state.error_m}}
                      .dump(2)
               << "\n";
     return;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/importers/importer.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -33,18 +33,18 @@ void add_import(CLI::App& app, CommandContext& context) {
       const ImportReport report = import_log(options->import);
       for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
       if (options->json) {
-        const nlohmann::ordered_json object{{"log", options->import.out},
-                                            {"rows", report.rows},
-                                            {"events", report.events},
-                                            {"bad_rows", report.bad_rows},
-                                            {"hidden_truth", report.hidden_truth},
-                                            {"time_backwards", report.time_backwards},
-                                            {"imu", report.imu},
-                                            {"tracks", report.tracks},
-                                            {"scans", report.scans},
-                                            {"truth", report.truth},
-                                            {"sources", report.sources},
-                                            {"warnings", report.warnings}};
+        const Json object{{"log", options->import.out},
+                          {"rows", report.rows},
+                          {"events", report.events},
+                          {"bad_rows", report.bad_rows},
+                          {"hidden_truth", report.hidden_truth},
+                          {"time_backwards", report.time_backwards},
+                          {"imu", report.imu},
+                          {"tracks", report.tracks},
+                          {"scans", report.scans},
+                          {"truth", report.truth},
+                          {"sources", report.sources},
+                          {"warnings", report.warnings}};
         std::cout << object.dump(2) << "\n";
       } else {
         std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/keyframe_state.hpp"
 #include "firmware_like/replay.hpp"
 
@@ -29,14 +29,14 @@ struct IndexOptions {
 void show(const std::string& path, std::uint64_t bytes, const std::vector<KeyframeEntry>& entries,
           const KeyframeHead& head, double wall_s, const OutputOptions& options) {
   if (options.json) {
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    Json rows = Json::array();
     for (const KeyframeEntry& entry : entries)
       rows.push_back({{"tick", entry.tick}, {"bytes", entry.bytes}, {"digest", hex(entry.digest)}});
-    nlohmann::ordered_json object{{"file", path},
-                                  {"bytes", bytes},
-                                  {"vehicle", head.vehicle},
-                                  {"version", head.version},
-                                  {"keyframes", rows}};
+    Json object{{"file", path},
+                {"bytes", bytes},
+                {"vehicle", head.vehicle},
+                {"version", head.version},
+                {"keyframes", rows}};
     if (wall_s > 0) object["wall_s"] = wall_s;
     std::cout << object.dump(2) << "\n";
     return;

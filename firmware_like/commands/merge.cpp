@@ -4,13 +4,13 @@
 
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/child_process.hpp"
 #include "firmware_like/bench/sweep_set.hpp"
 #include "firmware_like/bench/sweep_slurm.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 
@@ -69,7 +69,7 @@ int run(const CommandContext& context, const MergeCommand& command) {
     if (!command.resubmit) return 1;
     return resubmit(resubmit_command(own_program_path(), command.folders.front(), missing));
   }
-  nlohmann::ordered_json object = to_json(set);
+  Json object = to_json(set);
   object["command"] = context.command_line;
   if (command.output.json) {
     std::cout << object.dump(2) << "\n";

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/plant_link.hpp"
 #include "firmware_like/plant_process.hpp"
 
@@ -25,11 +25,11 @@ int run_command(const CommandContext& context, PlantOptions& options, bool json)
   std::signal(SIGTERM, [](int) { plant_interrupted.store(true); });
   const PlantOutcome outcome = run_plant(context.parts.bench, options);
   if (json) {
-    std::cout << nlohmann::ordered_json{{"scene", outcome.scene},
-                                        {"bench", outcome.bench},
-                                        {"duration_s", outcome.duration_s},
-                                        {"counters", outcome.counters},
-                                        {"warnings", outcome.warnings}}
+    std::cout << Json{{"scene", outcome.scene},
+                      {"bench", outcome.bench},
+                      {"duration_s", outcome.duration_s},
+                      {"counters", outcome.counters},
+                      {"warnings", outcome.warnings}}
                      .dump(2)
               << "\n";
     return 0;

@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/sweep_report.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/report_sweeps.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/json_reader.hpp"
 
 namespace sortie::firmware {

@@ -4,13 +4,13 @@
 #include <iostream>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "drivers/lcm_url.hpp"
 #include "firmware_like/bench/scene_advice.hpp"
 #include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/runtime.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "rt/built_parts.hpp"
@@ -82,7 +82,7 @@ std::vector<std::string> runnable_scenes(const CommandContext& context) {
 
 // `tables`: show each scene's groups and chains as well.
 int list(const CommandContext& context, const std::vector<std::string>& scenes, bool tables, bool json) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   if (!json)
     std::printf("%-14s %-8s %10s %14s  %-28s %s\n", "scene", "vehicle", "memory", "budget/tick", "tasks",
                 "what for");
@@ -102,7 +102,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                       {"without", line.without},
                       {"about", line.about},
                       {"schedule", to_json(line.schedule)}});
-      rows.back()["chains"] = nlohmann::ordered_json::array();
+      rows.back()["chains"] = Json::array();
       for (const ChainResult& chain : line.chains) rows.back()["chains"].push_back(to_json(chain));
       rows.back()["bus"] = to_json(line.bus);
     } else {
@@ -118,7 +118,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
     }
   }
   std::fputs(more.str().c_str(), stdout);
-  if (json) std::cout << nlohmann::ordered_json{{"scenes", rows}}.dump(2) << "\n";
+  if (json) std::cout << Json{{"scenes", rows}}.dump(2) << "\n";
   return 0;
 }
 
@@ -130,7 +130,7 @@ int show_keys(const CommandContext& context, const std::string& scene, bool json
   for (const ProfileKey& key : for_bench.keys()) {
     if (key.path.rfind("hil.", 0) == 0) keys.push_back(key);
   }
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   for (const ProfileKey& key : keys) {
     if (json) {
       rows.push_back({{"key", key.path},
@@ -146,13 +146,13 @@ int show_keys(const CommandContext& context, const std::string& scene, bool json
                   key.is_changeable ? "; may change while running" : "");
     }
   }
-  if (json) std::cout << nlohmann::ordered_json{{"scene", scene}, {"keys", rows}}.dump(2) << "\n";
+  if (json) std::cout << Json{{"scene", scene}, {"keys", rows}}.dump(2) << "\n";
   return 0;
 }
 
 int show_memory(const CommandContext& context, const std::string& scene, bool json) {
   const Runtime runtime(load_scene(scene), context.parts.vehicles, RuntimeStart{});
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   for (const PoolResult& pool : runtime.memory_plan()) {
     if (json) {
       rows.push_back({{"pool", pool.name}, {"capacity", pool.capacity}, {"bytes", pool.bytes}});
@@ -163,9 +163,7 @@ int show_memory(const CommandContext& context, const std::string& scene, bool js
     }
   }
   if (json) {
-    std::cout << nlohmann::ordered_json{{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}}
-                     .dump(2)
-              << "\n";
+    std::cout << Json{{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}}.dump(2) << "\n";
   } else {
     std::printf("%-16s %10s    %12zu bytes\n", "together", "", runtime.memory_bytes());
   }
@@ -187,7 +185,7 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
       if (!profile.use().empty() && profile.has("hil")) scenes.push_back(name);
     }
   }
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   for (const std::string& scene : scenes) {
     SceneCostOptions options = line.cost;
     options.scene = scene;
@@ -198,7 +196,7 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
       std::cout << scene_cost_table(costs) << "\n";
     }
   }
-  if (json) std::cout << nlohmann::ordered_json{{"costs", rows}}.dump(2) << "\n";
+  if (json) std::cout << Json{{"costs", rows}}.dump(2) << "\n";
   return 0;
 }
 

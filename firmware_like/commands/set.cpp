@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/secret.hpp"
 
 namespace sortie::firmware {
@@ -80,7 +80,7 @@ void check_names(const std::vector<Assignment>& assignments, const drivers::Para
 }
 
 int list(const drivers::ParametersMessage& run, bool json) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   for (const drivers::ParameterInForce& parameter : run.parameters) {
     if (json) {
       rows.push_back({{"name", parameter.name},
@@ -95,11 +95,11 @@ int list(const drivers::ParametersMessage& run, bool json) {
     }
   }
   if (json)
-    std::cout << nlohmann::ordered_json{{"scene", run.scene},
-                                        {"session", hexadecimal(run.session)},
-                                        {"remote", run.remote},
-                                        {"keyed", run.keyed},
-                                        {"parameters", rows}}
+    std::cout << Json{{"scene", run.scene},
+                      {"session", hexadecimal(run.session)},
+                      {"remote", run.remote},
+                      {"keyed", run.keyed},
+                      {"parameters", rows}}
                      .dump(2)
               << "\n";
   return kGood;
@@ -157,7 +157,7 @@ int run_set(const CommandContext& context, const SetOptions& options) {
     throw ProfileError("the run takes requests only from those who know its secret; give --secret FILE");
 
   int code = kGood;
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   for (const Assignment& assignment : assignments) {
     const RequestOutcome outcome = client.set(assignment.name, assignment.value, most);
     if (outcome.end != RequestEnd::in_force) {
@@ -176,9 +176,9 @@ int run_set(const CommandContext& context, const SetOptions& options) {
                     {"status", to_string(outcome.status)}});
   }
   if (options.json)
-    std::cout << nlohmann::ordered_json{{"scene", client.run().scene},
-                                        {"session", hexadecimal(client.run().session)},
-                                        {"changes", rows}}
+    std::cout << Json{{"scene", client.run().scene},
+                      {"session", hexadecimal(client.run().session)},
+                      {"changes", rows}}
                      .dump(2)
               << "\n";
   return code;

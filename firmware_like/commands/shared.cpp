@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/evaluation/fired_rays.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/tum.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/report/contact_plots.hpp"
 #include "firmware_like/report/fired_rays_plot.hpp"
 #include "firmware_like/report/map_plot.hpp"

@@ -8,12 +8,12 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
 #include "drivers/lcm_receiver.hpp"
 #include "firmware_like/commands/spy_table.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -75,16 +75,16 @@ std::string summary(const drivers::LcmReceiverCounters& counters, const SpyTable
 
 void print_json(std::ostream& out, const SpyOptions& options, const drivers::LcmReceiverCounters& counters,
                 const SpyTable& table, double seconds) {
-  const nlohmann::ordered_json object{{"url", options.url},
-                                      {"seconds", seconds},
-                                      {"channels", table.to_json(utc_now())},
-                                      {"counters",
-                                       {{"messages", counters.messages},
-                                        {"bytes", counters.bytes},
-                                        {"fragments", counters.fragments},
-                                        {"malformed", counters.malformed},
-                                        {"socket_errors", counters.socket_errors},
-                                        {"beyond_table", table.dropped()}}}};
+  const Json object{{"url", options.url},
+                    {"seconds", seconds},
+                    {"channels", table.to_json(utc_now())},
+                    {"counters",
+                     {{"messages", counters.messages},
+                      {"bytes", counters.bytes},
+                      {"fragments", counters.fragments},
+                      {"malformed", counters.malformed},
+                      {"socket_errors", counters.socket_errors},
+                      {"beyond_table", table.dropped()}}}};
   out << object.dump(2) << '\n';
 }
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "drivers/channels.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "firmware_like/commands/spy_values.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -138,28 +138,27 @@ void SpyTable::print(std::ostream& out, rt::Nanoseconds now_ns, std::size_t rows
   if (cut) out << "... " << lines.size() - shown << " more lines\n";
 }
 
-nlohmann::ordered_json SpyTable::to_json(rt::Nanoseconds now_ns) const {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json SpyTable::to_json(rt::Nanoseconds now_ns) const {
+  Json list = Json::array();
   for (const auto& [name, row] : channels_) {
     char fingerprint[32];
     std::snprintf(fingerprint, sizeof fingerprint, "0x%016llx",
                   static_cast<unsigned long long>(row.fingerprint));
-    nlohmann::ordered_json object{{"channel", printable(name)},
-                                  {"type", std::string(drivers::type_name(row.fingerprint))},
-                                  {"fingerprint", fingerprint},
-                                  {"count", row.count},
-                                  {"hz", row.rate_hz()},
-                                  {"jitter_ms", 1e3 * row.jitter_s()},
-                                  {"max_gap_ms", 1e3 * rt::to_seconds(row.max_gap_ns)},
-                                  {"bytes", row.bytes},
-                                  {"last_bytes", row.last_bytes},
-                                  {"age_s", rt::to_seconds(now_ns - row.last_ns)},
-                                  {"undecodable", row.undecodable}};
+    Json object{{"channel", printable(name)},
+                {"type", std::string(drivers::type_name(row.fingerprint))},
+                {"fingerprint", fingerprint},
+                {"count", row.count},
+                {"hz", row.rate_hz()},
+                {"jitter_ms", 1e3 * row.jitter_s()},
+                {"max_gap_ms", 1e3 * rt::to_seconds(row.max_gap_ns)},
+                {"bytes", row.bytes},
+                {"last_bytes", row.last_bytes},
+                {"age_s", rt::to_seconds(now_ns - row.last_ns)},
+                {"undecodable", row.undecodable}};
     if (with_values_) {
-      nlohmann::ordered_json values = nlohmann::ordered_json::object();
+      Json values = Json::object();
       for (const drivers::NamedValue& entry : row.values) {
-        values[printable(entry.name)] =
-            std::isfinite(entry.value) ? nlohmann::ordered_json(entry.value) : nullptr;
+        values[printable(entry.name)] = std::isfinite(entry.value) ? Json(entry.value) : nullptr;
       }
       object["values"] = std::move(values);
     }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <iosfwd>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +14,8 @@
 #include "rt/time.hpp"
 
 namespace sortie::firmware {
+
+class Json;
 
 /// Arrival of one channel's messages. Times are UTC nanoseconds of the receiving computer.
 struct ChannelStatistics {
@@ -58,7 +59,7 @@ class SpyTable {
   /// '?'.
   void print(std::ostream& out, rt::Nanoseconds now_ns, std::size_t rows = 0) const;
   /// Array of one object a channel.
-  [[nodiscard]] nlohmann::ordered_json to_json(rt::Nanoseconds now_ns) const;
+  [[nodiscard]] Json to_json(rt::Nanoseconds now_ns) const;
 
  private:
   bool with_values_;

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<Health, 4> kAll{Health::good, Health::warn, Health::bad, Health::unknown};
 

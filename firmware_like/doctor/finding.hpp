@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 namespace sortie::firmware {
+
+class Json;
 
 /// How a thing stands. The order is that of getting worse, `unknown` apart.
 enum class Health : std::uint8_t {
@@ -43,9 +44,9 @@ struct DoctorReport {
 };
 
 /// Object with the keys verdict, summary, machine, findings[]{name, value, verdict, why, cure}; and `note`.
-nlohmann::ordered_json to_json(const DoctorReport& report);
+Json to_json(const DoctorReport& report);
 
 /// Reads back what to_json wrote. Throws std::runtime_error naming what is wrong.
-DoctorReport doctor_from_json(const nlohmann::ordered_json& object);
+DoctorReport doctor_from_json(const Json& object);
 
 }  // namespace sortie::firmware

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/doctor/run_doctor.hpp"
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "drivers/wire_records.hpp"
+#include "firmware_like/json.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -19,7 +19,7 @@ void write(FlightRecorder& recorder, const rt::Executive& executive, const Docto
   event.kind = kKind;
   event.subject = report.machine;
   for (const Finding& finding : report.findings) event.value += finding.verdict == Health::bad ? 1 : 0;
-  event.text = to_json(report).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  event.text = to_json(report).dump();
   std::vector<std::uint8_t> message(256 + event.kind.size() + event.subject.size() + event.text.size());
   std::size_t size = 0;
   if (drivers::encode(event, message, size) == Status::ok)
@@ -52,7 +52,7 @@ DoctorReport recorded_doctor(const LogFile& log) {
     drivers::EventRecord event;
     if (drivers::decode(stored.message, event) != Status::ok || event.kind != kKind) continue;
     try {
-      report = doctor_from_json(nlohmann::ordered_json::parse(event.text));
+      report = doctor_from_json(Json::parse(event.text));
       report.note =
           "of the machine that recorded the log; the times of this replay are those of this machine";
     } catch (const std::exception&) {

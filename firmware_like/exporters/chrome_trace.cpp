@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 namespace {
 
-std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string quoted(const std::string& text) { return Json(text).dump(); }
 
 /// Nanoseconds as microseconds, exact.
 std::string microseconds(std::int64_t ns) {

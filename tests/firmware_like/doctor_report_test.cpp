@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the doctor has found, as JSON and back and as a table.
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "firmware_like/doctor/doctor_table.hpp"
+#include "firmware_like/json.hpp"
 #include "tests/firmware_like/doctor_board.hpp"
 
 using namespace sortie;
@@ -18,14 +18,14 @@ TEST_CASE("a report survives its JSON form and damaged JSON is named") {
   board.limits("8388608", "0");
   DoctorReport report = board.report();
   report.note = "said \"so\"";
-  const DoctorReport again = doctor_from_json(nlohmann::ordered_json::parse(to_json(report).dump()));
+  const DoctorReport again = doctor_from_json(Json::parse(to_json(report).dump()));
   CHECK(to_json(again).dump() == to_json(report).dump());
   CHECK(again.present);
   CHECK(to_json(report).at("verdict") == "bad");
   for (const char* text :
        {"[]", "{\"findings\":3}", "{\"findings\":[{\"name\":\"x\",\"verdict\":\"sick\"}]}", "{\"note\":1}"}) {
     INFO(text);
-    CHECK_THROWS_AS(doctor_from_json(nlohmann::ordered_json::parse(text)), std::runtime_error);
+    CHECK_THROWS_AS(doctor_from_json(Json::parse(text)), std::runtime_error);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 
@@ -19,6 +18,7 @@
 #include "firmware_like/exporters/ply.hpp"
 #include "firmware_like/exporters/tum.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/json.hpp"
 #include "rt/samples.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
 
@@ -172,18 +172,18 @@ TEST_CASE("a trace is JSON whose spans nest on every track") {
   std::ostringstream out;
   const std::size_t cuts = write_chrome_trace(out, trace, 1'000'000'000);
   CHECK(cuts > 0);
-  const auto json = nlohmann::json::parse(out.str());
+  const auto json = Json::parse(out.str());
   std::map<int, std::vector<double>> open;
   std::map<int, double> latest;
   std::size_t spans = 0;
   std::size_t counters = 0;
   for (const auto& event : json["traceEvents"]) {
-    const std::string kind = event["ph"];
+    const auto kind = event["ph"].get<std::string>();
     if (kind == "C") ++counters;
     if (kind != "X") continue;
     ++spans;
-    const int track = event["tid"];
-    const double start = event["ts"];
+    const auto track = event["tid"].get<int>();
+    const auto start = event["ts"].get<double>();
     const double end = start + event["dur"].get<double>();
     REQUIRE(event["dur"].get<double>() >= 0.0);
     REQUIRE(start >= latest[track]);

@@ -8,12 +8,12 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
 #include "firmware_like/exporters/flight_jobs.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/releases.hpp"
 #include "firmware_like/run_flight_ring.hpp"
 #include "rt/posix/flight_reader.hpp"
@@ -140,7 +140,7 @@ TEST_CASE("a run that is killed leaves a ring that tells its last jobs in words 
   const Trace trace = to_trace(ring);
   std::ostringstream json;
   write_chrome_trace(json, trace, trace.spans.front().start_ns);
-  const auto parsed = nlohmann::json::parse(json.str());
+  const auto parsed = Json::parse(json.str());
   std::size_t jobs = 0;
   for (const auto& event : parsed.at("traceEvents"))
     jobs += event.at("ph") == "X" && event.contains("args") && event["args"].contains("verdict") ? 1 : 0;

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "firmware_like/json.hpp"
 #include "firmware_like/results.hpp"
 
 using namespace sortie::firmware;
@@ -88,7 +88,7 @@ TEST_CASE("the keys of the JSON interface are those that scripts rely on") {
 
 TEST_CASE("results survive JSON, through text") {
   const auto json = to_json(example());
-  const auto again = nlohmann::ordered_json::parse(json.dump());
+  const auto again = Json::parse(json.dump());
   const Results back = results_from_json(again);
   CHECK(to_json(back) == json);
   CHECK(std::isnan(back.errors.at("rpe_rmse_m")));
@@ -99,15 +99,13 @@ TEST_CASE("results survive JSON, through text") {
 }
 
 TEST_CASE("missing keys keep their defaults and wrong types are named") {
-  CHECK(results_from_json(nlohmann::ordered_json::parse("{}")).ticks == 0);
-  using nlohmann::ordered_json;
-  CHECK_THROWS_WITH(results_from_json(ordered_json::parse(R"([1])")), Catch::Contains("no JSON object"));
-  CHECK_THROWS_WITH(results_from_json(ordered_json::parse(R"({"ticks":-1})")), Catch::Contains("ticks"));
-  CHECK_THROWS_WITH(results_from_json(ordered_json::parse(R"({"tasks":[{"p50_us":"x"}]})")),
+  CHECK(results_from_json(Json::parse("{}")).ticks == 0);
+  CHECK_THROWS_WITH(results_from_json(Json::parse(R"([1])")), Catch::Contains("no JSON object"));
+  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"ticks":-1})")), Catch::Contains("ticks"));
+  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"tasks":[{"p50_us":"x"}]})")),
                     Catch::Contains("p50_us"));
-  CHECK_THROWS_WITH(results_from_json(ordered_json::parse(R"({"errors":{"a":[]}})")), Catch::Contains("a"));
-  CHECK_THROWS_WITH(results_from_json(ordered_json::parse(R"({"warnings":[3]})")),
-                    Catch::Contains("warnings"));
+  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"errors":{"a":[]}})")), Catch::Contains("a"));
+  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"warnings":[3]})")), Catch::Contains("warnings"));
 }
 
 TEST_CASE("the table fits a screen of 100 columns and 25 lines") {

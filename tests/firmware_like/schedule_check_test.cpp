@@ -2,12 +2,13 @@
 // Scenes whose tables or chains cannot keep what they promise are refused with the figures and the cures;
 // those that can show both, computed and measured.
 #include "firmware_like/schedule_check.hpp"
+#include "firmware_like/json.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "firmware_like/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
 

@@ -37,6 +37,7 @@ FAULTS = {
         ("planner/plan.cpp", "#include <lcm/lcm-cpp.hpp>\n", "planner may not see LCM"),
         ("hil/plant.cpp", "#include <netinet/in.h>\n", "hil may not see sockets"),
         ("drivers/bus.cpp", "#include <nlohmann/json.hpp>\n", "drivers may not see JSON"),
+        ("firmware_like/profile.cpp", "#include <nlohmann/json.hpp>\n", "firmware_like may not see JSON"),
         ("mapping/grid.hpp", "#include <toml++/toml.h>\n", "mapping may not see toml++"),
         ("drivers/bus.cpp", "#include <CLI/CLI.hpp>\n", "drivers may not see CLI11"),
         ("estimators/filter.hpp", "#include <chrono>\n", "estimators may not see the operating system"),

@@ -3,7 +3,7 @@
 
 #include "tests/mapping/fresh_segmenter.hpp"
 
-TEST_CASE("A segmenter that kept up with a drive says what a fresh one says") {
+TEST_CASE("A segmenter that kept up with a drive says what a fresh one says", "[heavy]") {
   using namespace sortie;
   for (std::uint32_t seed = 20; seed < 24; ++seed) {
     INFO("seed " << seed);

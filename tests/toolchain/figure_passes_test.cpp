@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several runs of one benchmark: ranges hold all of them, and what should be exact and is not is named.
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "firmware_like/bench/figure_passes.hpp"
+#include "firmware_like/json.hpp"
 
 using namespace sortie::firmware;
-using PassResult = nlohmann::ordered_json;
 
 namespace {
 
-PassResult timed(double value, double low, double high, bool met) {
+Json timed(double value, double low, double high, bool met) {
   const auto spread = [](double v, double l, double h) {
-    return PassResult{{"value", v}, {"low", l}, {"high", h}};
+    return Json{{"value", v}, {"low", l}, {"high", h}};
   };
   return {{"group", "speed"},
           {"what", "a step"},
@@ -25,7 +24,7 @@ PassResult timed(double value, double low, double high, bool met) {
           {"met", met}};
 }
 
-PassResult exact(double value) {
+Json exact(double value) {
   return {{"group", "errors"},
           {"what", "position"},
           {"unit", "m"},
@@ -38,17 +37,17 @@ PassResult exact(double value) {
 TEST_CASE("what is a time is told by its unit, and a range in metres is one over seeds") {
   CHECK(is_timed_figure(timed(1, 1, 1, true)));
   CHECK_FALSE(is_timed_figure(exact(2)));
-  PassResult plain{{"unit", ""}, {"ours", {{"value", 2.0}}}};
+  Json plain{{"unit", ""}, {"ours", {{"value", 2.0}}}};
   CHECK_FALSE(is_timed_figure(plain));
   plain["ours"]["low"] = 1.0;
   CHECK(is_timed_figure(plain));
 }
 
 TEST_CASE("a later pass widens ranges, means values, and a goal is met when all met it") {
-  PassResult result{{"figures", {timed(2, 1.5, 2.5, true), exact(5)}}};
+  Json result{{"figures", {timed(2, 1.5, 2.5, true), exact(5)}}};
   take_pass(result, {{"figures", {timed(4, 3.5, 4.5, true), exact(5)}}}, 1, false);
   take_pass(result, {{"figures", {timed(3, 2.5, 9, false), exact(5)}}}, 2, false);
-  const PassResult& figure = result["figures"][0];
+  const Json& figure = result["figures"][0];
   CHECK(figure["ours"]["value"] == 3.0);
   CHECK(figure["ours"]["low"] == 1.5);
   CHECK(figure["ours"]["high"] == 9.0);
@@ -61,13 +60,13 @@ TEST_CASE("a later pass widens ranges, means values, and a goal is met when all 
 }
 
 TEST_CASE("an error that is another one in the next process is named") {
-  PassResult result{{"figures", {timed(2, 1.5, 2.5, true), exact(5)}}};
+  Json result{{"figures", {timed(2, 1.5, 2.5, true), exact(5)}}};
   take_pass(result, {{"figures", {timed(2, 1.5, 2.5, true), exact(5.000001)}}}, 1, false);
   REQUIRE(result["unsteady"].size() == 1);
   CHECK(result["unsteady"][0] == "errors: position");
   // Where all is timed nothing is exact; a figure that is missing in one pass is named as well.
-  PassResult times{{"figures", {exact(5), exact(6)}}};
-  take_pass(times, {{"figures", PassResult::array({exact(7)})}}, 1, true);
+  Json times{{"figures", {exact(5), exact(6)}}};
+  take_pass(times, {{"figures", Json::array({exact(7)})}}, 1, true);
   CHECK(times["figures"][0]["ours"]["value"] == 6.0);
   REQUIRE(times["unsteady"].size() == 1);
 }

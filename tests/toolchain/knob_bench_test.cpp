@@ -2,11 +2,11 @@
 // Knobs: each is a key that some scene reads, is tried within its range, and moves what it should move.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
 #include "firmware_like/bench/knob_bench.hpp"
+#include "firmware_like/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
@@ -92,7 +92,7 @@ TEST_CASE("a knob alone moves its own error, and the map is left out where it is
   CHECK(voxel.cells.front().errors.at(voxel.error) < voxel.cells.back().errors.at(voxel.error));
   CHECK(aid.cells[0].memory_bytes * 5 < voxel.cells[0].memory_bytes);
 
-  const nlohmann::ordered_json rows = to_json("hall", sweeps);
+  const Json rows = to_json("hall", sweeps);
   std::size_t cells = 0;
   std::set<std::string> names;
   for (const KnobSweep& knob : sweeps) cells += knob.sweep.cells.size();

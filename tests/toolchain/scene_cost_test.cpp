@@ -2,12 +2,12 @@
 // `sortie scenes --cost` and `--advise` over short drives.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "firmware_like/bench/part_sizes.hpp"
 #include "firmware_like/bench/scene_advice.hpp"
 #include "firmware_like/bench/scene_cost.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "firmware_like/telemetry.hpp"
 #include "tests/firmware_like/run_support.hpp"

@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "drivers/wire.hpp"
 #include "firmware_like/commands/spy_table.hpp"
 #include "firmware_like/commands/spy_values.hpp"
+#include "firmware_like/json.hpp"
 #include "tests/drivers/own_network.hpp"
 
 using namespace sortie;
@@ -137,7 +137,7 @@ TEST_CASE("spy shows what is published, as a table and as JSON") {
   CHECK(second == 0);
   INFO(table.str() << err.str());
   CHECK(table.str().find("imu_t") != std::string::npos);
-  const auto object = nlohmann::json::parse(json.str());
+  const auto object = Json::parse(json.str());
   REQUIRE(object["channels"].size() == 1);
   const auto& row = object["channels"][0];
   CHECK(row["channel"] == "IMU");

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 #include <sstream>
@@ -11,6 +10,7 @@
 
 #include "firmware_like/bench/map_volume.hpp"
 #include "firmware_like/bench/sweep_report.hpp"
+#include "firmware_like/json.hpp"
 #include "firmware_like/program.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/xml_check.hpp"
@@ -252,7 +252,7 @@ TEST_CASE("The bench command ends with code 2 and a cure for what cannot be swep
       run_command({"--log", log, "--sweep", "map.voxel_m=0.2", "--json", "--out", folder.file("out")});
   INFO(good.words);
   CHECK(good.code == 0);
-  const auto json = nlohmann::json::parse(testing::read_all(folder.file("out/sweep.json")));
+  const auto json = Json::parse(testing::read_all(folder.file("out/sweep.json")));
   CHECK(json["cells"].size() == 2);
   CHECK(std::filesystem::file_size(folder.file("out/sweep.csv")) > 0);
   CHECK(testing::xml_fault(testing::read_all(folder.file("out/sweep.svg"))).empty());

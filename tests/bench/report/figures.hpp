@@ -4,15 +4,15 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "firmware_like/json.hpp"
 #include "rt/histogram.hpp"
 
 namespace sortie::bench {
 
-using Json = nlohmann::ordered_json;
+using Json = firmware::Json;
 
 /// Repetitions of one figure, one a round.
 class Rounds {
