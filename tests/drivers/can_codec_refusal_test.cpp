@@ -14,7 +14,7 @@
 
 using namespace sortie;
 using namespace sortie::drivers;
-using namespace sortie::drivers::test;
+using namespace sortie::drivers::rig;
 
 TEST_CASE("a counter that does not fit the bus stamp is refused as stale") {
   CanSampleDecoder decoder;

@@ -7,7 +7,7 @@
 
 #include "drivers/can_codec.hpp"
 
-namespace sortie::drivers::test {
+namespace sortie::drivers::rig {
 
 inline rt::ImuSample imu_at(std::int64_t stamp_ns) {
   rt::ImuSample s;
@@ -50,4 +50,4 @@ inline void check_balance(const CanSampleDecoder& decoder) {
                         static_cast<std::uint64_t>(decoder.pending()));
 }
 
-}  // namespace sortie::drivers::test
+}  // namespace sortie::drivers::rig

@@ -14,7 +14,7 @@
 
 using namespace sortie;
 using namespace sortie::drivers;
-using namespace sortie::drivers::test;
+using namespace sortie::drivers::rig;
 
 TEST_CASE("an IMU sample comes back within half a step, whichever half comes first") {
   const std::uint64_t seed = 11;

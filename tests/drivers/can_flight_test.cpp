@@ -47,7 +47,7 @@ TEST_CASE("a fix of a UAV survives the bus to half a millimetre, late as it may 
   CHECK(decoder.decode(frames[0], out) == Status::ok);
   CHECK(decoder.decode(frames[1], out) == Status::malformed);
   CHECK(out.kind == CanSampleKind::none);
-  sortie::drivers::test::check_balance(decoder);
+  sortie::drivers::rig::check_balance(decoder);
 }
 
 TEST_CASE("a fix that the frames cannot say is refused") {

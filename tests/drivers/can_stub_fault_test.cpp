@@ -9,7 +9,7 @@
 
 using namespace sortie;
 using namespace sortie::drivers;
-using namespace sortie::drivers::test;
+using namespace sortie::drivers::rig;
 
 TEST_CASE("losses repeat with the seed, strike each receiver on its own and spare other identifiers") {
   const auto run = [](std::uint64_t seed, double loss) {

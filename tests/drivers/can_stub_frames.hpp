@@ -8,7 +8,7 @@
 
 #include "drivers/can_stub.hpp"
 
-namespace sortie::drivers::test {
+namespace sortie::drivers::rig {
 
 /// Nanoseconds a bit at 500 kbit/s.
 inline constexpr std::int64_t kBit = 2000;
@@ -37,4 +37,4 @@ inline bool same(const CanFrame& a, const CanFrame& b) {
          std::equal(a.data, a.data + 8, b.data);
 }
 
-}  // namespace sortie::drivers::test
+}  // namespace sortie::drivers::rig

@@ -8,7 +8,7 @@
 
 namespace {
 
-namespace stub_test = sortie::drivers::test;
+namespace stub_test = sortie::drivers::rig;
 using StubFrames = std::vector<sortie::drivers::CanFrame>;
 
 /// 100 frames of 1 kHz from one node, every third held back for up to 5 ms.

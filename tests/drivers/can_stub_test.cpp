@@ -15,7 +15,7 @@
 
 using namespace sortie;
 using namespace sortie::drivers;
-using namespace sortie::drivers::test;
+using namespace sortie::drivers::rig;
 
 namespace {
 

@@ -83,14 +83,19 @@ def processor_seconds():
     return used.ru_utime + used.ru_stime
 
 
+BROKEN = set()  # presets that did not build
+
+
 def run_stage(stage):
     """(name, seconds, tests, processor share) of a stage."""
     begin, used = time.monotonic(), processor_seconds()
-    tests = []
+    tests = [results.Test(f"{stage.name}: tests of {preset}", "failed", 0, "not run: it did not build")
+             for preset, _ in stage.tests if preset in BROKEN]
     for preset, definitions, targets in stage.builds:
         say(f"{stage.name}: building {preset}")
         fault = build(preset, definitions, targets)
         if fault:
+            BROKEN.add(preset)
             tests.append(results.Test(f"{stage.name}: build of {preset}", "failed", 0, fault))
     if not tests:
         if stage.tests or stage.commands:
@@ -107,10 +112,11 @@ class State:
 
     def __init__(self):
         self.path = BUILD / "stages.json"
-        describe = subprocess.run(["git", "stash", "create"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
-        head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
-        tree = subprocess.run(["git", "rev-parse", f"{describe or head}^{{tree}}"], cwd=ROOT, capture_output=True, text=True, check=False)
-        self.tree = tree.stdout.strip()
+        def git(*words):
+            return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+        changes = git("stash", "create")
+        self.tree = git("rev-parse", f"{changes or 'HEAD'}^{{tree}}") + git("status", "--porcelain")
         known = json.loads(self.path.read_text()) if self.path.exists() else {}
         self.rows = known.get("rows", {}) if known.get("tree") == self.tree else {}
 
@@ -137,8 +143,11 @@ def finish(rows, options):
     tests = [test for row in rows for test in row[2]]
     counted = {verdict: [test for test in tests if test.verdict == verdict] for verdict in ("passed", "failed", "skipped")}
     print("\n".join(["", *results.stage_table(rows), "", *results.slowest_table(tests), ""]))
-    reasons = sorted({f"skipped: {test.name}: {test.why or 'see its output'}" for test in counted["skipped"]})
-    print(*reasons, sep="\n", end="\n" if reasons else "")
+    reasons = {}
+    for test in counted["skipped"]:
+        reasons.setdefault(test.why or "see its output", []).append(test.name)
+    for why, names in sorted(reasons.items()):
+        print(f"skipped: {why}: {names[0]}{f' and {len(names) - 1} more' if len(names) > 1 else ''}")
     for line in results.grown(rows, results.kept_times(KEPT)):
         print(f"slower than docs/results/test-times.md: {line}")
     for test in counted["failed"]:

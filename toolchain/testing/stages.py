@@ -20,7 +20,8 @@ class Stage:
 
 
 ROBOT = ["-DSORTIE_DESK=OFF", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_TEST_FILES="]
-THREADS = ["rt/", "drivers/(can_socket|can_stub|datagram_link|lcm_network|lcm_publisher|lcm_requests)",
+THREADS = ["rt/(queue|live|ledger|guards|posix|parameter|delay|spin|flight_ring|crash|fast_clock|executive|ports|schedule|anytime|miss|ladder|cause|usual)",
+           "drivers/(can_socket|can_stub|datagram_link|lcm_network|lcm_publisher|lcm_requests)",
            "firmware_like/(live|recorder|refusal|outlets|parameters|drive_requests|fly_requests|plant_process|flight_ring_run|input_port|replay)_test"]
 EVERYTHING = ["-DSORTIE_DESK=ON", "-DSORTIE_LONG_TESTS=ON", "-DSORTIE_TEST_FILES="]
 MATHS = ["-DSORTIE_TEST_FILES=rt/math_", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_DESK=ON"]
