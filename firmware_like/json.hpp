@@ -44,6 +44,7 @@ class Json {
   /// So many arrays and objects may stand in one another in a text that is parsed.
   static constexpr int kMostDepth = 100;
 
+  /// Null, or what the argument is.
   Json() noexcept = default;
   Json(std::nullptr_t) noexcept {}
   template <class T>
@@ -81,6 +82,7 @@ class Json {
   /// that are no UTF-8 become U+FFFD.
   [[nodiscard]] std::string dump(int indent = -1) const;
 
+  /// What kind of value this is.
   [[nodiscard]] bool is_null() const { return kind_ == Kind::null; }
   [[nodiscard]] bool is_boolean() const { return kind_ == Kind::boolean; }
   [[nodiscard]] bool is_number() const { return kind_ >= Kind::integer && kind_ <= Kind::real; }
@@ -126,6 +128,7 @@ class Json {
 
   /// Adds an element. Null becomes an array.
   void push_back(Json value);
+  /// Adds what the braces make.
   void push_back(std::initializer_list<JsonListItem> items);
   /// Takes a member away, if there is one.
   void erase(std::string_view key);
@@ -136,6 +139,7 @@ class Json {
   /// with a fraction are cut; throws where that is not defined.
   template <class T>
   [[nodiscard]] T get() const;
+  /// The same, into a variable.
   template <class T>
   void get_to(T& value) const {
     value = get<T>();
