@@ -98,9 +98,9 @@ int run(const CommandContext& context, const CheckOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, CommandContext& context) {
+void add_check(Command& app, CommandContext& context) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("check", "Replay a log and compare every output with what was recorded");
   command->footer(
       "Examples:\n"

@@ -82,9 +82,9 @@ int run(const CommandContext& context, const MergeCommand& command) {
 
 }  // namespace
 
-void add_merge(CLI::App& app, CommandContext& context) {
+void add_merge(Command& app, CommandContext& context) {
   auto options = std::make_shared<MergeCommand>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("merge", "Put the cells of a sweep together that ran in several places");
   command->footer(
       "Exit code 1 while cells are missing; each is named.\n"

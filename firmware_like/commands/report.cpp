@@ -81,10 +81,10 @@ int write_page(const CommandContext& context, PageOptions& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, CommandContext& context) {
+void add_report(Command& app, CommandContext& context) {
   auto options = std::make_shared<PageOptions>();
   options->output.out = "report";
-  CLI::App* command = app.add_subcommand("report", "Replay logs and write one page about them: report.html");
+  Command* command = app.add_subcommand("report", "Replay logs and write one page about them: report.html");
   command->footer(
       "Examples:\n"
       "  sortie report hall.lcm --out out/hall\n"
