@@ -11,6 +11,8 @@
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/live_run.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/results.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::firmware {

@@ -9,7 +9,12 @@
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/commands/sweep_drives.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 

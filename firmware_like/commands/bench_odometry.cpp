@@ -8,8 +8,11 @@
 
 #include "firmware_like/bench/odometry_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/program.hpp"
 
 namespace sortie::firmware {
 

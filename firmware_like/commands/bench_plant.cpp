@@ -9,6 +9,7 @@
 #include "firmware_like/bench/plant_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 

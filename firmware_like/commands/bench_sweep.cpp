@@ -19,6 +19,10 @@
 #include "firmware_like/commands/sweep_drives.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 

@@ -12,6 +12,7 @@
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/live_run.hpp"
+#include "firmware_like/program.hpp"
 
 namespace sortie::firmware {
 

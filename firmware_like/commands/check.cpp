@@ -5,7 +5,9 @@
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/gate.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {

@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "firmware_like/commands/command_line.hpp"
-#include "firmware_like/evaluation/contact_truth.hpp"
-#include "firmware_like/evaluation/evaluate.hpp"
-#include "firmware_like/log_file.hpp"
-#include "firmware_like/program.hpp"
-#include "firmware_like/report/html.hpp"
-#include "firmware_like/results.hpp"
-#include "firmware_like/runtime.hpp"
+#include "firmware_like/evaluation/trajectory.hpp"
 
 namespace sortie::firmware {
+
+class LogFile;
+class Runtime;
+struct ContactSummary;
+struct ProgramParts;
+struct ReportInput;
 
 /// What all commands share.
 struct CommandContext {

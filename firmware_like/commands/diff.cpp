@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {

@@ -10,6 +10,7 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/doctor/doctor_table.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 

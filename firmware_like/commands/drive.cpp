@@ -11,6 +11,8 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/drive_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"

@@ -18,6 +18,8 @@
 #include "firmware_like/exporters/sensor_truth_csv.hpp"
 #include "firmware_like/exporters/tum.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/releases.hpp"
 #include "firmware_like/replay.hpp"
 #include "firmware_like/report/release_plots.hpp"

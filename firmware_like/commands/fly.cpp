@@ -11,6 +11,8 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/fly_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "rt/uav_samples.hpp"

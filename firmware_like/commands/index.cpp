@@ -9,6 +9,7 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/keyframe_state.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {

@@ -11,6 +11,8 @@
 #include "firmware_like/bench/sweep_slurm.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 

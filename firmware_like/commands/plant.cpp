@@ -9,6 +9,7 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/plant_link.hpp"
 #include "firmware_like/plant_process.hpp"
+#include "firmware_like/program.hpp"
 
 namespace sortie::firmware {
 

@@ -3,6 +3,8 @@
 #include <mutex>
 
 #include "firmware_like/commands/replay_report.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/report/map_plot.hpp"
 #include "firmware_like/report/timeline_plot.hpp"
 #include "rt/built_parts.hpp"

@@ -6,6 +6,7 @@
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/replay.hpp"
+#include "firmware_like/report/html.hpp"
 
 namespace sortie::firmware {
 

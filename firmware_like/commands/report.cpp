@@ -10,6 +10,8 @@
 #include "firmware_like/commands/report_sweeps.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/json_reader.hpp"
+#include "firmware_like/report/html.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 

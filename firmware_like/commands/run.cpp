@@ -6,7 +6,11 @@
 
 #include "drivers/lcm_url.hpp"
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/live_run.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/report/html.hpp"
+#include "firmware_like/runtime.hpp"
 
 namespace sortie::firmware {
 

@@ -9,7 +9,10 @@
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
+#include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 

@@ -7,12 +7,19 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/contact_truth.hpp"
 #include "firmware_like/evaluation/fired_rays.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/tum.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/report/contact_plots.hpp"
 #include "firmware_like/report/fired_rays_plot.hpp"
+#include "firmware_like/report/html.hpp"
 #include "firmware_like/report/map_plot.hpp"
+#include "firmware_like/results.hpp"
+#include "firmware_like/runtime.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
