@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "firmware_like/factories.hpp"
 #include "firmware_like/vehicle.hpp"
 #include "rt/contact_truth.hpp"
 #include "rt/sensor_truth.hpp"
@@ -46,8 +47,5 @@ class BenchRobot {
     static_cast<void>(counters);
   }
 };
-
-/// Makes the bench robot of a profile, or null if the profile has none. `scans`: where its lidar delivers.
-using BenchFactory = std::function<std::unique_ptr<BenchRobot>(Profile&, drivers::ScanSink* scans)>;
 
 }  // namespace sortie::firmware

@@ -5,8 +5,10 @@
 
 #include <memory>
 
+#include "firmware_like/bench_robot.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/program.hpp"
+#include "firmware_like/vehicle.hpp"
 #include "rt/posix/heap_trap.hpp"
 
 namespace sortie::firmware {

@@ -24,10 +24,9 @@ std::string as_text(double value) {
 }
 
 // Where a value stands: its own file, which may be that of a base, and line. What came by --set has neither.
-std::string place_of(const toml::node& node, const std::string& source) {
-  const toml::source_region& region = node.source();
-  if (region.begin.line == 0) return source;
-  return (region.path ? *region.path : source) + ":" + std::to_string(region.begin.line);
+std::string place_of(const TomlNode& node, const std::string& source) {
+  if (node.line() == 0) return source;
+  return (node.source() != nullptr ? *node.source() : source) + ":" + std::to_string(node.line());
 }
 
 }  // namespace
@@ -80,28 +79,19 @@ void Profile::apply_override(const std::string& assignment) {
   if (has_control || !is_utf8(value))
     throw ProfileError("--set " + path +
                        ": the value is no line of UTF-8; write it without control characters");
-  toml::table parsed{{"value", value}};  // a bare word is a string
+  TomlTree parsed = TomlTree::of_text("value", value);  // a bare word is a string
   try {
-    if (line_of_bare_non_ascii("value = " + value) == 0) parsed = toml::parse("value = " + value);
-  } catch (const toml::parse_error&) {
+    if (line_of_bare_non_ascii("value = " + value) == 0) parsed = TomlTree::parse("value = " + value);
+  } catch (const TomlError&) {
     // Stays what it is.
   }
-  toml::table* table = &tree_->root;
-  std::size_t from = 0;
-  for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', from)) {
-    const std::string key = path.substr(from, dot - from);
-    if (table->get(key) == nullptr) table->insert(key, toml::table{});
-    table = table->get(key)->as_table();
-    if (table == nullptr)
-      throw ProfileError("--set " + assignment + ": " + path.substr(0, dot) + " is not a table");
-    from = dot + 1;
-  }
-  table->insert_or_assign(path.substr(from), *parsed.get("value"));
+  if (const auto other = tree_->root.put(path, parsed, "value"))
+    throw ProfileError("--set " + assignment + ": " + *other + " is not a table");
 }
 
 std::string Profile::place(const std::string& path) const {
-  const auto node = tree_->root.at_path(path);
-  return (node.node() != nullptr ? place_of(*node.node(), source_) : source_) + ": " + path;
+  const TomlNode node = tree_->root.at_path(path);
+  return (node ? place_of(node, source_) : source_) + ": " + path;
 }
 
 void Profile::fail(const std::string& path, const std::string& why) const {
@@ -120,12 +110,12 @@ ProfileKey* Profile::declare(const std::string& path, const std::string& value, 
 }
 
 double Profile::number(const std::string& path, const NumberSpec& spec) {
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   double value = spec.fallback;
   if (node) {
     if (!node.is_number())
       fail(path, "must be a number" + (*spec.unit ? " in " + std::string(spec.unit) : std::string()));
-    value = node.value<double>().value_or(spec.fallback);
+    value = node.number().value_or(spec.fallback);
   }
   const std::string range = as_text(spec.low) + " .. " + as_text(spec.high);
   if (!(value >= spec.low && value <= spec.high)) {
@@ -140,14 +130,14 @@ double Profile::number(const std::string& path, const NumberSpec& spec) {
 }
 
 std::int64_t Profile::integer(const std::string& path, const NumberSpec& spec) {
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   if (node && !node.is_integer()) fail(path, "must be a whole number");
   return static_cast<std::int64_t>(std::llround(number(path, spec)));
 }
 
 std::optional<std::int64_t> Profile::integer_or_auto(const std::string& path, const NumberSpec& spec) {
-  const auto node = tree_->root.at_path(path);
-  const bool is_auto = node.value<std::string>() == "auto";
+  const TomlNode node = tree_->root.at_path(path);
+  const bool is_auto = node.text() == "auto";
   if (node && !node.is_integer() && !is_auto) fail(path, "must be a whole number, or \"auto\"");
   std::optional<std::int64_t> value;
   if (!is_auto) value = static_cast<std::int64_t>(std::llround(number(path, spec)));
@@ -158,18 +148,18 @@ std::optional<std::int64_t> Profile::integer_or_auto(const std::string& path, co
 }
 
 bool Profile::flag(const std::string& path, bool fallback, const char* meaning) {
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   if (node && !node.is_boolean()) fail(path, "must be true or false");
-  const bool value = node.value<bool>().value_or(fallback);
+  const bool value = node.flag().value_or(fallback);
   declare(path, value ? "true" : "false", "", "true, false", meaning, !node);
   return value;
 }
 
 std::string Profile::text(const std::string& path, const std::string& fallback, const char* meaning,
                           const std::vector<std::string>& choices) {
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   if (node && !node.is_string()) fail(path, "must be a text in quotes");
-  std::string value = node.value<std::string>().value_or(fallback);
+  std::string value = node.text().value_or(fallback);
   std::string range;
   for (const std::string& choice : choices) range += (range.empty() ? "" : ", ") + choice;
   if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
@@ -181,15 +171,15 @@ std::string Profile::text(const std::string& path, const std::string& fallback, 
 
 std::vector<std::string> Profile::texts(const std::string& path, const std::vector<std::string>& fallback,
                                         const char* meaning) {
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   std::vector<std::string> result = fallback;
   if (node) {
-    const toml::array* list = node.as_array();
-    if (list == nullptr) fail(path, "must be a list of texts in quotes");
+    if (!node.is_list()) fail(path, "must be a list of texts in quotes");
     result.clear();
-    for (const toml::node& entry : *list) {
-      if (!entry.is_string()) fail(path, "every entry must be a text in quotes");
-      result.push_back(*entry.value<std::string>());
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const std::optional<std::string> entry = node.at(i).text();
+      if (!entry) fail(path, "every entry must be a text in quotes");
+      result.push_back(*entry);
     }
   }
   std::string shown;
@@ -200,18 +190,16 @@ std::vector<std::string> Profile::texts(const std::string& path, const std::vect
 
 std::vector<std::array<double, 2>> Profile::points(const std::string& path, std::size_t most,
                                                    const char* meaning) {
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   std::vector<std::array<double, 2>> result;
   if (node) {
-    const toml::array* list = node.as_array();
-    if (list == nullptr) fail(path, "must be a list of [x, y]");
-    for (const toml::node& entry : *list) {
-      const toml::array* point = entry.as_array();
-      if (point == nullptr || point->size() != 2 || !point->get(0)->is_number() ||
-          !point->get(1)->is_number()) {
-        fail(path, "every entry must be [x, y] in m");
-      }
-      const std::array<double, 2> xy{*point->get(0)->value<double>(), *point->get(1)->value<double>()};
+    if (!node.is_list()) fail(path, "must be a list of [x, y]");
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const TomlNode point = node.at(i);
+      const std::optional<double> x = point.at(0).number();
+      const std::optional<double> y = point.at(1).number();
+      if (point.size() != 2 || !x || !y) fail(path, "every entry must be [x, y] in m");
+      const std::array<double, 2> xy{*x, *y};
       if (!std::isfinite(xy[0]) || !std::isfinite(xy[1])) fail(path, "every entry must be finite");
       result.push_back(xy);
     }
@@ -226,17 +214,14 @@ std::vector<std::array<double, 2>> Profile::points(const std::string& path, std:
 std::vector<std::string> Profile::tables(const std::string& path) const {
   struct Found {
     bool own;
-    toml::source_index line;
+    std::uint32_t line;
     std::string name;
   };
   std::vector<Found> found;
-  const toml::table* table = path.empty() ? &tree_->root : tree_->root.at_path(path).as_table();
-  if (table != nullptr) {
-    for (const auto& [key, value] : *table) {
-      const toml::source_region& region = value.source();
-      if (value.is_table())
-        found.push_back({region.path && *region.path == source_, region.begin.line, std::string(key.str())});
-    }
+  const TomlNode table = path.empty() ? tree_->root.root() : tree_->root.at_path(path);
+  for (const auto& [key, value] : table.entries()) {
+    if (value.is_table())
+      found.push_back({value.source() != nullptr && *value.source() == source_, value.line(), key});
   }
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
     return std::tie(a.own, a.line) < std::tie(b.own, b.line);
@@ -248,14 +233,14 @@ std::vector<std::string> Profile::tables(const std::string& path) const {
 }
 
 void Profile::refuse_unknown_keys(const std::string& below, const std::string& except) const {
-  if (tree_->root.at_path("scene.unknown_keys").value_or(std::string()) == "ignore") return;
+  if (tree_->root.at_path("scene.unknown_keys").text() == "ignore") return;
   std::set<std::string> known;
   for (const ProfileKey& key : keys_) known.insert(key.path);
-  const auto walk = [&](const auto& self, const toml::table& table, const std::string& prefix) -> void {
-    for (const auto& [key, value] : table) {
-      const std::string path = prefix + std::string(key.str());
-      if (const toml::table* inner = value.as_table()) {
-        self(self, *inner, path + ".");
+  const auto walk = [&](const auto& self, const TomlNode& table, const std::string& prefix) -> void {
+    for (const auto& [key, value] : table.entries()) {
+      const std::string path = prefix + key;
+      if (value.is_table()) {
+        self(self, value, path + ".");
         continue;
       }
       if (known.count(path) != 0 || path.rfind(below.empty() ? "" : below + ".", 0) != 0) continue;
@@ -270,14 +255,10 @@ void Profile::refuse_unknown_keys(const std::string& below, const std::string& e
                                 : "; remove it, or see `sortie scenes --keys` for what this vehicle knows"));
     }
   };
-  walk(walk, tree_->root, "");
+  walk(walk, tree_->root.root(), "");
 }
 
-std::string Profile::canonical() const {
-  std::ostringstream out;
-  out << toml::toml_formatter{tree_->root};
-  return out.str() + "\n";
-}
+std::string Profile::canonical() const { return tree_->root.canonical() + "\n"; }
 
 std::uint64_t Profile::hash() const {
   const std::string text = canonical();

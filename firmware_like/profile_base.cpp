@@ -25,28 +25,16 @@ std::string beside(const std::string& scene, const std::string& base) {
   return scene.substr(0, slash + 1) + base;
 }
 
-// Tables are laid over each other, everything else takes the other's place; nodes keep their file and line.
-void lay_over(toml::table& below, toml::table&& above) {
-  for (auto&& [key, value] : above) {
-    toml::node* there = below.get(key.str());
-    if (there != nullptr && there->is_table() && value.is_table())
-      lay_over(*there->as_table(), std::move(*value.as_table()));
-    else
-      below.insert_or_assign(key, std::move(value));
-  }
-}
-
 // Takes `scene.base` out of a table. Empty where there is none.
-std::string take_base(toml::table& root, const std::string& source) {
-  toml::table* scene = root["scene"].as_table();
-  const toml::node* base = scene == nullptr ? nullptr : scene->get("base");
-  if (base == nullptr) return {};
-  std::string name = base->value<std::string>().value_or("");
+std::string take_base(TomlTree& tree, const std::string& source) {
+  const TomlNode base = tree.root().get("scene").get("base");
+  if (!base) return {};
+  std::string name = base.text().value_or("");
   if (name.empty()) {
-    throw ProfileError(source + ":" + std::to_string(base->source().begin.line) +
+    throw ProfileError(source + ":" + std::to_string(base.line()) +
                        ": scene.base: must be a scene's name or a .toml file, in quotes");
   }
-  scene->erase("base");
+  tree.erase("scene", "base");
   return name;
 }
 
@@ -78,23 +66,22 @@ SceneText read_scene(const std::string& scene) {
 
 }  // namespace
 
-toml::table parse_profile(const std::string& toml, const std::string& source) {
+TomlTree parse_profile(const std::string& toml, const std::string& source) {
   if (const std::size_t line = line_of_bare_non_ascii(toml); line != 0) {
     throw ProfileError(
         source + ":" + std::to_string(line) +
         ": not valid TOML: a character beyond ASCII; put it in quotes, or behind # in a comment");
   }
   try {
-    return toml::parse(toml, source);
-  } catch (const toml::parse_error& error) {
-    throw ProfileError(source + ":" + std::to_string(error.source().begin.line) +
-                       ": not valid TOML: " + std::string(error.description()));
+    return TomlTree::parse(toml, source);
+  } catch (const TomlError& error) {
+    throw ProfileError(source + ":" + std::to_string(error.line()) + ": not valid TOML: " + error.what());
   }
 }
 
 LaidScene read_with_bases(const std::string& scene) {
   LaidScene result;
-  std::vector<toml::table> layers;
+  std::vector<TomlTree> layers;
   std::vector<std::string> chain;
   for (std::string next = scene; !next.empty();) {
     if (std::find(chain.begin(), chain.end(), next) != chain.end())
@@ -119,7 +106,7 @@ LaidScene read_with_bases(const std::string& scene) {
     result.base = next;
   }
   result.root = std::move(layers.back());
-  for (std::size_t i = layers.size() - 1; i-- > 0;) lay_over(result.root, std::move(layers[i]));
+  for (std::size_t i = layers.size() - 1; i-- > 0;) result.root.lay_over(std::move(layers[i]));
   return result;
 }
 

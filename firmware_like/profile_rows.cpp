@@ -26,16 +26,15 @@ std::string names_of(const std::vector<ColumnSpec>& columns) {
 std::vector<double> Profile::numbers(const std::string& path, const std::vector<double>& fallback,
                                      const NumberSpec& spec) {
   std::vector<double> result = fallback;
-  const auto node = tree_->root.at_path(path);
+  const TomlNode node = tree_->root.at_path(path);
   const std::string count = std::to_string(fallback.size());
   if (node) {
-    const toml::array* list = node.as_array();
-    if (list == nullptr || list->size() != fallback.size())
+    if (!node.is_list() || node.size() != fallback.size())
       fail(path, "must be a list of " + count + " numbers");
     for (std::size_t i = 0; i < fallback.size(); ++i) {
-      const toml::node& entry = *list->get(i);
-      if (!entry.is_number()) fail(path, "must be a list of " + count + " numbers");
-      result[i] = *entry.value<double>();
+      const std::optional<double> entry = node.at(i).number();
+      if (!entry) fail(path, "must be a list of " + count + " numbers");
+      result[i] = *entry;
       if (!(result[i] >= spec.low && result[i] <= spec.high))
         fail(path, "number " + std::to_string(i + 1) + " is outside " + range_of(spec));
     }
@@ -51,35 +50,33 @@ std::vector<double> Profile::numbers(const std::string& path, const std::vector<
 std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector<ColumnSpec>& columns,
                                       std::size_t most, const char* meaning) {
   std::vector<ProfileRow> result;
-  const auto node = tree_->root.at_path(path);
-  const toml::array* list = node.as_array();
-  if (node && list == nullptr) fail(path, "must be a list: [[" + path + "]], with " + names_of(columns));
-  if (list != nullptr && list->size() > most)
-    fail(path, std::to_string(list->size()) + " rows; at most " + std::to_string(most) + " fit");
-  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+  const TomlNode list = tree_->root.at_path(path);
+  if (list && !list.is_list()) fail(path, "must be a list: [[" + path + "]], with " + names_of(columns));
+  if (list.size() > most)
+    fail(path, std::to_string(list.size()) + " rows; at most " + std::to_string(most) + " fit");
+  for (std::size_t i = 0; i < list.size(); ++i) {
     ProfileRow& row = result.emplace_back();
     row.path = path + "[" + std::to_string(i) + "]";
-    const toml::table* table = list->get(i)->as_table();
-    if (table == nullptr) fail(row.path, "must be a table with " + names_of(columns));
-    for (const auto& [key, unused] : *table) {
+    const TomlNode table = list.at(i);
+    if (!table.is_table()) fail(row.path, "must be a table with " + names_of(columns));
+    for (const auto& [key, unused] : table.entries()) {
       bool known = false;
-      for (const ColumnSpec& column : columns) known = known || key.str() == column.name;
-      if (!known)
-        fail(row.path + "." + std::string(key.str()), "unknown key; a row has " + names_of(columns));
+      for (const ColumnSpec& column : columns) known = known || key == column.name;
+      if (!known) fail(row.path + "." + key, "unknown key; a row has " + names_of(columns));
     }
     for (const ColumnSpec& column : columns) {
       const std::string place = row.path + "." + column.name;
-      const toml::node* entry = table->get(column.name);
-      if (entry == nullptr && column.needed) fail(row.path, "needs " + std::string(column.name));
+      const TomlNode entry = table.get(column.name);
+      if (!entry && column.needed) fail(row.path, "needs " + std::string(column.name));
       if (column.kind == ColumnSpec::Kind::text) {
-        if (entry != nullptr && !entry->is_string()) fail(place, "must be a text in quotes");
-        if (entry != nullptr) row.texts[column.name] = *entry->value<std::string>();
+        if (entry && !entry.is_string()) fail(place, "must be a text in quotes");
+        if (entry) row.texts[column.name] = *entry.text();
       } else if (column.kind == ColumnSpec::Kind::flag) {
-        if (entry != nullptr && !entry->is_boolean()) fail(place, "must be true or false");
-        row.numbers[column.name] = entry != nullptr && *entry->value<bool>() ? 1.0 : 0.0;
+        if (entry && !entry.is_boolean()) fail(place, "must be true or false");
+        row.numbers[column.name] = entry.flag().value_or(false) ? 1.0 : 0.0;
       } else {
-        if (entry != nullptr && !entry->is_number()) fail(place, "must be a number");
-        const double value = entry != nullptr ? *entry->value<double>() : column.number.fallback;
+        if (entry && !entry.number()) fail(place, "must be a number");
+        const double value = entry.number().value_or(column.number.fallback);
         if (!(value >= column.number.low && value <= column.number.high))
           fail(place, "must lie in " + range_of(column.number));
         row.numbers[column.name] = value;
@@ -87,7 +84,7 @@ std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector
     }
   }
   declare(path, std::to_string(result.size()) + " rows", "",
-          "at most " + std::to_string(most) + " rows of " + names_of(columns), meaning, !node);
+          "at most " + std::to_string(most) + " rows of " + names_of(columns), meaning, !list);
   return result;
 }
 

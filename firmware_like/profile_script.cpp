@@ -13,31 +13,29 @@ constexpr double kLatest_s = 1e7;  // as long as the longest run
 
 std::vector<ScriptLine> Profile::script() {
   std::vector<ScriptLine> lines;
-  const auto node = tree_->root.at_path("script");
-  const toml::array* rows = node.as_array();
-  if (node && rows == nullptr)
+  const TomlNode rows = tree_->root.at_path("script");
+  if (rows && !rows.is_list())
     fail("script", "must be a list: [[script]] at_s = ..., set = \"...\", value = ...");
-  for (std::size_t i = 0; rows != nullptr && i < rows->size(); ++i) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string path = "script[" + std::to_string(i) + "]";
-    const toml::table* row = rows->get(i)->as_table();
-    if (row == nullptr) fail(path, "must be a table with at_s, set and value");
-    for (const auto& [key, unused] : *row) {
-      const std::string_view name = key.str();
-      if (name != "at_s" && name != "set" && name != "value")
-        fail(path + "." + std::string(name), "unknown key; a script's row has at_s, set and value");
+    const TomlNode row = rows.at(i);
+    if (!row.is_table()) fail(path, "must be a table with at_s, set and value");
+    for (const auto& [key, unused] : row.entries()) {
+      if (key != "at_s" && key != "set" && key != "value")
+        fail(path + "." + key, "unknown key; a script's row has at_s, set and value");
     }
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const double at_s = (*row)["at_s"].value_or(kNone);
-    const std::string name = (*row)["set"].value_or(std::string());
+    const double at_s = row.get("at_s").number().value_or(kNone);
+    const std::string name = row.get("set").text().value_or("");
     if (!(at_s >= 0 && at_s <= kLatest_s)) fail(path, "needs at_s = 0 .. 1e7, seconds from the start");
     if (name.empty()) fail(path, "needs set = \"name of a run-time parameter\"");
-    if (!(*row)["value"].is_number()) fail(path, "needs value = a number");
-    lines.push_back({at_s, name, (*row)["value"].value_or(kNone), i});
+    if (!row.get("value").is_number()) fail(path, "needs value = a number");
+    lines.push_back({at_s, name, row.get("value").number().value_or(kNone), i});
   }
   std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
   declare("script", std::to_string(lines.size()) + " changes", "", "rows of at_s, set, value",
           "changes of run-time parameters that a run makes by itself; a replay takes them from the log",
-          !node);
+          !rows);
   return lines;
 }
 

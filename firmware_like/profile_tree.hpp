@@ -2,26 +2,25 @@
 // The parsed file behind a Profile, for the profile's own source files only.
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <string>
 
 #include "firmware_like/profile.hpp"
+#include "firmware_like/toml_file.hpp"
 
 namespace sortie::firmware {
 
 /// Root table of a profile, overrides applied.
 struct Profile::Tree {
-  toml::table root;
+  TomlTree root;
   std::string base;  ///< of the scene that was named
 };
 
 /// Parses a file's text; ProfileError where it is not valid TOML.
-toml::table parse_profile(const std::string& toml, const std::string& source);
+TomlTree parse_profile(const std::string& toml, const std::string& source);
 
 /// A scene, laid over what it stands on.
 struct LaidScene {
-  toml::table root;
+  TomlTree root;
   std::string base;    ///< of the scene that was named; empty if it has none
   std::string source;  ///< what messages call the scene's own file
 };

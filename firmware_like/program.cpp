@@ -11,6 +11,8 @@
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/live_run.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/results.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::firmware {
@@ -36,16 +38,10 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   }
   CommandContext context{parts, parts.name, {}};
   for (int i = 1; i < argc; ++i) context.command_line += " " + std::string(argv[i]);
-  CLI::App app("Deterministic real-time onboard runtime for rescue robots", parts.name);
-  app.set_version_flag("--version", parts.name + " " + version() + ", " + compiler_description());
-  app.set_help_all_flag("--help-all", "Help of all commands");
-  app.require_subcommand(1);
-  add_commands(app, context);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : (app.exit(error), kUsage);
-  }
+  CommandLine line("Deterministic real-time onboard runtime for rescue robots", parts.name,
+                   parts.name + " " + version() + ", " + compiler_description());
+  add_commands(line.root(), context);
+  if (const auto code = line.parse(argc, argv, kUsage)) return *code;
   try {
     return context.chosen();
   } catch (const InputError& error) {

@@ -5,8 +5,7 @@
 
 #include <string>
 
-#include "firmware_like/bench_robot.hpp"
-#include "firmware_like/vehicle.hpp"
+#include "firmware_like/factories.hpp"
 
 namespace sortie::firmware {
 

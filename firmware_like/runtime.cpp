@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <sstream>
 
@@ -160,12 +159,6 @@ std::string Runtime::task_table() const {
              std::to_string(task.budget_us()) + "\n";
   }
   return table;
-}
-
-std::string hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
 }
 
 namespace {

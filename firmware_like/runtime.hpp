@@ -13,6 +13,7 @@
 #include "firmware_like/profile.hpp"
 #include "firmware_like/results.hpp"
 #include "firmware_like/schedule_check.hpp"
+#include "firmware_like/text_format.hpp"
 #include "firmware_like/vehicle.hpp"
 #include "rt/executive.hpp"
 
@@ -101,9 +102,6 @@ class Runtime {
   std::unique_ptr<VehicleBuilder> builder_;
   std::unique_ptr<Vehicle> vehicle_;
 };
-
-/// 16 hexadecimal digits.
-std::string hex(std::uint64_t value);
 
 /// Digest, timing, pools and counters of a run that has ended. Errors, speed and warnings are the caller's to
 /// add.

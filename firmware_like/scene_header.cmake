@@ -6,7 +6,7 @@ add_custom_command(OUTPUT ${all_scenes}
   COMMAND ${CMAKE_COMMAND} -DOUT=${all_scenes} "-DFILES=${scene_files}" -P ${PROJECT_SOURCE_DIR}/toolchain/embed_scenes.cmake
   DEPENDS ${scene_files} ${PROJECT_SOURCE_DIR}/toolchain/embed_scenes.cmake VERBATIM)
 add_executable(sortie_scene_header commands/scene_header.cpp scene_parts.cpp profile.cpp profile_base.cpp profile_rows.cpp
-  profile_script.cpp profile_text.cpp text_format.cpp ${all_scenes})
+  profile_script.cpp profile_text.cpp text_format.cpp toml_file.cpp ${all_scenes})
 target_include_directories(sortie_scene_header PRIVATE ${PROJECT_SOURCE_DIR})
 target_include_directories(sortie_scene_header SYSTEM PRIVATE ${SORTIE_TOML_INCLUDE})
 

@@ -23,6 +23,9 @@ std::string format_exact(float value);
 /// 307572 -> "307,572".
 std::string group_digits(std::uint64_t value);
 
+/// 16 hexadecimal digits.
+std::string hex(std::uint64_t value);
+
 /// Nanoseconds as seconds with nine decimals, exact: "1432235498.027976000".
 std::string format_seconds(std::int64_t nanoseconds);
 

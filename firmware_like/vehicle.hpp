@@ -12,6 +12,7 @@
 
 #include "drivers/can_load.hpp"
 #include "firmware_like/chain_declarations.hpp"
+#include "firmware_like/factories.hpp"
 #include "firmware_like/input_port.hpp"
 #include "firmware_like/outlet.hpp"
 #include "firmware_like/parameters.hpp"
@@ -263,11 +264,5 @@ class Vehicle {
   /// The occupancy map as it is when no job runs; nothing without one.
   virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
 };
-
-/// Makes a vehicle. Throws ProfileError.
-using VehicleFactory = std::function<std::unique_ptr<Vehicle>(VehicleBuilder&)>;
-
-/// Vehicles by the name that [scene] vehicle gives.
-using VehicleRegistry = std::vector<std::pair<std::string, VehicleFactory>>;
 
 }  // namespace sortie::firmware

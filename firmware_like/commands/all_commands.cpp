@@ -5,7 +5,7 @@
 
 namespace sortie::firmware {
 
-void add_commands(CLI::App& app, CommandContext& context) {
+void add_commands(Command& app, CommandContext& context) {
   add_run(app, context);
   add_plant(app, context);
   add_replay(app, context);

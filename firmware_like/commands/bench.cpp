@@ -3,14 +3,14 @@
 
 namespace sortie::firmware {
 
-void add_passes(CLI::App& command, unsigned& passes) {
+void add_passes(Command& command, unsigned& passes) {
   command.add_option("--passes", passes, "Runs, a process each; ranges then hold all of them")
-      ->check(CLI::Range(1, 100))
+      ->in_range(1, 100)
       ->capture_default_str();
 }
 
-void add_bench(CLI::App& app, CommandContext& context) {
-  CLI::App* command =
+void add_bench(Command& app, CommandContext& context) {
+  Command* command =
       app.add_subcommand("bench",
                          "Measure: sweep a profile's keys over logs; all: every part; rt: the real-time "
                          "ground; plant: the tracked plant; rays: the ray scheduler; uav: "

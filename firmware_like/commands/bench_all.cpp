@@ -54,11 +54,11 @@ int run(const CommandContext& context, BenchAllCommand& options) {
 
 }  // namespace
 
-void add_bench_all(CLI::App& bench, CommandContext& context) {
+void add_bench_all(Command& bench, CommandContext& context) {
   auto options = std::make_shared<BenchAllCommand>();
   std::vector<std::string> names;
   for (const BenchPart& part : bench_parts()) names.push_back(part.name);
-  CLI::App* command = bench.add_subcommand("all", "Every part's benchmark, into one folder with one page");
+  Command* command = bench.add_subcommand("all", "Every part's benchmark, into one folder with one page");
   command->footer(
       "Exit code 1: --compare found an error that changed, or a ratio outside; 4: a part could not run.\n"
       "Examples:\n"
@@ -69,13 +69,11 @@ void add_bench_all(CLI::App& bench, CommandContext& context) {
       ->add_option("--out", options->output.out, "Folder for index.md, index.json and a folder of each part")
       ->required()
       ->type_name("DIR");
-  command->add_option("--only", options->bench.only, "These parts alone")
-      ->check(CLI::IsMember(names))
-      ->take_all();
+  command->add_option("--only", options->bench.only, "These parts alone")->one_of(names)->take_all();
   command
       ->add_option("--passes", options->bench.passes,
                    "Processes a part that has peers; their ranges hold all of them")
-      ->check(CLI::Range(1, 100))
+      ->in_range(1, 100)
       ->capture_default_str();
   command->add_option("--compare", options->compare, "An earlier --out: what changed since")
       ->type_name("FOLDER");

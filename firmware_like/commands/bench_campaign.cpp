@@ -36,9 +36,9 @@ int run(const CommandContext& context, const CampaignCommandLine& options) {
 
 }  // namespace
 
-void add_bench_campaign(CLI::App& bench, CommandContext& context) {
+void add_bench_campaign(Command& bench, CommandContext& context) {
   auto options = std::make_shared<CampaignCommandLine>();
-  CLI::App* command = bench.add_subcommand("campaign", "Hostile random sequences for every module");
+  Command* command = bench.add_subcommand("campaign", "Hostile random sequences for every module");
   command->footer(
       "Exit code 0: finite, bounded, counted, no heap, the same digest twice, in every module; 1: a fault, "
       "which\n"
@@ -52,9 +52,9 @@ void add_bench_campaign(CLI::App& bench, CommandContext& context) {
       ->add_option("--count", options->bench.count,
                    "Sequences of a cheap module; dear ones have a share of it")
       ->capture_default_str()
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000'000}));
+      ->in_range(std::uint64_t{1}, std::uint64_t{1'000'000'000});
   command->add_option("--seed", options->bench.seed, "Of all sequences; a fresh one unless given")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}));
+      ->in_range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000});
   command->add_option("--replay", options->bench.replay, "Run the sequence in this file instead")
       ->type_name("FILE");
   command

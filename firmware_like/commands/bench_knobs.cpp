@@ -8,8 +8,13 @@
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/commands/sweep_drives.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -94,9 +99,9 @@ int run(const CommandContext& context, const KnobCommandLine& options) {
 
 }  // namespace
 
-void add_bench_knobs(CLI::App& bench, CommandContext& context) {
+void add_bench_knobs(Command& bench, CommandContext& context) {
   auto options = std::make_shared<KnobCommandLine>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "knobs", "Every knob of a scene's estimators and map, one at a time: error against run time");
   command->footer(
       "Without a log: drives of ugv_hall, ugv_stairs and uav_gusts. Marks: * no other value is as cheap and "
@@ -111,14 +116,14 @@ void add_bench_knobs(CLI::App& bench, CommandContext& context) {
   command
       ->add_option("--calibrate-s", options->calibrate_s,
                    "Of logs: the truth of the first seconds calibrates, the rest is judged")
-      ->check(CLI::Range(0.0, 1e6))
+      ->in_range(0.0, 1e6)
       ->type_name("SECONDS");
   command->add_option("--scene", options->scenes, "Scenes to drive")->take_all();
   command->add_option("--seconds", options->seconds, "Length of each drive")
-      ->check(CLI::Range(0.1, 100000.0))
+      ->in_range(0.1, 100000.0)
       ->capture_default_str();
   command->add_option("--repeat", options->repeat, "Replays of every cell; each job's shortest counts")
-      ->check(CLI::Range(1, 1000))
+      ->in_range(1, 1000)
       ->capture_default_str();
   command->add_option("--set", options->overrides, "Override a key in all cells: key=value")->take_all();
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the tables");

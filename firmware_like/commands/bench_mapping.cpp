@@ -9,6 +9,7 @@
 #include "firmware_like/bench/mapping_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -42,9 +43,9 @@ int run(const CommandContext& context, const MappingCommandLine& options) {
 
 }  // namespace
 
-void add_bench_mapping(CLI::App& bench, CommandContext& context) {
+void add_bench_mapping(Command& bench, CommandContext& context) {
   auto options = std::make_shared<MappingCommandLine>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "mapping", "The local map beside PCL: run time, memory, normals; error of segments over run time");
   command->footer(
       "Thread CPU time on recorded scans and in a simulated hall. docs/mapping.md tells what the map is.\n"
@@ -53,16 +54,16 @@ void add_bench_mapping(CLI::App& bench, CommandContext& context) {
       "  sortie bench mapping --only sweep --json\n"
       "  sortie bench mapping --only peers --every 35 --count");
   command->add_option("--stride", options->bench.stride, "Every n-th point of the recorded scans")
-      ->check(CLI::Range(1, 1000000))
+      ->in_range(1, 1000000)
       ->capture_default_str();
   command->add_option("--every", options->bench.every, "Scans between two looks at PCL")
-      ->check(CLI::Range(1, 1000000))
+      ->in_range(1, 1000000)
       ->capture_default_str();
   command->add_flag("--count", options->bench.count, "Also count the instructions of each step: minutes");
   command->add_option("--only", options->bench.only, "One part alone")
-      ->check(CLI::IsMember({"peers", "insertion", "normals", "sweep"}));
+      ->one_of({"peers", "insertion", "normals", "sweep"});
   command->add_option("--stream", options->bench.stream, "One stream of the sweep alone")
-      ->check(CLI::IsMember({"walk", "dense", "hall"}));
+      ->one_of({"walk", "dense", "hall"});
   command->add_option("--file", options->bench.file, "Another recorded drive (.rls)")->type_name("FILE");
   command
       ->add_option("--program", options->bench.program,

@@ -8,8 +8,11 @@
 
 #include "firmware_like/bench/odometry_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/program.hpp"
 
 namespace sortie::firmware {
 
@@ -102,9 +105,9 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
 
 }  // namespace
 
-void add_bench_odometry(CLI::App& bench, CommandContext& context) {
+void add_bench_odometry(Command& bench, CommandContext& context) {
   auto options = std::make_shared<OdometryCommandLine>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "odometry", "Attitude and odometry: error against run time over rate, precision and parts left out");
   command->footer(
       "Without a log: drives over the obstacles of the built-in scenes, judged by their height.\n"
@@ -120,11 +123,11 @@ void add_bench_odometry(CLI::App& bench, CommandContext& context) {
   command
       ->add_option("--calibrate-s", options->calibrate_s,
                    "Of logs: the truth of the first seconds calibrates, the rest is judged")
-      ->check(CLI::Range(0.0, 1e6))
+      ->in_range(0.0, 1e6)
       ->type_name("SECONDS");
   command->add_option("--scene", options->scenes, "Scenes to drive")->take_all();
   command->add_option("--rounds", options->rounds, "Rounds of what is timed")
-      ->check(CLI::Range(1, 1000))
+      ->in_range(1, 1000)
       ->capture_default_str();
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the tables");
   command->add_flag("--quiet", options->output.quiet, "No progress bar");

@@ -9,6 +9,7 @@
 #include "firmware_like/bench/plant_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -42,9 +43,9 @@ int run(const CommandContext& context, const PlantCommandLine& options) {
 
 }  // namespace
 
-void add_bench_plant(CLI::App& bench, CommandContext& context) {
+void add_bench_plant(Command& bench, CommandContext& context) {
   auto options = std::make_shared<PlantCommandLine>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "plant", "The tracked plant beside ODE: run time, errors, turning, step size, penetration");
   command->footer(
       "Ours and ODE's slices alternate, so ratios hold on a busy machine, too. docs/plant.md tells what the "
@@ -54,13 +55,13 @@ void add_bench_plant(CLI::App& bench, CommandContext& context) {
       "  sortie bench plant --only speed --scene pallet --rounds 11\n"
       "  sortie bench plant --only belt --json");
   command->add_option("--rounds", options->bench.rounds, "Rounds of what is timed; each holds slices of all")
-      ->check(CLI::Range(1, 10000))
+      ->in_range(1, 10000)
       ->capture_default_str();
   command->add_option("--only", options->bench.only, "One part alone")
-      ->check(CLI::IsMember({"speed", "count", "metrics", "belt", "steps", "depth", "pictures"}));
+      ->one_of({"speed", "count", "metrics", "belt", "steps", "depth", "pictures"});
   command->add_option("--scene", options->bench.scene, "One scene alone")
-      ->check(CLI::IsMember({"straight", "rotate", "circular", "ramp", "stairs-down", "stand", "pallet",
-                             "back-and-forth", "stairs-up"}));
+      ->one_of({"straight", "rotate", "circular", "ramp", "stairs-down", "stand", "pallet", "back-and-forth",
+                "stairs-up"});
   command
       ->add_option("--program", options->bench.program, "sortie-bench-plant, where it is not found by itself")
       ->type_name("FILE");

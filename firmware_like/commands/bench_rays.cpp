@@ -10,6 +10,7 @@
 #include "firmware_like/bench/ray_loop.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -50,9 +51,9 @@ int run(const CommandContext& context, const RayCommandLine& options) {
 
 }  // namespace
 
-void add_bench_rays(CLI::App& bench, CommandContext& context) {
+void add_bench_rays(Command& bench, CommandContext& context) {
   auto options = std::make_shared<RayCommandLine>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "rays", "The ray scheduler beside the published planners: worth over run time, budgets, hard maps");
   command->footer(
       "All planners run in one process on the same tasks, so ratios hold on a busy machine, too. "
@@ -64,15 +65,15 @@ void add_bench_rays(CLI::App& bench, CommandContext& context) {
       "  sortie bench rays --only curves --seeds 1 --json\n"
       "  sortie bench rays --only loop --out out/loop");
   command->add_option("--rounds", options->bench.rounds, "Rounds of what is timed")
-      ->check(CLI::Range(1, 10000))
+      ->in_range(1, 10000)
       ->capture_default_str();
-  CLI::Option* seeds = command->add_option(
-      "--seeds", options->bench.seeds, "Streets of each kind; of the loop: pairs a scene, 12 unless given");
-  seeds->check(CLI::Range(1, 1000))->capture_default_str();
+  Option* seeds = command->add_option("--seeds", options->bench.seeds,
+                                      "Streets of each kind; of the loop: pairs a scene, 12 unless given");
+  seeds->in_range(1, 1000)->capture_default_str();
   command
       ->add_option("--only", options->bench.only,
                    "One part alone; loop: closed loops of policies, which nothing else runs")
-      ->check(CLI::IsMember({"curves", "units", "picture", "loop"}));
+      ->one_of({"curves", "units", "picture", "loop"});
   command
       ->add_option("--program", options->bench.program, "sortie-bench-rays, where it is not found by itself")
       ->type_name("FILE");

@@ -9,6 +9,7 @@
 #include "firmware_like/bench/rt_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -40,9 +41,9 @@ int run(const CommandContext& context, const RtCommand& options) {
 
 }  // namespace
 
-void add_bench_rt(CLI::App& bench, CommandContext& context) {
+void add_bench_rt(Command& bench, CommandContext& context) {
   auto options = std::make_shared<RtCommand>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "rt", "The real-time ground beside cyclictest and boost: wake-ups, queues, executive, system calls");
   command->footer(
       "Ours and the peers' slices alternate, so ratios hold on a busy machine, too. docs/timing.md tells how "
@@ -55,19 +56,19 @@ void add_bench_rt(CLI::App& bench, CommandContext& context) {
   command
       ->add_option("--rounds", options->bench.rounds,
                    "Rounds of every part; each holds a slice of every peer")
-      ->check(CLI::Range(1, 1000000))
+      ->in_range(1, 1000000)
       ->capture_default_str();
   command->add_option("--slice", options->bench.slice_s, "Seconds of one slice of wake-ups")
-      ->check(CLI::Range(0.05, 3600.0))
+      ->in_range(0.05, 3600.0)
       ->capture_default_str();
   command->add_option("--core", options->bench.core, "The core to measure; the last one unless said")
-      ->check(CLI::NonNegativeNumber)
+      ->not_negative()
       ->type_name("N");
   command->add_option("--load", options->bench.load, "Busy ordinary processes beside the wake-ups")
-      ->check(CLI::Range(0, 1024))
+      ->in_range(0, 1024)
       ->capture_default_str();
   command->add_option("--only", options->bench.only, "One part alone")
-      ->check(CLI::IsMember({"wake", "queue", "count", "mailbox", "executive", "calls", "cause", "load"}));
+      ->one_of({"wake", "queue", "count", "mailbox", "executive", "calls", "cause", "load"});
   command->add_option("--program", options->bench.program, "sortie-bench-rt, where it is not found by itself")
       ->type_name("FILE");
   add_passes(*command, options->bench.passes);

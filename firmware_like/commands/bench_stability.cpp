@@ -36,9 +36,9 @@ int run(const CommandContext& context, const StabilityCommandLine& options) {
 
 }  // namespace
 
-void add_bench_stability(CLI::App& bench, CommandContext& context) {
+void add_bench_stability(Command& bench, CommandContext& context) {
   auto options = std::make_shared<StabilityCommandLine>();
-  CLI::App* command =
+  Command* command =
       bench.add_subcommand("stability", "Stiff and extreme cases: ours within a bound, the naive method not");
   command->footer(
       "Exit code 0: every bound lies between ours and the naive method, 1: one does not. docs/stability.md\n"
@@ -48,7 +48,7 @@ void add_bench_stability(CLI::App& bench, CommandContext& context) {
       "  sortie bench stability --only planner --json\n"
       "  sortie bench stability --out out/stability");
   command->add_option("--only", options->bench.only, "Cases of one part alone")
-      ->check(CLI::IsMember({"rt", "drivers", "estimators", "mapping", "planner", "hil"}));
+      ->one_of({"rt", "drivers", "estimators", "mapping", "planner", "hil"});
   command
       ->add_option("--program", options->bench.program,
                    "sortie-bench-stability, where it is not found by itself")

@@ -19,6 +19,10 @@
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -235,7 +239,7 @@ int run(const CommandContext& context, SweepCommand& command) {
 
 }  // namespace
 
-void add_bench_sweep(CLI::App& bench, CommandContext& context) {
+void add_bench_sweep(Command& bench, CommandContext& context) {
   auto options = std::make_shared<SweepCommand>();
   SweepRequest& request = options->request;
   bench.add_option("log,--log", request.logs, "LCM logs from `run --record` or `import`")->type_name("LOG");
@@ -245,16 +249,16 @@ void add_bench_sweep(CLI::App& bench, CommandContext& context) {
   bench.add_option("--scene", request.scene,
                    "Another scene than the log's own; needed for imported logs. Without a log: simulate it");
   bench.add_option("--seconds", options->drives.seconds, "Without a log: how long to simulate")
-      ->check(CLI::Range(0.01, 1e5))
+      ->in_range(0.01, 1e5)
       ->capture_default_str();
   bench.add_option("--seeds", options->drives.seeds, "Without a log: drives, each with another hil.seed")
-      ->check(CLI::Range(1, 1000))
+      ->in_range(1, 1000)
       ->capture_default_str();
   bench.add_option("--set", request.overrides, "Override a key in all cells: key=value")->take_all();
   bench.add_flag("--instructions", request.instructions,
                  "Count the instructions of every cell, too, under callgrind: slow, and the same each time");
   bench.add_option("--repeat", request.repeat, "Replays of every cell")
-      ->check(CLI::Range(1, 1000))
+      ->in_range(1, 1000)
       ->capture_default_str();
   bench
       .add_option("--task", request.tasks,
@@ -264,7 +268,7 @@ void add_bench_sweep(CLI::App& bench, CommandContext& context) {
   bench
       .add_option("--jobs", options->jobs,
                   "So many processes, a cell each; cells are kept in --out, and a stopped sweep goes on")
-      ->check(CLI::Range(1, 1024));
+      ->in_range(1, 1024);
   bench.add_option("--shard", options->shard, "Only every n-th cell, from the i-th on; see `merge`")
       ->type_name("i/n");
   bench.add_option("--slurm", options->slurm, "Run nothing, write an array script for sbatch")
@@ -280,7 +284,7 @@ void add_bench_sweep(CLI::App& bench, CommandContext& context) {
                   "Folder for sweep.csv, sweep.json and sweep.svg, and for cells and drives")
       ->type_name("DIR");
   bench.callback([&bench, &context, options] {
-    if (!bench.get_subcommands().empty()) return;
+    if (bench.has_chosen_subcommand()) return;
     context.chosen = [&context, options] { return run(context, *options); };
   });
 }

@@ -9,6 +9,7 @@
 #include "firmware_like/bench/uav_bench.hpp"
 #include "firmware_like/commands/bench_commands.hpp"
 #include "firmware_like/exporters/output_file.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -42,9 +43,9 @@ int run(const CommandContext& context, const UavCommandLine& options) {
 
 }  // namespace
 
-void add_bench_uav(CLI::App& bench, CommandContext& context) {
+void add_bench_uav(Command& bench, CommandContext& context) {
   auto options = std::make_shared<UavCommandLine>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "uav", "The multirotor beside its peers: flights, stress, error against run time, ways");
   command->footer(
       "Flights are simulated and repeat exactly; only run times depend on the machine. docs/uav.md tells "
@@ -55,14 +56,13 @@ void add_bench_uav(CLI::App& bench, CommandContext& context) {
       "  sortie bench uav --only stress --fleet 400\n"
       "  sortie bench uav --only rates --json");
   command->add_option("--seeds", options->bench.seeds, "Seeds of noise, a flight each")
-      ->check(CLI::Range(1, 1000))
+      ->in_range(1, 1000)
       ->capture_default_str();
   command->add_option("--fleet", options->bench.fleet, "Vehicles that are drawn")
-      ->check(CLI::Range(1, 100000))
+      ->in_range(1, 100000)
       ->capture_default_str();
   command->add_option("--only", options->bench.only, "One part alone")
-      ->check(CLI::IsMember(
-          {"peers", "stress", "estimated", "orders", "rates", "plant", "pictures", "paths", "count"}));
+      ->one_of({"peers", "stress", "estimated", "orders", "rates", "plant", "pictures", "paths", "count"});
   command
       ->add_option("--program", options->bench.program, "sortie-bench-uav, where it is not found by itself")
       ->type_name("FILE");

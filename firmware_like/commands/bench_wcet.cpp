@@ -12,6 +12,7 @@
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/live_run.hpp"
+#include "firmware_like/program.hpp"
 
 namespace sortie::firmware {
 
@@ -98,9 +99,9 @@ int run(const CommandContext& context, WcetCommand& options) {
 
 }  // namespace
 
-void add_bench_wcet(CLI::App& bench, CommandContext& context) {
+void add_bench_wcet(Command& bench, CommandContext& context) {
   auto options = std::make_shared<WcetCommand>();
-  CLI::App* command = bench.add_subcommand(
+  Command* command = bench.add_subcommand(
       "wcet", "Worst case of every task in instructions, exact: a replay counted by callgrind");
   command->footer(
       "The same program over the same log gives the same counts, to the instruction, on every machine of its "
@@ -115,7 +116,7 @@ void add_bench_wcet(CLI::App& bench, CommandContext& context) {
       command->add_option("--scene", options->count.scene,
                           "Without a log: simulate this scene first; with one: another scene than the log's");
   command->add_option("--seconds", options->seconds, "How long to simulate")
-      ->check(CLI::Range(0.01, 1e5))
+      ->in_range(0.01, 1e5)
       ->excludes(log)
       ->capture_default_str();
   command->add_option("--set", options->count.overrides, "Override a key of the profile: key=value")
@@ -131,7 +132,7 @@ void add_bench_wcet(CLI::App& bench, CommandContext& context) {
       ->type_name("DIR");
   command->add_option("--counted", options->counted)->group("");
   command->callback([&context, options, log, scene] {
-    if (log->count() == 0 && scene->count() == 0) throw CLI::RequiredError("LOG or --scene SCENE");
+    if (log->count() == 0 && scene->count() == 0) Command::lacks("LOG or --scene SCENE");
     context.chosen = [&context, options] { return run(context, *options); };
   });
 }

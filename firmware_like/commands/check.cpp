@@ -4,8 +4,10 @@
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/gate.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
@@ -98,9 +100,9 @@ int run(const CommandContext& context, const CheckOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, CommandContext& context) {
+void add_check(Command& app, CommandContext& context) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("check", "Replay a log and compare every output with what was recorded");
   command->footer(
       "Examples:\n"

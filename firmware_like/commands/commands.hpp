@@ -3,20 +3,20 @@
 // chosen.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "firmware_like/evaluation/contact_truth.hpp"
-#include "firmware_like/evaluation/evaluate.hpp"
-#include "firmware_like/log_file.hpp"
-#include "firmware_like/program.hpp"
-#include "firmware_like/report/html.hpp"
-#include "firmware_like/results.hpp"
-#include "firmware_like/runtime.hpp"
+#include "firmware_like/commands/command_line.hpp"
+#include "firmware_like/evaluation/trajectory.hpp"
 
 namespace sortie::firmware {
+
+class LogFile;
+class Runtime;
+struct ContactSummary;
+struct ProgramParts;
+struct ReportInput;
 
 /// What all commands share.
 struct CommandContext {
@@ -33,12 +33,12 @@ struct OutputOptions {
 };
 
 /// Adds --json, --quiet and --out to a command.
-void add_output_options(CLI::App& command, OutputOptions& options);
+void add_output_options(Command& command, OutputOptions& options);
 /// Adds --align.
-void add_alignment_option(CLI::App& command, std::string& alignment);
+void add_alignment_option(Command& command, std::string& alignment);
 
 /// Adds --truth: errors against the log of a plant that ran in a process of its own.
-void add_truth_option(CLI::App& command, std::string& truth);
+void add_truth_option(Command& command, std::string& truth);
 
 /// Where a command that replays begins and ends: --from, --to, --keyframes.
 struct SpanOptions {
@@ -47,7 +47,7 @@ struct SpanOptions {
   std::string keyframes;
 };
 /// Adds them.
-void add_span_options(CLI::App& command, SpanOptions& options);
+void add_span_options(Command& command, SpanOptions& options);
 
 /// A progress bar on stderr, if that is a terminal; otherwise null.
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
@@ -71,27 +71,27 @@ int finish_with_log(const CommandContext& context, const LogFile& log, bool acce
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code);
 /// Adds --accept-damage.
-void add_damage_option(CLI::App& command, bool& accept_damage);
+void add_damage_option(Command& command, bool& accept_damage);
 
 /// The commands of this program, each by its own function from here on. The library's definition has all of
 /// them; a program that defines it again has those that it names.
-void add_commands(CLI::App& app, CommandContext& context);
-void add_run(CLI::App& app, CommandContext& context);
-void add_plant(CLI::App& app, CommandContext& context);
-void add_replay(CLI::App& app, CommandContext& context);
-void add_check(CLI::App& app, CommandContext& context);
-void add_diff(CLI::App& app, CommandContext& context);
-void add_index(CLI::App& app, CommandContext& context);
-void add_import(CLI::App& app, CommandContext& context);
-void add_export(CLI::App& app, CommandContext& context);
-void add_report(CLI::App& app, CommandContext& context);
-void add_bench(CLI::App& app, CommandContext& context);
-void add_merge(CLI::App& app, CommandContext& context);
-void add_scenes(CLI::App& app, CommandContext& context);
-void add_doctor(CLI::App& app, CommandContext& context);
-void add_spy(CLI::App& app, CommandContext& context);
-void add_set(CLI::App& app, CommandContext& context);
-void add_drive(CLI::App& app, CommandContext& context);
-void add_fly(CLI::App& app, CommandContext& context);
+void add_commands(Command& app, CommandContext& context);
+void add_run(Command& app, CommandContext& context);
+void add_plant(Command& app, CommandContext& context);
+void add_replay(Command& app, CommandContext& context);
+void add_check(Command& app, CommandContext& context);
+void add_diff(Command& app, CommandContext& context);
+void add_index(Command& app, CommandContext& context);
+void add_import(Command& app, CommandContext& context);
+void add_export(Command& app, CommandContext& context);
+void add_report(Command& app, CommandContext& context);
+void add_bench(Command& app, CommandContext& context);
+void add_merge(Command& app, CommandContext& context);
+void add_scenes(Command& app, CommandContext& context);
+void add_doctor(Command& app, CommandContext& context);
+void add_spy(Command& app, CommandContext& context);
+void add_set(Command& app, CommandContext& context);
+void add_drive(Command& app, CommandContext& context);
+void add_fly(Command& app, CommandContext& context);
 
 }  // namespace sortie::firmware

@@ -6,7 +6,9 @@
 #include <memory>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
@@ -116,9 +118,9 @@ int run(const CommandContext& context, const DiffOptions& options) {
 
 }  // namespace
 
-void add_diff(CLI::App& app, CommandContext& context) {
+void add_diff(Command& app, CommandContext& context) {
   auto options = std::make_shared<DiffOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command* command = app.add_subcommand(
       "diff", "Replay two logs and show errors, timing and the first difference side by side");
   command->footer(
       "Exit code 0: same digest, 1: different.\n"

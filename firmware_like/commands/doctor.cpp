@@ -10,6 +10,7 @@
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/doctor/doctor_table.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -35,9 +36,9 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_doctor(CLI::App& app, CommandContext& context) {
+void add_doctor(Command& app, CommandContext& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("doctor", "Is this board set up for real time? Each finding with its cure");
   command->footer(
       "Changes nothing. Exit code 1 when something is bad.\n"
@@ -46,10 +47,10 @@ void add_doctor(CLI::App& app, CommandContext& context) {
       "  sortie doctor --core 3\n"
       "  sortie doctor --json");
   command->add_option("--core", options->doctor.core, "The core that is meant for the robot's tasks")
-      ->check(CLI::NonNegativeNumber)
+      ->not_negative()
       ->type_name("N");
   command->add_option("--seconds", options->seconds, "How long interrupts and stolen time are counted")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->in_range(0.0, 3600.0)
       ->capture_default_str();
   command
       ->add_option("--root", options->doctor.root,

@@ -11,6 +11,8 @@
 #include "firmware_like/commands/drive_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
@@ -175,9 +177,9 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
 
 }  // namespace
 
-void add_drive(CLI::App& app, CommandContext& context) {
+void add_drive(Command& app, CommandContext& context) {
   auto options = std::make_shared<DriveOptions>();
-  CLI::App* command = app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release");
+  Command* command = app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release");
   command->footer(
       "go asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release; "
       "release hands\n"
@@ -187,24 +189,24 @@ void add_drive(CLI::App& app, CommandContext& context) {
       "  sortie drive halt --secret robot.secret\n"
       "  sortie drive release");
   command->add_option("what", options->what, "go, halt or release")
-      ->check(CLI::IsMember({"go", "halt", "release"}))
+      ->one_of({"go", "halt", "release"})
       ->capture_default_str();
   command->add_option("--speed", options->speed_m_s, "m/s, negative backwards")->capture_default_str();
   command->add_option("--turn", options->turn_rad_s, "rad/s, positive to the left")->capture_default_str();
   command->add_option("--for", options->for_s, "Seconds; 0: until Ctrl-C")
-      ->check(CLI::Range(0.0, 1e6))
+      ->in_range(0.0, 1e6)
       ->capture_default_str();
   command
       ->add_option("--posture", options->posture,
                    "Of the flippers, by its place in flippers.postures; -1: as it is")
-      ->check(CLI::Range(-1, 1000))
+      ->in_range(-1, 1000)
       ->capture_default_str();
   command->add_flag("--though-tilted", options->though_tilted, "Drive slowly off a slope that is too steep");
   command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
   command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
       ->type_name("FILE");
   command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->in_range(0.1, 3600.0)
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback(

@@ -18,6 +18,8 @@
 #include "firmware_like/exporters/sensor_truth_csv.hpp"
 #include "firmware_like/exporters/tum.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/releases.hpp"
 #include "firmware_like/replay.hpp"
 #include "firmware_like/report/release_plots.hpp"
@@ -248,11 +250,11 @@ int run(const CommandContext& context, ExportOptions& options) {
 
 }  // namespace
 
-void add_export(CLI::App& app, CommandContext& context) {
+void add_export(Command& app, CommandContext& context) {
   auto options = std::make_shared<ExportOptions>();
   options->task = "odometry";
   options->path = "-";
-  CLI::App* command = app.add_subcommand("export", "Write what a log holds in a form that other tools open");
+  Command* command = app.add_subcommand("export", "Write what a log holds in a form that other tools open");
   command->footer(
       "Kinds: tum (evo), ply (MeshLab, CloudCompare), csv (PlotJuggler, pandas), candump (can-utils), trace "
       "(ui.perfetto.dev), latency (SVG), jobs (text),\n"
@@ -268,7 +270,7 @@ void add_export(CLI::App& app, CommandContext& context) {
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
   command->add_option("kind", options->kind, "What to write")
       ->required()
-      ->check(CLI::IsMember({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "flight_map"}));
+      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "flight_map"});
   command->add_option("log", options->log, "LCM log, or a flight ring")->required();
   command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
   command->add_option("-o,--output", options->path, "File; - is standard output")

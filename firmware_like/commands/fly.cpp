@@ -11,6 +11,8 @@
 #include "firmware_like/commands/fly_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
 #include "firmware_like/vehicles/units.hpp"
 #include "rt/uav_samples.hpp"
@@ -135,9 +137,9 @@ int run_fly(const CommandContext& context, FlyOptions options) {
 
 }  // namespace
 
-void add_fly(CLI::App& app, CommandContext& context) {
+void add_fly(Command& app, CommandContext& context) {
   auto options = std::make_shared<FlyOptions>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("fly", "Fly the multirotor of a live run: go, hover, land, stop, release");
   command->footer(
       "go flies to a place, on a planned way where the scene plans; hover stops where it can; land sinks; "
@@ -147,20 +149,20 @@ void add_fly(CLI::App& app, CommandContext& context) {
       "  sortie fly go --x 3 --y 0.5 --z 1.5 --yaw 90 --wait 30\n"
       "  sortie fly land --secret robot.secret");
   command->add_option("what", options->what, "go, hover, land, stop or release")
-      ->check(CLI::IsMember({"go", "hover", "land", "stop", "release"}))
+      ->one_of({"go", "hover", "land", "stop", "release"})
       ->required();
   command->add_option("--x", options->x_m, "m, in the world");
   command->add_option("--y", options->y_m, "m, in the world");
   command->add_option("--z", options->z_m, "m, in the world, upwards");
   command->add_option("--yaw", options->yaw_deg, "deg, heading there")->capture_default_str();
   command->add_option("--wait", options->wait_s, "go: seconds to wait until it is there; 0: none")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->in_range(0.0, 3600.0)
       ->capture_default_str();
   command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
   command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
       ->type_name("FILE");
   command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->in_range(0.1, 3600.0)
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback(

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/commands/gate.hpp"
 
-#include <toml++/toml.h>
 #include <cmath>
 #include <map>
 #include <sstream>
 
 #include "firmware_like/profile.hpp"
+#include "firmware_like/toml_file.hpp"
 
 namespace sortie::firmware {
 
@@ -81,18 +81,18 @@ std::map<std::string, double> figures_of(const Results& results) {
   return figures;
 }
 
-void check_table(const toml::table& table, const std::string& prefix, bool is_max, const std::string& path,
+void check_table(const TomlNode& table, const std::string& prefix, bool is_max, const std::string& path,
                  const std::map<std::string, double>& figures, std::vector<std::string>& broken) {
-  for (const auto& [key, node] : table) {
-    const std::string name = prefix + std::string(key.str());
-    if (const toml::table* inner = node.as_table()) {
-      check_table(*inner, name + ".", is_max, path, figures, broken);
+  for (const auto& [key, node] : table.entries()) {
+    const std::string name = prefix + key;
+    if (node.is_table()) {
+      check_table(node, name + ".", is_max, path, figures, broken);
       continue;
     }
-    const std::string place = path + ":" + std::to_string(node.source().begin.line) + ": ";
-    const auto bound = node.value<double>();
+    const std::string place = path + ":" + std::to_string(node.line()) + ": ";
+    const auto bound = node.number();
     const auto figure = figures.find(name);
-    if (!bound || !node.is_number()) throw ProfileError(place + name + " must be a number");
+    if (!bound) throw ProfileError(place + name + " must be a number");
     if (figure == figures.end()) {
       throw ProfileError(place + "the result has no figure " + name +
                          "; `sortie replay LOG --json` shows what it has");
@@ -107,17 +107,16 @@ void check_table(const toml::table& table, const std::string& prefix, bool is_ma
 }
 
 // [equal]: what must be as it was, text for text.
-void check_equal(const toml::table& table, const std::string& path, const Results& results,
+void check_equal(const TomlNode& table, const std::string& path, const Results& results,
                  std::vector<std::string>& broken) {
   const std::map<std::string, std::string> words{
       {"digest", results.digest}, {"scene", results.scene}, {"vehicle", results.vehicle}};
-  for (const auto& [key, node] : table) {
-    const std::string name(key.str());
-    const std::string place = path + ":" + std::to_string(node.source().begin.line) + ": ";
-    const auto wanted = node.value<std::string>();
+  for (const auto& [name, node] : table.entries()) {
+    const std::string place = path + ":" + std::to_string(node.line()) + ": ";
+    const auto wanted = node.text();
     const auto word = words.find(name);
     if (word == words.end()) throw ProfileError(place + name + ": [equal] takes digest, scene and vehicle");
-    if (!wanted || !node.is_string()) throw ProfileError(place + name + " must be a text");
+    if (!wanted) throw ProfileError(place + name + " must be a text");
     if (*wanted != word->second)
       broken.push_back(place + name + " = " + word->second + ", wanted " + *wanted);
   }
@@ -128,27 +127,24 @@ constexpr const char* kGateTables = "a gate file has tables [max], [min] and [eq
 }  // namespace
 
 std::vector<std::string> check_gate(const std::string& path, const Results& results) {
-  toml::table gate;
+  TomlTree gate;
   try {
-    gate = toml::parse_file(path);
-  } catch (const toml::parse_error& error) {
-    throw ProfileError(path + ":" + std::to_string(error.source().begin.line) + ": " +
-                       std::string(error.description()) + "; " + kGateTables);
+    gate = TomlTree::read(path);
+  } catch (const TomlError& error) {
+    throw ProfileError(path + ":" + std::to_string(error.line()) + ": " + error.what() + "; " + kGateTables);
   }
   const auto figures = figures_of(results);
   std::vector<std::string> broken;
-  for (const auto& [key, node] : gate) {
-    const std::string name(key.str());
-    const toml::table* table = node.as_table();
-    if (table == nullptr || (name != "max" && name != "min" && name != "equal")) {
-      throw ProfileError(path + ":" + std::to_string(node.source().begin.line) + ": unknown key " + name +
-                         "; " + kGateTables);
+  for (const auto& [name, node] : gate.root().entries()) {
+    if (!node.is_table() || (name != "max" && name != "min" && name != "equal")) {
+      throw ProfileError(path + ":" + std::to_string(node.line()) + ": unknown key " + name + "; " +
+                         kGateTables);
     }
     if (name == "equal") {
-      check_equal(*table, path, results, broken);
+      check_equal(node, path, results, broken);
       continue;
     }
-    check_table(*table, "", name == "max", path, figures, broken);
+    check_table(node, "", name == "max", path, figures, broken);
   }
   return broken;
 }

@@ -8,13 +8,13 @@
 
 namespace sortie::firmware {
 
-void add_import(CLI::App& app, CommandContext& context) {
+void add_import(Command& app, CommandContext& context) {
   struct Options {
     ImportOptions import;
     bool json{};
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("import", "Turn a recorded data set into an LCM log that replays");
+  Command* command = app.add_subcommand("import", "Turn a recorded data set into an LCM log that replays");
   command->footer(
       "Examples:\n"
       "  sortie import husky data/husky_skid -o husky.lcm\n"
@@ -22,7 +22,7 @@ void add_import(CLI::App& app, CommandContext& context) {
       "  sortie import broad data/trial.imu -o trial.lcm --strict");
   command->add_option("kind", options->import.kind, "What the data set is")
       ->required()
-      ->check(CLI::IsMember(import_kinds()));
+      ->one_of(import_kinds());
   command->add_option("path", options->import.path, "Folder of the data set, or one of its files")
       ->required();
   command->add_option("-o,--output", options->import.out, "LCM log to write")->required()->type_name("LOG");

@@ -9,6 +9,7 @@
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/keyframe_state.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
@@ -111,9 +112,9 @@ int run(const CommandContext& context, const IndexOptions& options) {
 
 }  // namespace
 
-void add_index(CLI::App& app, CommandContext& context) {
+void add_index(Command& app, CommandContext& context) {
   auto options = std::make_shared<IndexOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command* command = app.add_subcommand(
       "index", "Write keyframes of a log, so that `replay` and `check` can start anywhere in it");
   command->footer(
       "Examples:\n"
@@ -124,7 +125,7 @@ void add_index(CLI::App& app, CommandContext& context) {
   command->add_option("log", options->log, "LCM log from `run --record` or `import`")->required();
   command->add_option("-o,--output", options->output, "Where to, if not LOG.keyframes")->type_name("FILE");
   command->add_option("--every", options->every_s, "Seconds of the log between two keyframes")
-      ->check(CLI::Range(1e-4, 1e6))
+      ->in_range(1e-4, 1e6)
       ->capture_default_str();
   command->add_option("--scene", options->scene,
                       "Another scene than the log's own; needed for imported logs");

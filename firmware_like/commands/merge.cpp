@@ -11,6 +11,8 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -82,9 +84,9 @@ int run(const CommandContext& context, const MergeCommand& command) {
 
 }  // namespace
 
-void add_merge(CLI::App& app, CommandContext& context) {
+void add_merge(Command& app, CommandContext& context) {
   auto options = std::make_shared<MergeCommand>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("merge", "Put the cells of a sweep together that ran in several places");
   command->footer(
       "Exit code 1 while cells are missing; each is named.\n"

@@ -9,6 +9,7 @@
 #include "firmware_like/json.hpp"
 #include "firmware_like/plant_link.hpp"
 #include "firmware_like/plant_process.hpp"
+#include "firmware_like/program.hpp"
 
 namespace sortie::firmware {
 
@@ -44,14 +45,14 @@ int run_command(const CommandContext& context, PlantOptions& options, bool json)
 
 }  // namespace
 
-void add_plant(CLI::App& app, CommandContext& context) {
+void add_plant(Command& app, CommandContext& context) {
   struct Options {
     PlantOptions plant;
     bool json{};
   };
   auto options = std::make_shared<Options>();
   options->plant.port = kPlantPort;
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("plant", "Run a scene's simulated robot alone, for a runtime in another process");
   command->footer(
       "Examples:\n"
@@ -63,12 +64,12 @@ void add_plant(CLI::App& app, CommandContext& context) {
   command->add_option("--set", options->plant.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command->add_option("--seconds", options->plant.seconds, "How long; 0: until it is interrupted")
-      ->check(CLI::Range(0.0, 1e7))
+      ->in_range(0.0, 1e7)
       ->capture_default_str();
   command
       ->add_option("--port", options->plant.port,
                    "UDP port of 127.0.0.1 for the bus; the next two are the lidars'")
-      ->check(CLI::Range(1024, int{kMostPlantPort}))
+      ->in_range(1024, int{kMostPlantPort})
       ->capture_default_str();
   command->add_option("--can", options->plant.can_interface, "The bus is this SocketCAN interface instead")
       ->type_name("IFACE");

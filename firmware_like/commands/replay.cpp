@@ -3,13 +3,15 @@
 #include <mutex>
 
 #include "firmware_like/commands/replay_report.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/report/map_plot.hpp"
 #include "firmware_like/report/timeline_plot.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
-void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) {
+void add_replay_report_options(Command& command, ReplayReportOptions& options) {
   command.add_option("--scene", options.replay.scene,
                      "Another scene than the log's own; needed for imported logs");
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
@@ -21,7 +23,7 @@ void add_replay_report_options(CLI::App& command, ReplayReportOptions& options) 
       .add_option("--calibrate-s", options.replay.evaluation.calibrate_s,
                   "The truth of the first seconds calibrates heading, gyro bias and wheel scale; errors are "
                   "those of the rest, in place of --align")
-      ->check(CLI::Range(0.0, 1e6))
+      ->in_range(0.0, 1e6)
       ->type_name("SECONDS");
   add_damage_option(command, options.accept_damage);
 }
@@ -71,13 +73,13 @@ int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
   return finish_with_damage(context, replayed.damage, options.accept_damage, 0);
 }
 
-void add_replay(CLI::App& app, CommandContext& context) {
+void add_replay(Command& app, CommandContext& context) {
   struct Options {
     ReplayReportOptions replay;
     OutputOptions output;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("replay", "Run a log through the runtime again: errors, timing, digest");
   command->footer(
       "Examples:\n"

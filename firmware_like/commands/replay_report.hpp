@@ -6,6 +6,7 @@
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/replay.hpp"
+#include "firmware_like/report/html.hpp"
 
 namespace sortie::firmware {
 
@@ -19,7 +20,7 @@ struct ReplayReportOptions {
 };
 
 /// Declares all but the log: --scene, --set, --from, --to, --keyframes, --align and --accept-damage.
-void add_replay_report_options(CLI::App& command, ReplayReportOptions& options);
+void add_replay_report_options(Command& command, ReplayReportOptions& options);
 
 /// A replay and what a page tells about it.
 struct ReplayedLog {

@@ -10,6 +10,8 @@
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/json_reader.hpp"
+#include "firmware_like/report/html.hpp"
+#include "firmware_like/results.hpp"
 
 namespace sortie::firmware {
 
@@ -81,10 +83,10 @@ int write_page(const CommandContext& context, PageOptions& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, CommandContext& context) {
+void add_report(Command& app, CommandContext& context) {
   auto options = std::make_shared<PageOptions>();
   options->output.out = "report";
-  CLI::App* command = app.add_subcommand("report", "Replay logs and write one page about them: report.html");
+  Command* command = app.add_subcommand("report", "Replay logs and write one page about them: report.html");
   command->footer(
       "Examples:\n"
       "  sortie report hall.lcm --out out/hall\n"

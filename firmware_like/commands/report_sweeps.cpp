@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/commands/report_sweeps.hpp"
 
+#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
+
 #include <exception>
 
 namespace sortie::firmware {

@@ -6,7 +6,11 @@
 
 #include "drivers/lcm_url.hpp"
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/live_run.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/report/html.hpp"
+#include "firmware_like/runtime.hpp"
 
 namespace sortie::firmware {
 
@@ -46,10 +50,10 @@ int run(const CommandContext& context, RunOptions& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, CommandContext& context) {
+void add_run(Command& app, CommandContext& context) {
   auto options = std::make_shared<RunOptions>();
   options->live.lcm_url = std::string(drivers::kDefaultLcmUrl);
-  CLI::App* command = app.add_subcommand("run", "Run a scene live, against simulated or real devices");
+  Command* command = app.add_subcommand("run", "Run a scene live, against simulated or real devices");
   command->footer(
       "Examples:\n"
       "  sortie run --scene ugv_hall --seconds 20 --record hall.lcm\n"
@@ -61,7 +65,7 @@ void add_run(CLI::App& app, CommandContext& context) {
   command->add_option("--set", options->live.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command->add_option("--seconds", options->live.seconds, "How long")
-      ->check(CLI::Range(0.01, 1e7))
+      ->in_range(0.01, 1e7)
       ->capture_default_str();
   command->add_flag("--virtual", options->live.virtual_time,
                     "Simulated time, as fast as it goes; the same outputs every time");
@@ -88,7 +92,7 @@ void add_run(CLI::App& app, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--flight-ticks", options->live.flight_ring.ticks, "How many ticks the flight ring keeps")
-      ->check(CLI::Range(16, 10'000'000))
+      ->in_range(16, 10'000'000)
       ->capture_default_str();
   add_alignment_option(*command, options->align);
   add_output_options(*command, options->output);

@@ -6,7 +6,7 @@
 
 namespace sortie::firmware {
 
-void add_commands(CLI::App& app, CommandContext& context) {
+void add_commands(Command& app, CommandContext& context) {
   add_run(app, context);
   add_replay(app, context);
   add_check(app, context);

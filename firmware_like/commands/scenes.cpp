@@ -11,6 +11,9 @@
 #include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
+#include "firmware_like/results.hpp"
 #include "firmware_like/runtime.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "rt/built_parts.hpp"
@@ -212,7 +215,7 @@ int show_advice(const CommandContext& context, const std::vector<std::string>& s
 }
 
 // What runs scenes with parts left out, where there are all parts to leave out.
-void add_costs(CLI::App& command, CostLine& line) {
+void add_costs(Command& command, CostLine& line) {
   command.add_flag(
       "--cost", line.asked,
       "Run each scene with one part left out at a time: what that saves, and what it costs in error");
@@ -225,15 +228,15 @@ void add_costs(CLI::App& command, CostLine& line) {
   command.add_option("--set", line.cost.overrides, "With --cost or --advise: key=value of the whole scene")
       ->take_all();
   command.add_option("--seconds", line.cost.seconds, "With --cost: length of the simulated drive")
-      ->check(CLI::Range(0.1, 1e5))
+      ->in_range(0.1, 1e5)
       ->capture_default_str();
   command.add_option("--runs", line.cost.runs, "With --cost: replays of each; times are the median's")
-      ->check(CLI::Range(1, 1000))
+      ->in_range(1, 1000)
       ->capture_default_str();
   command
       .add_option("--live", line.cost.live_s,
                   "With --cost: seconds of a live drive that shows what recorder and telemetry take")
-      ->check(CLI::Range(0.1, 100000.0));
+      ->in_range(0.1, 100000.0);
   line.cost.lcm_url = std::string(drivers::kDefaultLcmUrl);
   command.add_option("--lcm-url", line.cost.lcm_url, "With --live: where its telemetry goes");
   command.add_flag("--instructions", line.cost.instructions, "With --cost: count them under callgrind, too");
@@ -241,7 +244,7 @@ void add_costs(CLI::App& command, CostLine& line) {
 
 }  // namespace
 
-void add_scenes(CLI::App& app, CommandContext& context) {
+void add_scenes(Command& app, CommandContext& context) {
   struct Options {
     std::vector<std::string> scenes;
     std::string keys;
@@ -250,7 +253,7 @@ void add_scenes(CLI::App& app, CommandContext& context) {
     bool json{};
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command* command =
       app.add_subcommand("scenes", "List the scene profiles with their memory and declared time");
   command->footer(
       "Examples:\n"

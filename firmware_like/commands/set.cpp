@@ -9,7 +9,10 @@
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
+#include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 
@@ -186,9 +189,9 @@ int run_set(const CommandContext& context, const SetOptions& options) {
 
 }  // namespace
 
-void add_set(CLI::App& app, CommandContext& context) {
+void add_set(Command& app, CommandContext& context) {
   auto options = std::make_shared<SetOptions>();
-  CLI::App* command = app.add_subcommand("set", "Show or change the run-time parameters of a live run");
+  Command* command = app.add_subcommand("set", "Show or change the run-time parameters of a live run");
   command->footer(
       "Examples:\n"
       "  sortie set\n"
@@ -201,7 +204,7 @@ void add_set(CLI::App& app, CommandContext& context) {
   command->add_option("--session", options->session, "Which run, where more than one is heard")
       ->type_name("HEX");
   command->add_option("--seconds", options->seconds, "Wait so long for a run, and for each answer")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->in_range(0.1, 3600.0)
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback(

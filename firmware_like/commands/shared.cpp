@@ -6,43 +6,50 @@
 #include <iostream>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/contact_truth.hpp"
 #include "firmware_like/evaluation/fired_rays.hpp"
 #include "firmware_like/exporters/output_file.hpp"
 #include "firmware_like/exporters/tum.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/log_file.hpp"
+#include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/report/contact_plots.hpp"
 #include "firmware_like/report/fired_rays_plot.hpp"
+#include "firmware_like/report/html.hpp"
 #include "firmware_like/report/map_plot.hpp"
+#include "firmware_like/results.hpp"
+#include "firmware_like/runtime.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
-void add_output_options(CLI::App& command, OutputOptions& options) {
+void add_output_options(Command& command, OutputOptions& options) {
   command.add_flag("--json", options.json, "Print one JSON object instead of the table");
   command.add_flag("--quiet", options.quiet, "No progress bar");
   command.add_option("--out", options.out, "Folder for results.json, report.html and the trajectories")
       ->type_name("DIR");
 }
 
-void add_alignment_option(CLI::App& command, std::string& alignment) {
+void add_alignment_option(Command& command, std::string& alignment) {
   command.add_option("--align", alignment, "What may move before errors are taken")
-      ->check(CLI::IsMember({"none", "first", "se2", "se3"}))
+      ->one_of({"none", "first", "se2", "se3"})
       ->capture_default_str();
 }
 
-void add_truth_option(CLI::App& command, std::string& truth) {
+void add_truth_option(Command& command, std::string& truth) {
   command
       .add_option("--truth", truth,
                   "Take the truth from this log of `plant --record`, not from the run's own")
       ->type_name("LOG");
 }
 
-void add_damage_option(CLI::App& command, bool& accept_damage) {
+void add_damage_option(Command& command, bool& accept_damage) {
   command.add_flag("--accept-damage", accept_damage,
                    "The good part of a damaged log is enough: do not exit with 3");
 }
 
-void add_span_options(CLI::App& command, SpanOptions& options) {
+void add_span_options(Command& command, SpanOptions& options) {
   command
       .add_option("--from", options.from,
                   "Begin there: seconds since the start or @tick; the state comes from the nearest keyframe")

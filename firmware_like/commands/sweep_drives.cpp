@@ -9,6 +9,7 @@
 #include "firmware_like/bench/sweep_folder.hpp"
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/profile.hpp"
+#include "firmware_like/program.hpp"
 #include "firmware_like/text_format.hpp"
 #include "rt/digest.hpp"
 

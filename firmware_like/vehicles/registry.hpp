@@ -2,7 +2,7 @@
 // The vehicles that this program knows by name.
 #pragma once
 
-#include "firmware_like/vehicle.hpp"
+#include "firmware_like/factories.hpp"
 
 namespace sortie::firmware {
 

@@ -39,6 +39,8 @@ TEST_CASE(
       return std::string(error.what());
     }
   };
+  for (const char* header : {"[|", "[[[", "[\2"})  // found by fuzzing: the library assumed that none comes
+    CHECK(refusal(std::string("\n") + header).find("own.toml:2: not valid TOML: ") == 0);
   CHECK(refusal("\n\xef\xbb\xbd = 1").find("own.toml:2: not valid TOML: a character beyond ASCII") == 0);
   Profile profile("[scene]\nname = \"a\"\nvehicle = \"ugv\"\n", "own.toml",
                   {"scene.about=Gr\xc3\xbc\xc3\x9f"

@@ -17,7 +17,8 @@ CLEAN = {
     "estimators/filter.hpp": '// A filter.\n#pragma once\n#include "rt/base.hpp"\n',
     "drivers/bus.cpp": "// A bus.\n#include <sys/socket.h>\n",
     "firmware_like/vehicles/ugv.cpp": '// A vehicle.\n#include "estimators/filter.hpp"\n',
-    "firmware_like/commands/run.cpp": "// A command.\n#include <CLI/CLI.hpp>\n",
+    "firmware_like/commands/command_line.cpp": "// Options.\n#include <CLI/CLI.hpp>\n",
+    "firmware_like/toml_file.cpp": "// Scenes.\n#include <toml++/toml.h>\n",
 }
 
 # check: [(file, text to add at its end, what the check must say)]
@@ -40,6 +41,8 @@ FAULTS = {
         ("firmware_like/profile.cpp", "#include <nlohmann/json.hpp>\n", "firmware_like may not see JSON"),
         ("mapping/grid.hpp", "#include <toml++/toml.h>\n", "mapping may not see toml++"),
         ("drivers/bus.cpp", "#include <CLI/CLI.hpp>\n", "drivers may not see CLI11"),
+        ("firmware_like/commands/run.cpp", "#include <CLI/CLI.hpp>\n", "firmware_like/commands/run.cpp:2: firmware_like/commands may not see CLI11"),
+        ("firmware_like/profile.cpp", "#include <toml++/toml.h>\n", "firmware_like may not see toml++"),
         ("estimators/filter.hpp", "#include <chrono>\n", "estimators may not see the operating system"),
         ("rt/base.cpp", '#include "base.hpp"\n', "includes are written from the root"),
         ("planner/plan.cpp", "#include <ccd/ccd.h>\n", "planner may not see libccd"),
