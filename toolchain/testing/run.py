@@ -19,6 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
 KEPT = ROOT / "docs/results/test-times.md"
 JOBS = os.environ.get("SORTIE_JOBS", "2")
+TESTS_AT_ONCE = str(int(JOBS) + 1)  # many wait for a clock
 SANITIZERS = {
     "ASAN_OPTIONS": "detect_stack_use_after_return=1:strict_string_checks=1",
     "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
@@ -64,7 +65,7 @@ def ctest(preset, arguments):
     junit = BUILD / preset / "junit.xml"
     junit.unlink(missing_ok=True)
     prefix = "" if preset == "release" else f"{preset} "
-    subprocess.run(["ctest", "--test-dir", BUILD / preset, "-j", JOBS, "--output-on-failure", "--no-tests=error", "--output-junit", junit,
+    subprocess.run(["ctest", "--test-dir", BUILD / preset, "-j", TESTS_AT_ONCE, "--output-on-failure", "--no-tests=error", "--output-junit", junit,
                     *arguments], cwd=ROOT, env={**os.environ, **SANITIZERS}, stdout=sys.stdout, stdin=subprocess.DEVNULL, check=False)
     if not junit.exists():
         return [results.Test(f"{preset}: ctest", "failed", 0, "no test ran")]

@@ -19,13 +19,20 @@ class Stage:
     long: bool = False
 
 
-ROBOT = ["-DSORTIE_DESK=OFF", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_TEST_FILES="]
+ROBOT = ["-DSORTIE_DESK=OFF", "-DSORTIE_LONG_TESTS=OFF"]
+ON_BOARD = ["rt/", "drivers/", "estimators/", "mapping/", "planner/", "firmware_like/"]
 THREADS = ["rt/(queue|live|ledger|guards|posix|parameter|delay|spin|flight_ring|crash|fast_clock|executive|ports|schedule|anytime|miss|ladder|cause|usual)",
            "drivers/(can_socket|can_stub|datagram_link|lcm_network|lcm_publisher|lcm_requests)",
            "firmware_like/(live|recorder|refusal|outlets|parameters|drive_requests|fly_requests|plant_process|flight_ring_run|input_port|replay)_test"]
-EVERYTHING = ["-DSORTIE_DESK=ON", "-DSORTIE_LONG_TESTS=ON", "-DSORTIE_TEST_FILES="]
-MATHS = ["-DSORTIE_TEST_FILES=rt/math_", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_DESK=ON"]
+EVERYTHING = ["-DSORTIE_DESK=ON", "-DSORTIE_LONG_TESTS=ON", "-DSORTIE_TEST_FILES=", "-DSORTIE_BATCH_TESTS=ON"]
+SHORT_OF_ALL = ["-DSORTIE_DESK=ON", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_TEST_FILES="]
+MATHS = ["-DSORTIE_DESK=ON", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_TEST_FILES=rt/math_"]
+ON_ARM = ["sortie_replay_digest", "sortie_tests_rt"]
 AFTER_ARM = "bare|size"  # tests of release that look at programs for other processors
+
+
+def files(*expressions):
+    return "-DSORTIE_TEST_FILES=" + ";".join(expressions)
 
 
 def only(label):
@@ -33,35 +40,36 @@ def only(label):
 
 
 STAGES = [
-    Stage("release", "the program, its tests, every header alone", builds=[("release", ["-DSORTIE_BATCH_TESTS=ON", *EVERYTHING], [])]),
+    Stage("release", "the program, its tests, every header alone", builds=[("release", EVERYTHING, [])]),
     Stage("release tests", "unit tests, layers, command line, page, instructions, an outside project",
           tests=[("release", ["-LE", f"{SHORT_CASES}|{AFTER_ARM}"])]),
-    Stage("address", "what runs on the robot, with address and undefined-behaviour sanitizers", builds=[("debug", ROBOT, [])]),
+    Stage("address", "what runs on the robot, with address and undefined-behaviour sanitizers", builds=[("debug", [*ROBOT, files(*ON_BOARD)], [])]),
     Stage("address tests", "unit tests, committed inputs of the fuzzers", tests=[("debug", ["-LE", SHORT_CASES])]),
     Stage("thread", "what has threads, with the thread sanitizer",
-          builds=[("tsan", [*ROBOT[:2], "-DSORTIE_TEST_FILES=" + ";".join(THREADS)], [])]),
+          builds=[("tsan", [*ROBOT, files(*THREADS)], [])]),
     Stage("thread tests", "executive, queues, live runs, links, recorder", tests=[("tsan", ["-LE", SHORT_CASES])]),
-    Stage("ARM", "the program for 64 and 32 bits, and two boards without an operating system",
-          builds=[("aarch64", MATHS, ["sortie", "sortie_tests_rt"]), ("armhf", MATHS, ["sortie", "sortie_tests_rt"]),
+    Stage("ARM", "the runtime for 64 and 32 bits, and two boards without an operating system",
+          builds=[("aarch64", MATHS, ON_ARM), ("armhf", MATHS, ON_ARM),
                   ("cortex-m7", [], []), ("cortex-m4f", [], [])]),
     Stage("ARM tests", "deterministic maths, digests of the boards, sizes",
           tests=[("aarch64", ["-R", "^aarch64 rt$"]), ("armhf", ["-R", "^armhf rt$"]), ("release", only(AFTER_ARM))]),
     Stage("digests", "one digest a log, whatever compiled the program",
           commands=[("digest/every processor gives the same", ["toolchain/digest-matrix", "--no-build"])]),
     # What follows takes hours.
-    Stage("long release", "thousands of draws, months of ticks, boards that boot, programs of one scene, a cluster of one node",
-          tests=[("release", ["-L", "long", "-LE", "timing"])], long=True),
-    Stage("address, everything", "the desk as well, and what takes long there",
-          builds=[("debug", EVERYTHING, [])], tests=[("debug", ["-LE", "long|timing"])], long=True),
-    Stage("thread, everything", "all tests", builds=[("tsan", EVERYTHING, [])], tests=[("tsan", ["-LE", "long|timing"])], long=True),
-    Stage("aarch64, everything", "all short tests under emulation",
-          builds=[("aarch64", [*EVERYTHING[::2], "-DSORTIE_LONG_TESTS=OFF"], [])], tests=[("aarch64", ["-LE", "long|timing"])], long=True),
-    Stage("armhf, everything", "all short tests under emulation",
-          builds=[("armhf", [*EVERYTHING[::2], "-DSORTIE_LONG_TESTS=OFF"], [])], tests=[("armhf", ["-LE", "long|timing"])], long=True),
     Stage("compilers", "gcc -O0 and -O3, clang, for x86-64, x86-64-v3 and both ARM: one digest a log",
-          builds=[(preset, [], ["sortie"]) for preset in ("clang", "o0", "o3", "v3", "clang-v3", "clang-aarch64", "clang-armhf")],
+          builds=[(preset, ["-DSORTIE_TESTS=ON"], ["sortie_replay_digest"])
+                  for preset in ("clang", "o0", "o3", "v3", "clang-v3", "clang-aarch64", "clang-armhf")],
           commands=[("digest/every compiler and processor gives the same", ["toolchain/digest-matrix", "--no-build"])], long=True),
-    Stage("fuzz", "search by fuzzers from the committed inputs, SORTIE_FUZZ_SECONDS each (450)",
-          builds=[("fuzz", ["-DSORTIE_FUZZ_SECONDS=${SORTIE_FUZZ_SECONDS:-450}"], ["fuzzers"])],
+    Stage("aarch64, everything", "the program, and all tests under emulation",
+          builds=[("aarch64", SHORT_OF_ALL, [])], tests=[("aarch64", ["-LE", "long|timing"])], long=True),
+    Stage("long release", "thousands of draws, months of ticks, boards that boot, programs of one scene, a cluster of one node, gates beside peers",
+          builds=[("release", EVERYTHING, ["all", "sortie_benchmarks"])], tests=[("release", ["-L", "long|size", "-LE", "timing"])], long=True),
+    Stage("address, everything", "the desk as well, and what takes long there",
+          builds=[("debug", SHORT_OF_ALL, [])], tests=[("debug", ["-LE", "long|timing"])], long=True),
+    Stage("thread, everything", "all tests", builds=[("tsan", SHORT_OF_ALL, [])], tests=[("tsan", ["-LE", "long|timing"])], long=True),
+    Stage("armhf, everything", "all tests under emulation",
+          builds=[("armhf", SHORT_OF_ALL, [])], tests=[("armhf", ["-LE", "long|timing"])], long=True),
+    Stage("fuzz", "search by fuzzers from the committed inputs, SORTIE_FUZZ_SECONDS each (60)",
+          builds=[("fuzz", ["-DSORTIE_FUZZ_SECONDS=${SORTIE_FUZZ_SECONDS:-60}"], ["fuzzers"])],
           tests=[("fuzz", ["-L", "^fuzz$"])], long=True),
 ]
