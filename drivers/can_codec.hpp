@@ -145,7 +145,8 @@ std::uint16_t can_time_counter(rt::Nanoseconds stamp_ns, const CanCodecConfig& c
                                   CanFrame out[2]) noexcept;
 
 /// Encodes a fix as two frames: out[0] across, out[1] up. Status: ok, not_finite, out_of_range (beyond 8.3
-/// km, or more than half a turn from 0); nothing is written then.
+/// km, or more than half a turn from 0) of what the fix carries; nothing is written then. What it does not
+/// carry is not looked at: the frames say zero, and its bit that it is none.
 [[nodiscard]] Status encode_fix(const rt::UavFix& fix, std::uint16_t counter, CanFrame out[2]) noexcept;
 
 /// Encodes speeds for the rotors as three frames; without flag 1 they are for standing rotors. Status: ok,

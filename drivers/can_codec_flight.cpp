@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames of a UAV: fixes of its place to frames, commands to its rotors there and back. No state.
+#include <algorithm>
 #include <cmath>
 
 #include "drivers/can_codec.hpp"
@@ -17,19 +18,24 @@ constexpr double kMostSpeed_rad_s = 65535.0 * kCanRotorFields[0].scale;
 }  // namespace
 
 Status encode_fix(const rt::UavFix& fix, std::uint16_t counter, CanFrame out[2]) noexcept {
-  for (const double place : fix.p_world_m) {
+  // What the fix does not carry is not looked at; the frames say zero.
+  double place_m[3]{};
+  double yaw_rad = 0.0;
+  if ((fix.flags & rt::kFixPosition) != 0) std::copy_n(fix.p_world_m, 3, place_m);
+  if ((fix.flags & rt::kFixYaw) != 0) yaw_rad = fix.yaw_rad;
+  for (const double place : place_m) {
     if (!std::isfinite(place)) return Status::not_finite;
     if (std::fabs(place) > kFarthest_m) return Status::out_of_range;
   }
-  if (!std::isfinite(fix.yaw_rad)) return Status::not_finite;
-  if (std::fabs(fix.yaw_rad) > 3.2) return Status::out_of_range;
+  if (!std::isfinite(yaw_rad)) return Status::not_finite;
+  if (std::fabs(yaw_rad) > 3.2) return Status::out_of_range;
   out[0] = blank(kCanFixAcrossId, fix.stamp_ns);
   out[1] = blank(kCanFixUpId, fix.stamp_ns);
   for (std::size_t i = 0; i < 2; ++i)
-    write_can_field(out[0], kCanFixAcrossFields[i], to_raw(fix.p_world_m[i], kCanFixAcrossFields[i].scale));
+    write_can_field(out[0], kCanFixAcrossFields[i], to_raw(place_m[i], kCanFixAcrossFields[i].scale));
   write_can_field(out[0], kCanFixAcrossFields[2], counter);
-  write_can_field(out[1], kCanFixUpFields[0], to_raw(fix.p_world_m[2], kCanFixUpFields[0].scale));
-  write_can_field(out[1], kCanFixUpFields[1], to_raw(fix.yaw_rad, kCanFixUpFields[1].scale));
+  write_can_field(out[1], kCanFixUpFields[0], to_raw(place_m[2], kCanFixUpFields[0].scale));
+  write_can_field(out[1], kCanFixUpFields[1], to_raw(yaw_rad, kCanFixUpFields[1].scale));
   write_can_field(out[1], kCanFixUpFields[2], fix.flags & (rt::kFixPosition | rt::kFixYaw));
   write_can_field(out[1], kCanFixUpFields[3], counter);
   return Status::ok;

@@ -65,6 +65,10 @@ Status BasicAttitude<Real>::refuse(Status status, const rt::ImuSample& sample) {
 template <class Real>
 Status BasicAttitude<Real>::check(const rt::ImuSample& sample) {
   const bool has_acc = (sample.flags & rt::kImuAcc) != 0;
+  if ((sample.flags & rt::kImuGyr) == 0) {  // what is not there is not looked at
+    ++counters_.out_of_range;
+    return Status::out_of_range;
+  }
   if (!within(sample.gyr_rad_s, config_.max_rate_rad_s) ||
       (has_acc && !within(sample.acc_m_s2, config_.max_acc_m_s2))) {
     const bool finite =
@@ -74,7 +78,7 @@ Status BasicAttitude<Real>::check(const rt::ImuSample& sample) {
   }
   const bool zero = is_zero(sample.gyr_rad_s);
   const bool dead = zero && has_acc && is_zero(sample.acc_m_s2);  // no living sensor reads six exact zeros
-  if ((sample.flags & rt::kImuGyr) == 0 || dead) {
+  if (dead) {
     ++counters_.out_of_range;
     return Status::out_of_range;
   }

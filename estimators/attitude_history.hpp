@@ -27,7 +27,7 @@ class AttitudeHistory {
   };
 
   /// Answer to a question: `exact` is false when the moment lay outside what is known by more than
-  /// `max_extrapolation_ns` and the nearest known attitude was given.
+  /// `max_extrapolation_ns` and the nearest known attitude was given. Ask it before the attitude is believed.
   struct Answer {
     rt::Quaternion q_world_body;
     bool exact{};

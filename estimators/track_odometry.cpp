@@ -58,7 +58,9 @@ TrackOdometry::TrackOdometry(const TrackOdometryConfig& config)
 
 void TrackOdometry::feel(const rt::ImuSample& sample) {
   if (!kHasObstacles || !obstacle_ || history_.size() == 0 || rt::is_far(sample.stamp_ns)) return;
-  obstacle_->feel(sample, history_.at(sample.stamp_ns).q_world_body);
+  // Along an up that is not known nothing is felt.
+  const AttitudeHistory::Answer attitude = history_.at(sample.stamp_ns);
+  if (attitude.exact) obstacle_->feel(sample, attitude.q_world_body);
 }
 
 void TrackOdometry::set_flippers(const FlipperAngles& flippers) {
@@ -176,7 +178,8 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
     }
   }
   const double still_m = config_.still_speed_m_s * dt_s;
-  if (std::fabs(left_m) <= still_m && std::fabs(right_m) <= still_m &&
+  // A rate of long ago is no witness of rest.
+  if (end.exact && std::fabs(left_m) <= still_m && std::fabs(right_m) <= still_m &&
       norm(history_.back(0).w_body_rad_s) <= config_.still_rate_rad_s) {
     flags |= kPoseStationary;
   }
@@ -208,9 +211,11 @@ void TrackOdometry::rebase(const rt::TrackSample& sample) {
   base_ = sample;
   has_suspect_ = false;
   ++counters_.used;
-  const Quaternion q = history_.size() > 0 ? q_world_attitude_ * history_.at(sample.stamp_ns).q_world_body
-                                           : rt::to_quaternion(estimate_.q_world_body);
-  publish(sample.stamp_ns, q, {}, 0);
+  const bool any = history_.size() > 0;
+  const AttitudeHistory::Answer attitude = any ? history_.at(sample.stamp_ns) : AttitudeHistory::Answer{};
+  const Quaternion q =
+      any ? q_world_attitude_ * attitude.q_world_body : rt::to_quaternion(estimate_.q_world_body);
+  publish(sample.stamp_ns, q, {}, attitude.exact ? 0u : +kPoseAttitudeStale);
 }
 
 void TrackOdometry::publish(rt::Nanoseconds stamp_ns, const Quaternion& q, const Vector3& v_body_m_s,

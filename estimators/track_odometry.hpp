@@ -20,9 +20,9 @@ namespace sortie::estimators {
 /// Bits of rt::PoseEstimate::flags.
 enum PoseFlags : std::uint32_t {
   kPoseStarted = 1u,         ///< at least one track sample was used
-  kPoseStationary = 2u,      ///< tracks and gyro stand still
+  kPoseStationary = 2u,      ///< tracks and gyro stand still; never with an attitude that is stale
   kPoseSlip = 4u,            ///< tracks and gyro disagree about the turn
-  kPoseAttitudeStale = 8u,   ///< no attitude near the newest step; the nearest one was taken
+  kPoseAttitudeStale = 8u,   ///< no attitude near the newest step; the nearest one was taken, if any
   kPoseTravelUnknown = 16u,  ///< travel was lost for good (counter reset, new time line)
 };
 

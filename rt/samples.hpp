@@ -10,9 +10,11 @@
 
 namespace sortie::rt {
 
-/// Bits of ImuSample::flags.
+/// Bits of ImuSample::flags. A field whose bit is not set is not there: who reads a sample asks the bit
+/// first, on every way that leads to the field, also before asking whether it is finite. The same holds for
+/// the bits of every other sample.
 enum ImuFlags : std::uint32_t {
-  kImuGyr = 1u,        ///< gyr_rad_s is valid (bits gate the axes' use, not their finiteness)
+  kImuGyr = 1u,        ///< gyr_rad_s is valid
   kImuAcc = 2u,        ///< acc_m_s2 is valid
   kImuMeanRate = 4u,   ///< values are means over the interval since the previous sample, not points in time
   kImuSaturated = 8u,  ///< the device reported a clipped axis

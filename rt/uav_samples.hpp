@@ -12,7 +12,8 @@ namespace sortie::rt {
 
 inline constexpr std::uint32_t kMaxRotors = 8;
 
-/// Bits of UavFix::flags.
+/// Bits of UavFix::flags. A field whose bit is not set is not there: who reads a sample asks the bit first,
+/// on every way that leads to the field, also before asking whether it is finite.
 enum UavFixFlags : std::uint32_t {
   kFixPosition = 1u,  ///< p_world_m is valid
   kFixYaw = 2u,       ///< yaw_rad is valid

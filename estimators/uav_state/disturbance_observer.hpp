@@ -26,6 +26,12 @@ class DisturbanceObserver {
 
   void reset() { across_ = along_ = {}; }
 
+  /// The world's axes turn: what was taken for one direction was another.
+  void turn(const rt::Quaternion& by) {
+    for (rt::Vector3* each : {&across_.first, &across_.second, &along_.first, &along_.second, &value_})
+      *each = rt::rotate(by, *each);
+  }
+
   /// One interval of `dt_s` above 0: mean specific force in the body, attitude in its middle, mean expected
   /// thrust over mass. All finite.
   void update(const rt::Vector3& force_body_m_s2, const rt::Quaternion& q_world_body, double thrust_m_s2,

@@ -13,11 +13,11 @@ UavEstimator::UavEstimator(const UavEstimatorConfig& config)
     : config_(config), observer_(config.disturbance) {}
 
 Status UavEstimator::check(const rt::ImuSample& sample) const {
+  constexpr std::uint32_t kBoth = rt::kImuGyr | rt::kImuAcc;
+  if ((sample.flags & kBoth) != kBoth) return Status::out_of_range;
   const Vector3 w = rt::to_vector(sample.gyr_rad_s);
   const Vector3 f = rt::to_vector(sample.acc_m_s2);
   if (!rt::is_finite(w) || !rt::is_finite(f)) return Status::not_finite;
-  constexpr std::uint32_t kBoth = rt::kImuGyr | rt::kImuAcc;
-  if ((sample.flags & kBoth) != kBoth) return Status::out_of_range;
   if (rt::norm(w) > config_.max_rate_rad_s || rt::norm(f) > config_.max_acc_m_s2) return Status::out_of_range;
   return Status::ok;
 }
@@ -28,7 +28,9 @@ Status UavEstimator::check_time(rt::Nanoseconds stamp_ns) {
   const Status status = gate_.take(stamp_ns);
   if (status != Status::ok || !gate_.resumed()) return status;
   have_imu_ = levelled_ = located_ = false;
-  first_ = count_ = refused_in_row_ = 0;
+  first_ = count_ = 0;
+  places_.clear();
+  headings_.clear();
   level_time_s_ = 0.0;
   level_acc_ = level_gyr_ = {};
   judge();
@@ -154,21 +156,21 @@ void UavEstimator::advance_base() {
   --count_;
 }
 
+void UavEstimator::back_to(const Mark& mark) {
+  base_ = mark.base;
+  base_p_ = mark.base_p;
+  base_ns_ = mark.base_ns;
+  first_ = mark.first;
+  count_ = mark.count;
+}
+
 void UavEstimator::restart_now() {
   // Runs the kept readings through a copy, and sets the base back where it was.
-  const InertialState base = base_;
-  const ErrorCovariance base_p = base_p_;
-  const rt::Nanoseconds base_ns = base_ns_;
-  const std::uint32_t first = first_;
-  const std::uint32_t count = count_;
+  const Mark here = mark();
   while (count_ > 0) advance_base();
   now_ = base_;
   now_p_ = base_p_;
-  base_ = base;
-  base_p_ = base_p;
-  base_ns_ = base_ns;
-  first_ = first;
-  count_ = count;
+  back_to(here);
 }
 
 void UavEstimator::judge() {
@@ -181,7 +183,8 @@ void UavEstimator::judge() {
     state_.verdict = rt::UavVerdict::starting;
     return;
   }
-  const double alone_s = rt::to_seconds(now_ns_ - last_fix_ns_);
+  // Places that are refused are as good as none; headings may be none, but not all of them refused.
+  const double alone_s = std::max(rt::to_seconds(now_ns_ - last_fix_ns_), headings_.doubted_s());
   if (alone_s > config_.lost_after_s || !(sigma <= config_.lost_sigma_m)) {
     state_.verdict = rt::UavVerdict::lost;
   } else {
@@ -202,8 +205,9 @@ void UavEstimator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav estimator")
       .fixed(config_)
       .state(observer_, base_, now_, base_p_, now_p_, readings_, stamps_, base_ns_, now_ns_, last_fix_ns_,
-             gate_, have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_, refused_in_row_,
-             refused_at_m_, counters_, state_)
+             gate_, have_imu_, levelled_, located_, level_time_s_, level_acc_, level_gyr_, places_,
+             refused_at_m_, refused_off_m_, refused_first_off_m_, headings_, refused_off_rad_, counters_,
+             state_)
       .by_hand(first_, count_);
   archive.bounded(first_, kHistory - 1);
   archive.bounded(count_, kHistory);

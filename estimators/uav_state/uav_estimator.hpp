@@ -7,6 +7,7 @@
 
 #include "estimators/uav_state/disturbance_observer.hpp"
 #include "estimators/uav_state/inertial_step.hpp"
+#include "estimators/uav_state/refused_run.hpp"
 #include "rt/archive.hpp"
 #include "rt/samples.hpp"
 #include "rt/stamp_gate.hpp"
@@ -32,34 +33,43 @@ struct UavEstimatorConfig {
   double dead_after_s{0.3};         ///< without a fix: dead reckoning
   double lost_after_s{3.0};         ///< and lost
   double lost_sigma_m{0.5};         ///< also lost: standard deviation of the position, worst axis
-  std::uint32_t relocate_after{8};  ///< refused fixes in a row that agree with each other
-  double relocate_spread_m{0.3};    ///< so near are they, from one to the next
+  std::uint32_t relocate_after{8};  ///< refused places (or headings) in a row that agree with each other
+  double relocate_spread_m{0.3};    ///< so near are they, from one to the next: as places, or as seen from
+                                    ///< the way that is reckoned
+  double relocate_spread_rad{0.1};  ///< and headings, as seen from the heading that is reckoned
   double max_gap_s{0.05};           ///< longest interval of the inertial sensor that is integrated as it is
   double max_rate_rad_s{40.0};      ///< a larger reading is no reading
   double max_acc_m_s2{400.0};
   DisturbanceConfig disturbance;
 };
 
-/// What happened to the samples, since start.
+/// What happened to the samples, since start. fixes_used + fixes_refused + fixes_gated = all fixes given.
 struct UavEstimatorCounters {
   std::uint64_t imu_used{};
   std::uint64_t imu_refused{};
   std::uint64_t imu_gaps{};
-  std::uint64_t fixes_used{};
-  std::uint64_t fixes_refused{};  ///< not finite, or of a time that is gone or not yet there
-  std::uint64_t fixes_gated{};    ///< too far from what is believed
-  std::uint64_t yaws_gated{};
-  std::uint64_t relocated{};  ///< gave in to fixes that agreed
+  std::uint64_t fixes_used{};     ///< the place, the heading, or both
+  std::uint64_t fixes_refused{};  ///< say nothing, not finite, or of a time that is gone or not yet there
+  std::uint64_t fixes_gated{};    ///< too far from what is believed: nothing of them was used
+  std::uint64_t yaws_gated{};     ///< headings too far from what is believed, also of fixes that were used
+  std::uint64_t relocated{};      ///< gave in to places that agreed
+  std::uint64_t reheaded{};       ///< gave in to headings that agreed
   SORTIE_FIELDS(imu_used, imu_refused, imu_gaps, fixes_used, fixes_refused, fixes_gated, yaws_gated,
-                relocated)
+                relocated, reheaded)
 };
 
 /// Error-state Kalman filter of 15 states. Two copies of it run: one stands at the stamp of the newest fix,
 /// the other goes ahead with each reading. A late fix moves the first on to its stamp over the readings kept
 /// since, corrects it there, and the second starts from it anew: what comes out is exactly what a filter
 /// would say that had had the fix in time. Readings are kept for kHistory intervals; older fixes are refused,
-/// so is one that is older than another that was used. A reading more than 10 s ahead, or back in time, is
+/// so is one that is older than another that was used. A fix that is refused leaves no trace but counters and
+/// its place in the run of refused ones. A reading more than 10 s ahead, or back in time, is
 /// refused; eight in a row that follow each other are believed, and everything begins anew, with levelling.
+///
+/// Place and heading of a fix are two measurements with a gate each; what a fix does not carry is not read.
+/// Neither gate stays shut: to relocate_after refused places that agree the position gives in (its velocity
+/// comes from them, too; attitude and biases stay), to as many headings the heading. Headings that do not
+/// agree make the verdict dead and lost as missing places do.
 /// 15 kB, no heap. A reading costs about 1.5 us, a fix at most 2 kHistory readings.
 class UavEstimator {
  public:
@@ -71,8 +81,9 @@ class UavEstimator {
   /// expected to make in its interval. ok; not_finite, out_of_range, time_repeated or time_backwards: nothing
   /// changes but a counter.
   Status imu(const rt::ImuSample& sample, double thrust_m_s2);
-  /// One fix, whenever it arrives. ok; not_finite; stale (older than what is kept or used); out_of_range
-  /// (ahead of the readings, or gated); empty (not levelled yet, or a first one without place or heading).
+  /// One fix, whenever it arrives. ok (some of it was used); not_finite (of what it carries); stale (older
+  /// than what is kept or used); out_of_range (ahead of the readings, or gated); empty (carries nothing, not
+  /// levelled yet, a first one without place or heading, or only a heading where the nose points up or down).
   Status fix(const rt::UavFix& fix);
 
   /// After the newest reading.
@@ -91,12 +102,39 @@ class UavEstimator {
   void move_to_origin(InertialReading& reading) const;
   void advance_base();
   void restart_now();
+  // The base and the readings after it, to come back to.
+  struct Mark {
+    InertialState base;
+    ErrorCovariance base_p;
+    rt::Nanoseconds base_ns;
+    std::uint32_t first;
+    std::uint32_t count;
+  };
+  Mark mark() const { return {base_, base_p_, base_ns_, first_, count_}; }
+  void back_to(const Mark& mark);
+  // How a heading looks from the base: its error per error of the attitude, and how far off it is.
+  struct HeadingSeen {
+    double h[kErrorStates]{};
+    double off_rad{};
+    bool defined{};  ///< false: the nose points up or down, or the fix carries none; the rest is not there
+    bool fits{};     ///< the gate believes it
+  };
+
+  Status admit(const rt::UavFix& fix) const;
+  Status correct_or_undo(const rt::UavFix& fix);
+  void forget(std::size_t from, std::size_t to, double variance);
   void begin(const rt::UavFix& fix);
   Status correct(const rt::UavFix& fix, double ahead_s);
+  bool correct_place(const rt::UavFix& fix, double ahead_s, double (&dx)[kErrorStates]);
+  bool correct_heading(const rt::UavFix& fix, const HeadingSeen& seen, double (&dx)[kErrorStates]);
+  HeadingSeen see_heading(const rt::UavFix& fix) const;
   void scalar(const double (&h)[kErrorStates], double innovation, double variance,
               double (&dx)[kErrorStates]);
   void inject(const double (&dx)[kErrorStates]);
-  bool relocates(const rt::UavFix& fix);
+  bool agreed_place(rt::Nanoseconds stamp_ns, const rt::Vector3& at, const rt::Vector3& off);
+  bool note_heading(rt::Nanoseconds stamp_ns, const HeadingSeen& seen);
+  void relocate(const rt::UavFix& fix, const rt::Vector3& off, double ahead_s);
+  void turn_to(const rt::UavFix& fix);
   void judge();
   void publish(const rt::Vector3& w);
 
@@ -120,8 +158,12 @@ class UavEstimator {
   double level_time_s_{};
   rt::Vector3 level_acc_;
   rt::Vector3 level_gyr_;
-  std::uint32_t refused_in_row_{};
+  RefusedRun places_;  ///< refused ones
   rt::Vector3 refused_at_m_;
+  rt::Vector3 refused_off_m_;        ///< from where the base was then
+  rt::Vector3 refused_first_off_m_;  ///< of the first of those that agree
+  RefusedRun headings_;              ///< refused ones
+  double refused_off_rad_{};
   UavEstimatorCounters counters_;
   rt::UavState state_;
 };

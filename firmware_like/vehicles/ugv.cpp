@@ -74,8 +74,9 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
           const rt::PoseEstimate& pose = odometry_->estimate();
           const double speed = pose.v_body_m_s[0];
           attitude_->set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
-          // A velocity that is not finite is no aid; the odometry counts what made it so.
-          if (track_aid_)
+          // A velocity that is not finite is no aid; the odometry counts what made it so. Before its first
+          // sample it has none to tell.
+          if (track_aid_ && (pose.flags & estimators::kPoseStarted) != 0)
             static_cast<void>(attitude_->set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
         }
         for (const rt::ImuSample& sample : *imu_) {

@@ -62,6 +62,33 @@ TEST_CASE("a fix that the frames cannot say is refused") {
   CHECK(encode_fix(fix, 0, frames) == Status::not_finite);
 }
 
+TEST_CASE("what a fix does not carry is not looked at, and the bus says zero") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const std::uint32_t flags : {0u, +rt::kFixPosition, +rt::kFixYaw, rt::kFixPosition | rt::kFixYaw}) {
+    for (const double junk : {nan, std::numeric_limits<double>::infinity(), 1e30, 7.0}) {
+      CAPTURE(flags, junk);
+      rt::UavFix fix = some_fix();
+      fix.flags = flags;
+      rt::UavFix plain = fix;
+      if ((flags & rt::kFixPosition) == 0) {
+        for (int i = 0; i < 3; ++i) fix.p_world_m[i] = junk;
+        for (double& place : plain.p_world_m) place = 0.0;
+      }
+      if ((flags & rt::kFixYaw) == 0) {
+        fix.yaw_rad = junk;
+        plain.yaw_rad = 0.0;
+      }
+      CanFrame frames[2];
+      CanFrame expected[2];
+      REQUIRE(encode_fix(fix, 9, frames) == Status::ok);
+      REQUIRE(encode_fix(plain, 9, expected) == Status::ok);
+      for (int f = 0; f < 2; ++f) {
+        for (int i = 0; i < 8; ++i) CHECK(frames[f].data[i] == expected[f].data[i]);
+      }
+    }
+  }
+}
+
 TEST_CASE("speeds for eight rotors survive the bus, third by third") {
   rt::RotorCommand command;
   command.rotors = rt::kMaxRotors;

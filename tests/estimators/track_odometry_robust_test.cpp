@@ -79,6 +79,29 @@ TEST_CASE("An attitude that stops coming is noticed and makes the heading less c
   CHECK(position_of(odometry).x == Approx(1.0));
 }
 
+TEST_CASE("Where the attitude is not known a pose says so, and nothing is taken for rest") {
+  // The tracks are the first to speak: no attitude at all.
+  TrackOdometry odometry{TrackOdometryConfig{}};
+  REQUIRE(odometry.update({0, 0, 0, 0}) == Status::ok);
+  CHECK(odometry.estimate().flags == (estimators::kPoseStarted | estimators::kPoseAttitudeStale));
+  REQUIRE(odometry.update({20 * kMs, 0, 0, 0}) == Status::ok);
+  CHECK((odometry.estimate().flags & estimators::kPoseAttitudeStale) != 0);
+  CHECK((odometry.estimate().flags & estimators::kPoseStationary) == 0);
+  // With one it stands; when that is 150 ms old nobody knows.
+  REQUIRE(odometry.observe(attitude_at(40 * kMs, {}, {})) == Status::ok);
+  for (int i = 2; i <= 20; ++i) {
+    REQUIRE(odometry.update({i * 20 * kMs, 0, 0, 0}) == Status::ok);
+    const bool known = i * 20 <= 40 + 150;
+    INFO(i);
+    CHECK(((odometry.estimate().flags & estimators::kPoseStationary) != 0) == known);
+    CHECK(((odometry.estimate().flags & estimators::kPoseAttitudeStale) == 0) == known);
+  }
+  // Neither is a pose sure that starts on a new time line with an attitude of the old one.
+  for (int i = 0; i < 8; ++i) static_cast<void>(odometry.update({60'000 * kMs + i * 20 * kMs, 0, 0, 0}));
+  REQUIRE(odometry.counters().resumed == 1);
+  CHECK((odometry.estimate().flags & estimators::kPoseAttitudeStale) != 0);
+}
+
 TEST_CASE("The history of attitudes interpolates, extrapolates, thins, and survives a clock set back") {
   estimators::AttitudeHistory history(20 * kMs, 100 * kMs);
   const auto yaw = [](rt::Nanoseconds t) { return 0.5 * rt::to_seconds(t); };

@@ -42,22 +42,9 @@ class ComplementaryFilter {
   }
 
   void fix(const rt::UavFix& fix) {
-    const rt::Vector3 seen = rt::to_vector(fix.p_world_m);
-    if (!located_) {
-      p_ = seen;
-      located_ = true;
-      return;
-    }
-    for (const Past& past : past_) {
-      if (past.stamp_ns == 0 || past.stamp_ns < fix.stamp_ns - 2'500'000 ||
-          past.stamp_ns > fix.stamp_ns + 2'500'000)
-        continue;
-      const rt::Vector3 off = seen - past.p_m;
-      p_ = p_ + kPlace * off;
-      v_ = v_ + kSpeed_hz * off;
-      for (Past& each : past_) each.p_m = each.p_m + kPlace * off;
-      break;
-    }
+    const bool first = !located_;
+    if ((fix.flags & rt::kFixPosition) != 0) take_place(fix);
+    if (first || (fix.flags & rt::kFixYaw) == 0) return;
     const double turn = kHeading * rt::wrap_angle(fix.yaw_rad - rt::yaw_of(q_));
     q_ = rt::normalised(rt::exp_rotation({0, 0, turn}) * q_);
   }
@@ -74,6 +61,25 @@ class ComplementaryFilter {
   }
 
  private:
+  void take_place(const rt::UavFix& fix) {
+    const rt::Vector3 seen = rt::to_vector(fix.p_world_m);
+    if (!located_) {
+      p_ = seen;
+      located_ = true;
+      return;
+    }
+    for (const Past& past : past_) {
+      if (past.stamp_ns == 0 || past.stamp_ns < fix.stamp_ns - 2'500'000 ||
+          past.stamp_ns > fix.stamp_ns + 2'500'000)
+        continue;
+      const rt::Vector3 off = seen - past.p_m;
+      p_ = p_ + kPlace * off;
+      v_ = v_ + kSpeed_hz * off;
+      for (Past& each : past_) each.p_m = each.p_m + kPlace * off;
+      break;
+    }
+  }
+
   static constexpr double kRest_s = 1.0;
   static constexpr double kLevel_hz = 0.05;
   static constexpr double kPlace = 0.25;    // of a fix, 20 a second
