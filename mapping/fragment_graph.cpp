@@ -82,12 +82,12 @@ void FragmentGraph::disconnect(BlockIndex from, int direction, NodeIndex to) {
   }
 }
 
-void FragmentGraph::connect(NodeIndex from, const FragmentEdge& edge) {
+bool FragmentGraph::connect(NodeIndex from, const FragmentEdge& edge) {
   NodeIndex part = from;
   while (nodes_[part].edges == FragmentNode::kEdges) {
     if (nodes_[part].extension == kNoNode) {
       const NodeIndex extension = take(nodes_[from].block, 0);
-      if (extension == kNoNode) return;
+      if (extension == kNoNode) return false;
       nodes_[part].extension = extension;
     }
     part = nodes_[part].extension;
@@ -95,6 +95,7 @@ void FragmentGraph::connect(NodeIndex from, const FragmentEdge& edge) {
   nodes_[part].edge[nodes_[part].edges++] = edge;
   FragmentNode& to = nodes_[edge.to];
   to.backward_set = static_cast<std::uint16_t>(to.backward_set | 1u << (edge.direction() - 14));
+  return true;
 }
 
 NodeIndex FragmentGraph::holder(BlockIndex block, unsigned cell) const {

@@ -69,8 +69,8 @@ class FragmentGraph {
   void disconnect(BlockIndex from, int direction);
   /// The same, edges to node `to` alone.
   void disconnect(BlockIndex from, int direction, NodeIndex to);
-  /// Adds an edge to a node. When no room is left it is lost and counted.
-  void connect(NodeIndex from, const FragmentEdge& edge);
+  /// Adds an edge to a node. False when no room is left: it is lost and counted.
+  [[nodiscard]] bool connect(NodeIndex from, const FragmentEdge& edge);
   /// Node of a block that holds a cell, or kNoNode.
   NodeIndex holder(BlockIndex block, unsigned cell) const;
 
@@ -95,6 +95,8 @@ class FragmentGraph {
   std::uint32_t in_use() const { return in_use_; }
   std::uint32_t most_in_use() const { return most_in_use_; }
   std::uint64_t refused() const { return refused_; }
+  /// Nodes that can be taken; while held, those that were given back meanwhile are counted too early.
+  std::uint32_t room() const { return static_cast<std::uint32_t>(nodes_.size()) - in_use_; }
 
   /// While held, nodes that are given back are not handed out again: somebody is walking over them.
   void hold(bool held);

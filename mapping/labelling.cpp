@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stages of a labelling, one after the other, each in small steps: forget the last one, unite what touches,
 // look whether components fell apart and have that checked, put nodes of a component together, count for
-// every segment which component holds most of it, decide on ids, write.
+// every segment which component holds most of it, decide on ids, write; where nodes left meanwhile, look
+// which segments left with them.
 #include "mapping/labelling.hpp"
 
 #include <algorithm>
@@ -27,6 +28,9 @@ void Labelling::start(std::uint32_t tick) {
   nodes_ = 0xffffffffu;
   apart_ = kNoNode;
   fallen_apart_ = false;
+  disturbed_ = false;
+  nameless_ = leaving_ = 0;
+  making_ = {};
   next(Stage::reset);
 }
 
@@ -116,10 +120,15 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
     case Stage::reset_slots:
     case Stage::close:
     case Stage::decide:
-    case Stage::rename: {
+    case Stage::rename:
+    case Stage::settle: {
       const std::uint32_t slots = upto(slot_numbers_);
       for (; at_ < slots; ++at_) visit_slot(static_cast<std::uint16_t>(at_));
       if (slots != slot_numbers_) return slots;
+      if (stage_ == Stage::settle) {
+        publish();
+        return slots;
+      }
       return next(stage_ == Stage::reset_slots ? Stage::group
                   : stage_ == Stage::close     ? Stage::decide
                   : stage_ == Stage::decide    ? Stage::rename
@@ -137,6 +146,7 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
       return at_;
     case Stage::write:
       for (; at_ < nodes; ++at_) write(graph[static_cast<NodeIndex>(at_)], static_cast<NodeIndex>(at_));
+      if (nodes == nodes_ && disturbed_) return next(Stage::settle);
       if (nodes == nodes_) publish();
       return nodes;
   }
@@ -182,9 +192,15 @@ void Labelling::visit_slot(std::uint16_t index) {
     close_vote(slot);
   } else if (stage_ == Stage::decide) {
     decide(index);
-  } else if (slot.most > 0 && memory_.components[slot.owner].slot != index) {
-    event(SegmentChange::renamed, slot.id, memory_.slots[memory_.components[slot.owner].slot].id);
-    ++counts_.renamed;
+  } else if (slot.most > 0 && (memory_.components[slot.owner].slot == index) == (stage_ == Stage::settle)) {
+    if (stage_ == Stage::rename) {
+      event(SegmentChange::renamed, slot.id, memory_.slots[memory_.components[slot.owner].slot].id);
+      ++making_.renamed;
+      ++leaving_;
+    } else if (slot.voxels[1 - shown_] == 0) {
+      // It was to stay, or was born: then all of its nodes left. The next labelling forgets it.
+      go(slot);
+    }
   }
 }
 
@@ -233,13 +249,16 @@ void Labelling::close_vote(SegmentSlot& slot) {
   slot.here = 0;
 }
 
+void Labelling::go(const SegmentSlot& slot) {
+  ++making_.gone;
+  ++leaving_;
+  event(SegmentChange::gone, slot.id, kNoSegment);
+}
+
 /// Of the segments that stay with a component the oldest one names it.
 void Labelling::decide(std::uint16_t index) {
   const SegmentSlot& slot = memory_.slots[index];
-  if (slot.most == 0) {
-    ++counts_.gone;
-    return event(SegmentChange::gone, slot.id, kNoSegment);
-  }
+  if (slot.most == 0) return go(slot);
   std::uint16_t& named = memory_.components[slot.owner].slot;
   if (named == kNoLabel || slot.id < memory_.slots[named].id) named = index;
 }
@@ -255,21 +274,24 @@ void Labelling::queue(std::uint16_t component) {
 void Labelling::name(std::uint16_t component) {
   const auto size = static_cast<std::uint32_t>(memory_.slots.size());
   while (slot_hand_ < slot_numbers_ && memory_.slots[slot_hand_].id != kNoSegment) ++slot_hand_;
-  if (slot_hand_ == slot_numbers_) {
-    if (slot_numbers_ == size) {
-      ++counts_.slots_full;
-      return;
-    }
-    ++slot_numbers_;
+  // Ids never come again: one may live on for ever, and its age is its number. So at last none is left.
+  const std::uint64_t id = next_id_ + making_.born;
+  if (slot_hand_ == size || id >= kIdsSpent) {
+    ++making_.slots_full;
+    ++nameless_;
+    return;
   }
+  if (slot_hand_ == slot_numbers_) ++slot_numbers_;
   SegmentComponent& c = memory_.components[component];
   c.slot = static_cast<std::uint16_t>(slot_hand_);
   memory_.slots[slot_hand_] = SegmentSlot{};
-  memory_.slots[slot_hand_].id = next_id_++;
+  memory_.slots[slot_hand_].id = static_cast<SegmentId>(id);
   memory_.slots[slot_hand_].first_tick = tick_;
+  memory_.slots[slot_hand_].most = c.voxels;
+  memory_.slots[slot_hand_].owner = component;
   const bool cut = c.cut_from != kNoLabel;
-  ++counts_.born;
-  if (cut) ++counts_.cut;
+  ++making_.born;
+  if (cut) ++making_.cut;
   event(SegmentChange::born, memory_.slots[slot_hand_].id, cut ? memory_.slots[c.cut_from].id : kNoSegment);
 }
 
@@ -281,17 +303,39 @@ void Labelling::write(FragmentNode& node, NodeIndex index) {
   if (slot != kNoLabel) memory_.slots[slot].voxels[1 - shown_] += node.voxels;
 }
 
+void Labelling::leaving(const FragmentGraph& graph, BlockIndex block) {
+  if (!running()) return;
+  disturbed_ = true;
+  if (apart_ != kNoNode && graph[apart_].block == block) apart_ = kNoNode;
+}
+
+void Labelling::finish_names(FragmentGraph& graph) const {
+  if (stage_ != Stage::write) return;
+  for (std::uint32_t i = at_; i < nodes_; ++i) {
+    FragmentNode& node = graph[static_cast<NodeIndex>(i)];
+    if (node.cells != 0) node.name = memory_.work[i].parent;
+  }
+}
+
 void Labelling::publish() {
   shown_ = 1 - shown_;
   shown_events_ = events_;
   shown_components_ = components_;
+  shown_nameless_ = nameless_;
+  next_id_ += static_cast<SegmentId>(making_.born);
   ++counts_.labellings;
+  counts_.born += making_.born;
+  counts_.renamed += making_.renamed;
+  counts_.gone += making_.gone;
+  counts_.cut += making_.cut;
+  counts_.slots_full += making_.slots_full;
+  counts_.events_lost += making_.events_lost;
   next(Stage::idle);
 }
 
 void Labelling::event(SegmentChange change, SegmentId id, SegmentId other) {
   if (events_ == half()) {
-    ++counts_.events_lost;
+    ++making_.events_lost;
     return;
   }
   memory_.events[(1 - shown_) * half() + events_++] = {change, id, other};

@@ -21,14 +21,14 @@ struct LabellingMemory {
   std::span<SegmentEvent> events;          ///< twice the most events of a labelling
 };
 
-/// Counters of all labellings.
+/// Counters of all labellings that were finished.
 struct LabellingCounts {
   std::uint64_t labellings{};  ///< finished ones
   std::uint64_t born{};
   std::uint64_t renamed{};
   std::uint64_t gone{};
   std::uint64_t cut{};         ///< born by a split
-  std::uint64_t slots_full{};  ///< components that got no id for want of a slot
+  std::uint64_t slots_full{};  ///< components that got no id for want of a slot, or of an id
   std::uint64_t events_lost{};
   SORTIE_FIELDS(labellings, born, renamed, gone, cut, slots_full, events_lost)
 };
@@ -37,13 +37,16 @@ struct LabellingCounts {
 /// its voxels (a tie: the one with the smallest key); a component takes the oldest of the ids that stay with
 /// it, the others are renamed to it; a component without an id gets a new one when it has `min_voxels`, in
 /// the order of keys. So ids do not depend on the order in which voxels came. What readers see changes only
-/// when a labelling is finished. Cost: about 10 visits a node, each of constant cost but for the union-find
-/// (nearly so) and a heap of the components that get new ids.
+/// when a labelling is finished, counters too. Cost: about 10 visits a node, each of constant cost but for
+/// the union-find (nearly so) and a heap of the components that get new ids.
 ///
 /// The owner of the graph need not know all edges within a component, as long as it knows enough of them to
 /// hold it together. When edges went and a component falls apart by those that are known, the labelling asks
 /// for the nodes of all parts but the largest one, one after the other (apart()), so that the owner can look
 /// for edges that it did not know; then it goes on.
+///
+/// Between two steps the owner may give nodes back, after leaving() said so. A labelling under way then shows
+/// what is gone as long as it takes to make the next one; no segment goes without an event.
 class Labelling {
  public:
   Labelling(std::uint32_t min_voxels, const LabellingMemory& memory);
@@ -54,6 +57,8 @@ class Labelling {
   /// until the owner has joined() what touches it and calls checked().
   NodeIndex apart() const { return apart_; }
   void checked() { apart_ = kNoNode; }
+  /// All nodes of a block are about to be given back. Nobody need check them.
+  void leaving(const FragmentGraph& graph, BlockIndex block);
   /// Two nodes touch after all; whether two nodes hang together by the edges known so far.
   void joined(NodeIndex a, NodeIndex b) { unite(a, b); }
   bool together(NodeIndex a, NodeIndex b) { return root(a) == root(b); }
@@ -72,6 +77,13 @@ class Labelling {
     return memory_.events.subspan(shown_ * half(), shown_events_);
   }
   const LabellingCounts& counts() const { return counts_; }
+  /// Components that should have an id by the labelling that is shown and have none: there was no slot.
+  std::uint32_t nameless() const { return shown_nameless_; }
+  /// Whether another labelling of the same graph would find slots for some of them.
+  bool finds_slots() const { return shown_nameless_ > 0 && leaving_ > 0; }
+  /// Before the graph is stored while its nodes' names are being written: writes the rest of them. Of a graph
+  /// with names of two labellings nobody could say what fell apart since.
+  void finish_names(FragmentGraph& graph) const;
   /// Ids and segments to bytes and back. A labelling that is under way is not kept: it begins anew.
   void archive(rt::Archive& archive);
   std::uint32_t components() const { return shown_components_; }
@@ -91,8 +103,11 @@ class Labelling {
     rename,
     queue,
     name,
-    write
+    write,
+    settle
   };
+  static constexpr SegmentId kIdsSpent = 0xffffffffu;  ///< the first number that is no id
+
   std::size_t half() const { return memory_.events.size() / 2; }
   NodeIndex root(NodeIndex node);
   void unite(NodeIndex a, NodeIndex b);
@@ -103,6 +118,7 @@ class Labelling {
   void group(const FragmentNode& node, std::uint64_t key);
   void vote(const FragmentGraph& graph);
   void close_vote(SegmentSlot& slot);
+  void go(const SegmentSlot& slot);
   void decide(std::uint16_t slot);
   void name(std::uint16_t component);
   void queue(std::uint16_t component);
@@ -140,8 +156,13 @@ class Labelling {
   std::uint32_t slot_hand_{};
   std::uint32_t events_{};
   std::uint32_t shown_events_{};
-  SegmentId next_id_{1};
+  std::uint32_t nameless_{};  ///< of the labelling in the making
+  std::uint32_t shown_nameless_{};
+  std::uint32_t leaving_{};  ///< slots that the next labelling finds free
+  bool disturbed_{};         ///< nodes left since the labelling began
+  SegmentId next_id_{1};     ///< of the next labelling's first; kIdsSpent: there is none any more
   LabellingCounts counts_;
+  LabellingCounts making_;  ///< of the labelling in the making
 };
 
 }  // namespace sortie::mapping

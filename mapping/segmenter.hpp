@@ -17,6 +17,13 @@
 
 namespace sortie::mapping {
 
+/// Debug builds test the segmenter's invariants after every update of a map of at most so many blocks.
+#ifdef NDEBUG
+inline constexpr std::uint32_t kBlocksChecked = 0;
+#else
+inline constexpr std::uint32_t kBlocksChecked = 64;
+#endif
+
 /// Settings of a segmenter.
 struct SegmenterConfig {
   double radius_m{0.2};           ///< growing radius: more than 0, at most 4 voxels
@@ -24,7 +31,8 @@ struct SegmenterConfig {
   std::uint32_t units{0};         ///< most work a tick; 0: all there is. See Segmenter::kBlockUnits
 };
 
-/// What the segmenter knows of a block besides its fragments. 24 bytes.
+/// What the segmenter knows of a block besides its fragments; what holds of it at any time stands in
+/// segmenter_invariants.hpp. 24 bytes.
 struct BlockWork {
   static constexpr std::uint32_t kAllMixed = (1u << kDirections) - 1;
   std::uint64_t moved{};           ///< voxels that changed since it was looked at
@@ -33,6 +41,7 @@ struct BlockWork {
   std::uint16_t slack{};           ///< drift until a link within it can break, in kDriftStep; 0: not known
   std::uint8_t queued : 2 {};      ///< 0: not; else a tag of the cycle that will look at it
   std::uint8_t renewed : 1 {};     ///< when it was looked at it got fresh fragments
+  std::uint8_t wanting : 1 {};     ///< there was no room for one of its fragments or edges
   std::uint8_t cycle{};            ///< low bits of the cycle that looked at it
 };
 static_assert(sizeof(BlockWork) == 24);
@@ -51,8 +60,10 @@ struct SegmenterStep {
   std::uint32_t units{};    ///< of work done
   std::uint32_t blocks{};   ///< looked at again
   std::uint32_t backlog{};  ///< blocks that wait to be looked at
+  std::uint32_t wanting{};  ///< blocks that lack fragments or edges until there is room for them
   bool current{};           ///< what is shown is the exact partition of the grid as it is now
-  SORTIE_FIELDS(units, blocks, backlog, current)
+  bool done{};  ///< the next update does nothing unless something changes. Not current: a pool is full
+  SORTIE_FIELDS(units, blocks, backlog, wanting, current, done)
 };
 
 /// Incremental segmentation. What touches is kept as a graph of fragments (FragmentGraph), and labelled anew
@@ -61,7 +72,8 @@ struct SegmenterStep {
 /// New edges within a component change nothing and are not looked for, until known edges no longer hold it
 /// together. With a budget the rest waits: blocks in a queue, the labelling where it stopped; no tick does
 /// more than one block beyond it; what is shown meanwhile is the last finished labelling. Without input it
-/// converges to the partition of the whole. No heap.
+/// converges to the partition of the whole. A full pool leaves voxels without a segment, or segments apart;
+/// that is not current. What was left out is tried again when there is room. No heap.
 template <SegmentationPolicy Policy>
 class Segmenter {
  public:
@@ -91,9 +103,7 @@ class Segmenter {
     work_[block].moved |= moved;
     std::uint16_t& slack = work_[block].slack;
     slack = static_cast<std::uint16_t>(slack > drift ? slack - drift : 0);
-    if (work_[block].queued != 0) return;
-    work_[block].queued = tag(cycle_ + 1) & 3;
-    queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
+    enqueue(block);
   }
   /// A block that is about to be given back; its voxels and its place can still be read.
   void forget(const RollingGrid& grid, BlockIndex block);
@@ -110,7 +120,11 @@ class Segmenter {
   }
   /// Segments, ids, fragments with their edges and the blocks that wait, to bytes and back, after the grid:
   /// what was read goes on as what was written would have. Only a labelling that is under way begins anew.
+  /// Between scans, at any step of the work.
   void archive(rt::Archive& archive, const RollingGrid& grid);
+  /// Which of the invariants in segmenter_invariants.hpp does not hold, in a few words; null where all hold.
+  /// Between steps, after mark(). Tests every pair of voxels around every block: for tests and debug builds.
+  const char* broken(const RollingGrid& grid) const;
 
   const Labelling& labelling() const { return labelling_; }
   const FragmentGraph& graph() const { return graph_; }
@@ -134,6 +148,17 @@ class Segmenter {
   SegmentId taken_in(const RollingGrid& grid, BlockIndex block,
                      unsigned cell) const requires TakingPolicy<Policy>;
   static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
+  void enqueue(BlockIndex block) {
+    if (work_[block].queued != 0) return;
+    work_[block].queued = tag(cycle_ + 1) & 3;
+    queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
+  }
+  void want(BlockIndex block);
+  void want_no_more(BlockIndex block);
+  std::uint32_t sweep();
+  const char* broken_block(const RollingGrid& grid, BlockIndex block) const;
+  const char* broken_pair(const RollingGrid& grid, BlockIndex a, BlockIndex b, int direction) const;
+  bool awaits(BlockIndex a, std::uint64_t cells, BlockIndex b) const;
   void look_at(const RollingGrid& grid, BlockIndex block);
   std::uint16_t slack_of(std::int64_t longest) const;
   void fragment(const RollingGrid& grid, Here& here);
@@ -173,11 +198,15 @@ class Segmenter {
   std::uint32_t left_of_cycle_{};  ///< blocks that are looked at before the next labelling
   bool changed_{};                 ///< the graph, since the newest labelling began
   bool drained_{};                 ///< a cycle is done, its labelling comes next
+  bool swept_{};                   ///< before the next cycle blocks that want room were looked for
+  std::uint32_t sweep_left_{};     ///< block numbers to look through for them
+  std::uint32_t wanting_{};        ///< blocks that want room
 };
 
 }  // namespace sortie::mapping
 
-#include "mapping/segmenter_edges.hpp"      // IWYU pragma: export
-#include "mapping/segmenter_engine.hpp"     // IWYU pragma: export
-#include "mapping/segmenter_fragments.hpp"  // IWYU pragma: export
-#include "mapping/segmenter_state.hpp"      // IWYU pragma: export
+#include "mapping/segmenter_edges.hpp"       // IWYU pragma: export
+#include "mapping/segmenter_engine.hpp"      // IWYU pragma: export
+#include "mapping/segmenter_fragments.hpp"   // IWYU pragma: export
+#include "mapping/segmenter_invariants.hpp"  // IWYU pragma: export
+#include "mapping/segmenter_state.hpp"       // IWYU pragma: export

@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 3;
+constexpr std::uint32_t kFormatVersion = 4;
 constexpr std::uint8_t kUnseen = 0xff;  ///< marks a node that no list has held yet
 }  // namespace
 
@@ -16,9 +16,9 @@ void Labelling::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "segments")
       .fixed(min_voxels_, memory_)
       .scratch(stage_, at_, tick_, nodes_, vote_node_, apart_, fallen_apart_, components_, fresh_, slot_hand_,
-               events_)
+               events_, nameless_, leaving_, disturbed_, making_)
       .by_hand(slot_numbers_, shown_, shown_events_)
-      .state(shown_components_, next_id_, counts_);
+      .state(shown_components_, shown_nameless_, next_id_, counts_);
   archive.expect(kFormatVersion, "the segments have another format version");
   archive.bounded(slot_numbers_, memory_.slots.size());
   archive.bounded(shown_, 1);

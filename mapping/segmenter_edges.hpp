@@ -153,12 +153,15 @@ void Segmenter<Policy>::search(const RollingGrid& grid, const Here& here, const 
       const NodeIndex found = graph_.holder(beside.index, b);
       open &= ~graph_[found].cells;
       near &= open | cell_bit(b);
-      if (beside.forward()) {
-        graph_.connect(node, FragmentEdge::of(found, beside.direction, a, b));
-      } else {
-        graph_.connect(found, FragmentEdge::of(node, beside.kept(), b, a));
+      const bool kept = beside.forward()
+                            ? graph_.connect(node, FragmentEdge::of(found, beside.direction, a, b))
+                            : graph_.connect(found, FragmentEdge::of(node, beside.kept(), b, a));
+      if (labelling_.running()) {
+        // An edge that is lost here is none: the next labelling finds the two apart, and asks for it again.
+        labelling_.joined(node, found);
+      } else if (!kept) {
+        want(here.index);
       }
-      if (labelling_.running()) labelling_.joined(node, found);
     }
   }
 }

@@ -18,7 +18,9 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       step.units += kBlockUnits;
     } else if (labelling_.running()) {
       step.units += labelling_.run(graph_, grid.blocks(), most - step.units);
-      if (!labelling_.running()) graph_.hold(false);
+      if (labelling_.running()) continue;
+      graph_.hold(false);
+      changed_ = changed_ || labelling_.finds_slots();
     } else if (left_of_cycle_ > 0) {
       drained_ = --left_of_cycle_ == 0;
       --queue_size_;
@@ -33,7 +35,10 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
         graph_.prefetch_nodes(next);
         __builtin_prefetch(&grid.block(queue_[(queue_first_ + 1) % queue_.size()]));
       }
-      if (!grid.block(block).in_use()) continue;
+      if (!grid.block(block).in_use()) {  // it left while it waited
+        ++step.units;
+        continue;
+      }
       look_at(grid, block);
       ++step.blocks;
       step.units += kBlockUnits;
@@ -41,17 +46,54 @@ SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t t
       changed_ = drained_ = false;
       labelling_.start(tick);
       graph_.hold(true);
+    } else if (sweep_left_ > 0) {
+      step.units += sweep();
+    } else if (wanting_ > 0 && !swept_ && graph_.room() > 0) {
+      sweep_left_ = grid.block_numbers();
+      swept_ = true;
     } else if (queue_size_ > 0) {
       ++cycle_;
       left_of_cycle_ = queue_size_;
       changed_ = true;
+      swept_ = false;
+    } else if (swept_) {
+      swept_ = false;  // those that were found left
     } else {
       break;
     }
   }
   step.backlog = queue_size_;
-  step.current = status_ == Status::ok && queue_size_ == 0 && !changed_ && !labelling_.running();
+  step.wanting = wanting_;
+  const bool idle = queue_size_ == 0 && !changed_ && !labelling_.running();
+  step.current = status_ == Status::ok && idle && wanting_ == 0 && labelling_.nameless() == 0;
+  step.done = status_ != Status::ok || (idle && sweep_left_ == 0 && (wanting_ == 0 || graph_.room() == 0));
+  if constexpr (kBlocksChecked > 0) {
+    if (grid.block_numbers() <= kBlocksChecked && broken(grid) != nullptr) __builtin_trap();
+  }
   return step;
+}
+
+/// Some of the block numbers that are left are looked through: what wants room gets in line. Gives the units.
+template <SegmentationPolicy Policy>
+std::uint32_t Segmenter<Policy>::sweep() {
+  constexpr std::uint32_t kAtOnce = 16;
+  for (std::uint32_t i = 0; i < kAtOnce && sweep_left_ > 0; ++i) {
+    const auto block = static_cast<BlockIndex>(--sweep_left_);
+    if (work_[block].wanting != 0) enqueue(block);
+  }
+  return 1;
+}
+
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::want(BlockIndex block) {
+  if (work_[block].wanting == 0) ++wanting_;
+  work_[block].wanting = 1;
+}
+
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::want_no_more(BlockIndex block) {
+  if (work_[block].wanting != 0) --wanting_;
+  work_[block].wanting = 0;
 }
 
 template <SegmentationPolicy Policy>
@@ -60,7 +102,9 @@ void Segmenter<Policy>::forget(const RollingGrid& grid, BlockIndex block) {
   work_[block].moved = 0;
   work_[block].mixed = BlockWork::kAllMixed;
   work_[block].slack = 0;
+  want_no_more(block);
   if (graph_.first(block) == kNoNode) return;
+  labelling_.leaving(graph_, block);
   BlockIndex around[kDirections];
   grid.around(grid.block(block), around);
   for (int direction = 0; direction < kHere; ++direction) {
@@ -74,6 +118,13 @@ template <SegmentationPolicy Policy>
 void Segmenter<Policy>::look_at(const RollingGrid& grid, BlockIndex block) {
   Here here(block);
   BlockWork& own = work_[block];
+  if (own.wanting != 0) {
+    // What it has no fragment or edge for may be anywhere in it, and need not have moved since.
+    own.moved = grid.block(block).active;
+    own.mixed = BlockWork::kAllMixed;
+    own.slack = 0;
+    want_no_more(block);
+  }
   here.moved = own.looked = own.moved;
   own.moved = 0;
   own.cycle = static_cast<std::uint8_t>(cycle_);

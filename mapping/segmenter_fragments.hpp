@@ -209,7 +209,7 @@ void Segmenter<Policy>::renew_nodes(const RollingGrid& grid, Here& here) {
     if ((kept & cell_bit(i)) != 0) continue;
     const NodeIndex node = graph_.take(here.index, here.part[i]);
     if (node == kNoNode) {
-      work_[here.index].slack = 0;  // so that it is tried again
+      want(here.index);
       break;
     }
     here.fresh |= here.part[i];

@@ -11,22 +11,28 @@ template <SegmentationPolicy Policy>
 void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
   rt::Members(archive, *this, "segmenter")
       .fixed(config_, policy_, reach_, queue_, work_, status_)
-      .by_hand(graph_, labelling_, queue_size_, left_of_cycle_, changed_)
+      .by_hand(graph_, labelling_, queue_size_, left_of_cycle_, changed_, drained_, sweep_left_, wanting_)
       .scratch(queue_first_)
-      .state(cycle_, drained_);
+      .state(cycle_, swept_);
   if (status_ != Status::ok) return;
   const bool reading = archive.is_reading();
   const std::uint32_t blocks = grid.block_numbers();
+  // A labelling that is under way begins anew before anything else happens.
   bool changed = changed_ || labelling_.running();
+  bool drained = drained_ || labelling_.running();
   archive.value(changed);
+  archive.value(drained);
+  if (!reading) labelling_.finish_names(graph_);
   labelling_.archive(archive);
   graph_.archive(archive, grid.blocks().first(blocks), labelling_.shown(),
                  static_cast<std::uint32_t>(labelling_.slots().size()));
   archive.bounded(queue_size_, blocks);
   archive.bounded(left_of_cycle_, queue_size_);
+  archive.bounded(sweep_left_, blocks);
   if (reading) {
     changed_ = changed;
-    queue_first_ = 0;
+    drained_ = drained;
+    queue_first_ = wanting_ = 0;
     for (BlockWork& work : work_) work = {};
   }
   for (BlockWork& work : work_.first(blocks)) {
@@ -38,6 +44,16 @@ void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
     bool renewed = work.renewed != 0;
     archive.value(renewed);
     work.renewed = renewed ? 1 : 0;
+    bool wanting = work.wanting != 0;
+    archive.value(wanting);
+    if (!reading) continue;
+    if (!wanting) continue;
+    const auto block = static_cast<BlockIndex>(&work - work_.data());
+    if (grid.block(block).in_use()) {
+      want(block);
+    } else {
+      archive.fail(Status::malformed, "a block that is not there wants room");
+    }
   }
   for (std::uint32_t i = 0; i < queue_size_; ++i) {
     BlockIndex& block = queue_[(queue_first_ + i) % queue_.size()];

@@ -70,7 +70,7 @@ mapping::RollingInsert ChosenMap::insert(const rt::PointScan& scan, const mappin
     // A scan that was refused changes nothing, and leaves the changes of the one before where they are.
     if (result.points.used > 0 || result.points.evicted > 0) {
       normals_backlog_ = map.update_normals().backlog;
-      current_ = false;
+      current_ = done_ = false;
     }
     return result;
   };
@@ -86,9 +86,10 @@ void ChosenMap::segment(rt::Tick tick) {
     const mapping::SegmenterStep step = segmenter.update(grid_, static_cast<std::uint32_t>(tick));
     backlog_ = step.backlog;
     current_ = step.current || segmenter.status() != Status::ok;
+    done_ = step.done;
     digest_events();
   });
-  if (labelling() == nullptr) current_ = true;
+  if (labelling() == nullptr) current_ = done_ = true;
 }
 
 /// What the newest scan changed, in no order, goes onto the chain.
@@ -187,7 +188,7 @@ void ChosenMap::archive(rt::Archive& archive) {
       .fixed(config_, normals_, euclidean_map_, smooth_map_, fragment_capacity_)
       .by_hand(grid_, euclidean_, smooth_)
       .scratch(labellings_)
-      .state(current_, backlog_, normals_backlog_, events_unseen_, change_digest_);
+      .state(current_, done_, backlog_, normals_backlog_, events_unseen_, change_digest_);
   grid_.archive(archive);
   with_segmenter(*this, [&](auto& segmenter) { segmenter.archive(archive, grid_); });
   if (const mapping::Labelling* segments = labelling(); segments != nullptr && archive.is_reading())

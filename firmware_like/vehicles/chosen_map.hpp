@@ -35,7 +35,8 @@ struct SegmentSummary {
   std::uint32_t voxels{};   ///< in them; of smoothness, the flat ones
   std::uint32_t largest{};  ///< voxels of the largest one
   std::uint32_t backlog{};  ///< blocks that wait to be looked at
-  bool current{true};       ///< what is shown is the exact partition of the map as it is now
+  bool current{
+      true};  ///< what is shown is the exact partition of the map as it is now; never with a full pool
   std::uint64_t born{};
   std::uint64_t renamed{};
   std::uint64_t gone{};
@@ -62,9 +63,11 @@ class ChosenMap {
 
   /// A scan taken at `pose`, as far as voxels and normals; segment() comes after it.
   mapping::RollingInsert insert(const rt::PointScan& scan, const mapping::RigidPose& pose, rt::Tick tick);
-  /// A part of the segmenter's work: config.segments.units of it. Call it until current().
+  /// A part of the segmenter's work: config.segments.units of it. Call it until done().
   void segment(rt::Tick tick);
-  bool current() const { return current_; }
+  /// Nothing is left to do until the next scan. What is shown may still lack what a full pool had no room
+  /// for: summary() says whether it is current.
+  bool done() const { return done_; }
   /// Of the newest call of segment() that finished a labelling: O(most_segments).
   SegmentSummary summary() const;
 
@@ -125,6 +128,7 @@ class ChosenMap {
   std::optional<mapping::LocalMap<mapping::SmoothnessPolicy>> smooth_map_;
   std::uint64_t fragment_capacity_{};
   bool current_{true};
+  bool done_{true};
   std::uint32_t backlog_{};
   std::uint32_t normals_backlog_{};
   std::uint64_t labellings_{};

@@ -136,7 +136,7 @@ void UgvMap::count(const mapping::RollingGridCounts& grid) {
 }
 
 void UgvMap::segment(rt::JobContext& context) {
-  while (!map_->current() && (!anytime_ || context.spend(kQuantum))) {
+  while (!map_->done() && (!anytime_ || context.spend(kQuantum))) {
     map_->segment(milliseconds_of(context));
     if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->note(*map_);
   }
