@@ -28,7 +28,7 @@ Wide wide(const estimators::ErrorCovariance& p) {
 
 // Flies up to a step, with fixes in time whose headings are off by `off(n)`.
 template <class Off>
-void fly(UavEstimator& estimator, SimulatedFlight& flight, std::int64_t from, std::int64_t to,
+void fly_on(UavEstimator& estimator, SimulatedFlight& flight, std::int64_t from, std::int64_t to,
          std::uint32_t flags, Off off) {
   for (std::int64_t i = from + 1; i <= to; ++i) {
     REQUIRE(estimator.imu(flight.imu(i * kStepNs), 9.81) == Status::ok);
@@ -39,22 +39,22 @@ void fly(UavEstimator& estimator, SimulatedFlight& flight, std::int64_t from, st
     static_cast<void>(estimator.fix(fix));
   }
 }
-constexpr std::uint32_t kBothFields = rt::kFixPosition | rt::kFixYaw;
+constexpr std::uint32_t kPlaceAndHeading = rt::kFixPosition | rt::kFixYaw;
 }  // namespace
 
 TEST_CASE("Headings that agree are given in to, alone or with a place, and the motion stays") {
-  for (const std::uint32_t flags : {+rt::kFixYaw, kBothFields}) {
+  for (const std::uint32_t flags : {+rt::kFixYaw, kPlaceAndHeading}) {
     for (const double off : {1.0, -2.5, 3.14159}) {
       CAPTURE(flags, off);
       UavEstimator estimator(matched_config());
       SimulatedFlight flight(41);
-      fly(estimator, flight, 0, 800, kBothFields, [](std::int64_t) { return 0.0; });
+      fly_on(estimator, flight, 0, 800, kPlaceAndHeading, [](std::int64_t) { return 0.0; });
       const double before = rt::yaw_of(estimator.now().q_world_body);
-      fly(estimator, flight, 800, 870, flags, [off](std::int64_t) { return off; });
+      fly_on(estimator, flight, 800, 870, flags, [off](std::int64_t) { return off; });
       CHECK(estimator.counters().reheaded == 0);
       CHECK(std::fabs(rt::wrap_angle(rt::yaw_of(estimator.now().q_world_body) - before)) < 0.3);
       CHECK(estimator.counters().yaws_gated == 7);
-      fly(estimator, flight, 870, 880, flags, [off](std::int64_t) { return off; });
+      fly_on(estimator, flight, 870, 880, flags, [off](std::int64_t) { return off; });
       CHECK(estimator.counters().reheaded == 1);
       const double truth = rt::yaw_of(SimulatedFlight::attitude(880 * 0.005));
       const double error = rt::wrap_angle(rt::yaw_of(estimator.now().q_world_body) - truth - off);
@@ -70,7 +70,7 @@ TEST_CASE("Headings that agree are given in to, alone or with a place, and the m
 TEST_CASE("A heading given in to leaves the covariance of an update of one that was not known at all") {
   UavEstimator estimator(matched_config());
   SimulatedFlight flight(42);
-  fly(estimator, flight, 0, 870, kBothFields, [](std::int64_t n) { return n > 80 ? 1.0 : 0.0; });
+  fly_on(estimator, flight, 0, 870, kPlaceAndHeading, [](std::int64_t n) { return n > 80 ? 1.0 : 0.0; });
   for (std::int64_t i = 871; i <= 880; ++i)
     REQUIRE(estimator.imu(flight.imu(i * kStepNs), 9.81) == Status::ok);
   const Wide p = wide(estimator.covariance());
@@ -102,25 +102,25 @@ TEST_CASE("A heading given in to leaves the covariance of an update of one that 
 TEST_CASE("Headings that never agree make the verdict fall, and one that fits mends it") {
   UavEstimator estimator(matched_config());
   SimulatedFlight flight(43);
-  fly(estimator, flight, 0, 800, kBothFields, [](std::int64_t) { return 0.0; });
+  fly_on(estimator, flight, 0, 800, kPlaceAndHeading, [](std::int64_t) { return 0.0; });
   const auto strays = [](std::int64_t n) { return n % 2 == 0 ? 1.0 : -1.0; };
-  fly(estimator, flight, 800, 810, kBothFields, strays);
+  fly_on(estimator, flight, 800, 810, kPlaceAndHeading, strays);
   CHECK(estimator.state().verdict == UavVerdict::good);  // one may be wrong
-  fly(estimator, flight, 810, 890, kBothFields, strays);
+  fly_on(estimator, flight, 810, 890, kPlaceAndHeading, strays);
   CHECK(estimator.state().verdict == UavVerdict::dead);
-  fly(estimator, flight, 890, 1430, kBothFields, strays);
+  fly_on(estimator, flight, 890, 1430, kPlaceAndHeading, strays);
   CHECK(estimator.state().verdict == UavVerdict::lost);
   CHECK(estimator.counters().reheaded == 0);
   CHECK(estimator.counters().fixes_gated == 0);  // their places were used
-  fly(estimator, flight, 1430, 1440, kBothFields, [](std::int64_t) { return 0.0; });
+  fly_on(estimator, flight, 1430, 1440, kPlaceAndHeading, [](std::int64_t) { return 0.0; });
   CHECK(estimator.state().verdict == UavVerdict::good);
 }
 
 TEST_CASE("No heading at all is no doubt about it") {
   UavEstimator estimator(matched_config());
   SimulatedFlight flight(44);
-  fly(estimator, flight, 0, 800, kBothFields, [](std::int64_t) { return 0.0; });
-  fly(estimator, flight, 800, 2400, rt::kFixPosition, [](std::int64_t) { return 0.0; });
+  fly_on(estimator, flight, 0, 800, kPlaceAndHeading, [](std::int64_t) { return 0.0; });
+  fly_on(estimator, flight, 800, 2400, rt::kFixPosition, [](std::int64_t) { return 0.0; });
   CHECK(estimator.state().verdict == UavVerdict::good);
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("A heading alone says nothing to a vehicle whose nose points up") {
   rt::ImuSample sample;
   sample.flags = rt::kImuGyr | rt::kImuAcc;
   rt::UavFix fix;
-  fix.flags = kBothFields;
+  fix.flags = kPlaceAndHeading;
   // Levelled, then within 1 s up to 1.4 rad, on the spot.
   for (int i = 1; i <= 400; ++i) {
     const double t = 0.005 * i;
@@ -149,7 +149,7 @@ TEST_CASE("A heading alone says nothing to a vehicle whose nose points up") {
   CHECK(estimator.fix(fix) == Status::empty);
   CHECK(estimator.counters().fixes_refused == before.fixes_refused + 1);
   CHECK(estimator.counters().yaws_gated == before.yaws_gated);
-  fix.flags = kBothFields;
+  fix.flags = kPlaceAndHeading;
   rt::store(estimator.now().p_world_m, fix.p_world_m);
   CHECK(estimator.fix(fix) == Status::ok);  // the place of one is used all the same
   CHECK(estimator.counters().yaws_gated == before.yaws_gated);
