@@ -17,7 +17,8 @@
 
 namespace sortie::mapping {
 
-/// Debug builds test the segmenter's invariants after every update of a map of at most so many blocks.
+/// Debug builds test the segmenter's invariants after every update of a map of at most so many blocks, until
+/// a state is read: damaged bytes may show anything, as long as they lead nowhere outside.
 #ifdef NDEBUG
 inline constexpr std::uint32_t kBlocksChecked = 0;
 #else
@@ -201,6 +202,7 @@ class Segmenter {
   bool swept_{};                   ///< before the next cycle blocks that want room were looked for
   std::uint32_t sweep_left_{};     ///< block numbers to look through for them
   std::uint32_t wanting_{};        ///< blocks that want room
+  bool read_{};                    ///< a state came from bytes
 };
 
 }  // namespace sortie::mapping

@@ -12,10 +12,11 @@ void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
   rt::Members(archive, *this, "segmenter")
       .fixed(config_, policy_, reach_, queue_, work_, status_)
       .by_hand(graph_, labelling_, queue_size_, left_of_cycle_, changed_, drained_, sweep_left_, wanting_)
-      .scratch(queue_first_)
+      .scratch(queue_first_, read_)
       .state(cycle_, swept_);
   if (status_ != Status::ok) return;
   const bool reading = archive.is_reading();
+  read_ = read_ || reading;
   const std::uint32_t blocks = grid.block_numbers();
   // A labelling that is under way begins anew before anything else happens.
   bool changed = changed_ || labelling_.running();

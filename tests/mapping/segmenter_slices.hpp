@@ -85,10 +85,11 @@ class SlicedWorld {
     for (step_ = 0; step_ < steps && verdict_.fault.empty(); ++step_, ++verdict_.steps) {
       const std::uint32_t kind = random_.below(100);
       // What a budget separates and a scan may come between: there the scan comes more often.
-      const bool between = map_->segmenter().labelling().apart() != mapping::kNoNode;
+      const mapping::Labelling& labelling = map_->segmenter().labelling();
+      const bool between = labelling.apart() != mapping::kNoNode;
       if (kind < (between ? 70 : scans_)) {
         scan();
-      } else if (kind < 98) {
+      } else if (kind < (labelling.running() ? 92 : 98)) {
         slice();
       } else {
         resume();
@@ -216,6 +217,7 @@ class SlicedWorld {
     if (bytes.empty() || read.status() != Status::ok) return fail("a state that cannot be read");
     // A labelling under way held nodes back; it begins anew, and they are free.
     if (!running && slice_bytes(*map_) != bytes) fail("a state that is another one when read");
+    if (const char* what = map_->segmenter().broken(map_->grid()); what != nullptr) fail(what);
   }
 
   std::uint32_t seed_;
