@@ -91,10 +91,8 @@ RayScheduler::RayScheduler(const RaySchedulerConfig& config, std::span<std::byte
   const std::uint32_t side = 1u << config.coarse_log2;
   coarse_columns_ = (config.sensor.columns + side - 1) / side;
   coarse_rows_ = (config.sensor.rows + side - 1) / side;
-  const std::uint64_t all = std::uint64_t{config.positions} * all_rays_;
-  largest_step_ = std::max({ray_units::most(most_cells_, per_position_, config.coarse_log2),
-                            ray_units::decided(std::uint64_t{config.positions} * per_position_),
-                            ray_units::started(all)});
+  largest_step_ =
+      ray_units::dearest({most_cells_, per_position_, config.positions, all_rays_, config.coarse_log2});
   lay_out(memory);
   for (std::uint32_t i = 0; i < config.sensor.columns; ++i)
     columns_[i] = ray_angle(i, config.sensor.columns, config.sensor.width_rad);
@@ -208,13 +206,17 @@ std::uint32_t RayScheduler::pattern(std::uint32_t i) const {
   return static_cast<std::uint32_t>(std::uint64_t{i} * (step > 0 ? step : 1u) % all_rays_);
 }
 
+// Neither sum nor difference wraps: all the units there are may be given twice, and a step that cost more
+// than the dearest would overdraw by the difference, and not by 2^64.
 std::uint64_t RayScheduler::step(std::uint64_t units) {
-  credit_ += units;
+  credit_ += std::min(units, UINT64_MAX - credit_);
   std::uint64_t spent = 0;
-  while (phase_ != Phase::done && credit_ - spent >= largest_step_) {
-    spent += advance();
+  while (phase_ != Phase::done && credit_ >= largest_step_) {
+    const std::uint64_t cost = advance();
+    credit_ -= std::min(cost, credit_);
+    spent += cost;
   }
-  credit_ = phase_ == Phase::done ? 0 : credit_ - spent;
+  if (phase_ == Phase::done) credit_ = 0;
   plan_.units += spent;
   plan_.done = phase_ == Phase::done;
   return spent;

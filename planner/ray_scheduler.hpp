@@ -158,6 +158,10 @@ class RayScheduler {
     return (bits[i >> 5] >> (i & 31u) & 1u) != 0;
   }
   static void set_bit(std::span<std::uint32_t> bits, std::uint32_t i) { bits[i >> 5] |= 1u << (i & 31u); }
+  static void put_bit(std::span<std::uint32_t> bits, std::uint32_t i, bool value) {
+    bits[i >> 5] &= ~(1u << (i & 31u));
+    if (value) set_bit(bits, i);
+  }
 
   RaySchedulerConfig config_;
   RayModel model_;

@@ -231,10 +231,9 @@ std::uint32_t RayScheduler::reload_next() {
   RayWorth worth;
   bool entered{};
   const std::uint32_t cost = cover(position, work_rays_[i], worth, entered);
-  if (entered) {
-    chosen_worth_ += worth.current;
-    set_bit(chosen_, position * all_rays_ + work_rays_[i]);
-  }
+  // What the table does not take this time, in another order, is not chosen any more.
+  if (entered) chosen_worth_ += worth.current;
+  put_bit(chosen_, position * all_rays_ + work_rays_[i], entered);
   return cost;
 }
 

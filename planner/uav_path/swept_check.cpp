@@ -40,6 +40,49 @@ bool line_meets(const rt::Vector3& a, const rt::Vector3& d, const Bounds& box, c
   return first <= last;
 }
 
+// A part of the line, 0 at its start and 1 at its end; empty where `first` is greater.
+struct Part {
+  double first{0.0};
+  double last{1.0};
+};
+
+// Bricks from the map's low corner along one axis.
+struct Bricks {
+  std::int32_t low;
+  std::int32_t high;
+};
+
+// One axis: the line, the robot's radius, and where the bricks lie.
+struct Axis {
+  double from;
+  double way;
+  double radius;
+  double origin;
+  double brick;  // length of its edge
+  Bricks all;    // that the swept box touches
+
+  // Rounding is far below: what meets the line is never left out.
+  double slack() const { return radius + 1e-6 * brick; }
+  // The part of `part` along which the robot may touch brick number `i`.
+  Part beside(const Part& part, std::int32_t i) const {
+    const double low = origin + brick * i - slack();
+    const double high = origin + brick * (i + 1) + slack();
+    if (way == 0.0) return from < low || from > high ? Part{1.0, 0.0} : part;
+    const double one = (low - from) / way;
+    const double other = (high - from) / way;
+    return {std::max(part.first, std::min(one, other)), std::min(part.last, std::max(one, other))};
+  }
+  // The bricks that the robot may touch along a part that is not empty.
+  Bricks along(const Part& part) const {
+    const double a = from + way * part.first;
+    const double b = from + way * part.last;
+    const double low = (std::min(a, b) - slack() - origin) / brick;
+    const double high = (std::max(a, b) + slack() - origin) / brick;
+    return {std::max(all.low, static_cast<std::int32_t>(std::max(low, 0.0))),
+            std::min(all.high, static_cast<std::int32_t>(std::max(high, 0.0)))};
+  }
+};
+
 }  // namespace
 
 SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {
@@ -69,9 +112,23 @@ SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::V
   const Voxel3 low = map.voxel_at(swept.low);
   const Voxel3 high = map.voxel_at(swept.high);
   const rt::Vector3 way = b_m - a_m;
-  for (std::int32_t z = low.z / 4; z <= std::min(high.z / 4, map.bz() - 1); ++z) {
-    for (std::int32_t y = low.y / 4; y <= std::min(high.y / 4, map.by() - 1); ++y) {
-      for (std::int32_t x = low.x / 4; x <= std::min(high.x / 4, map.bx() - 1); ++x) {
+  const Axis along_x{
+      a_m.x, way.x, margin.x, config.origin_m.x, 4 * h, {low.x / 4, std::min(high.x / 4, map.bx() - 1)}};
+  const Axis along_y{
+      a_m.y, way.y, margin.y, config.origin_m.y, 4 * h, {low.y / 4, std::min(high.y / 4, map.by() - 1)}};
+  const Axis along_z{
+      a_m.z, way.z, margin.z, config.origin_m.z, 4 * h, {low.z / 4, std::min(high.z / 4, map.bz() - 1)}};
+  // Layer by layer, row by row, only as far as the line goes there: not all of the box around it.
+  for (std::int32_t z = along_z.all.low; z <= along_z.all.high; ++z) {
+    const Part layer = along_z.beside({}, z);
+    if (layer.first > layer.last) continue;
+    const Bricks rows = along_y.along(layer);
+    for (std::int32_t y = rows.low; y <= rows.high; ++y) {
+      const Part row = along_y.beside(layer, y);
+      if (row.first > row.last) continue;
+      const Bricks near = along_x.along(row);
+      for (std::int32_t x = near.low; x <= near.high; ++x) {
+        ++result.bricks;
         const Voxel3 corner{4 * x, 4 * y, 4 * z};
         const BrickMask blocked = map.blocked_brick(map.brick_of(corner));
         if (blocked == 0) continue;

@@ -13,11 +13,13 @@ namespace sortie::planner {
 struct SweptCheck {
   bool is_free{};           ///< a gap was proved to every blocked voxel and to the map's border
   std::uint32_t queries{};  ///< pairs that were judged
+  std::uint32_t bricks{};   ///< that were looked at: those along the line, whatever the map's size
 };
 
 /// Judges the straight way from `a_m` to `b_m` (world). Exact to 1e-9 m, on the safe side: what cannot be
 /// decided within the bounds of rt/convex counts as a collision, so does anything outside of the map. Cost:
-/// 150 ns a blocked voxel, or whole blocked brick, whose box lies near the line; none for the others.
+/// 150 ns a blocked voxel, or whole blocked brick, whose box lies near the line, and some ns for each brick
+/// along it; none for the others.
 SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m);
 
 }  // namespace sortie::planner

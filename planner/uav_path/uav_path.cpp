@@ -84,7 +84,7 @@ PathState UavPath::step(const FlightMap& map, std::uint64_t units) {
     }
   }
   if (phase_ != Phase::shorten || state_ != PathState::found || units == 0) return state_;
-  std::uint64_t sight = units * kSightPerUnit;
+  std::uint64_t sight = std::min(units, UINT64_MAX / kSightPerUnit) * kSightPerUnit;
   const bool ended = corners_.shorten(map, sight);
   if (corners_.rounds() != published_rounds_) {
     published_rounds_ = corners_.rounds();

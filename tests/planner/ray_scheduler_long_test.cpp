@@ -4,6 +4,7 @@
 
 #include "tests/planner/ray_hard.hpp"
 #include "tests/planner/ray_proofs.hpp"
+#include "tests/planner/ray_random.hpp"
 
 namespace {
 using namespace sortie;
@@ -58,4 +59,13 @@ TEST_CASE("Ray plans keep their bounds on three thousand tasks", "[long]") {
   const BoundResult result = check_bounds(1, 3001);
   CHECK(result.broken == 0);
   check_bounds_hold(result);
+}
+
+TEST_CASE("Random rays: a hundred thousand tasks beside literal greedy", "[long]") {
+  constexpr std::uint64_t kFirst = 100'000;
+  constexpr std::uint64_t kLast = 200'000;
+  const RandomTally tally = judge_random_rays(kFirst, kLast);
+  CAPTURE(kFirst, kLast, tally.dearest);
+  CHECK(tally.faults == std::vector<std::string>{});
+  CHECK(tally.full_certified > 3000);
 }

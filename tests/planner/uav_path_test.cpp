@@ -7,6 +7,7 @@
 
 #include "planner/uav_path/sight.hpp"
 #include "planner/uav_path/swept_check.hpp"
+#include "rt/convex/query.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "tests/planner/path_rig.hpp"
 
@@ -209,6 +210,21 @@ TEST_CASE("uav path: the way does not depend on the slices, and there is no heap
   }
 }
 
+TEST_CASE("uav path: all the units there are shorten a way to its end") {
+  OwnedMap owned(cube(100, 80, 24, 0.3, 0.2));
+  build_hall(owned.map, 9, 3, 40);
+  std::mt19937 random(9);
+  const Voxel3 start = any_free(owned.map, random, 0, 20);
+  const Voxel3 goal = any_free(owned.map, random, 80, 100);
+  for (const std::uint64_t rest : {std::uint64_t{1} << 60, UINT64_MAX}) {
+    OwnedPath memory(owned.map);
+    PathState state = memory.path.begin(owned.map, owned.map.middle_m(start), owned.map.middle_m(goal));
+    while (state == PathState::running) state = memory.path.step(owned.map, 1);
+    REQUIRE(state == PathState::found);
+    CHECK(memory.path.step(owned.map, rest) == PathState::done);
+  }
+}
+
 TEST_CASE("uav path: from the first way on it only gets shorter, and each of them is safe") {
   OwnedMap owned(cube(100, 80, 24, 0.3, 0.2));
   build_hall(owned.map, 12, 3, 60);
@@ -271,6 +287,79 @@ TEST_CASE("uav path: lines of sight agree with a fine walk along the line, both 
     if (seen) CHECK(check_swept(owned.map, owned.map.middle_m(a), owned.map.middle_m(b)).is_free);
   }
   CHECK(clear > 200);
+}
+
+// The twin judges every blocked voxel of the map, wherever it is.
+bool touches_nothing(const FlightMap& map, const rt::Vector3& a, const rt::Vector3& b) {
+  const FlightMapConfig& c = map.config();
+  rt::convex::Convex robot = rt::convex::make_swept_ellipsoid(c.radii_m, 0.5 * (b - a));
+  robot.p_world_m = 0.5 * (a + b);
+  const double half = 0.5 * c.voxel_m;
+  rt::convex::Convex voxel = rt::convex::make_box({half, half, half});
+  for (std::int32_t n = 0; n < c.nx * c.ny * c.nz; ++n) {
+    const Voxel3 v{n % c.nx, n / c.nx % c.ny, n / (c.nx * c.ny)};
+    if (!map.is_blocked(v)) continue;
+    voxel.p_world_m = map.middle_m(v);
+    if (rt::convex::is_collision(rt::convex::query(robot, voxel).state)) return false;
+  }
+  return true;
+}
+
+TEST_CASE("uav path: the exact check misses no voxel of the map, whatever way the line goes") {
+  const std::uint32_t seed = 31;
+  CAPTURE(seed);
+  OwnedMap owned(cube(32, 24, 20, 0.3, 0.15));
+  std::mt19937 random(seed);
+  const auto draw = [&random](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+  };
+  for (int i = 0; i < 60; ++i) {
+    const auto x = static_cast<std::int32_t>(random() % 32);
+    const auto y = static_cast<std::int32_t>(random() % 24);
+    const auto z = static_cast<std::int32_t>(random() % 20);
+    static_cast<void>(owned.map.set_blocked({x, y, z}, true));
+  }
+  for (std::int32_t n = 0; n < 64; ++n)  // a whole brick
+    static_cast<void>(owned.map.set_blocked({12 + n % 4, 8 + n / 4 % 4, 8 + n / 16}, true));
+  owned.map.refresh(UINT32_MAX);
+  const rt::Vector3 low = owned.map.config().origin_m + rt::Vector3{0.31, 0.31, 0.16};
+  const rt::Vector3 high = owned.map.config().origin_m + rt::Vector3{6.4 - 0.31, 4.8 - 0.31, 4.0 - 0.16};
+  int clear = 0;
+  for (int i = 0; i < 3000; ++i) {
+    rt::Vector3 a;
+    a.x = draw(low.x, high.x);
+    a.y = draw(low.y, high.y);
+    a.z = draw(low.z, high.z);
+    rt::Vector3 b = a;
+    // Along an axis, in a plane, or any way; short or long; now and then no way at all.
+    const auto axes = static_cast<std::uint32_t>(random() % 8);
+    const double share = i % 2 == 0 ? 1.0 : 0.2;
+    if ((axes & 1u) != 0) b.x += share * (draw(low.x, high.x) - a.x);
+    if ((axes & 2u) != 0) b.y += share * (draw(low.y, high.y) - a.y);
+    if ((axes & 4u) != 0) b.z += share * (draw(low.z, high.z) - a.z);
+    const bool free = check_swept(owned.map, a, b).is_free;
+    if (free != touches_nothing(owned.map, a, b)) FAIL_CHECK("line " << i);
+    clear += free ? 1 : 0;
+  }
+  CHECK(clear > 300);
+  CHECK(clear < 2700);
+}
+
+TEST_CASE("uav path: the exact check looks at bricks along the line, not at the box around it") {
+  OwnedMap owned(cube(256, 256, 64, 0.35, 0.15));
+  owned.map.refresh(UINT32_MAX);
+  const FlightMap& map = owned.map;
+  const Voxel3 ends[][2] = {{{4, 4, 4}, {251, 251, 59}},
+                            {{4, 251, 30}, {251, 4, 30}},
+                            {{4, 4, 4}, {4, 4, 59}},
+                            {{4, 128, 32}, {251, 129, 33}}};
+  for (const auto& [a, b] : ends) {
+    const SweptCheck check = check_swept(map, map.middle_m(a), map.middle_m(b));
+    CHECK(check.is_free);
+    // Bricks that the line passes, and those beside them that the robot's radius may reach into.
+    const std::int32_t passed = std::abs(a.x - b.x) / 4 + std::abs(a.y - b.y) / 4 + std::abs(a.z - b.z) / 4;
+    CHECK(check.bricks <= 8 * static_cast<std::uint32_t>(passed + 4));
+  }
 }
 
 TEST_CASE("uav path: bad questions, a map that changes, and a way that is cut") {
