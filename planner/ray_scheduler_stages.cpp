@@ -233,6 +233,7 @@ std::uint32_t RayScheduler::reload_next() {
   const std::uint32_t cost = cover(position, work_rays_[i], worth, entered);
   // What the table does not take this time, in another order, is not chosen any more.
   if (entered) chosen_worth_ += worth.current;
+  plan_.table_full = plan_.table_full || !entered;  // the bound is over what the table takes, and says so
   put_bit(chosen_, position * all_rays_ + work_rays_[i], entered);
   return cost;
 }

@@ -29,7 +29,7 @@ Wide wide(const estimators::ErrorCovariance& p) {
 // Flies up to a step, with fixes in time whose headings are off by `off(n)`.
 template <class Off>
 void fly_on(UavEstimator& estimator, SimulatedFlight& flight, std::int64_t from, std::int64_t to,
-         std::uint32_t flags, Off off) {
+            std::uint32_t flags, Off off) {
   for (std::int64_t i = from + 1; i <= to; ++i) {
     REQUIRE(estimator.imu(flight.imu(i * kStepNs), 9.81) == Status::ok);
     if (i % 10 != 0) continue;
