@@ -135,9 +135,9 @@ def good(row):
     return all(test.verdict != "failed" for test in row[2])
 
 
-def page(rows, tests, title, words):
+def page(rows, tests, title, words, slowest):
     return "\n".join([f"# {title}", "", words, "", f"{results.machine()}; {time.strftime('%Y-%m-%d')}.", "",
-                      *results.stage_table(rows), "", *results.slowest_table(tests, 25 if "long" in title else 10), ""])
+                      *results.stage_table(rows), "", *results.slowest_table(tests, slowest), ""])
 
 
 def finish(rows, options):
@@ -155,9 +155,9 @@ def finish(rows, options):
         print(f"FAILED {test.name}{': ' + test.why if test.why else ''}")
     if options.keep:
         text = page(rows, tests, "How long a test run takes",
-                    "`toolchain/test --keep` wrote this; a stage that takes a third longer is told at the end of a run.")
+                    "`toolchain/test --keep` wrote this; a stage that takes a third longer is told at the end of a run.", 10)
         if options.long:
-            text = page(rows, tests, "The long tests", "What `toolchain/test --long` gave; `--keep` wrote this.")
+            text = page(rows, tests, "The long tests", "What `toolchain/test --long` gave; `--keep` wrote this.", 25)
         (KEPT.with_name("long-tests.md") if options.long else KEPT).write_text(text)
     print(f"{len(counted['passed'])} passed, {len(counted['failed'])} failed, {len(counted['skipped'])} skipped", flush=True)
     return 1 if counted["failed"] or not counted["passed"] else 0
