@@ -27,11 +27,20 @@ def is_test(path):
     return path.endswith("_test.cpp")
 
 
-def nearest_tests(file, users):
+def headers_of(root, file):
+    """What a file is the body of: its own header, or where it has none those that it includes first and beside it."""
+    own = re.sub(r"\.cpp$", ".hpp", file)
+    if (root / own).exists():
+        return {own}
+    folder = os.path.dirname(file)
+    return {one for one in INCLUDE.findall((root / file).read_text(errors="replace")) if os.path.dirname(one) == folder}
+
+
+def nearest_tests(root, file, users):
     """The tests with the fewest includes between them and the file."""
     if is_test(file):
         return {file}
-    ring, seen = {file, re.sub(r"\.cpp$", ".hpp", file)}, set()
+    ring, seen = {file} | headers_of(root, file), set()
     while ring:
         seen |= ring
         ring = {user for one in ring for user in users.get(one, set())} - seen
@@ -57,7 +66,7 @@ def run(root, jobs, files):
         return 2
     users = include_graph(root)
     code_files = [file for file in files if file.endswith((".cpp", ".hpp"))]
-    tests = set().union(*(nearest_tests(file, users) for file in code_files)) if code_files else set()
+    tests = set().union(*(nearest_tests(root, file, users) for file in code_files)) if code_files else set()
     steps = [["cmake", "--preset", "release", "-DSORTIE_LONG_TESTS=OFF", "-DSORTIE_BATCH_TESTS=ON", "-DSORTIE_TEST_FILES=", "-DSORTIE_DESK=ON"]]
     failures = []
 
