@@ -141,7 +141,7 @@ std::uint32_t Labelling::run_stage(FragmentGraph& graph, std::span<const Block> 
     }
     case Stage::name:
       if (fresh_ == 0) return next(Stage::write);
-      std::pop_heap(memory_.fresh.begin(), memory_.fresh.begin() + fresh_, later());
+      std::ranges::pop_heap(memory_.fresh.first(fresh_), later());
       name(memory_.fresh[--fresh_]);
       return at_;
     case Stage::write:

@@ -56,7 +56,7 @@ void Labelling::queue(std::uint16_t component) {
   const SegmentComponent& c = memory_.components[component];
   if (c.slot != kNoLabel || c.voxels < min_voxels_) return;
   memory_.fresh[fresh_++] = component;
-  std::push_heap(memory_.fresh.begin(), memory_.fresh.begin() + fresh_, later());
+  std::ranges::push_heap(memory_.fresh.first(fresh_), later());
 }
 
 void Labelling::name(std::uint16_t component) {
