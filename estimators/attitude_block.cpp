@@ -7,7 +7,7 @@
 
 namespace sortie::estimators {
 namespace {
-constexpr double kLeastForce_m_s2 = 1.0;
+constexpr double kWeightless_m_s2 = 1.0;
 constexpr double kVarianceTime_s = 10.0;   // over which corrections are averaged to a variance
 constexpr double kWalk_rad_s = 0.0017453;  // of the bias in bias_forgetting_s
 constexpr double kYoung_s = 1.0;
@@ -92,7 +92,7 @@ template <class Real>
 VectorOf<Real> BasicAttitude<Real>::correct_inclination() {
   const Vector force = force_.value();
   const Real size = std::sqrt(dot(force, force));
-  if (size < real(kLeastForce_m_s2)) return {};
+  if (size < real(kWeightless_m_s2)) return {};
   const Real inverse = Real{1} / size;
   const Real w = size + force.z;
   QuaternionOf<Real> less{Real{-1}, Real{1}, Real{0}, Real{0}};  // the turn minus one; upside down: any way
@@ -113,7 +113,7 @@ VectorOf<Real> BasicAttitude<Real>::correct_inclination() {
 template <class Real>
 void BasicAttitude<Real>::note_variance(const Vector& away, const SlowStep<Real>& step, Real dt_s) {
   const Real size = force_.z.value;
-  if (size < real(kLeastForce_m_s2)) return;
+  if (size < real(kWeightless_m_s2)) return;
   const Vector slope = force_.slope();
   const Real square = step.weight > Real{0} ? step.weight * (away.x * away.x + away.y * away.y)
                                             : slope.x * slope.x + slope.y * slope.y;

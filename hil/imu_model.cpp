@@ -3,17 +3,13 @@
 #include "hil/imu_model.hpp"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
 
 constexpr std::uint64_t kStream = 0x696d75;
-
-void require(bool good, const char* cure) {
-  if (!good) throw std::runtime_error(std::string("hil imu: ") + cure);
-}
 
 double clip(double value, double range, bool& clipped) {
   if (value >= range) {
@@ -38,14 +34,15 @@ bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
 }  // namespace
 
 ImuModel::ImuModel(const ImuConfig& config, std::uint64_t seed) : config_(config), random_(seed, kStream) {
-  require(config.rate_hz > 0 && config.rate_hz <= 1000 && 1000 % config.rate_hz == 0,
+  require("imu", config.rate_hz > 0 && config.rate_hz <= 1000 && 1000 % config.rate_hz == 0,
           "rate_hz must divide 1000");
-  require(not_negative(config.gyr_noise_rad_s_rt_hz) && not_negative(config.acc_noise_m_s2_rt_hz) &&
+  require("imu",
+          not_negative(config.gyr_noise_rad_s_rt_hz) && not_negative(config.acc_noise_m_s2_rt_hz) &&
               not_negative(config.gyr_bias_rad_s) && not_negative(config.acc_bias_m_s2) &&
               not_negative(config.gyr_walk_rad_s_rt_s) && not_negative(config.acc_walk_m_s2_rt_s),
           "noise, bias and walk must be finite and not negative");
-  require(config.gyr_range_rad_s > 0.0 && config.acc_range_m_s2 > 0.0, "the ranges must be above 0");
-  require(config.loss >= 0.0 && config.loss <= 1.0, "loss must lie in 0..1");
+  require("imu", config.gyr_range_rad_s > 0.0 && config.acc_range_m_s2 > 0.0, "the ranges must be above 0");
+  require("imu", config.loss >= 0.0 && config.loss <= 1.0, "loss must lie in 0..1");
   const double root_rate = std::sqrt(static_cast<double>(config.rate_hz));
   gyr_sigma_ = config.gyr_noise_rad_s_rt_hz * root_rate;
   acc_sigma_ = config.acc_noise_m_s2_rt_hz * root_rate;

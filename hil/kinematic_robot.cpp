@@ -5,26 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
 
-void require(bool good, const char* cure) {
-  if (!good) throw std::runtime_error(std::string("hil robot: ") + cure);
-}
-
 void check(const RobotConfig& c) {
-  require(c.track_distance_m > 0.0 && c.contact_length_m > 0.0,
+  require("robot", c.track_distance_m > 0.0 && c.contact_length_m > 0.0,
           "track_distance_m and contact_length_m must be above 0");
-  require(c.outline_length_m > 0.0 && c.outline_width_m > 0.0 && c.outline_height_m > c.clearance_m,
+  require("robot", c.outline_length_m > 0.0 && c.outline_width_m > 0.0 && c.outline_height_m > c.clearance_m,
           "the outline must have a size, and outline_height_m must be above clearance_m");
-  require(c.steering_efficiency > 0.0 && c.steering_efficiency <= 1.0,
+  require("robot", c.steering_efficiency > 0.0 && c.steering_efficiency <= 1.0,
           "steering_efficiency must be above 0 and at most 1");
-  require(c.slip_left < 1.0 && c.slip_right < 1.0, "slip_left and slip_right must be below 1");
-  require(c.suspension_hz > 0.0 && c.suspension_hz <= 100.0, "suspension_hz must be above 0 and at most 100");
-  require(std::isfinite(c.start_x_m) && std::isfinite(c.start_y_m) && std::isfinite(c.start_yaw_rad) &&
+  require("robot", c.slip_left < 1.0 && c.slip_right < 1.0, "slip_left and slip_right must be below 1");
+  require("robot", c.suspension_hz > 0.0 && c.suspension_hz <= 100.0,
+          "suspension_hz must be above 0 and at most 100");
+  require("robot",
+          std::isfinite(c.start_x_m) && std::isfinite(c.start_y_m) && std::isfinite(c.start_yaw_rad) &&
               std::isfinite(c.turning_centre_x_m),
           "start pose and turning_centre_x_m must be finite");
 }
@@ -50,7 +48,7 @@ KinematicRobot::KinematicRobot(const RobotConfig& config, const World& world, rt
       roll_(height_),
       yaw_rad_(wrap(config.start_yaw_rad)) {
   const Ground ground = ground_at(config.start_x_m, config.start_y_m, yaw_rad_);
-  require(!obstructed(config.start_x_m, config.start_y_m, yaw_rad_, ground.height_m),
+  require("robot", !obstructed(config.start_x_m, config.start_y_m, yaw_rad_, ground.height_m),
           "the robot starts inside of something; change start_x_m, start_y_m or the hall");
   height_.reset(ground.height_m);
   pitch_.reset(ground.pitch_rad);

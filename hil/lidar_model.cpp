@@ -3,34 +3,31 @@
 #include "hil/lidar_model.hpp"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::uint64_t kFaultStream = 0x6c6461;
-constexpr std::uint64_t kNoiseStream = 0x6c6472;
-
-void require(bool good, const char* cure) {
-  if (!good) throw std::runtime_error(std::string("hil lidar: ") + cure);
-}
+constexpr std::uint64_t kLidarFaults = 0x6c6461;
+constexpr std::uint64_t kLidarNoise = 0x6c6472;
 
 bool steep(double elevation_rad) { return !(elevation_rad > -0.5 * kPi && elevation_rad < 0.5 * kPi); }
 
 const LidarConfig& checked(const LidarConfig& c) {
-  require(c.rows >= 1 && c.rows <= LidarModel::kMaxRows, "rows must lie in 1..128");
-  require(c.columns >= 1 && c.columns <= LidarModel::kMaxColumns, "columns must lie in 1..4096");
+  require("lidar", c.rows >= 1 && c.rows <= LidarModel::kMaxRows, "rows must lie in 1..128");
+  require("lidar", c.columns >= 1 && c.columns <= LidarModel::kMaxColumns, "columns must lie in 1..4096");
   // An age is 16 bits of 10 us: a turn may last 0.655 s.
-  require(c.rate_hz == 0 || (c.rate_hz >= 2 && c.rate_hz <= 100), "rate_hz must be 0 or lie in 2..100");
+  require("lidar", c.rate_hz == 0 || (c.rate_hz >= 2 && c.rate_hz <= 100),
+          "rate_hz must be 0 or lie in 2..100");
   if (c.row_table) {
     for (std::uint32_t r = 0; r < c.rows; ++r) {
-      require(!steep(c.row_elevation_rad[r]), "row_elevation_rad must lie within +-pi/2");
-      require(std::fabs(c.row_azimuth_rad[r]) <= kPi, "row_azimuth_rad must lie within +-pi");
+      require("lidar", !steep(c.row_elevation_rad[r]), "row_elevation_rad must lie within +-pi/2");
+      require("lidar", std::fabs(c.row_azimuth_rad[r]) <= kPi, "row_azimuth_rad must lie within +-pi");
     }
   } else {
-    require(c.lowest_rad <= c.highest_rad && !steep(c.lowest_rad) && !steep(c.highest_rad),
+    require("lidar", c.lowest_rad <= c.highest_rad && !steep(c.lowest_rad) && !steep(c.highest_rad),
             "lowest_rad must not be above highest_rad, both within +-pi/2");
   }
   return c;
@@ -62,7 +59,7 @@ LidarConfig make_rows_64(std::uint64_t device) {
 LidarModel::LidarModel(const LidarConfig& config, const FaultConfig& faults, std::uint64_t seed,
                        rt::Nanoseconds start_ns)
     : config_(checked(config)),
-      faults_(faults, seed, kFaultStream),
+      faults_(faults, seed, kLidarFaults),
       noise_(config.noise, config.min_range_m, config.max_range_m, "hil lidar"),
       writer_(config.rows * config.columns, config.keep_truth && config.rate_hz != 0),
       seed_(seed),
@@ -94,7 +91,7 @@ void LidarModel::begin_scan(drivers::ScanSink& sink) {
   const auto rate = static_cast<rt::Nanoseconds>(config_.rate_hz);
   scan_start_ns_ = start_ns_ + turns * rt::kNanosecondsPerSecond / rate;
   scan_end_ns_ = start_ns_ + (turns + 1) * rt::kNanosecondsPerSecond / rate;
-  noise_.begin(seed_, kNoiseStream + (scan_ << 24u));
+  noise_.begin(seed_, kLidarNoise + (scan_ << 24u));
   fault_ = faults_.next(scan_start_ns_ - start_ns_);
   turning_ = true;
   writer_.begin(sink, fault_.drop);

@@ -1,32 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hil/rolling_laser.hpp"
 
-#include <stdexcept>
-#include <string>
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
-constexpr std::uint64_t kFaultStream = 0x726c6661;
-constexpr std::uint64_t kNoiseStream = 0x726c6e6f;
+constexpr double kTurn = 6.283185307179586;
+constexpr std::uint64_t kRollingFaults = 0x726c6661;
+constexpr std::uint64_t kRollingNoise = 0x726c6e6f;
 constexpr rt::Nanoseconds kLongestScanNs = 655'000'000;  // an age is 16 bits of 10 us
 
-void require(bool good, const char* cure) {
-  if (!good) throw std::runtime_error(std::string("hil rolling laser: ") + cure);
-}
-
 const RollingLaserConfig& checked(const RollingLaserConfig& c) {
-  require(c.line_hz <= 200, "line_hz must lie in 0..200");
-  require(c.beams >= 2 && c.beams <= 4096, "beams must lie in 2..4096");
-  require(c.fov_rad > 0.0 && c.fov_rad < kTwoPi, "fov_rad must lie in 0..2 pi");
-  require(c.lines_per_scan >= 1 && c.lines_per_scan <= 100, "lines_per_scan must lie in 1..100");
-  require(c.line_hz == 0 || static_cast<rt::Nanoseconds>(c.lines_per_scan) * rt::kNanosecondsPerSecond <=
+  require("rolling laser", c.line_hz <= 200, "line_hz must lie in 0..200");
+  require("rolling laser", c.beams >= 2 && c.beams <= 4096, "beams must lie in 2..4096");
+  require("rolling laser", c.fov_rad > 0.0 && c.fov_rad < kTurn, "fov_rad must lie in 0..2 pi");
+  require("rolling laser", c.lines_per_scan >= 1 && c.lines_per_scan <= 100,
+          "lines_per_scan must lie in 1..100");
+  require("rolling laser",
+          c.line_hz == 0 || static_cast<rt::Nanoseconds>(c.lines_per_scan) * rt::kNanosecondsPerSecond <=
                                 kLongestScanNs * static_cast<rt::Nanoseconds>(c.line_hz),
           "lines_per_scan must not last longer than 0.655 s");
-  require(c.roll_period_ns >= 100'000'000 && c.roll_period_ns <= 100'000'000'000,
+  require("rolling laser", c.roll_period_ns >= 100'000'000 && c.roll_period_ns <= 100'000'000'000,
           "roll_period_ns must lie in 0.1 to 100 s");
-  require(c.encoder_ticks >= 1 && c.encoder_ticks <= (1u << 20), "encoder_ticks must lie in 1..1048576");
+  require("rolling laser", c.encoder_ticks >= 1 && c.encoder_ticks <= (1u << 20),
+          "encoder_ticks must lie in 1..1048576");
   return c;
 }
 
@@ -35,7 +33,7 @@ const RollingLaserConfig& checked(const RollingLaserConfig& c) {
 RollingLaser::RollingLaser(const RollingLaserConfig& config, const FaultConfig& faults, std::uint64_t seed,
                            rt::Nanoseconds start_ns)
     : config_(checked(config)),
-      faults_(faults, seed, kFaultStream),
+      faults_(faults, seed, kRollingFaults),
       noise_(config.noise, config.min_range_m, config.max_range_m, "hil rolling laser"),
       writer_(config.beams * config.lines_per_scan, config.keep_truth && config.line_hz != 0),
       seed_(seed),
@@ -50,7 +48,7 @@ rt::Nanoseconds RollingLaser::line_ns(std::uint64_t line) const {
 
 rt::Nanoseconds RollingLaser::beam_ns(std::uint64_t line, std::uint32_t beam) const {
   const rt::Nanoseconds begin = line_ns(line);
-  const double looking = static_cast<double>(line_ns(line + 1) - begin) * (config_.fov_rad / kTwoPi);
+  const double looking = static_cast<double>(line_ns(line + 1) - begin) * (config_.fov_rad / kTurn);
   const double share = static_cast<double>(beam + 1) / static_cast<double>(config_.beams);
   return begin + static_cast<rt::Nanoseconds>(looking * share);
 }
@@ -59,10 +57,10 @@ RollAngle RollingLaser::roll_at(rt::Nanoseconds stamp_ns) const {
   const rt::Nanoseconds phase = (stamp_ns - start_ns_) % config_.roll_period_ns;
   const auto ticks = static_cast<rt::Nanoseconds>(config_.encoder_ticks);
   RollAngle angle;
-  angle.true_rad = kTwoPi * (static_cast<double>(phase) / static_cast<double>(config_.roll_period_ns));
+  angle.true_rad = kTurn * (static_cast<double>(phase) / static_cast<double>(config_.roll_period_ns));
   angle.ticks = static_cast<std::uint32_t>(phase * ticks / config_.roll_period_ns);
   angle.measured_rad =
-      kTwoPi * ((static_cast<double>(angle.ticks) + 0.5) / static_cast<double>(config_.encoder_ticks));
+      kTurn * ((static_cast<double>(angle.ticks) + 0.5) / static_cast<double>(config_.encoder_ticks));
   return angle;
 }
 
@@ -74,7 +72,7 @@ Vec3 RollingLaser::direction(std::uint32_t beam, double roll_rad) const {
 }
 
 void RollingLaser::begin_scan(drivers::ScanSink& sink) {
-  noise_.begin(seed_, kNoiseStream + (scan_ << 32u));
+  noise_.begin(seed_, kRollingNoise + (scan_ << 32u));
   fault_ = faults_.next(line_ns(line_) - start_ns_);
   scanning_ = true;
   writer_.begin(sink, fault_.drop);

@@ -2,25 +2,21 @@
 #include "hil/ssl_sensor.hpp"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
 
-constexpr std::uint64_t kFaultStream = 0x73736c66;
-constexpr std::uint64_t kNoiseStream = 0x73736c6e;
+constexpr std::uint64_t kSslFaults = 0x73736c66;
+constexpr std::uint64_t kSslNoise = 0x73736c6e;
 constexpr rt::Nanoseconds kAgeStepNs = 10'000;
 
-void require(bool good, const char* cure) {
-  if (!good) throw std::runtime_error(std::string("hil ssl: ") + cure);
-}
-
 const SslConfig& checked(const SslConfig& c) {
-  require(c.frame_ns >= 1'000'000 && c.frame_ns <= 500'000'000, "frame_ns must lie in 1 to 500 ms");
+  require("ssl", c.frame_ns >= 1'000'000 && c.frame_ns <= 500'000'000, "frame_ns must lie in 1 to 500 ms");
   // A measured range may not round to 0, which says that nothing came back.
-  require(c.min_range_m >= rt::kSslRangeStep_m, "min_range_m must be at least 0.001");
-  require(c.max_range_m <= 65.0, "max_range_m must be at most 65");
+  require("ssl", c.min_range_m >= rt::kSslRangeStep_m, "min_range_m must be at least 0.001");
+  require("ssl", c.max_range_m <= 65.0, "max_range_m must be at most 65");
   return c;
 }
 
@@ -29,7 +25,7 @@ const SslConfig& checked(const SslConfig& c) {
 SslSensor::SslSensor(const SslConfig& config, const FaultConfig& faults, std::uint64_t seed,
                      rt::Nanoseconds start_ns)
     : config_(checked(config)),
-      faults_(faults, seed, kFaultStream),
+      faults_(faults, seed, kSslFaults),
       noise_(config.noise, config.min_range_m, config.max_range_m, "hil ssl"),
       seed_(seed),
       mount_(make_mount(config.mount_m, config.mount_ypr_rad)),
@@ -48,7 +44,7 @@ bool SslSensor::begin_frame(rt::Nanoseconds at, drivers::SslStub& link) {
     }
     ++counters_.commands;
     frame_start_ns_ = at;
-    noise_.begin(seed_, kNoiseStream + (frame_ << 32u));
+    noise_.begin(seed_, kSslNoise + (frame_ << 32u));
     fault_ = faults_.next(at - start_ns_);
     ++frame_;
     returns_ = {};

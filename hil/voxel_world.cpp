@@ -12,15 +12,15 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Along one axis, in cells: where the ray is and when it crosses the next face.
-struct Axis {
+struct Walk {
   std::int32_t cell{};
   std::int32_t step{};
   double next{kNever};   // way to the next face, cells
   double every{kNever};  // way from face to face
 };
 
-Axis start(double at, double direction, double begin, std::int32_t size) {
-  Axis axis;
+Walk start(double at, double direction, double begin, std::int32_t size) {
+  Walk axis;
   const double entry = at + begin * direction;
   axis.cell = std::clamp(static_cast<std::int32_t>(std::floor(entry)), 0, size - 1);
   if (direction > 0) {
@@ -109,7 +109,7 @@ Hit VoxelWorld::cast(const Vec3& origin_m, const Vec3& direction, double max_ran
     end = std::min(end, last);
   }
   if (!(begin < end)) return hit;
-  Axis axes[3];
+  Walk axes[3];
   for (int a = 0; a < 3; ++a) axes[a] = start(at[a], way[a], begin, size_[a]);
   // Bounded by the box: each turn moves one cell on along one axis.
   for (double here = begin; here < most;) {

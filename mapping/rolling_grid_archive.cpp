@@ -6,7 +6,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 4;
+constexpr std::uint32_t kMapFormat = 4;
 }  // namespace
 
 void RollingGrid::archive(rt::Archive& archive) {
@@ -16,7 +16,7 @@ void RollingGrid::archive(rt::Archive& archive) {
                victim_hand_)
       .scratch(changed_)
       .state(world_grid_, centre_, output_, swept_, swept_at_);
-  archive.expect(kFormatVersion, "the map has another format version");
+  archive.expect(kMapFormat, "the map has another format version");
   if (!usable_) return;
   const bool reading = archive.is_reading();
   archive.expect(memory_.blocks.size(), "the map has another number of blocks");

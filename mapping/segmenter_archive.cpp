@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kFormatVersion = 4;
+constexpr std::uint32_t kSegmentsFormat = 4;
 constexpr std::uint8_t kUnseen = 0xff;  ///< marks a node that no list has held yet
 }  // namespace
 
@@ -19,7 +19,7 @@ void Labelling::archive(rt::Archive& archive) {
                events_, nameless_, leaving_, disturbed_, making_)
       .by_hand(slot_numbers_, shown_, shown_events_)
       .state(shown_components_, shown_nameless_, next_id_, counts_);
-  archive.expect(kFormatVersion, "the segments have another format version");
+  archive.expect(kSegmentsFormat, "the segments have another format version");
   archive.bounded(slot_numbers_, memory_.slots.size());
   archive.bounded(shown_, 1);
   archive.bounded(shown_events_, half());

@@ -15,6 +15,13 @@ add_compile_options($<$<CONFIG:Debug>:-D_GLIBCXX_ASSERTIONS>)
 if(SORTIE_SANITIZE)
   add_compile_options(-fsanitize=${SORTIE_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${SORTIE_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")  # as gcc says it
+    if(SORTIE_SANITIZE MATCHES "address")
+      add_compile_definitions(__SANITIZE_ADDRESS__=1)
+    elseif(SORTIE_SANITIZE STREQUAL "thread")
+      add_compile_definitions(__SANITIZE_THREAD__=1)
+    endif()
+  endif()
 endif()
 if(SORTIE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
@@ -65,8 +72,9 @@ endif()
 # Most of a file's time goes into what it includes. Not for release, whose tasks' instructions are counted.
 option(SORTIE_JUMBO "Compile all files of runtime, program and tests in batches: less time from nothing, more after a small change" OFF)
 
-# sortie_batches(<target> <size> <folders>...): compiles `size` files of a folder at a time, in the order of their names. Files
-# with definitions of their own stay alone. By folder, so that names meet only where a reader looks for both.
+# sortie_batches(<target> <size> [<folders>...]): compiles `size` files of a folder at a time, in the order of their names;
+# without folders: of every folder. Files with definitions of their own stay alone. By folder, so that names meet only where a
+# reader looks for both.
 function(sortie_batches target size)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
@@ -74,7 +82,7 @@ function(sortie_batches target size)
     cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE absolute)
     cmake_path(GET absolute PARENT_PATH folder)
     cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
-    if(folder IN_LIST ARGN)
+    if(folder IN_LIST ARGN OR NOT ARGN)
       string(MAKE_C_IDENTIFIER "${folder}" name)
       math(EXPR count_${name} "0${count_${name}} + 1")
       math(EXPR batch "(${count_${name}} - 1) / ${size}")
@@ -109,6 +117,9 @@ function(sortie_library name)
   target_include_directories(sortie_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/sortie>)
   target_link_libraries(sortie_${name} PUBLIC sortie_strict ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:sortie_warnings> ${ARG_PRIVATE_DEPENDS})
+  if(SORTIE_JUMBO)
+    sortie_batches(sortie_${name} 8)
+  endif()
 endfunction()
 
 # What the program and the tests, but not the libraries, are compiled with on top: their compilation costs more than

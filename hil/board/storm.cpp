@@ -27,15 +27,15 @@ class Weather {
     size_ = 0;
     switch (draw() % 5) {
       case 0:
-        add_noise(draw() % kMostBytes);
+        add_noise(below(kMostBytes));
         break;
       case 1:
         add_header("LC02", "NOISE");
-        add_noise(draw() % 200);
+        add_noise(below(200));
         break;
       case 2:  // a fragment: size, offset, number and count come from the stranger
         add_header("LC03", "");
-        add_noise(12 + draw() % 1000);
+        add_noise(12 + below(1000));
         break;
       case 3:
         add_header("LC02", drivers::kChannelSet);
@@ -62,6 +62,7 @@ class Weather {
     state_ ^= state_ << 17;
     return state_;
   }
+  std::size_t below(std::size_t end) { return static_cast<std::size_t>(draw() % end); }
   std::int64_t number() { return static_cast<std::int64_t>(draw() >> 1); }
   void add_noise(std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) bytes_[size_++] = static_cast<std::uint8_t>(draw());
@@ -82,7 +83,7 @@ class Weather {
     std::size_t size = 0;
     if (encode(request, &key, std::span(bytes_).subspan(size_), size) != Status::ok) size = 0;
     size_ += size;
-    for (std::uint64_t i = draw() % 4; i > 0; --i) bytes_[draw() % size_] = static_cast<std::uint8_t>(draw());
+    for (std::size_t i = below(4); i > 0; --i) bytes_[below(size_)] = static_cast<std::uint8_t>(draw());
   }
 
   std::uint64_t state_;

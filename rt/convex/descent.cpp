@@ -8,9 +8,9 @@
 namespace sortie::rt::convex {
 namespace {
 
-constexpr int kRounds = 3;
+constexpr int kDescents = 3;
 constexpr std::uint32_t kCallsARound = 24;
-constexpr double kGain_m = 1e-7;  // an improvement smaller than this ends the search
+constexpr double kLeastGain_m = 1e-7;  // an improvement smaller than this ends the search
 
 Vector3 middle_of(const NearestResult& nearest, const Vector3& shift) {
   return 0.5 * ((nearest.on_a_m - shift) + nearest.on_b_m);
@@ -22,7 +22,7 @@ Descent descend(const Convex& a, const Convex& b, const Vector3& start, double c
                 std::uint32_t& calls_left) {
   Descent result{{start, overlap_along(a, b, start)}, {}, false};
   Simplex simplex;
-  for (int round = 0; round < kRounds && result.axis.overlap_m > 0.0; ++round) {
+  for (int round = 0; round < kDescents && result.axis.overlap_m > 0.0; ++round) {
     const Vector3 shift = (result.axis.overlap_m + clearance_m) * result.axis.direction;
     const NearestResult nearest =
         nearest_points(a, shift, b, result.axis.direction, std::min(calls_left, kCallsARound), simplex);
@@ -33,7 +33,7 @@ Descent descend(const Convex& a, const Convex& b, const Vector3& start, double c
     if (next.overlap_m <= before || !result.found) result.point_m = middle_of(nearest, shift);
     if (next.overlap_m <= before) result.axis = next;  // else the round ended before it was exact
     result.found = true;
-    if (next.overlap_m > before - kGain_m) break;
+    if (next.overlap_m > before - kLeastGain_m) break;
   }
   return result;
 }

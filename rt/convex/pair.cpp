@@ -16,7 +16,7 @@ namespace {
 constexpr double kSettled_m =
     1e-7;  // facing points this near to the axis's overlap: no direction beside it is better
 constexpr double kProven_m = 1e-4;         // what proven() may overlook
-constexpr double kGain_m = 1e-7;           // what two searches may differ by
+constexpr double kDoubt_m = 1e-7;          // what two searches may differ by
 constexpr std::uint32_t kPointCalls = 48;  // a contact of two points is worth these beyond the budget
 
 Vector3 support_of(const void* body, const Vector3& direction) {
@@ -214,7 +214,7 @@ class Judge {
   // nearest points are the contact, with their own direction. False when their gap is wider than the margin.
   bool point_contact() {
     if (deepest_m_ >= -margin_m_) return true;
-    if (!nearest_.found || nearest_.axis.overlap_m > out_.axis.overlap_m + preference_m_ + kGain_m) {
+    if (!nearest_.found || nearest_.axis.overlap_m > out_.axis.overlap_m + preference_m_ + kDoubt_m) {
       polish_left_ = std::max(polish_left_, kPointCalls);
       nearest_ = descend(a_, b_, out_.axis.direction, clearance_m_, polish_left_);
     }

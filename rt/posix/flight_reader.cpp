@@ -70,14 +70,14 @@ std::uint64_t flight_header_check(const FlightHeader& header) {
 namespace {
 
 // The state of a ring with a whole header of this format.
-bool read_state(const std::string& path, FlightState& state) noexcept {
+bool read_state(const std::string& path, FlightState& out) noexcept {
   try {
     std::ifstream in(path, std::ios::binary);
     std::vector<char> bytes(kFlightHeaderBytes);
     if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return false;
     const auto header = std::make_unique<FlightHeader>();
     std::memcpy(header.get(), bytes.data(), sizeof(FlightHeader));
-    std::memcpy(&state, bytes.data() + kFlightStateOffset, sizeof(state));
+    std::memcpy(&out, bytes.data() + kFlightStateOffset, sizeof(out));
     return std::memcmp(header->magic, kFlightMagic, sizeof(kFlightMagic)) == 0 &&
            header->version == kFlightVersion && flight_header_check(*header) == header->check;
   } catch (...) {

@@ -193,14 +193,11 @@ TEST_CASE("On planes there is one mode, however steep, and noise of the attitude
       ObstacleModes modes{ObstacleModesConfig{}};
       double lost = 0;
       double now = pitch;
-      double roll = 0;
       for (int i = 0; i < 3000; ++i) {
         const double next =
             pitch + 0.999 * (now - pitch) + 5e-5 * (static_cast<double>(random()) / 2147483648.0 - 1);
         ObstacleStep s = sortie::estimators::test::level_step(0.01, 0.01 * speed, now, next);
-        const double rolled = 5e-5 * (static_cast<double>(random()) / 2147483648.0 - 1);
-        s.turn_rad.x = rolled;
-        roll += rolled;
+        s.turn_rad.x = 5e-5 * (static_cast<double>(random()) / 2147483648.0 - 1);
         s.turn_rad.z = 0.003;  // it turns on the spot, too
         const ObstacleMotion motion = modes.update(s);
         lost += motion.step_body_m.z;
