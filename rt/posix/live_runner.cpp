@@ -63,7 +63,8 @@ void LiveRunner::make_threads() {
     SupervisorOptions above;
     above.start_ns = options_.start_ns;
     above.realtime = options_.realtime;
-    above.priority = std::min(options_.top_priority + 10, 99);
+    above.priority = options_.supervisor_priority != 0 ? options_.supervisor_priority
+                                                       : std::min(options_.top_priority + 10, 99);
     above.ladder = options_.ladder;
     above.processors = options_.processors;
     above.stuck_limit_ns = options_.stuck_limit_ns;

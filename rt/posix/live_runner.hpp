@@ -31,7 +31,8 @@ struct LiveOptions {
   /// All or nothing: no job runs before every thread has asked the platform, and none at all when it refused
   /// something; the run then ends by itself.
   bool require_realtime{};
-  int top_priority{80};  ///< of the fastest group; slower groups count down from it; the supervisor is above
+  int top_priority{80};       ///< of the fastest group; slower groups count down from it
+  int supervisor_priority{};  ///< 0: ten above the fastest group, 99 at most
   /// Find the cause of each delay above `delay_threshold_ns`: one more system call a tick.
   bool attribution{true};
   Nanoseconds delay_threshold_ns{100'000};

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/run_end.hpp"
 #include "rt/virtual_runner.hpp"
 #include "tests/firmware_like/full_disk.hpp"
 #include "tests/firmware_like/run_support.hpp"
@@ -187,4 +188,43 @@ TEST_CASE("a job's number that cannot be is refused with its place, and drops no
     job.tick += 20 * (std::int64_t{1} << 40);
   });
   CHECK(mentions(never.damage, "is damaged"));
+}
+
+TEST_CASE("a log that says how far its run came is replayed so far, and what no job ran is left out") {
+  struct Append final : SampleSink {
+    explicit Append(drivers::LcmLogWriter& to) : writer(to) {}
+    void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
+                std::span<const std::uint8_t> message) override {
+      REQUIRE(writer.append(channel, stamp_ns / 1000, message) == Status::ok);
+    }
+    drivers::LcmLogWriter& writer;
+  };
+  const TempFolder folder;
+  const std::string scene = stall_scene(folder);
+  const std::string whole = folder.file("whole.lcm");
+  const std::string path = folder.file("ended.lcm");
+  record(scene, whole, {}, {100, 200}, 300);
+  const Runtime runtime(load_scene(scene), stall_vehicles(), RuntimeStart{});
+  const auto with_end = [&](rt::Tick ticks) {
+    {
+      drivers::LcmLogReader reader(whole);
+      drivers::LcmLogWriter writer(path);
+      drivers::LogEvent event;
+      while (reader.next(event) == Status::ok)
+        REQUIRE(writer.append(event.channel, event.timestamp_us, event.data) == Status::ok);
+      Append sink(writer);
+      write_run_end(sink, runtime.executive(), ticks, 0);
+    }
+    return replay(LogFile(path), stall_vehicles(), {});
+  };
+  const ReplayOutcome longer = with_end(360);
+  CHECK(longer.results.ticks == 360);
+  CHECK(counter(longer, "skipped_releases") == 63);  // of every tick, and of every twentieth
+  CHECK(complaint_of(longer) == "");
+  // Less than its jobs say, or longer than anybody waits: then the jobs count.
+  for (const rt::Tick wrong : {rt::Tick{100}, rt::Tick{1} << 60}) {
+    const ReplayOutcome same = with_end(wrong);
+    CHECK(same.results.ticks == 300);
+    CHECK(counter(same, "skipped_releases") == 0);
+  }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A process that the system gives little: few threads, as under `ulimit -u` or a container's limit, or no
-// high priority.
+// Processes of their own for what would leave its mark on this one, and such that the system gives few
+// threads, as under `ulimit -u` or a container's limit.
 #pragma once
 
 #include <grp.h>
@@ -15,19 +15,11 @@ namespace sortie::testing {
 inline constexpr int kNotPossible = 77;  ///< the limit cannot be set here
 inline constexpr int kHung = 78;         ///< it did not end within 20 s
 
-/// The exit code of a child of this process that calls `limit`, a bool(), and then runs `body`, an int();
-/// -signal if it was killed. As root the child becomes a user that nobody else is, for whom limits hold and
-/// who has no other threads.
-template <class Limit, class Body>
-int limited(Limit limit, Body body) {
+/// The exit code of a child of this process that runs `body`, an int(); -signal if it was killed.
+template <class Body>
+int in_child(Body body) {
   const pid_t child = fork();
   if (child == 0) {
-    // A number that is as good as never given to anybody, and another for each child.
-    const auto user = static_cast<uid_t>(1'500'000'000 + getpid());
-    if (!limit()) _exit(kNotPossible);
-    if (geteuid() == 0 &&
-        (setgroups(0, nullptr) != 0 || setresgid(user, user, user) != 0 || setresuid(user, user, user) != 0))
-      _exit(kNotPossible);
     alarm(20);
     _exit(body());
   }
@@ -37,17 +29,21 @@ int limited(Limit limit, Body body) {
   return WEXITSTATUS(status);
 }
 
-/// Sets both limits of a resource.
-inline bool set_limit(decltype(RLIMIT_NPROC) resource, rlim_t most) {
-  const rlimit limit{most, most};
-  return setrlimit(resource, &limit) == 0;
-}
-
-/// limited() to `most` threads, the child's first one counted. Of a user that is not root the other threads
+/// in_child() with `most` threads at most, its first one counted. As root the child becomes a user that
+/// nobody else is, for whom the limit holds and who has no other threads; else the user's other threads
 /// count, too.
 template <class Body>
 int few_threads(int most, Body body) {
-  return limited([most] { return set_limit(RLIMIT_NPROC, static_cast<rlim_t>(most)); }, body);
+  return in_child([most, body] {
+    // A number that is as good as never given to anybody, and another for each child.
+    const auto user = static_cast<uid_t>(1'500'000'000 + getpid());
+    const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
+    if (setrlimit(RLIMIT_NPROC, &limit) != 0) return kNotPossible;
+    if (geteuid() == 0 &&
+        (setgroups(0, nullptr) != 0 || setresgid(user, user, user) != 0 || setresuid(user, user, user) != 0))
+      return kNotPossible;
+    return body();
+  });
 }
 
 }  // namespace sortie::testing

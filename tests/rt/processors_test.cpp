@@ -5,6 +5,7 @@
 #include <sched.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <thread>
@@ -12,6 +13,7 @@
 #include "executive_rig.hpp"
 #include "rt/posix/live_runner.hpp"
 #include "rt/posix/realtime.hpp"
+#include "rt/posix/supervisor.hpp"
 #include "rt/shared_load.hpp"
 #include "tests/rt/burn.hpp"
 #include "tests/rt/live_rig.hpp"
@@ -70,34 +72,67 @@ TEST_CASE("a thread's processors are those of its mask") {
 
 namespace {
 
-// The highest level that two unpinned groups of criticality C reach, each of which uses half of a processor.
-// Neither is watched for misses, and no disturbance makes them use more: only the count can shed them.
-std::uint8_t level_of_two_halves(double processors) {
-  LiveRig rig;
+// Two groups of criticality C without a core of their own: neither is watched for misses, so only their load
+// can shed them.
+void add_two(Executive& executive, Nanoseconds work_ns) {
   for (const char* name : {"one", "two"}) {
-    const GroupId group = rig.executive.add_group({name, 2});
-    rig.executive.add_task<Sum>(group, TaskSpec{name, 1000, 0, Criticality::c},
-                                [](JobContext&, Sum&) { burn(1'000'000); });
+    const GroupId group = executive.add_group({name, 2});
+    executive.add_task<Sum>(group, TaskSpec{name, 1000, 0, Criticality::c},
+                            [work_ns](JobContext&, Sum&) { burn(work_ns); });
   }
-  REQUIRE(rig.executive.seal() == Status::ok);
-  LiveOptions live = rig.options();
-  live.last_tick = 400;
-  live.processors = processors;
-  LiveRunner runner(rig.executive, live);
-  runner.start();
-  wait_for(runner);
-  if (processors > 0) CHECK(runner.processors() == processors);
-  CHECK(runner.processors() > 0);
-  return runner.worst_level();
+  REQUIRE(executive.seal() == Status::ok);
+}
+
+// The highest level of a ladder that is told that each of two workers fills a processor: their processor time
+// goes on like the clock. It begins to shed at one and a half.
+std::uint8_t level_of_two_full(double processors) {
+  LiveRig rig;
+  add_two(rig.executive, 0);
+  WorkerPulse pulses[2];
+  for (WorkerPulse& pulse : pulses) {
+    pulse.cpu_clock = CLOCK_MONOTONIC;
+    pulse.has_cpu_clock.store(true);
+  }
+  SupervisorOptions options;
+  options.start_ns = monotonic_now();
+  options.realtime = false;
+  options.ladder.most_load = 1.5;
+  options.ladder.return_load = 1.2;
+  options.window_ns =
+      200 * kNanosecondsPerMillisecond;  // it takes a tenth of a second between two lines to err
+  options.processors = processors;
+  Supervisor supervisor(rig.executive, pulses, options);
+  supervisor.start();
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  supervisor.stop();
+  if (processors > 0) CHECK(supervisor.processors() == processors);
+  return supervisor.worst_level();
 }
 
 }  // namespace
 
+TEST_CASE("the ladder divides the load of unpinned groups by the processors that are there") {
+  CHECK(level_of_two_full(1) > 0);
+  CHECK(level_of_two_full(2) == 0);
+  if (usable_processors(true).count < 2) {
+    WARN("skipped in part: this needs two processors");
+    return;
+  }
+  CHECK(level_of_two_full(0) == 0);
+}
+
 TEST_CASE("two groups of half a processor each are left alone where there are two processors") {
-  CHECK(level_of_two_halves(2) == 0);
   if (usable_processors(true).count < 2) {
     WARN("skipped: this needs two processors");
     return;
   }
-  CHECK(level_of_two_halves(0) == 0);
+  LiveRig rig;
+  add_two(rig.executive, kNanosecondsPerMillisecond);
+  LiveOptions live = rig.options();
+  live.last_tick = 400;
+  LiveRunner runner(rig.executive, live);
+  runner.start();
+  wait_for(runner);
+  CHECK(runner.processors() >= 2);
+  CHECK(runner.worst_level() == 0);  // no disturbance makes them use more
 }
