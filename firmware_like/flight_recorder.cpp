@@ -9,6 +9,7 @@
 #include "firmware_like/owned_part.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "rt/posix/clock.hpp"
+#include "rt/posix/make_thread.hpp"
 
 namespace sortie::firmware {
 
@@ -30,7 +31,8 @@ FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& op
     histograms_.emplace_back(executive.group(i).tasks.size());
   }
   missed_.resize(executive.group_count());
-  whole_.resize(executive.group_count());
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i)
+    whole_.push_back(executive.group(i).timing.release(0));
   if (options.path.empty()) return;
   if (!rt::kBuilt<rt::Part::recorder> || !runtime.outlets().recorder)
     throw ProfileError(rt::kBuilt<rt::Part::recorder>
@@ -123,12 +125,6 @@ void FlightRecorder::write_job(const rt::JobRecord& record) {
   const rt::Nanoseconds released = runtime_.executive().time_of(record.tick);
   if (drivers::encode(view, buffer_, size) == Status::ok) {
     append(drivers::kChannelTick, released / 1000, {buffer_.data(), size});
-    // More entries than events fit into the writer's buffer: older ones are on the disk.
-    constexpr std::size_t kMost = 1u << 14;
-    if (written_jobs_.size() == kMost)
-      written_jobs_.erase(written_jobs_.begin(), written_jobs_.begin() + kMost / 2);
-    const rt::Tick before = written_jobs_.empty() ? 0 : written_jobs_.back().newest;
-    written_jobs_.push_back({log_->writer->events() - 1, std::max(before, record.tick)});
   }
   const drivers::JobTiming timing{
       view.tick, view.group, record.started_ns, {record.duration_ns, record.tasks}};
@@ -143,7 +139,7 @@ void FlightRecorder::drain() {
   std::uint32_t ready[rt::kMaxGroups]{};
   for (std::size_t group = 0; group < rings_.size(); ++group) ready[group] = rings_[group]->size();
   // What is lost from here on can only touch jobs behind the newest that every group has in the log by now.
-  const rt::Tick whole_until = *std::min_element(whole_.begin(), whole_.end());
+  const rt::Tick whole_until = this->whole_until();
   std::vector<QueuedSample> samples;
   {
     const std::lock_guard lock(samples_mutex_);
@@ -161,11 +157,13 @@ void FlightRecorder::drain() {
         if (current_->verdict == rt::Verdict::missed) ++missed_[group];
       }
       if (options_.on_job) options_.on_job(*current_);
-      whole_[group] = current_->tick + 1;
+      whole_[group] =
+          runtime_.executive().group(static_cast<std::uint32_t>(group)).timing.release(current_->job + 1);
       if (has_log()) write_job(*current_);
     }
   }
   if (!has_log()) return;
+  note_written();
   if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
     write_gap(whole_until, lost - reported_jobs_, "jobs were lost: the disk was too slow");
     reported_jobs_ = lost;
@@ -176,13 +174,25 @@ void FlightRecorder::drain() {
   }
 }
 
+rt::Tick FlightRecorder::whole_until() const { return *std::min_element(whole_.begin(), whole_.end()); }
+
+// Only while the file takes what it is given: what it refuses has no place in it, and its events are counted
+// back to those that the disk took.
+void FlightRecorder::note_written() {
+  if (!log_->writer->error().empty()) return;
+  // Longer than anything waits in the writer's buffer: older ones are on the disk.
+  constexpr std::size_t kMost = 1u << 12;
+  if (written_.size() == kMost) written_.erase(written_.begin(), written_.begin() + kMost / 2);
+  written_.push_back({log_->writer->events(), whole_until()});
+}
+
 void FlightRecorder::close_log() {
   static_cast<void>(log_->writer->flush());
   if (!log_->writer->error().empty()) {
     // The file ends with what the disk took; a last event says in it that more was meant to come.
     rt::Tick end = 0;
-    for (const WrittenJob& job : written_jobs_) {
-      if (job.event < log_->writer->events()) end = job.newest + 1;
+    for (const Written& written : written_) {
+      if (written.events <= log_->writer->events()) end = written.whole_until;
     }
     std::size_t size = 0;
     const auto lost = static_cast<std::int64_t>(log_->writer->lost() + log_->writer->refused());
@@ -198,7 +208,7 @@ void FlightRecorder::close_log() {
 }
 
 void FlightRecorder::start() {
-  thread_ = std::thread([this] {
+  thread_ = rt::posix::make_thread("the recorder", [this] {
     for (int round = 1; !stop_.load(std::memory_order_relaxed); ++round) {
       drain();
       if (has_log() && round % 200 == 0)

@@ -47,7 +47,7 @@ class FlightRecorder final : public SampleSink {
   void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
               std::span<const std::uint8_t> message) override;
 
-  /// Starts the writing thread; stop() drains what waits, closes the file and reports.
+  /// Starts the writing thread; stop() drains what waits, closes the file and reports. Throws ThreadRefused.
   void start();
   void stop();
   /// Without the thread: writes what waits now. For runs on a virtual clock.
@@ -82,6 +82,8 @@ class FlightRecorder final : public SampleSink {
   void job(const rt::JobRecord& record);
   void write_job(const rt::JobRecord& record);
   void write_gap(rt::Tick tick, std::uint64_t lost, const char* reason);
+  rt::Tick whole_until() const;
+  void note_written();
   void close_log();
   void append(std::string_view channel, std::int64_t stamp_us, std::span<const std::uint8_t> bytes);
 
@@ -92,19 +94,20 @@ class FlightRecorder final : public SampleSink {
   std::vector<std::unique_ptr<rt::SpscSpanRing<rt::JobRecord>>> rings_;
   std::vector<std::vector<rt::LatencyHistogram>> histograms_;  // by group, by task
   std::vector<std::uint64_t> missed_;                          // by group
-  std::vector<rt::Tick> whole_;  // by group: the log holds all its jobs before this tick
+  std::vector<rt::Tick> whole_;  // by group: the log holds all its jobs before this tick, its next release
   mutable std::mutex statistics_;
   std::mutex samples_mutex_;
   std::vector<QueuedSample> samples_;
   std::size_t waiting_bytes_{};
   std::vector<std::uint8_t> buffer_;
   std::unique_ptr<rt::JobRecord> current_;
-  /// Newest job ticks in the log by the number of their event: what is left of it when the disk is full.
-  struct WrittenJob {
-    std::uint64_t event;
-    rt::Tick newest;
+  /// After each round of writing: how many events there were, and how far they are whole, over all groups. So
+  /// it is known up to where the log is whole when the disk took only so many of them.
+  struct Written {
+    std::uint64_t events;
+    rt::Tick whole_until;
   };
-  std::vector<WrittenJob> written_jobs_;
+  std::vector<Written> written_;
   std::atomic<std::uint64_t> lost_jobs_{};
   std::atomic<std::uint64_t> lost_samples_{};
   std::uint64_t reported_jobs_{};

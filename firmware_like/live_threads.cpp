@@ -12,6 +12,7 @@
 #include "firmware_like/heap_watch.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/live_runner.hpp"
+#include "rt/posix/make_thread.hpp"
 #include "rt/posix/start_lead.hpp"
 
 namespace sortie::firmware {
@@ -35,16 +36,74 @@ const rt::posix::SpanName kDevicesSpan("poll devices");
   std::_Exit(1);
 }
 
-// Calls `step(now)` about every millisecond until `stop`.
-template <class Step>
-void every_millisecond(const std::atomic<bool>& stop, rt::Nanoseconds start_ns, Step step) {
-  rt::Nanoseconds next = start_ns;
-  while (!stop.load(std::memory_order_relaxed)) {
-    rt::posix::sleep_until(next);
-    const rt::Nanoseconds now = rt::posix::monotonic_now();
-    if (now >= start_ns) step(now - start_ns);
-    next = std::max(next + rt::kNanosecondsPerMillisecond, now);
+// The ordinary threads of a run, one a chore. They end before this does, however that comes: also when the
+// next of them, or a worker, cannot be made.
+class Chores {
+ public:
+  explicit Chores(rt::Nanoseconds start_ns) : start_ns_(start_ns) { threads_.reserve(8); }
+  ~Chores() { stop(); }
+  Chores(const Chores&) = delete;
+  Chores& operator=(const Chores&) = delete;
+
+  /// Calls `step(now)` about every millisecond from tick 0 on, on a thread of its own. Throws ThreadRefused.
+  template <class Begin, class Step>
+  void add(const char* name, Begin begin, Step step) {
+    threads_.push_back(rt::posix::make_thread(name, [this, begin, step] {
+      begin();
+      rt::posix::nap_until(start_ns_, stop_);
+      rt::Nanoseconds next = start_ns_;
+      while (!stop_.load(std::memory_order_relaxed)) {
+        const rt::Nanoseconds now = rt::posix::monotonic_now();
+        step(now - start_ns_);
+        next = std::max(next + rt::kNanosecondsPerMillisecond, now);
+        rt::posix::sleep_until(next);
+      }
+    }));
   }
+  /// Ends them after the step that they are in.
+  void stop() {
+    stop_.store(true);
+    for (std::thread& thread : threads_)
+      if (thread.joinable()) thread.join();
+  }
+
+ private:
+  rt::Nanoseconds start_ns_;
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+// What the workers have measured and the platform refused; after their end.
+LiveMeasured collect_live(const LiveParts& parts, const rt::posix::LiveRunner& runner) {
+  const rt::Executive& executive = parts.runtime.executive();
+  LiveMeasured measured;
+  measured.warnings = runner.warnings();
+  if (const rt::Nanoseconds late = runner.ready_late_ns(); late > 0) {
+    measured.late_start =
+        "the last worker was ready " + std::to_string(late / rt::kNanosecondsPerMillisecond) +
+        " ms after the run began, and what it should have done before is counted as missed: the "
+        "machine was far busier than just before; start again, or stop what else it does";
+  }
+  if (runner.stopped_by() >= 0) {
+    const auto group = static_cast<std::uint32_t>(runner.stopped_by());
+    measured.stopped = "group " + std::string(executive.group(group).spec.name) +
+                       " was late, and its overrun policy is to stop the run";
+  }
+  measured.counters["stuck_jobs"] = runner.stuck();
+  measured.counters["ladder_worst_level"] = runner.worst_level();
+  if (runner.processors() > 0)  // whole ones; a quota may allow a part of one
+    measured.counters["ladder_processors"] =
+        std::max<std::uint64_t>(static_cast<std::uint64_t>(runner.processors()), 1);
+  measured.counters["events"] = parts.desk.count;
+  measured.ticks = runner.ticks();
+  const rt::Nanoseconds ran =
+      std::max<rt::Nanoseconds>(executive.time_of(measured.ticks) - executive.epoch_ns(), 1);
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
+    measured.groups.push_back({static_cast<double>(runner.spun_ns(i)) / static_cast<double>(ran),
+                               static_cast<double>(runner.margin_ns(i)) * 1e-3, runner.stack_bytes(i),
+                               collect_delays(runner.delays(i))});
+  }
+  return measured;
 }
 
 }  // namespace
@@ -66,33 +125,28 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   live.start_ns = start_ns;
   live.last_tick = last;
   live.realtime = options.realtime;
+  live.require_realtime = options.require_realtime;
   live.on_worker = heap_watch().arm;
   rt::posix::LiveRunner runner(parts.runtime.executive(), live);
-  std::atomic<bool> stop{false};
-  std::thread bench([&] {
-    parts.desk.ring().adopt_thread("bench");
-    every_millisecond(stop, start_ns, [&](rt::Nanoseconds now) {
-      const rt::posix::TraceSpan span(kBenchSpan);
-      parts.surroundings.step_bench(now);
-    });
+  Chores chores(start_ns);
+  const auto adopt = [&parts](const char* name) {
+    return [&parts, name] { parts.desk.ring().adopt_thread(name); };
+  };
+  chores.add("the bench robot", adopt("bench"), [&parts](rt::Nanoseconds now) {
+    const rt::posix::TraceSpan span(kBenchSpan);
+    parts.surroundings.step_bench(now);
   });
-  std::thread devices([&] {
-    parts.desk.ring().adopt_thread("devices");
-    every_millisecond(stop, start_ns, [&](rt::Nanoseconds now) {
-      const rt::posix::TraceSpan span(kDevicesSpan);
-      parts.surroundings.poll_devices(now);
-    });
+  chores.add("the devices", adopt("devices"), [&parts](rt::Nanoseconds now) {
+    const rt::posix::TraceSpan span(kDevicesSpan);
+    parts.surroundings.poll_devices(now);
   });
-  std::thread requests(
-      [&] { every_millisecond(stop, start_ns, [&](rt::Nanoseconds now) { parts.parameters.poll(now); }); });
+  chores.add(
+      "the requests", [] {}, [&parts](rt::Nanoseconds now) { parts.parameters.poll(now); });
   drivers::ServiceNotify service;
   runner.start();
   service.ready();
   while (!runner.finished()) {
-    // The workers ask for their priority before tick 0 comes: a refusal ends the run before anything has
-    // moved.
-    const bool interrupted = options.interrupted != nullptr && options.interrupted->load();
-    if (interrupted || (options.require_realtime && runner.refused())) runner.stop();
+    if (options.interrupted != nullptr && options.interrupted->load()) runner.stop();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     parts.desk.take(runner);
     if (const std::string news = parts.surroundings.news(); !news.empty())
@@ -108,35 +162,8 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   service.stopping();
   runner.join();
   parts.desk.take(runner);
-  stop.store(true);
-  bench.join();
-  devices.join();
-  requests.join();
-
-  LiveMeasured measured;
-  measured.warnings = runner.warnings();
-  if (const rt::Nanoseconds late = runner.ready_late_ns(); late > 0) {
-    measured.late_start =
-        "the last worker was ready " + std::to_string(late / rt::kNanosecondsPerMillisecond) +
-        " ms after the run began, and what it should have done before is counted as missed: the "
-        "machine was far busier than just before; start again, or stop what else it does";
-  }
-  if (runner.stopped_by() >= 0) {
-    const auto group = static_cast<std::uint32_t>(runner.stopped_by());
-    measured.stopped = "group " + std::string(parts.runtime.executive().group(group).spec.name) +
-                       " was late, and its overrun policy is to stop the run";
-  }
-  measured.counters["stuck_jobs"] = runner.stuck();
-  measured.counters["ladder_worst_level"] = runner.worst_level();
-  measured.counters["events"] = parts.desk.count;
-  const rt::Nanoseconds ran = std::max<rt::Nanoseconds>(rt::posix::monotonic_now() - start_ns, 1);
-  for (std::uint32_t i = 0; i < parts.runtime.executive().group_count(); ++i) {
-    measured.groups.push_back({static_cast<double>(runner.spun_ns(i)) / static_cast<double>(ran),
-                               static_cast<double>(runner.margin_ns(i)) * 1e-3, runner.stack_bytes(i),
-                               collect_delays(runner.delays(i))});
-  }
-  measured.ticks = std::min(last + 1, static_cast<rt::Tick>(ran / parts.runtime.executive().base_tick_ns()));
-  return measured;
+  chores.stop();
+  return collect_live(parts, runner);
 }
 
 }  // namespace sortie::firmware

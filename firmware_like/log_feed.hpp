@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware_like/log_file.hpp"
+#include "firmware_like/recorded_job.hpp"
 #include "firmware_like/runtime.hpp"
 #include "rt/archive.hpp"
 #include "rt/virtual_runner.hpp"
@@ -37,6 +38,7 @@ class LogFeed final : public rt::JobFeed {
   /// `tick` on come next.
   void archive(rt::Archive& archive, rt::Tick tick);
 
+  /// Of a whole log of a live run, those of the run; else of the first and the last job.
   rt::Tick first_tick() const { return first_tick_; }
   rt::Tick last_tick() const { return last_tick_; }
   /// What the log says about the newest prepared job of a group; null without ticks.
@@ -45,10 +47,10 @@ class LogFeed final : public rt::JobFeed {
   }
   /// What the log says that the jobs of this feed put out; empty without ticks.
   LogDigest recorded_digest() const;
-  /// Jobs at the end of the log that took outputs of jobs which it does not hold: it was cut off between the
-  /// two.
   /// Empty, or one line: the recorded job that is damaged, and with which the part that is used ends.
   const std::string& damage() const { return damage_; }
+  /// Jobs at the end of the log that took outputs of jobs which it does not hold: it was cut off between the
+  /// two.
   std::uint64_t jobs_left_out() const { return jobs_left_out_; }
   std::uint64_t missing_samples() const { return missing_samples_; }  ///< named by a job, not in the log
   std::uint64_t damaged_samples() const { return damaged_samples_; }  ///< of another type, or damaged
@@ -75,6 +77,7 @@ class LogFeed final : public rt::JobFeed {
 
   void index_jobs(const LogFile& log);
   void leave_out_orphans();
+  void take_run_end(const LogFile& log);
   std::size_t jobs_before(const GroupCursor& cursor, rt::Tick tick) const;
   bool load(GroupCursor& cursor);
   void push(PortCursor& cursor);
@@ -94,9 +97,5 @@ class LogFeed final : public rt::JobFeed {
   std::string damage_;
   std::vector<std::string> unused_channels_;
 };
-
-/// Reads one tick record into a job record. False when it does not fit (other numbers of streams, inputs or
-/// tasks).
-bool to_job_record(const drivers::TickRecord& tick, rt::JobRecord& record);
 
 }  // namespace sortie::firmware

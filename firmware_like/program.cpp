@@ -14,6 +14,7 @@
 #include "firmware_like/profile.hpp"
 #include "firmware_like/results.hpp"
 #include "rt/math.hpp"
+#include "rt/posix/make_thread.hpp"
 
 namespace sortie::firmware {
 
@@ -49,6 +50,8 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   } catch (const ProfileError& error) {
     return fail(parts, error.what(), kUsage);
   } catch (const RealtimeRefused& error) {
+    return fail(parts, error.what(), kRefused);
+  } catch (const rt::posix::ThreadRefused& error) {
     return fail(parts, error.what(), kRefused);
   } catch (const BenchRefused& error) {
     return fail(parts, error.what(), kRefused);

@@ -8,6 +8,7 @@
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_timing.hpp"
 #include "rt/posix/clock.hpp"
+#include "rt/posix/make_thread.hpp"
 
 namespace sortie::firmware {
 
@@ -152,11 +153,10 @@ void Telemetry::publish_segments() {
 
 void Telemetry::start() {
   if (!publisher_.active()) return;
-  thread_ = std::thread([this] {
+  thread_ = rt::posix::make_thread("telemetry", [this] {
     for (std::uint64_t round = 0; !stop_.load(std::memory_order_relaxed); ++round) {
-      const auto utime = std::chrono::duration_cast<std::chrono::microseconds>(
-                             std::chrono::system_clock::now().time_since_epoch())
-                             .count();
+      const std::int64_t utime =
+          (runtime_.executive().now() + utc_minus_run_ns_) / rt::kNanosecondsPerMicrosecond;
       publish_outputs(utime);
       publish_events();
       publish_segments();

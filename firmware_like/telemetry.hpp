@@ -20,16 +20,21 @@ namespace sortie::firmware {
 /// the map's segments after each scan, statistics and the run-time parameters once a second (parameters also
 /// as soon as one changes), the pose as bot_core.pose_t on POSE_BODY. The real-time workers never wait for
 /// it: it reads their mailboxes.
+///
+/// One offset dates everything that a run tells, on every channel, in its log and in its events: UTC at the
+/// run's time 0, read once and added to the run's clock. Nothing here asks for the date again, so setting the
+/// system's clock moves no channel against another; the dates are then those of the clock as it was.
 class Telemetry {
  public:
-  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to stamps.
+  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to all times of the run's clock, which is the
+  /// executive's.
   Telemetry(Runtime& runtime, const FlightRecorder& recorder, const ParameterDesk& desk,
             const std::string& url, rt::Nanoseconds utc_minus_run_ns);
   ~Telemetry();
 
   /// Publishes an event with the next round. Any thread but the real-time ones.
   void tell(const drivers::EventRecord& event);
-  /// Starts the thread; stop() ends it after a last message.
+  /// Starts the thread; stop() ends it after a last message. Throws ThreadRefused.
   void start();
   void stop();
   /// Empty, or why nothing is published although it was asked for.

@@ -25,6 +25,11 @@ struct GroupTiming {
   constexpr Tick due(std::uint64_t job) const { return release(job) + deadline; }
   constexpr bool releases_at(Tick tick) const { return tick >= phase && (tick - phase) % period == 0; }
   constexpr std::uint64_t job_at(Tick tick) const { return (tick - phase) / period; }
+  /// True when job `job` is released at `tick`. For numbers from outside, which may be anything: compare no
+  /// release() with them, its product wraps at 2^64, and a wrong job then seems right.
+  constexpr bool is_release(std::uint64_t job, Tick tick) const {
+    return releases_at(tick) && job_at(tick) == job;
+  }
   /// Newest job whose deadline is at or before `tick`, or -1.
   constexpr std::int64_t newest_due(Tick tick) const {
     const Tick first = static_cast<Tick>(phase) + deadline;

@@ -10,6 +10,7 @@
 #include "firmware_like/doctor/checks.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/results.hpp"
+#include "rt/posix/make_thread.hpp"
 #include "rt/posix/realtime.hpp"
 
 namespace sortie::firmware {
@@ -31,7 +32,9 @@ std::int64_t resolution_of(clockid_t clock) {
 /// A thread of its own asks, so that nothing of this process is changed.
 bool ask_for_fifo() {
   bool granted = false;
-  std::thread([&granted] { granted = rt::posix::set_fifo_priority(1).ok; }).join();
+  rt::posix::make_thread("the doctor's trial", [&granted] {
+    granted = rt::posix::set_fifo_priority(1).ok;
+  }).join();
   return granted;
 }
 

@@ -44,6 +44,13 @@ void sleep_until(Nanoseconds wake_ns) {
   }
 }
 
+void nap_until(Nanoseconds wake_ns, const std::atomic<bool>& stop) {
+  constexpr Nanoseconds kNap = 10 * kNanosecondsPerMillisecond;
+  for (Nanoseconds now = monotonic_now(); now < wake_ns && !stop.load(std::memory_order_relaxed);
+       now = monotonic_now())
+    sleep_until(now + kNap < wake_ns ? now + kNap : wake_ns);
+}
+
 ReleaseWait wait_for_release(Nanoseconds wake_ns, Nanoseconds margin_ns) {
   ReleaseWait wait{0, -1, 0};
   Nanoseconds now = monotonic_now();

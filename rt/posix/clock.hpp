@@ -3,6 +3,8 @@
 // enters a digest reads a clock.
 #pragma once
 
+#include <atomic>
+
 #include "rt/time.hpp"
 
 namespace sortie::rt::posix {
@@ -20,6 +22,9 @@ Nanoseconds thread_cpu_now();
 /// Sleeps until CLOCK_MONOTONIC reaches `wake_ns`; returns at once when that is past. Signals do not cut it
 /// short.
 void sleep_until(Nanoseconds wake_ns);
+
+/// The same in naps of 10 ms, for who waits for a run to begin: it ends within a nap of `stop` being set.
+void nap_until(Nanoseconds wake_ns, const std::atomic<bool>& stop);
 
 /// How a wait for a release went.
 struct ReleaseWait {

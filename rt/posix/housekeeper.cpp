@@ -3,13 +3,14 @@
 
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
+#include "rt/posix/make_thread.hpp"
 
 namespace sortie::rt::posix {
 
 SetupResult Housekeeper::start(Nanoseconds period_ns) {
   const SetupResult opened = evidence_.open();
   evidence_.sample(monotonic_now());
-  thread_ = std::thread([this, period_ns] { loop(period_ns); });
+  thread_ = make_thread("the housekeeper", [this, period_ns] { loop(period_ns); });
   return opened;
 }
 

@@ -19,8 +19,8 @@ class Housekeeper {
   Housekeeper& operator=(const Housekeeper&) = delete;
 
   /// Set-up: opens the counters, so that evidence() is complete from here on, and starts the thread. The
-  /// result says which evidence is missing; the thread runs all the same. Throws std::system_error when it
-  /// cannot be made. Start it from a thread with ordinary priority: the new thread inherits that.
+  /// result says which evidence is missing; the thread runs all the same. Throws ThreadRefused. Start it
+  /// from a thread with ordinary priority: the new thread inherits that.
   SetupResult start(Nanoseconds period_ns = 10 * kNanosecondsPerMillisecond);
   /// Ends the thread, after one last look, so that no case is left without witnesses. May be called twice.
   void stop();

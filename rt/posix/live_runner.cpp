@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "rt/posix/clock.hpp"
+#include "rt/posix/make_thread.hpp"
 #include "rt/posix/realtime.hpp"
 #include "rt/posix/start_lead.hpp"
 
@@ -13,6 +14,7 @@ namespace sortie::rt::posix {
 LiveRunner::LiveRunner(Executive& executive, const LiveOptions& options)
     : executive_(executive),
       options_(options),
+      next_job_(executive.group_count()),
       pulses_(std::make_unique<WorkerPulse[]>(executive.group_count())),
       observers_(std::make_unique<DelayObserver[]>(executive.group_count())),
       stack_bytes_(executive.group_count()) {
@@ -38,8 +40,22 @@ void LiveRunner::start() {
       refused_.store(true, std::memory_order_relaxed);
     }
   }
+  worker_warnings_.resize(executive_.group_count());
+  try {
+    make_threads();
+  } catch (...) {
+    // Whoever waits for the end must not wait for threads that never were.
+    stop();
+    running_.fetch_sub(executive_.group_count() - static_cast<std::uint32_t>(threads_.size()),
+                       std::memory_order_release);
+    join();
+    throw;
+  }
+}
+
+void LiveRunner::make_threads() {
   const std::uint32_t count = executive_.group_count();
-  worker_warnings_.resize(count);
+  running_.store(count, std::memory_order_release);
   // The clock and the counters are kept without a worker's help. Missing evidence only means more unknown
   // causes.
   static_cast<void>(housekeeper_.start());
@@ -47,25 +63,32 @@ void LiveRunner::start() {
     SupervisorOptions above;
     above.start_ns = options_.start_ns;
     above.realtime = options_.realtime;
-    above.priority = std::min(options_.top_priority + 10, 99);
+    above.priority = options_.supervisor_priority != 0 ? options_.supervisor_priority
+                                                       : std::min(options_.top_priority + 10, 99);
     above.ladder = options_.ladder;
+    above.processors = options_.processors;
     above.stuck_limit_ns = options_.stuck_limit_ns;
     above.on_stuck_limit = options_.on_stuck_limit;
     above.on_stuck_self = options_.on_stuck_self;
     supervisor_ = std::make_unique<Supervisor>(executive_, pulses_.get(), above);
   }
-  running_.store(count, std::memory_order_release);
+  threads_.reserve(count);
   for (std::uint32_t index = 0; index < count; ++index) {
-    // Rate-monotonic: a group stands below every faster one; ties go to the table.
-    int below = 0;
-    for (std::uint32_t other = 0; other < count; ++other) {
-      const std::uint32_t theirs = executive_.group(other).timing.period;
-      const std::uint32_t ours = executive_.group(index).timing.period;
-      if (theirs < ours || (theirs == ours && other < index)) ++below;
-    }
-    threads_.emplace_back([this, index, below] { work(index, options_.top_priority - below); });
+    threads_.push_back(make_thread("group " + std::string(executive_.group(index).spec.name),
+                                   [this, index] { work(index, priority_of(index)); }));
   }
   if (supervisor_) supervisor_->start();
+}
+
+// Rate-monotonic: a group stands below every faster one; ties go to the table.
+int LiveRunner::priority_of(std::uint32_t index) const {
+  int below = 0;
+  for (std::uint32_t other = 0; other < executive_.group_count(); ++other) {
+    const std::uint32_t theirs = executive_.group(other).timing.period;
+    const std::uint32_t ours = executive_.group(index).timing.period;
+    if (theirs < ours || (theirs == ours && other < index)) ++below;
+  }
+  return options_.top_priority - below;
 }
 
 void LiveRunner::join() {
@@ -79,6 +102,7 @@ void LiveRunner::join() {
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
+  count_unfinished();
   housekeeper_.stop();
   // The last delays are explained when all witnesses have had their last look.
   for (std::uint32_t index = 0; index < executive_.group_count(); ++index) observers_[index].finish();
@@ -88,6 +112,29 @@ void LiveRunner::join() {
         warnings_.push_back(std::move(line));
     }
     lines.clear();
+  }
+}
+
+// What a run that was ended early leaves open: each worker came as far as it came. The releases of one that
+// came less far, be it that it slept or that its last job took long, are left out like any other.
+void LiveRunner::count_unfinished() {
+  if (threads_.empty() || ticks_ != 0) return;
+  bool whole = true;
+  for (std::uint32_t index = 0; index < executive_.group_count(); ++index) {
+    const GroupTiming& timing = executive_.group(index).timing;
+    whole = whole && timing.release(next_job_[index]) > options_.last_tick;
+    if (next_job_[index] != 0) ticks_ = std::max(ticks_, timing.release(next_job_[index] - 1) + 1);
+  }
+  if (whole) ticks_ = options_.last_tick + 1;
+  for (std::uint32_t index = 0; index < executive_.group_count(); ++index) {
+    const GroupTiming& timing = executive_.group(index).timing;
+    const std::uint64_t first = next_job_[index];
+    if (timing.release(first) >= ticks_) continue;
+    const std::uint64_t end = timing.job_at(ticks_ - 1) + 1;
+    const Nanoseconds late =
+        static_cast<Nanoseconds>(ticks_ - timing.release(first)) * executive_.base_tick_ns();
+    static_cast<void>(executive_.note_skipped(index, end - first, late));  // nobody acts on it any more
+    next_job_[index] = end;
   }
 }
 
@@ -114,16 +161,19 @@ void LiveRunner::set_up(std::uint32_t index, int priority, StackMeter& stack) {
   } else if (const SetupResult slack = set_timer_slack(1); !slack.ok) {
     worker_warnings_[index].emplace_back(slack.reason);
   }
-  if (options_.attribution) {
-    DelayOptions delays;
-    delays.threshold_ns = options_.delay_threshold_ns;
-    delays.cores = &housekeeper_.evidence();
-    delays.heart = supervisor_ ? &supervisor_->heart() : nullptr;
-    // Refused where the kernel keeps no account of threads: then it stays off.
-    static_cast<void>(observers_[index].open(delays));
-  }
   if (pthread_getcpuclockid(pthread_self(), &pulses_[index].cpu_clock) == 0)
     pulses_[index].has_cpu_clock.store(true, std::memory_order_release);
+}
+
+// From here on every sleep is the observer's.
+void LiveRunner::watch_delays(std::uint32_t index) {
+  if (!options_.attribution) return;
+  DelayOptions delays;
+  delays.threshold_ns = options_.delay_threshold_ns;
+  delays.cores = &housekeeper_.evidence();
+  delays.heart = supervisor_ ? &supervisor_->heart() : nullptr;
+  // Refused where the kernel keeps no account of threads: then it stays off.
+  static_cast<void>(observers_[index].open(delays));
 }
 
 // A release was missed or left out.
@@ -144,6 +194,20 @@ void LiveRunner::note_late(std::uint32_t index, bool promise_broke, Tick tick) {
   static_cast<void>(pulses_[index].events.try_push(event));
 }
 
+// Until shortly before tick 0, so that a run that is stopped or refused before it begins ends at once.
+void LiveRunner::await_start() {
+  constexpr Nanoseconds kBefore = 50 * kNanosecondsPerMillisecond;
+  ready_.fetch_add(1, std::memory_order_release);
+  while (options_.require_realtime && !stop_.load(std::memory_order_relaxed)) {
+    if (refused() || (supervisor_ && supervisor_->ready() && supervisor_->was_refused())) stop();
+    const bool all_asked = ready_.load(std::memory_order_acquire) == executive_.group_count() &&
+                           (!supervisor_ || supervisor_->ready());
+    if (all_asked && !refused()) break;
+    sleep_until(monotonic_now() + kNanosecondsPerMillisecond);
+  }
+  nap_until(options_.start_ns - kBefore, stop_);
+}
+
 void LiveRunner::work(std::uint32_t index, int priority) {
   Group& group = executive_.group(index);
   WorkerPulse& pulse = pulses_[index];
@@ -161,6 +225,8 @@ void LiveRunner::work(std::uint32_t index, int priority) {
   Nanoseconds latest = ready_late_ns_.load(std::memory_order_relaxed);
   while (late > latest && !ready_late_ns_.compare_exchange_weak(latest, late, std::memory_order_relaxed)) {
   }
+  await_start();
+  watch_delays(index);
   if (options_.on_worker != nullptr) options_.on_worker(true);
 
   std::uint64_t job = 0;
@@ -173,6 +239,7 @@ void LiveRunner::work(std::uint32_t index, int priority) {
     if (wait.overslept_ns >= 0) margin.note(wait.overslept_ns);
     spun += wait.spun_ns;
     pulse.spun_ns.store(spun, std::memory_order_relaxed);
+    if (stop_.load(std::memory_order_relaxed)) break;  // it came while this worker slept
     const Nanoseconds woke = wait.woke_ns - options_.start_ns;
     // Whole periods are left out after an overrun; the phase stays. A release whose deadline has passed is
     // not run, unless the group catches up.
@@ -212,6 +279,7 @@ void LiveRunner::work(std::uint32_t index, int priority) {
     ++job;
   }
 
+  next_job_[index] = job;
   if (options_.on_worker != nullptr) options_.on_worker(false);
   stack_bytes_[index] = stack.high_water();
   pulse.has_cpu_clock.store(false, std::memory_order_release);

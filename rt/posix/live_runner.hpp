@@ -27,13 +27,18 @@ struct LiveOptions {
   SpinMarginConfig margin;   ///< slept to this long before a release, the rest is spun
   /// Most of a core that spinning may take, as a share of the period: bounds the margin further.
   double most_spinning{0.06};
-  bool realtime{true};   ///< ask for SCHED_FIFO, mlockall and pinning; what is refused becomes a warning
-  int top_priority{80};  ///< of the fastest group; slower groups count down from it; the supervisor is above
+  bool realtime{true};  ///< ask for SCHED_FIFO, mlockall and pinning; what is refused becomes a warning
+  /// All or nothing: no job runs before every thread has asked the platform, and none at all when it refused
+  /// something; the run then ends by itself.
+  bool require_realtime{};
+  int top_priority{80};       ///< of the fastest group; slower groups count down from it
+  int supervisor_priority{};  ///< 0: ten above the fastest group, 99 at most
   /// Find the cause of each delay above `delay_threshold_ns`: one more system call a tick.
   bool attribution{true};
   Nanoseconds delay_threshold_ns{100'000};
   bool supervised{true};  ///< start the supervisor: watchdog and degrade ladder
   LadderConfig ladder;
+  double processors{};  ///< that unpinned groups are counted on by the ladder; 0: those that are there
   /// A task that is stuck for so long calls `on_stuck_limit`, on the supervisor's thread. 0: never.
   Nanoseconds stuck_limit_ns{};
   void (*on_stuck_limit)(void* self, const LiveEvent& event){};
@@ -46,6 +51,11 @@ struct LiveOptions {
 };
 
 /// The workers of a live run. The executive must be sealed and its clock set to the run's clock.
+///
+/// How a run ends, by itself, by stop() or by a group's policy: a job that runs then is finished, and no
+/// other begins; a worker that sleeps finds out when it wakes. ticks() is how far the run came, and every
+/// release before it is either run or counted as left out, in every group. So whoever counts the releases of
+/// a recorded run again, with its jobs and ticks(), gets the same numbers.
 class LiveRunner {
  public:
   LiveRunner(Executive& executive, const LiveOptions& options);
@@ -53,9 +63,11 @@ class LiveRunner {
   LiveRunner(const LiveRunner&) = delete;
   LiveRunner& operator=(const LiveRunner&) = delete;
 
-  /// Starts the workers and returns. Throws std::system_error when a thread cannot be made.
+  /// Starts the workers and returns. Throws ThreadRefused when a thread cannot be made; those that were made
+  /// have ended then, without a job.
   void start();
-  /// Asks the workers to end after their current job. Safe from a signal handler's thread.
+  /// Asks the workers to end after their current job; who sleeps until its next release does not run it any
+  /// more. Safe from a signal handler's thread.
   void stop() { stop_.store(true, std::memory_order_relaxed); }
   /// Waits for the end. Afterwards statistics may be read.
   void join();
@@ -67,6 +79,9 @@ class LiveRunner {
   /// What the platform refused, one line each, with the cure. Complete after join().
   const std::vector<std::string>& warnings() const { return warnings_; }
 
+  /// Ticks that were run; after join(). One beyond the newest release that any group ran or left out; the
+  /// whole run if it was not ended early.
+  Tick ticks() const { return ticks_; }
   /// Takes the oldest event that is waiting. One reader thread; call it now and then, the rings are small.
   bool poll_event(LiveEvent& event);
   /// The group whose overrun policy has ended the run, or -1.
@@ -84,11 +99,18 @@ class LiveRunner {
   Nanoseconds ready_late_ns() const { return ready_late_ns_.load(std::memory_order_relaxed); }
   /// Jobs that ran for longer than a period, as the supervisor saw them.
   std::uint64_t stuck() const { return supervisor_ ? supervisor_->stuck() : 0; }
+  /// Processors that the ladder counted unpinned groups on; after join(). 0: there was no supervisor.
+  double processors() const { return supervisor_ ? supervisor_->processors() : 0; }
   /// Highest level of the ladder on any core.
   std::uint8_t worst_level() const { return supervisor_ ? supervisor_->worst_level() : std::uint8_t{0}; }
 
  private:
+  void make_threads();
+  int priority_of(std::uint32_t index) const;
   void work(std::uint32_t index, int priority);
+  void await_start();
+  void watch_delays(std::uint32_t index);
+  void count_unfinished();
   void set_up(std::uint32_t index, int priority, StackMeter& stack);
   void note_late(std::uint32_t index, bool promise_broke, Tick tick);
 
@@ -98,6 +120,9 @@ class LiveRunner {
   std::atomic<bool> refused_{false};
   std::atomic<int> stopped_by_{-1};
   std::atomic<std::uint32_t> running_{0};
+  std::atomic<std::uint32_t> ready_{0};  // workers that have asked the platform
+  Tick ticks_{};
+  std::vector<std::uint64_t> next_job_;  // by group: the first that was neither run nor left out
   std::atomic<Nanoseconds> ready_late_ns_{std::numeric_limits<Nanoseconds>::min()};
   std::unique_ptr<WorkerPulse[]> pulses_;
   std::vector<SpinMargin> margins_;

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "rt/posix/clock.hpp"
+#include "rt/posix/make_thread.hpp"
 #include "rt/posix/stack_meter.hpp"
 
 namespace sortie::rt::posix {
@@ -16,7 +17,7 @@ Nanoseconds measure_start_lead(unsigned threads, bool realtime) {
   for (int trial = 0; trial < 3; ++trial) {
     const Nanoseconds begin = monotonic_now();
     Nanoseconds ready = begin;
-    std::thread probe([realtime, &ready] {
+    std::thread probe = make_thread("the start's trial", [realtime, &ready] {
       set_thread_name("probe");
       StackMeter stack;
       if (realtime) static_cast<void>(stack.paint(kPaintedStackBytes));

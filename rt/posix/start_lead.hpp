@@ -19,7 +19,7 @@ inline constexpr std::size_t kThreadStackBytes = std::size_t{1024} * 1024;
 /// each four times the slowest of three threads like them, which are started and ended here; 5 s at most.
 /// With `realtime` each touches the stack that a worker touches, and has 150 ms at least: buffers that are
 /// made meanwhile are cleared and locked before their owner gets on, which no thread on trial shows. Not for
-/// the real-time path. Throws std::system_error when no thread can be made.
+/// the real-time path. Throws ThreadRefused when no thread can be made.
 Nanoseconds measure_start_lead(unsigned threads, bool realtime);
 
 }  // namespace sortie::rt::posix

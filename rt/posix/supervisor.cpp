@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "rt/posix/clock.hpp"
+#include "rt/posix/make_thread.hpp"
+#include "rt/shared_load.hpp"
 
 namespace sortie::rt::posix {
 
@@ -14,7 +16,7 @@ constexpr Nanoseconds kStuckEventEvery =
 // While nobody looked, the task may have been kept from its processor as the supervisor was: a paused machine
 // is no reason to leave the process.
 constexpr Nanoseconds kLongestLook = 20 * kNanosecondsPerMillisecond;
-// A missed job on a core that has room is not the core's fault: shedding would not help.
+// A missed job where there is room is not the processors' fault: shedding would not help.
 constexpr double kBusyCore = 0.5;
 
 Nanoseconds read_cpu_clock(clockid_t clock) {
@@ -24,22 +26,17 @@ Nanoseconds read_cpu_clock(clockid_t clock) {
 }
 }  // namespace
 
-std::array<double, kLevels> declared_loads(const Executive& executive,
-                                           const std::vector<std::uint32_t>& groups) {
-  std::array<double, kLevels> loads{};
-  for (std::uint8_t level = 0; level < kLevels; ++level) {
-    for (const std::uint32_t index : groups) {
-      const Group& group = executive.group(index);
-      const double period_us =
-          static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
-      for (const TaskBase* task : group.tasks) {
-        const Service service = service_at(task->spec().criticality, level);
-        const double share = service == Service::full ? 1.0 : service == Service::reduced ? 0.5 : 0.0;
-        loads[level] += share * task->budget_us() / period_us;
-      }
-    }
+double declared_load(const Executive& executive, std::uint32_t index, std::uint8_t level) {
+  const Group& group = executive.group(index);
+  const double period_us =
+      static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
+  double load = 0;
+  for (const TaskBase* task : group.tasks) {
+    const Service service = service_at(task->spec().criticality, level);
+    const double share = service == Service::full ? 1.0 : service == Service::reduced ? 0.5 : 0.0;
+    load += share * task->budget_us() / period_us;
   }
-  return loads;
+  return load;
 }
 
 Supervisor::Supervisor(const Executive& executive, WorkerPulse* pulses, const SupervisorOptions& options)
@@ -51,34 +48,52 @@ Supervisor::Supervisor(const Executive& executive, WorkerPulse* pulses, const Su
     bool a = false;
     for (const TaskBase* task : group.tasks) a = a || task->spec().criticality == Criticality::a;
     has_a_.push_back(a);
-    // Groups without a core of their own share one ladder, as if they all stood on one core.
+    // Groups without a core of their own share one ladder, for all processors that they may run on.
     auto core = std::find_if(cores_.begin(), cores_.end(),
                              [&group](const Core& known) { return known.core == group.spec.core; });
     if (core == cores_.end())
-      core = cores_.insert(cores_.end(), Core{group.spec.core, {}, Ladder({}, {}), 0, 0, 0, 0, false});
-    core->groups.push_back(index);
+      core = cores_.insert(cores_.end(), Core{group.spec.core, 1, {}, {}, Ladder({}, {}), 0, 0, 0, false});
+    core->members.push_back({index});
     for (const TaskBase* task : group.tasks)
       core->may_shed = core->may_shed || task->spec().criticality != Criticality::a;
   }
+  period_ns_ = std::max(kFastestLook, static_cast<Nanoseconds>(fastest) * executive.base_tick_ns());
+}
+
+// The processors are counted once, when the run begins; a mask or a quota that changes later is not seen.
+void Supervisor::count_processors(bool quota_binds) {
+  processors_ = usable_processors(quota_binds);
+  if (options_.processors > 0) processors_.count = options_.processors;
   for (Core& core : cores_) {
+    core.processors = core.core < 0 ? processors_.count : std::min(processors_.count, 1.0);
     Nanoseconds longest = 0;
-    for (const std::uint32_t index : core.groups) {
-      longest = std::max(
-          longest, static_cast<Nanoseconds>(executive.group(index).timing.period) * executive.base_tick_ns());
+    for (const Member& member : core.members) {
+      longest = std::max(longest, static_cast<Nanoseconds>(executive_.group(member.group).timing.period) *
+                                      executive_.base_tick_ns());
     }
-    core.window_ns = std::max(options.window_ns, longest / kMostSpan);
-    LadderConfig config = options.ladder;
+    for (std::uint32_t index = 0; core.core < 0 && index < executive_.group_count(); ++index) {
+      const int pinned = executive_.group(index).spec.core;
+      if (pinned >= 0 && processors_.has(pinned)) core.others.push_back({index});
+    }
+    std::array<double, kLevels> declared{};
+    for (std::uint8_t level = 0; level < kLevels; ++level) {
+      SharedLoad load;
+      for (const Member& member : core.members) load.add(declared_load(executive_, member.group, level));
+      for (const Member& other : core.others) load.add_other(declared_load(executive_, other.group, 0));
+      declared[level] = load.share(core.processors);
+    }
+    core.window_ns = std::max(options_.window_ns, longest / kMostSpan);
+    LadderConfig config = options_.ladder;
     config.span = static_cast<std::uint8_t>(
         std::clamp<Nanoseconds>((longest + core.window_ns - 1) / core.window_ns, 1, kMostSpan));
-    core.ladder = Ladder(config, declared_loads(executive, core.groups));
+    core.ladder = Ladder(config, declared);
   }
-  period_ns_ = std::max(kFastestLook, static_cast<Nanoseconds>(fastest) * executive.base_tick_ns());
 }
 
 Supervisor::~Supervisor() { stop(); }
 
 void Supervisor::start() {
-  thread_ = std::thread([this] { loop(); });
+  thread_ = make_thread("the supervisor", [this] { loop(); });
 }
 
 void Supervisor::stop() {
@@ -86,14 +101,26 @@ void Supervisor::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+void Supervisor::ask_platform() {
+  bool is_fifo = false;
+  if (options_.realtime) {
+    const SetupResult fifo = set_fifo_priority(options_.priority);
+    is_fifo = fifo.ok;
+    for (const SetupResult& asked : {fifo, prefault_stack(std::size_t{64} * 1024)}) {
+      if (!asked.ok) refused_.push_back(asked);
+    }
+  }
+  // What this thread got the workers, which ask for less, get as well.
+  count_processors(!is_fifo);
+  was_refused_.store(!refused_.empty(), std::memory_order_relaxed);
+  ready_.store(true, std::memory_order_release);
+}
+
 void Supervisor::loop() {
   set_thread_name("supervisor");
-  if (options_.realtime) {
-    if (const SetupResult fifo = set_fifo_priority(options_.priority); !fifo.ok) refused_.push_back(fifo);
-    if (const SetupResult stack = prefault_stack(std::size_t{64} * 1024); !stack.ok)
-      refused_.push_back(stack);
-  }
+  ask_platform();
   static_cast<void>(heart_.open_for_this_thread());  // without it a beat that waited looks like a pause
+  nap_until(options_.start_ns, stop_);
   Nanoseconds next = options_.start_ns + period_ns_;
   for (Core& core : cores_) core.window_began_ns = options_.start_ns;
   const Nanoseconds longest_look = std::max(kLongestLook, 2 * period_ns_);
@@ -155,20 +182,20 @@ void Supervisor::look_for_stuck(Nanoseconds now, Nanoseconds looked) {
   }
 }
 
-Nanoseconds Supervisor::busy_time(const Core& core) const {
-  Nanoseconds busy = 0;
-  for (const std::uint32_t index : core.groups) {
-    const WorkerPulse& pulse = pulses_[index];
-    if (!pulse.has_cpu_clock.load(std::memory_order_acquire)) continue;
-    busy += read_cpu_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
-  }
-  return busy;
+bool Supervisor::load_of(Member& member, Nanoseconds window, double& load) const {
+  const WorkerPulse& pulse = pulses_[member.group];
+  if (!pulse.has_cpu_clock.load(std::memory_order_acquire)) return false;
+  const Nanoseconds before = member.busy_ns;
+  member.busy_ns = read_cpu_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
+  if (before < 0) return false;  // set-up work of a thread is no load of the run
+  load = static_cast<double>(member.busy_ns - before) / static_cast<double>(window);
+  return true;
 }
 
 std::uint32_t Supervisor::missed_a(const Core& core) const {
   std::uint32_t missed = 0;
-  for (const std::uint32_t index : core.groups) {
-    if (has_a_[index]) missed += pulses_[index].missed.load(std::memory_order_relaxed);
+  for (const Member& member : core.members) {
+    if (has_a_[member.group]) missed += pulses_[member.group].missed.load(std::memory_order_relaxed);
   }
   return missed;
 }
@@ -176,22 +203,31 @@ std::uint32_t Supervisor::missed_a(const Core& core) const {
 void Supervisor::move_ladder(Core& core, Nanoseconds now) {
   const Nanoseconds window = now - core.window_began_ns;
   core.window_began_ns = now;
-  const Nanoseconds busy = busy_time(core);
+  SharedLoad shared;
+  bool is_known = false;
+  double load = 0;
+  for (Member& member : core.members) {
+    if (!load_of(member, window, load)) continue;
+    shared.add(load);
+    is_known = true;
+  }
+  for (Member& other : core.others) {
+    if (load_of(other, window, load)) shared.add_other(load);
+  }
+  load = shared.share(core.processors);
   const std::uint32_t missed = missed_a(core);
-  const double load = static_cast<double>(busy - core.busy_ns) / static_cast<double>(window);
   const bool missed_now = missed != core.missed_a && load > kBusyCore;
-  const bool first = core.busy_ns == 0;
-  core.busy_ns = busy;
   core.missed_a = missed;
-  if (first) return;  // set-up work of the threads is no load of the run
+  if (!is_known) return;
   const std::uint8_t before = core.ladder.level();
   const std::uint8_t level = core.ladder.update(load, missed_now);
   if (level == before) return;
-  for (const std::uint32_t index : core.groups) pulses_[index].level.store(level, std::memory_order_relaxed);
+  for (const Member& member : core.members)
+    pulses_[member.group].level.store(level, std::memory_order_relaxed);
   if (level > worst_level_.load(std::memory_order_relaxed))
     worst_level_.store(level, std::memory_order_relaxed);
   tell({LiveEventKind::ladder, static_cast<std::int16_t>(core.core),
-        static_cast<std::uint16_t>(core.groups.front()), 0, tick_at(now), level});
+        static_cast<std::uint16_t>(core.members.front().group), 0, tick_at(now), level});
 }
 
 Tick Supervisor::tick_at(Nanoseconds now) const {

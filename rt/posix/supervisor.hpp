@@ -11,6 +11,7 @@
 #include "rt/executive.hpp"
 #include "rt/ladder.hpp"
 #include "rt/posix/delay_evidence.hpp"
+#include "rt/posix/processors.hpp"
 #include "rt/posix/realtime.hpp"
 #include "rt/posix/worker_pulse.hpp"
 
@@ -22,6 +23,8 @@ struct SupervisorOptions {
   bool realtime{true};
   int priority{90};  ///< above every worker
   LadderConfig ladder{};
+  /// Processors that groups without a core of their own may use. 0: those that are there when it starts.
+  double processors{};
   /// One update of the ladder a window; longer where a core's slowest group has a period of more than
   /// kMostSpan windows.
   Nanoseconds window_ns{10 * kNanosecondsPerMillisecond};
@@ -42,11 +45,17 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// Starts the thread. Throws std::system_error when it cannot be made.
+  /// Starts the thread. Throws ThreadRefused.
   void start();
   /// Ends it. Afterwards counts may be read.
   void stop();
 
+  /// True once it has asked the platform for all it wants; what was refused then is told by was_refused().
+  bool ready() const { return ready_.load(std::memory_order_acquire); }
+  /// True when the platform refused something; from ready() on.
+  bool was_refused() const { return was_refused_.load(std::memory_order_relaxed); }
+  /// Processors that groups without a core of their own are counted on; after stop(). 0: it never ran.
+  double processors() const { return processors_.count; }
   /// What the platform refused; read it after stop().
   const std::vector<SetupResult>& refused() const { return refused_; }
   /// Takes the oldest event of the supervisor. One reader.
@@ -59,13 +68,20 @@ class Supervisor {
   const Heartbeat& heart() const { return heart_; }
 
  private:
+  // What is known of a group at the last window of a core.
+  struct Member {
+    std::uint32_t group{};
+    Nanoseconds busy_ns{-1};  // CPU time of its worker, spinning left out; -1: not known yet
+  };
+  // Groups with one ladder: those of a processor, or those that may run on any.
   struct Core {
     int core{-1};
-    std::vector<std::uint32_t> groups;
+    double processors{1};
+    std::vector<Member> members;
+    std::vector<Member> others;  // pinned to a processor that the members may use as well
     Ladder ladder;
     Nanoseconds window_ns{};
     Nanoseconds window_began_ns{};
-    Nanoseconds busy_ns{};  // CPU time of its workers, spinning left out, at the last window
     std::uint32_t missed_a{};
     bool may_shed{};
   };
@@ -80,10 +96,13 @@ class Supervisor {
   };
 
   void loop();
+  void ask_platform();
+  void count_processors(bool quota_binds);
   // `looked`: time since the look before, as far as somebody was there to look.
   void look_for_stuck(Nanoseconds now, Nanoseconds looked);
   void move_ladder(Core& core, Nanoseconds now);
-  Nanoseconds busy_time(const Core& core) const;
+  // Share of one processor that a group has used since the last call; none if that is not known.
+  bool load_of(Member& member, Nanoseconds window, double& load) const;
   std::uint32_t missed_a(const Core& core) const;
   Tick tick_at(Nanoseconds now) const;
   void tell(const LiveEvent& event);
@@ -99,13 +118,15 @@ class Supervisor {
   std::atomic<std::uint64_t> stuck_{0};
   std::atomic<std::uint8_t> worst_level_{0};
   Heartbeat heart_;
+  Processors processors_{0, {}};
+  std::atomic<bool> ready_{false};
+  std::atomic<bool> was_refused_{false};
   std::atomic<bool> stop_{false};
   std::vector<SetupResult> refused_;
   std::thread thread_;
 };
 
-/// Load of a core by the declared budgets of `groups` at each level of the ladder.
-std::array<double, kLevels> declared_loads(const Executive& executive,
-                                           const std::vector<std::uint32_t>& groups);
+/// Load of a group by its declared budgets at a level of the ladder, as a share of one processor.
+double declared_load(const Executive& executive, std::uint32_t group, std::uint8_t level);
 
 }  // namespace sortie::rt::posix

@@ -4,8 +4,11 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
+
+#include "rt/posix/make_thread.hpp"
 
 namespace sortie::rt::posix {
 
@@ -16,7 +19,9 @@ namespace {
 class Worker {
  public:
   Worker(Executive& executive, std::uint32_t group)
-      : executive_(executive), group_(group), thread_([this] { loop(); }) {}
+      : executive_(executive),
+        group_(group),
+        thread_(make_thread("group " + std::string(executive.group(group).spec.name), [this] { loop(); })) {}
   ~Worker() {
     {
       const std::lock_guard lock(mutex_);

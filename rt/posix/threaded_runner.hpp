@@ -9,7 +9,7 @@ namespace sortie::rt::posix {
 
 /// Runs ticks first..last (inclusive). Jobs of different groups overlap as far as their deadlines allow: a
 /// tick opens when every job that is due by then is decided. Not for live use: it waits on locks. Throws
-/// std::system_error when a thread cannot be made.
+/// ThreadRefused when a thread cannot be made.
 void run_virtual_threaded(Executive& executive, JobFeed& feed, Tick first, Tick last);
 
 }  // namespace sortie::rt::posix

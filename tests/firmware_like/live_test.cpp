@@ -42,6 +42,12 @@ void check_replays(const std::string& log_path, const LiveRunOutcome& run) {
     CHECK(hex(outcome.recorded.all) == run.results.digest);
     CHECK(outcome.recorded.jobs == run.results.counters.at("jobs"));
     CHECK(outcome.results.counters.at("missed_jobs") == run.results.counters.at("missed_jobs"));
+    // As far as the run came, and what it left out on the way, also before its first job and after its last.
+    CHECK(outcome.results.ticks == run.results.ticks);
+    CHECK(outcome.results.duration_s == Approx(run.results.duration_s));
+    CHECK(outcome.results.counters.at("skipped_releases") == run.results.counters.at("skipped_releases"));
+    for (std::size_t i = 0; i < run.results.groups.size(); ++i)
+      CHECK(outcome.results.groups[i].skipped == run.results.groups[i].skipped);
     CHECK(outcome.results.counters.at("samples_missing") == 0);
     CHECK(outcome.results.counters.at("samples_refused") == 0);
   }
@@ -84,6 +90,15 @@ TEST_CASE("a live run that is interrupted leaves a log that replays whole") {
   options.interrupted = &interrupted;
   const LiveRunOutcome run = run_live(stall_vehicles(), nullptr, options);
   CHECK(run.results.duration_s < 30);
+  CHECK(run.results.duration_s == Approx(static_cast<double>(run.results.ticks) * 1e-3));
+  for (const GroupResult& group : run.results.groups) {
+    // Each release of the run was run or left out, and none behind its end.
+    const double period = group.period_us * 1e-3;
+    CHECK(static_cast<double>(group.jobs + group.skipped) * period + group.phase_us * 1e-3 <
+          static_cast<double>(run.results.ticks) + period);
+    CHECK(static_cast<double>(group.jobs + group.skipped) * period + group.phase_us * 1e-3 >=
+          static_cast<double>(run.results.ticks));
+  }
   CHECK(run.results.counters.at("jobs") > 10);
   check_replays(options.record, run);
 }

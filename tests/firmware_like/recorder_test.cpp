@@ -5,7 +5,9 @@
 #include <catch2/catch.hpp>
 
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/run_end.hpp"
 #include "rt/virtual_runner.hpp"
+#include "tests/firmware_like/full_disk.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
 
@@ -107,4 +109,122 @@ TEST_CASE("samples that the recorder loses become a gap before the job that took
   options.sample_bytes = 1;
   REQUIRE(record(scene, path, options, drains, 100).lost_samples > 0);
   CHECK(LogFile(path).whole_until() == 0);
+}
+
+TEST_CASE("a gap behind a disk that filled up early names the tick where the log is no longer whole") {
+  const TempFolder folder;
+  const std::string scene = stall_scene(folder);
+  const std::string path = folder.file("early.lcm");
+  std::vector<rt::Tick> drains;
+  for (rt::Tick tick = 30; tick < 12'000; tick += 30) drains.push_back(tick);
+  record(scene, path, {}, drains, 12'000);
+  const std::uint64_t whole = std::filesystem::file_size(path);
+  REQUIRE(whole > (std::uint64_t{2} << 20));  // the file's buffer is written several times
+  for (const double share : {0.3, 0.5, 0.7}) {
+    INFO("room for " << share << " of " << whole << " bytes");
+    {
+      const FullDisk disk(static_cast<std::uint64_t>(share * static_cast<double>(whole)));
+      if (!disk.works()) {
+        WARN("skipped: no limit on file sizes here");
+        return;
+      }
+      CHECK_FALSE(record(scene, path, {}, drains, 12'000).error.empty());
+    }
+    const LogFile log(path);
+    rt::Tick newest = 0;
+    for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTick))) {
+      drivers::TickRecord job;
+      REQUIRE(drivers::decode(event.message, job) == Status::ok);
+      newest = std::max(newest, static_cast<rt::Tick>(job.tick));
+    }
+    CHECK(newest < 11'000);
+    CHECK(log.whole_until() <= newest + 1);
+    CHECK(log.whole_until() + 100 > newest);  // three rounds of writing
+    CHECK(mentions(log.problems(), "GAP from tick " + std::to_string(log.whole_until()) + ":"));
+    const ReplayOutcome outcome = replay(log, stall_vehicles(), {});
+    CHECK(complaint_of(outcome) == "");
+    CHECK(counter(outcome, "skipped_releases") == 0);
+  }
+}
+
+TEST_CASE("a job's number that cannot be is refused with its place, and drops no later job in silence") {
+  const TempFolder folder;
+  const std::string whole = folder.file("whole.lcm");
+  const std::string path = folder.file("hurt.lcm");
+  record(stall_scene(folder), whole, {}, {100, 200, 300}, 400);
+  const auto with = [&](const std::function<void(drivers::TickRecord&)>& edit) {
+    rewrite_log(whole, path, [&](EditableEvent& event, std::size_t) {
+      if (event.channel != drivers::kChannelTick) return true;
+      drivers::TickRecord job;
+      REQUIRE(drivers::decode(event.bytes, job) == Status::ok);
+      if (job.group == 1 && job.job == 7) edit(job);  // every 20 ticks: 20 is 4 times 5
+      std::size_t size = 0;
+      REQUIRE(drivers::encode(job.view(), event.bytes, size) == Status::ok);
+      return true;
+    });
+    return replay(LogFile(path), stall_vehicles(), {});
+  };
+  const std::uint64_t jobs = with([](drivers::TickRecord&) {}).recorded.jobs;
+  CHECK(jobs == 420);
+  // 2^62 jobs of 20 ticks are 5 * 2^64: the tick seems right.
+  const auto wraps = with([](drivers::TickRecord& job) { job.job += std::int64_t{1} << 62; });
+  CHECK(mentions(wraps.damage, "is damaged"));
+  CHECK(mentions(wraps.damage, "SORTIE_TICK event"));
+  CHECK(wraps.recorded.jobs < jobs);
+  CHECK(complaint_of(wraps) == "");
+  // One that came already, and one far ahead, after which all others come too late.
+  const auto again = with([](drivers::TickRecord& job) {
+    job.job -= 1;
+    job.tick -= 20;
+  });
+  CHECK(mentions(again.damage, "after job 6"));
+  const auto ahead = with([](drivers::TickRecord& job) {
+    job.job += 1000;
+    job.tick += 20'000;
+  });
+  CHECK(mentions(ahead.damage, "after job 1007"));
+  const auto never = with([](drivers::TickRecord& job) {
+    job.job += std::int64_t{1} << 40;
+    job.tick += 20 * (std::int64_t{1} << 40);
+  });
+  CHECK(mentions(never.damage, "is damaged"));
+}
+
+TEST_CASE("a log that says how far its run came is replayed so far, and what no job ran is left out") {
+  struct Append final : SampleSink {
+    explicit Append(drivers::LcmLogWriter& to) : writer(to) {}
+    void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
+                std::span<const std::uint8_t> message) override {
+      REQUIRE(writer.append(channel, stamp_ns / 1000, message) == Status::ok);
+    }
+    drivers::LcmLogWriter& writer;
+  };
+  const TempFolder folder;
+  const std::string scene = stall_scene(folder);
+  const std::string whole = folder.file("whole.lcm");
+  const std::string path = folder.file("ended.lcm");
+  record(scene, whole, {}, {100, 200}, 300);
+  const Runtime runtime(load_scene(scene), stall_vehicles(), RuntimeStart{});
+  const auto with_end = [&](rt::Tick ticks) {
+    {
+      drivers::LcmLogReader reader(whole);
+      drivers::LcmLogWriter writer(path);
+      drivers::LogEvent event;
+      while (reader.next(event) == Status::ok)
+        REQUIRE(writer.append(event.channel, event.timestamp_us, event.data) == Status::ok);
+      Append sink(writer);
+      write_run_end(sink, runtime.executive(), ticks, 0);
+    }
+    return replay(LogFile(path), stall_vehicles(), {});
+  };
+  const ReplayOutcome longer = with_end(360);
+  CHECK(longer.results.ticks == 360);
+  CHECK(counter(longer, "skipped_releases") == 63);  // of every tick, and of every twentieth
+  CHECK(complaint_of(longer) == "");
+  // Less than its jobs say, or longer than anybody waits: then the jobs count.
+  for (const rt::Tick wrong : {rt::Tick{100}, rt::Tick{1} << 60}) {
+    const ReplayOutcome same = with_end(wrong);
+    CHECK(same.results.ticks == 300);
+    CHECK(counter(same, "skipped_releases") == 0);
+  }
 }

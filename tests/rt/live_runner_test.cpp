@@ -15,6 +15,7 @@
 #include "executive_rig.hpp"
 #include "rt/posix/clock.hpp"
 #include "tests/rt/burn.hpp"
+#include "tests/rt/live_rig.hpp"
 #include "tests/rt/undisturbed.hpp"
 
 using namespace sortie;
@@ -22,41 +23,13 @@ using namespace sortie::rt;
 using namespace sortie::rt::posix;
 using namespace sortie::rt::test;
 using posix::test::burn;
+using posix::test::drain;
 using posix::test::kMs;
+using posix::test::LiveRig;
+using posix::test::wait_for;
 using sortie::testing::undisturbed;
 
 namespace {
-
-// One executive on the real clock.
-struct LiveRig {
-  explicit LiveRig(Nanoseconds tick = kMs) : memory(4u << 20), arena(memory), executive(arena, tick, 0) {}
-
-  LiveOptions options() {
-    LiveOptions live;
-    live.realtime = false;
-    start_ns = monotonic_now() + 20 * kMs;
-    live.start_ns = start_ns;
-    executive.set_clock([](void* self) { return monotonic_now() - *static_cast<Nanoseconds*>(self); },
-                        &start_ns);
-    return live;
-  }
-  std::vector<std::byte> memory;
-  Arena arena;
-  Executive executive;
-  Nanoseconds start_ns{};
-};
-
-std::vector<LiveEvent> drain(LiveRunner& runner) {
-  std::vector<LiveEvent> events;
-  LiveEvent event;
-  while (runner.poll_event(event)) events.push_back(event);
-  return events;
-}
-
-void wait_for(LiveRunner& runner) {
-  while (!runner.finished()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  runner.join();
-}
 
 // What became of a 5 ms group of 41 releases, one of whose jobs takes 63 ms.
 struct StallOutcome {
@@ -267,6 +240,7 @@ TEST_CASE("overload sheds C and then B, never A, and everything comes back when 
                               static_cast<std::atomic<int>*>(self)->fetch_add(1);
                           }});
   LiveOptions live = rig.options();
+  live.processors = 1;  // all of it is declared for one
   LiveRunner runner(rig.executive, live);
   runner.start();
   std::vector<LiveEvent> events;

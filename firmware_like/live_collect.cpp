@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The last step of a live run: what came out, for people and for files.
+#include <cmath>
+
+#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/heap_watch.hpp"
+#include "firmware_like/live_session.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+std::uint64_t microseconds_of(rt::Nanoseconds ns) {
+  return static_cast<std::uint64_t>(ns / rt::kNanosecondsPerMicrosecond);
+}
+
+}  // namespace
+
+void LiveSession::collect_trajectories() {
+  outcome_.estimate = collector_->poses.take();
+  outcome_.truth = surroundings_->truth.poses.take();
+  outcome_.contacts = surroundings_->truth.contacts.take();
+  tidy(outcome_.estimate);
+  tidy(outcome_.truth);
+  if (!outcome_.truth.empty() && !outcome_.estimate.empty()) {
+    outcome_.evaluation = evaluate(outcome_.estimate, outcome_.truth, options_.evaluation);
+  }
+}
+
+LiveRunOutcome LiveSession::collect() {
+  collect_trajectories();
+  Results& results = outcome_.results;
+  results = collect_results(runtime_, ticks_);
+  results.counters.insert(live_.counters.begin(), live_.counters.end());
+  chains_->add_to(results);
+  for (std::size_t i = 0; i < live_.groups.size(); ++i) {
+    results.groups[i].spinning = live_.groups[i].spinning;
+    results.groups[i].margin_us = live_.groups[i].margin_us;
+    results.groups[i].stack_bytes = live_.groups[i].stack_bytes;
+    results.groups[i].delays = std::move(live_.groups[i].delays);
+  }
+  if (!outcome_.stopped.empty()) results.warnings.push_back(outcome_.stopped);
+  results.errors = outcome_.evaluation.errors;
+  results.duration_s = static_cast<double>(ticks_) * static_cast<double>(executive_.base_tick_ns()) * 1e-9;
+  results.speed = wall_s_ > 0 ? results.duration_s / wall_s_ : 0;
+  collect_counters(results);
+  collect_traffic(results);
+  if (const std::string problem = recorder_->error(); !problem.empty()) warnings_.push_back(problem);
+  results.warnings.insert(results.warnings.end(), warnings_.begin(), warnings_.end());
+  results.doctor = std::move(health_);
+  return std::move(outcome_);
+}
+
+// Of the run itself.
+void LiveSession::collect_counters(Results& results) {
+  if (const HeapWatch heap = heap_watch(); heap.calls != nullptr)
+    results.counters["heap_calls"] = heap.calls() - heap_before_;
+  const UnitTrial& trial = booted_.trial;
+  if (!trial.task.empty()) {
+    results.counters["calibration_" + trial.task + "_ps_per_unit"] =
+        static_cast<std::uint64_t>(std::llround(1e3 * trial.ns_per_unit));
+  }
+  for (const ChosenUnits& chosen : booted_.chosen) {
+    results.counters["calibration_" + chosen.task + "_units"] = chosen.units;
+    if (!chosen.timed)
+      results.warnings.push_back("tasks." + chosen.task +
+                                 ".units = \"auto\": nothing timed them here; "
+                                 "the default was taken, " +
+                                 std::to_string(chosen.units));
+  }
+  results.counters["log_events"] = recorder_->events();
+  results.counters["log_bytes"] = recorder_->bytes();
+  results.counters["log_lost_jobs"] = recorder_->lost_jobs();
+  results.counters["log_lost_samples"] = recorder_->lost_samples();
+  if (bench_) bench_->add_counters(results.counters);
+  if (!outcome_.contacts.empty())
+    results.counters["bench_truth_contacts_dropped"] = surroundings_->truth.contacts_dropped;
+}
+
+// What went to the outside and came from there.
+void LiveSession::collect_traffic(Results& results) {
+  if (telemetry_) {
+    results.counters["lcm_published"] = telemetry_->counters().published;
+    results.counters["lcm_dropped"] = telemetry_->counters().dropped;
+  }
+  if (!options_.virtual_time) {  // what telling the outside cost, on ordinary threads
+    results.counters["recorder_cpu_us"] = microseconds_of(recorder_->cpu_ns());
+    if (telemetry_) results.counters["telemetry_cpu_us"] = microseconds_of(telemetry_->cpu_ns());
+  }
+  if (!runtime_.parts().parameters().all.empty())
+    add_counters("parameters_", parameters_->counters(), results.counters);
+  if (const drivers::LcmReceiverCounters* network = parameters_->network(); network != nullptr) {
+    results.counters["network_messages"] = network->messages;
+    results.counters["network_fragments"] = network->fragments;
+    results.counters["network_malformed"] = network->malformed;
+    results.counters["network_socket_errors"] = network->socket_errors;
+  }
+  if (parameters_->drive().wanted())
+    add_counters("requests_", parameters_->drive().counters(), results.counters);
+  if (parameters_->fly().wanted()) add_counters("requests_", parameters_->fly().counters(), results.counters);
+  if (!link_) return;
+  link_->add_counters(results.counters);
+  const std::vector<std::string> silences = link_->warnings();
+  warnings_.insert(warnings_.end(), silences.begin(), silences.end());
+}
+
+}  // namespace sortie::firmware

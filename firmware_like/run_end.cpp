@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/run_end.hpp"
+
+#include <vector>
+
+namespace sortie::firmware {
+
+namespace {
+constexpr const char* kKind = "end";
+}  // namespace
+
+void write_run_end(SampleSink& log, const rt::Executive& executive, rt::Tick ticks,
+                   rt::Nanoseconds utc_minus_run_ns) {
+  const rt::Nanoseconds now = executive.time_of(ticks);
+  drivers::EventRecord event;
+  event.utime = (now + utc_minus_run_ns) / rt::kNanosecondsPerMicrosecond;
+  event.tick = static_cast<std::int64_t>(ticks);
+  event.kind = kKind;
+  event.subject = "run";
+  event.text = "the run had the ticks before this one";
+  std::vector<std::uint8_t> message(256 + event.text.size());
+  std::size_t size = 0;
+  if (drivers::encode(event, message, size) == Status::ok)
+    log.sample(std::string(drivers::kChannelEvent), now, {message.data(), size});
+}
+
+std::optional<rt::Tick> run_end(const LogFile& log) {
+  const std::vector<StoredEvent>& events = log.channel(std::string(drivers::kChannelEvent));
+  // It stands among the last.
+  for (auto stored = events.rbegin(); stored != events.rend(); ++stored) {
+    drivers::EventRecord event;
+    if (drivers::decode(stored->message, event) == Status::ok && event.kind == kKind && event.tick >= 0)
+      return static_cast<rt::Tick>(event.tick);
+  }
+  return std::nullopt;
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Processes of their own for what would leave its mark on this one, and such that the system gives few
+// threads, as under `ulimit -u` or a container's limit.
+#pragma once
+
+#include <grp.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+namespace sortie::testing {
+
+inline constexpr int kNotPossible = 77;  ///< the limit cannot be set here
+inline constexpr int kHung = 78;         ///< it did not end within 20 s
+
+/// The exit code of a child of this process that runs `body`, an int(); -signal if it was killed.
+template <class Body>
+int in_child(Body body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);
+    _exit(body());
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) != child) return kNotPossible;
+  if (WIFSIGNALED(status)) return WTERMSIG(status) == SIGALRM ? kHung : -WTERMSIG(status);
+  return WEXITSTATUS(status);
+}
+
+/// in_child() with `most` threads at most, its first one counted. As root the child becomes a user that
+/// nobody else is, for whom the limit holds and who has no other threads; else the user's other threads
+/// count, too.
+template <class Body>
+int few_threads(int most, Body body) {
+  return in_child([most, body] {
+    // A number that is as good as never given to anybody, and another for each child.
+    const auto user = static_cast<uid_t>(1'500'000'000 + getpid());
+    const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
+    if (setrlimit(RLIMIT_NPROC, &limit) != 0) return kNotPossible;
+    if (geteuid() == 0 &&
+        (setgroups(0, nullptr) != 0 || setresgid(user, user, user) != 0 || setresuid(user, user, user) != 0))
+      return kNotPossible;
+    return body();
+  });
+}
+
+}  // namespace sortie::testing
