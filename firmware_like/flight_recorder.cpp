@@ -9,11 +9,13 @@
 #include "firmware_like/owned_part.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "rt/posix/clock.hpp"
+#include "rt/posix/file_place.hpp"
 
 namespace sortie::firmware {
 
 // A build of a scene without recorder neither makes nor destroys a writer.
 struct FlightRecorder::Log {
+  OwnedPart<rt::posix::FilePlace, rt::Part::recorder> place;
   OwnedPart<drivers::LcmLogWriter, rt::Part::recorder> writer;
 };
 
@@ -42,7 +44,9 @@ FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& op
 
 void FlightRecorder::open_log(const drivers::LogHeader& header) {
   log_ = std::make_unique<Log>();
-  log_->writer = std::make_unique<drivers::LcmLogWriter>(options_.path, kLogBufferBytes);
+  log_->place = std::make_unique<rt::posix::FilePlace>(options_.path);
+  log_->writer = std::make_unique<drivers::LcmLogWriter>(log_->place->second_descriptor(), options_.path,
+                                                         kLogBufferBytes);
   buffer_.resize(drivers::encoded_bytes(header) + sizeof(rt::JobRecord) + 1024);
   std::size_t size = 0;
   if (drivers::encode(header, buffer_, size) != Status::ok) {
@@ -53,7 +57,7 @@ void FlightRecorder::open_log(const drivers::LogHeader& header) {
   if (!log_->writer->error().empty()) throw std::runtime_error(log_->writer->error());
 }
 
-FlightRecorder::~FlightRecorder() { stop(); }
+FlightRecorder::~FlightRecorder() { end(); }
 
 std::size_t FlightRecorder::bytes_for(const Runtime& runtime, bool has_log) {
   const rt::Executive& executive = runtime.executive();
@@ -166,6 +170,7 @@ void FlightRecorder::drain() {
     }
   }
   if (!has_log()) return;
+  if (!written_jobs_.empty() && !log_->place->taken() && log_->writer->flush() == Status::ok) take_place();
   if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
     write_gap(whole_until, lost - reported_jobs_, "jobs were lost: the disk was too slow");
     reported_jobs_ = lost;
@@ -174,6 +179,11 @@ void FlightRecorder::drain() {
     write_gap(whole_until, lost - reported_samples_, "samples were lost: the disk was too slow");
     reported_samples_ = lost;
   }
+}
+
+void FlightRecorder::take_place() {
+  std::string refused = log_->place->take(rt::posix::FormerFile::kept);
+  if (!refused.empty()) place_refused_ = std::move(refused);
 }
 
 void FlightRecorder::close_log() {
@@ -209,11 +219,16 @@ void FlightRecorder::start() {
   });
 }
 
-void FlightRecorder::stop() {
+void FlightRecorder::end() {
   stop_.store(true);
   if (thread_.joinable()) thread_.join();
   drain();
   if (has_log()) close_log();
+}
+
+void FlightRecorder::stop() {
+  end();
+  if (has_log() && !log_->place->occupied()) take_place();
 }
 
 std::vector<drivers::TaskTiming> FlightRecorder::timings() const {
@@ -238,7 +253,14 @@ std::uint64_t FlightRecorder::bytes() const { return has_log() ? log_->writer->b
 
 std::uint64_t FlightRecorder::events() const { return has_log() ? log_->writer->events() : 0; }
 
+bool FlightRecorder::log_is_there() const { return has_log() && log_->place->taken(); }
+
+std::string FlightRecorder::former_log() const {
+  return has_log() && log_->place->former_kept() ? log_->place->previous() : std::string();
+}
+
 std::string FlightRecorder::error() const {
+  if (!place_refused_.empty()) return place_refused_;
   if (has_log() && !log_->writer->error().empty()) return log_->writer->error();
   if (lost_jobs() + lost_samples() != 0) {
     return "the log has gaps: " + std::to_string(lost_jobs()) + " jobs and " +

@@ -99,7 +99,10 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   recording.path = options.record;
   recording.write_fields = options.record_fields;
   ChainWatch chains(runtime, !options.virtual_time);
-  recording.on_job = [&collector, &chains](const rt::JobRecord& record) {
+  // The draining thread takes the places of ring and log with the first job: whatever is refused before it
+  // leaves the files of the run before as they were.
+  recording.on_job = [&ring, &collector, &chains](const rt::JobRecord& record) {
+    ring.first_job();
     collector.job(record);
     chains.job(record);
   };
@@ -186,9 +189,12 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   ring.finish(executive.time_of(ticks));
-  if (ring.stays()) outcome.flight_ring = ring.path();
   DoctorReport health = doctor.finish(executive, recorder, executive.time_of(ticks));
   recorder.stop();
+  if (ring.stays()) outcome.flight_ring = ring.path();
+  if (!ring.place_problem().empty()) warnings.push_back(ring.place_problem());
+  if (recorder.log_is_there()) outcome.log = options.record;
+  outcome.former_log = recorder.former_log();
 
   outcome.estimate = collector.poses.take();
   outcome.truth = surroundings.truth.poses.take();
