@@ -25,7 +25,8 @@ int death_of(const std::string& path, Act act) {
   if (child == 0) {
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-    for (const int number : {SIGSEGV, SIGABRT, SIGFPE}) signal(number, SIG_DFL);  // not the test's own
+    for (const int number : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS})
+      signal(number, SIG_DFL);  // not the test's own
     FlightRing ring(path, plan_of_two());
     const CrashNote note(ring);
     ring.job(job_of(0, 41));
@@ -81,13 +82,13 @@ TEST_CASE("every signal that ends a process and can be caught is noted, and some
     CHECK(death_of(folder.file("d"), [number](FlightRing&) { raise(number); }) == number);
     CHECK(FlightReader(folder.file("d")).state().signal == static_cast<std::uint32_t>(number));
   }
-  std::signal(SIGUSR1, SIG_IGN);
+  signal(SIGUSR1, SIG_IGN);
   {
     FlightRing ring(folder.file("e"), plan_of_two());
     const CrashNote note(ring);
     raise(SIGUSR1);
   }
-  std::signal(SIGUSR1, SIG_DFL);
+  signal(SIGUSR1, SIG_DFL);
   CHECK(FlightReader(folder.file("e")).state().signal == 0);
 }
 

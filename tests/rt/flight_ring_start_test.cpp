@@ -48,7 +48,7 @@ TEST_CASE("a ring that waits leaves the one before in its place until it is told
 
 TEST_CASE("whatever is left of a ring's making, the next one is made") {
   const RingFolder folder;
-  { const FlightRing(folder.file("whole.ring"), plan_of_two(16)); }
+  { const FlightRing ring(folder.file("whole.ring"), plan_of_two(16)); }
   const std::string whole = bytes_of(folder.file("whole.ring"));
   std::mt19937 random(23);
   for (int round = 0; round < 60; ++round) {
