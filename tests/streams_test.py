@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import select
 import shutil
 import signal
 import subprocess
@@ -124,7 +125,7 @@ for option in ("--help", "--help-all", "--version"):
 if live.poll() is None and run("set", *to_live).returncode == 0:
     for number in (signal.SIGHUP, signal.SIGTERM):
         driver = start("drive", "go", "--speed", "0.1", "--for", "0", "--lcm-url", URL)
-        time.sleep(2)
+        select.select([driver.stdout], [], [], 20)  # the request was taken
         driver.send_signal(number)
         words = driver.communicate(timeout=60)
         check(driver.returncode == 0 and "0.00 m/s" in words[0], f"drive go, {number.name}: {driver.returncode} {words}")

@@ -120,6 +120,7 @@ void show(const DriveOptions& options, const DriveClient& client, bool taken) {
   std::printf("%s; in control: %s; %.2f m/s, %.2f rad/s%s%s\n", taken ? "taken" : "not taken",
               source_name(state.source), state.speed_m_s, state.turn_rad_s,
               stops.empty() ? "" : "; stopped: ", stops.c_str());
+  std::fflush(stdout);  // whoever reads it hears at once that the robot drives
 }
 
 int run_drive(const CommandContext& context, const DriveOptions& options) {
