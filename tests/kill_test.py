@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Kills live runs at random moments of their start and their life. Whatever is left, the next start works, every log opens,
-# and what stood there before is gone only where a run with a job stands in its place.
+# Starts that are refused, then live runs that are killed at random moments of their start and their life. Whatever is left,
+# the next start works, every log opens, and what stood there before is gone only where a run with a job stands in its place.
 # Usage: kill_test.py KILLS PROGRAM [SEED]
 import json
 import os
@@ -59,6 +59,52 @@ def whole_run(where, seconds="0.03"):
 began = time.monotonic()
 whole_run("first", "0.2")
 length_s = time.monotonic() - began
+# A refused start leaves everything as it was; so does one that wants what a living run writes.
+RING_KEPT = pathlib.Path(str(RING) + ".previous")
+RING.write_bytes(b"")  # as a start leaves it that was killed before its first word
+
+
+def standing():
+    return [(identity(path), path.read_bytes()[:1 << 16] if path.exists() else None) for path in (LOG, KEPT, RING, RING_KEPT)]
+
+
+def refused(code, says, *arguments, log=LOG, ring=RING):
+    line = [{str(LOG): str(log), str(RING): str(ring)}.get(word, word) for word in RUN]
+    stood = standing()
+    result = subprocess.run([*line, "--seconds", "0.1", *arguments], capture_output=True, text=True, timeout=120)
+    check(result.returncode == code and says in result.stderr, f"refused: {arguments}", result.returncode, result.stderr)
+    check(standing() == stood, f"a refused start touched files: {arguments} {log} {ring}")
+    check(not list(work.glob("*.part")) and not list(rings.glob("*.part")), f"refused, parts stay: {arguments}")
+
+
+refused(2, "--can nosuch0", "--can", "nosuch0")
+refused(2, "--plant", "--plant", "nowhere")
+refused(2, "leave out --plant", "--plant", "own", "--virtual")
+refused(3, "no/such/folder", log="no/such/folder/a.lcm")
+refused(3, "no/such/folder", ring="no/such/folder/a.ring")
+old = identity(LOG)
+whole_run("after refused starts", "0.1")
+check(identity(KEPT) == old and identity(LOG) != old, "the former log has the name .previous")
+living = subprocess.Popen(RUN + ["--seconds", "60"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+old = identity(LOG)
+while identity(LOG) == old and living.poll() is None:
+    time.sleep(0.02)
+for options in ({"ring": "none"}, {"log": "other.lcm"}):
+    result = subprocess.run([{str(LOG): options.get("log", str(LOG)), str(RING): options.get("ring", str(RING))}.get(word, word)
+                             for word in RUN] + ["--seconds", "0.1"], capture_output=True, text=True, timeout=120)
+    check(result.returncode == 3 and "still going" in result.stderr, f"what a living run writes: {options}", result.stderr)
+living.terminate()
+check(living.wait(60) == 0, "the living run ends well")
+opens(LOG, "beside a start that was refused")
+
+# What no rename may replace is written itself: nobody wants a file where /dev/null was.
+os.mkfifo("pipe")
+reader = subprocess.Popen("exec timeout 10 cat pipe > piped.keyframes", shell=True)
+subprocess.run([PROGRAM, "index", LOG, "-o", "pipe"], capture_output=True, timeout=120)
+reader.wait(60)
+check(pathlib.Path("pipe").is_fifo(), "a pipe is still a pipe")
+check(pathlib.Path("piped.keyframes").stat().st_size > 100, "keyframes through a pipe")
+
 counts = {"in the start": 0, "in the run": 0, "over": 0}
 for kill in range(KILLS):
     how = draw.choice([signal.SIGKILL] * 7 + [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
