@@ -118,6 +118,9 @@ class LcmLogWriter {
  public:
   /// Creates or replaces the file. Throws std::runtime_error (path, system's reason, cure) if it cannot.
   explicit LcmLogWriter(const std::string& path, std::size_t buffer_bytes = std::size_t{1} << 20);
+  /// Writes to a file that is open and empty; `descriptor` becomes the writer's, who closes it. `path`: what
+  /// errors call it.
+  LcmLogWriter(int descriptor, const std::string& path, std::size_t buffer_bytes = std::size_t{1} << 20);
   /// Writes what is left; errors are lost here, so call close() where they matter.
   ~LcmLogWriter();
   LcmLogWriter(const LcmLogWriter&) = delete;

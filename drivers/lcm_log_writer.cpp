@@ -51,9 +51,11 @@ std::size_t write_head(std::span<std::uint8_t> out, std::uint64_t number, std::i
 }  // namespace
 
 LcmLogWriter::LcmLogWriter(const std::string& path, std::size_t buffer_bytes)
-    : path_(path),
-      fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)),
-      capacity_(std::max(buffer_bytes, kMinBuffer)) {
+    : LcmLogWriter(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644), path, buffer_bytes) {
+}
+
+LcmLogWriter::LcmLogWriter(int descriptor, const std::string& path, std::size_t buffer_bytes)
+    : path_(path), fd_(descriptor), capacity_(std::max(buffer_bytes, kMinBuffer)) {
   if (fd_ < 0) {
     throw std::runtime_error(path + ": cannot be created: " + std::strerror(errno) +
                              "; give a path in a directory that can be written");

@@ -9,12 +9,14 @@
 #include "firmware_like/owned_part.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "rt/posix/clock.hpp"
+#include "rt/posix/file_place.hpp"
 #include "rt/posix/make_thread.hpp"
 
 namespace sortie::firmware {
 
 // A build of a scene without recorder neither makes nor destroys a writer.
 struct FlightRecorder::Log {
+  OwnedPart<rt::posix::FilePlace, rt::Part::recorder> place;
   OwnedPart<drivers::LcmLogWriter, rt::Part::recorder> writer;
 };
 
@@ -44,7 +46,9 @@ FlightRecorder::FlightRecorder(const Runtime& runtime, const RecorderOptions& op
 
 void FlightRecorder::open_log(const drivers::LogHeader& header) {
   log_ = std::make_unique<Log>();
-  log_->writer = std::make_unique<drivers::LcmLogWriter>(options_.path, kLogBufferBytes);
+  log_->place = std::make_unique<rt::posix::FilePlace>(options_.path);
+  log_->writer = std::make_unique<drivers::LcmLogWriter>(log_->place->second_descriptor(), options_.path,
+                                                         kLogBufferBytes);
   buffer_.resize(drivers::encoded_bytes(header) + sizeof(rt::JobRecord) + 1024);
   std::size_t size = 0;
   if (drivers::encode(header, buffer_, size) != Status::ok) {
@@ -55,7 +59,7 @@ void FlightRecorder::open_log(const drivers::LogHeader& header) {
   if (!log_->writer->error().empty()) throw std::runtime_error(log_->writer->error());
 }
 
-FlightRecorder::~FlightRecorder() { stop(); }
+FlightRecorder::~FlightRecorder() { end(); }
 
 std::size_t FlightRecorder::bytes_for(const Runtime& runtime, bool has_log) {
   const rt::Executive& executive = runtime.executive();
@@ -160,10 +164,12 @@ void FlightRecorder::drain() {
       whole_[group] =
           runtime_.executive().group(static_cast<std::uint32_t>(group)).timing.release(current_->job + 1);
       if (has_log()) write_job(*current_);
+      has_jobs_ = true;
     }
   }
   if (!has_log()) return;
   note_written();
+  if (has_jobs_ && !log_->place->taken() && log_->writer->flush() == Status::ok) take_place();
   if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
     write_gap(whole_until, lost - reported_jobs_, "jobs were lost: the disk was too slow");
     reported_jobs_ = lost;
@@ -184,6 +190,11 @@ void FlightRecorder::note_written() {
   constexpr std::size_t kMost = 1u << 12;
   if (written_.size() == kMost) written_.erase(written_.begin(), written_.begin() + kMost / 2);
   written_.push_back({log_->writer->events(), whole_until()});
+}
+
+void FlightRecorder::take_place() {
+  std::string refused = log_->place->take(rt::posix::FormerFile::kept);
+  if (!refused.empty()) place_refused_ = std::move(refused);
 }
 
 void FlightRecorder::close_log() {
@@ -219,11 +230,16 @@ void FlightRecorder::start() {
   });
 }
 
-void FlightRecorder::stop() {
+void FlightRecorder::end() {
   stop_.store(true);
   if (thread_.joinable()) thread_.join();
   drain();
   if (has_log()) close_log();
+}
+
+void FlightRecorder::stop() {
+  end();
+  if (has_log() && !log_->place->occupied()) take_place();
 }
 
 std::vector<drivers::TaskTiming> FlightRecorder::timings() const {
@@ -248,7 +264,14 @@ std::uint64_t FlightRecorder::bytes() const { return has_log() ? log_->writer->b
 
 std::uint64_t FlightRecorder::events() const { return has_log() ? log_->writer->events() : 0; }
 
+bool FlightRecorder::log_is_there() const { return has_log() && log_->place->taken(); }
+
+std::string FlightRecorder::former_log() const {
+  return has_log() && log_->place->former_kept() ? log_->place->previous() : std::string();
+}
+
 std::string FlightRecorder::error() const {
+  if (!place_refused_.empty()) return place_refused_;
   if (has_log() && !log_->writer->error().empty()) return log_->writer->error();
   if (lost_jobs() + lost_samples() != 0) {
     return "the log has gaps: " + std::to_string(lost_jobs()) + " jobs and " +

@@ -30,12 +30,15 @@ struct RecorderOptions {
 };
 
 /// Queues in front of a log. Workers call job(), drivers sample(), and neither waits for the disk; a thread
-/// of its own writes. What does not fit is lost, counted, and said in the log as a GAP.
+/// of its own writes. What does not fit is lost, counted, and said in the log as a GAP. The log is made
+/// beside its path and takes the place with its first job (rt/posix/file_place.hpp); a former one is kept as
+/// PATH.previous.
 class FlightRecorder final : public SampleSink {
  public:
-  /// Opens the log and writes its header. Throws std::runtime_error when the file cannot be made,
+  /// Makes the log and writes its header. Throws std::runtime_error when the file cannot be made,
   /// ProfileError when the scene or this build has no recorder and a log is asked for.
   FlightRecorder(const Runtime& runtime, const RecorderOptions& options, const drivers::LogHeader& header);
+  /// Without stop() before: the run was refused, and a log that holds no job goes away.
   ~FlightRecorder() override;
 
   /// Sink for Executive::set_sink(). Real-time safe; one thread a group.
@@ -47,7 +50,8 @@ class FlightRecorder final : public SampleSink {
   void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
               std::span<const std::uint8_t> message) override;
 
-  /// Starts the writing thread; stop() drains what waits, closes the file and reports. Throws ThreadRefused.
+  /// Starts the writing thread; stop() drains what waits, closes the file and reports. A log without a job is
+  /// left then only where none was before. Throws ThreadRefused.
   void start();
   void stop();
   /// Without the thread: writes what waits now. For runs on a virtual clock.
@@ -64,6 +68,10 @@ class FlightRecorder final : public SampleSink {
   /// Of the log; 0 without one.
   std::uint64_t bytes() const;
   std::uint64_t events() const;
+  /// After stop(): the log stands at its path.
+  bool log_is_there() const;
+  /// After stop(): where the log of a run before was moved, or empty.
+  std::string former_log() const;
   /// Empty, or why the log is not whole.
   std::string error() const;
 
@@ -85,6 +93,8 @@ class FlightRecorder final : public SampleSink {
   rt::Tick whole_until() const;
   void note_written();
   void close_log();
+  void take_place();
+  void end();
   void append(std::string_view channel, std::int64_t stamp_us, std::span<const std::uint8_t> bytes);
 
   const Runtime& runtime_;
@@ -108,10 +118,12 @@ class FlightRecorder final : public SampleSink {
     rt::Tick whole_until;
   };
   std::vector<Written> written_;
+  bool has_jobs_{};
   std::atomic<std::uint64_t> lost_jobs_{};
   std::atomic<std::uint64_t> lost_samples_{};
   std::uint64_t reported_jobs_{};
   std::uint64_t reported_samples_{};
+  std::string place_refused_;
   std::atomic<rt::Nanoseconds> cpu_ns_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;

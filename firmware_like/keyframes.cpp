@@ -8,6 +8,7 @@
 
 #include "firmware_like/importers/input_error.hpp"
 #include "rt/digest.hpp"
+#include "rt/posix/file_place.hpp"
 
 namespace sortie::firmware {
 
@@ -96,7 +97,9 @@ void KeyframeHead::archive(rt::Archive& archive) {
 }
 
 KeyframeWriter::KeyframeWriter(const std::string& path, KeyframeHead head)
-    : path_(path), part_(path + ".part"), out_(part_, std::ios::binary | std::ios::trunc) {
+    : path_(rt::posix::place_of(path)),
+      part_(rt::posix::is_special_file(path_) ? path_ : path_ + ".part"),
+      out_(part_, std::ios::binary | std::ios::trunc) {
   if (!out_) throw InputError(path + ": cannot be made; give a path in a folder that can be written", 3);
   const auto bytes = to_bytes(std::move(head));
   write(word(kBegin));
@@ -108,7 +111,11 @@ KeyframeWriter::KeyframeWriter(const std::string& path, KeyframeHead head)
 KeyframeWriter::~KeyframeWriter() {
   if (!out_.is_open()) return;
   out_.close();
-  static_cast<void>(std::remove(part_.c_str()));  // nothing more can be done about it
+  remove_part();
+}
+
+void KeyframeWriter::remove_part() {
+  if (part_ != path_) static_cast<void>(std::remove(part_.c_str()));  // nothing more can be done about it
 }
 
 void KeyframeWriter::write(const std::vector<std::uint8_t>& bytes) {
@@ -132,8 +139,8 @@ void KeyframeWriter::finish() {
   write(word(kEnd));
   write(to_bytes(static_cast<std::uint64_t>(entries_.size())));
   out_.close();
-  if (!out_ || std::rename(part_.c_str(), path_.c_str()) != 0) {
-    static_cast<void>(std::remove(part_.c_str()));
+  if (!out_ || (part_ != path_ && std::rename(part_.c_str(), path_.c_str()) != 0)) {
+    remove_part();
     throw InputError(path_ + ": cannot be written; free some space, or choose another place with -o", 3);
   }
 }

@@ -61,9 +61,10 @@ class KeyframeWriter {
 
  private:
   void write(const std::vector<std::uint8_t>& bytes);
+  void remove_part();
 
   std::string path_;
-  std::string part_;
+  std::string part_;  // of a device: path_, which is written directly
   std::ofstream out_;
   std::uint64_t bytes_{};
   std::vector<KeyframeEntry> entries_;

@@ -45,6 +45,8 @@ struct LiveRunOutcome {
   std::unique_ptr<Runtime> runtime;      ///< as the run left it: the map is still there
   std::string bench;                     ///< what was simulated, with its seed
   std::string flight_ring;               ///< file that was asked for and stays
+  std::string log;                       ///< that was written; empty where the run ended without a job
+  std::string former_log;                ///< what stood there before, under its new name; or empty
   std::string stopped;                   ///< why the run ended before its time, or empty
 };
 

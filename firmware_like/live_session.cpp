@@ -104,7 +104,10 @@ void LiveSession::open_log() {
   RecorderOptions recording;
   recording.path = options_.record;
   recording.write_fields = options_.record_fields;
+  // The draining thread takes the places of ring and log with the first job: whatever is refused before it
+  // leaves the files of the run before as they were.
   recording.on_job = [this](const rt::JobRecord& record) {
+    ring_->first_job();
     collector_->job(record);
     chains_->job(record);
   };
@@ -168,9 +171,12 @@ void LiveSession::run() {
     run_live_threads();
   wall_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   ring_->finish(executive_.time_of(ticks_));
-  if (ring_->stays()) outcome_.flight_ring = ring_->path();
   health_ = doctor_.finish(executive_, *recorder_, executive_.time_of(ticks_));
   recorder_->stop();
+  if (ring_->stays()) outcome_.flight_ring = ring_->path();
+  if (!ring_->place_problem().empty()) warnings_.push_back(ring_->place_problem());
+  if (recorder_->log_is_there()) outcome_.log = options_.record;
+  outcome_.former_log = recorder_->former_log();
 }
 
 void LiveSession::run_virtually() {

@@ -15,6 +15,7 @@
 #include "firmware_like/secret.hpp"
 #include "firmware_like/truth_writer.hpp"
 #include "rt/posix/clock.hpp"
+#include "rt/posix/file_place.hpp"
 
 namespace sortie::firmware {
 
@@ -23,12 +24,14 @@ namespace {
 constexpr std::uint32_t kMostScanPoints = 128 * 4096;
 constexpr int kMostFramesPerStep = 256;
 
-// The truth's log: a header without jobs, then events. A kill takes what was written in the last second.
+// The truth's log: a header without jobs, then events. A kill takes what was written in the last second. It
+// takes its place with the first truth (rt/posix/file_place.hpp): a plant that is refused leaves the log of
+// the one before.
 class PlantLog final : public SampleSink {
  public:
   PlantLog(const std::string& path, const Profile& profile, const std::string& source,
            rt::Nanoseconds utc_minus_log_ns)
-      : writer_(path) {
+      : place_(path), writer_(place_.second_descriptor(), path) {
     drivers::LogHeader header;
     header.version = version();
     header.compiler = compiler_description();
@@ -54,14 +57,21 @@ class PlantLog final : public SampleSink {
     next_flush_ns_ = stamp_ns + rt::kNanosecondsPerSecond;
     static_cast<void>(writer_.flush());
   }
+  /// Something worth keeping is in it.
+  void take_place() {
+    if (place_.taken() || !refused_.empty()) return;
+    if (writer_.flush() == Status::ok) refused_ = place_.take(rt::posix::FormerFile::kept);
+  }
   std::string close() {
     static_cast<void>(writer_.close());
-    return writer_.error();
+    return refused_.empty() ? writer_.error() : refused_;
   }
 
  private:
+  rt::posix::FilePlace place_;
   drivers::LcmLogWriter writer_;
   rt::Nanoseconds next_flush_ns_{};
+  std::string refused_;
 };
 
 // The bus that the runtime is on, and the simulated one that the plant is on, are one bus.
@@ -177,6 +187,7 @@ PlantOutcome run_plant(const BenchFactory& bench_factory, const PlantOptions& op
     scans.poll();
     if (solid_state != nullptr) rays.collect(*solid_state);
     truth.note(*bench, since_ns, log.get());
+    if (log) log->take_place();
     peer.look(judged, since_ns);
     next_ns = std::max(next_ns + rt::kNanosecondsPerMillisecond, woke_ns);
   }

@@ -13,6 +13,7 @@
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/profile.hpp"
 #include "firmware_like/results.hpp"
+#include "firmware_like/standard_streams.hpp"
 #include "rt/math.hpp"
 #include "rt/posix/make_thread.hpp"
 
@@ -22,14 +23,15 @@ namespace {
 
 enum ExitCode : int { kGood = 0, kUsage = 2, kUnreadable = 3, kRefused = 4 };
 
+bool failure_told = false;
+
 int fail(const ProgramParts& parts, const std::string& what, int code) {
+  failure_told = true;
   std::cerr << parts.name << ": " << what << "\n";
   return code;
 }
 
-}  // namespace
-
-int run_program(int argc, char** argv, const ProgramParts& parts) {
+int run_command(int argc, char** argv, const ProgramParts& parts) {
   if (!rt::arithmetic_is_strict()) {
     return fail(parts,
                 "this build or processor rounds differently (fused multiply-add, flushed denormals or "
@@ -64,6 +66,16 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
   } catch (const std::exception& error) {
     return fail(parts, error.what(), kUnreadable);
   }
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv, const ProgramParts& parts) {
+  prepare_standard_streams();
+  const int code = run_command(argc, argv, parts);
+  const std::string problem = standard_output_problem();
+  if (problem.empty() || failure_told) return code;  // one line for what went wrong
+  return fail(parts, problem, kUnreadable);
 }
 
 }  // namespace sortie::firmware

@@ -2,6 +2,7 @@
 #include "firmware_like/run_flight_ring.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -91,12 +92,15 @@ RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options,
                           left.front() + " (remove the file when you have seen it)");
     }
     for (std::size_t i = kMostKept; i < left.size(); ++i) unlink(left[i].c_str());
+    remove_abandoned_parts(folder);
     path = folder + "/sortie-" + runtime.profile().name() + "-" + std::to_string(getpid()) + ".ring";
     own_file_ = true;
   }
-  if (!own_file_ && rt::posix::FlightReader::was_left(path)) before_this_ = ending_in(path);
+  rt::posix::FlightPlan plan = plan_of(runtime, options.ticks);
+  plan.waits = !own_file_;  // nothing can stand where this process's own ring goes
   try {
-    ring_ = std::make_unique<rt::posix::FlightRing>(path, plan_of(runtime, options.ticks));
+    ring_ = std::make_unique<rt::posix::FlightRing>(path, plan);
+    if (!own_file_ && rt::posix::FlightReader::was_left(path)) before_this_ = ending_in(path);
   } catch (const std::runtime_error& error) {
     if (!own_file_) throw;
     warnings_.emplace_back(error.what());
@@ -120,6 +124,12 @@ RunFlightRing::~RunFlightRing() {
 
 void RunFlightRing::set_clock(rt::Nanoseconds start_ns, rt::Nanoseconds utc_minus_monotonic_ns) {
   if (ring_) ring_->set_clock(start_ns, utc_minus_monotonic_ns);
+}
+
+void RunFlightRing::first_job() {
+  if (!ring_ || in_place_) return;
+  in_place_ = true;
+  place_problem_ = ring_->take_place();
 }
 
 rt::JobSink RunFlightRing::before(rt::JobSink next) {
@@ -147,6 +157,19 @@ void RunFlightRing::adopt_thread(std::string_view name) {
 void RunFlightRing::finish(rt::Nanoseconds time_ns) {
   if (!ring_) return;
   ring_->finish(time_ns);
+}
+
+void remove_abandoned_parts(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::directory_iterator it(folder, error);
+  for (const std::filesystem::directory_iterator end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.rfind("sortie-", 0) != 0 || it->path().extension() != ".part") continue;
+    const int file = open(it->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0) continue;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) unlink(it->path().c_str());
+    close(file);
+  }
 }
 
 std::vector<std::string> unfinished_flight_rings(const std::string& folder) {

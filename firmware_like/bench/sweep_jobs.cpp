@@ -19,6 +19,7 @@
 #include "firmware_like/bench/child_process.hpp"
 #include "firmware_like/bench/sweep_work.hpp"
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/stop_signals.hpp"
 
 namespace sortie::firmware {
 
@@ -29,30 +30,6 @@ using SweepClock = std::chrono::steady_clock;
 double seconds_since(SweepClock::time_point begin) {
   return std::chrono::duration<double>(SweepClock::now() - begin).count();
 }
-
-volatile sig_atomic_t g_stop_signal = 0;
-
-// SIGINT and SIGTERM are noted while it lives, then again what they were.
-class StopWatch {
- public:
-  StopWatch() {
-    g_stop_signal = 0;
-    struct sigaction action {};
-    action.sa_handler = [](int signal) { g_stop_signal = signal; };
-    sigaction(SIGINT, &action, &was_int_);
-    sigaction(SIGTERM, &action, &was_term_);
-  }
-  ~StopWatch() {
-    sigaction(SIGINT, &was_int_, nullptr);
-    sigaction(SIGTERM, &was_term_, nullptr);
-  }
-  StopWatch(const StopWatch&) = delete;
-  StopWatch& operator=(const StopWatch&) = delete;
-
- private:
-  struct sigaction was_int_ {};
-  struct sigaction was_term_ {};
-};
 
 struct Running {
   std::size_t cell{};
@@ -109,15 +86,15 @@ SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions&
   }
   const std::size_t all = waiting.size();
   const std::string program = own_program_path();
-  const StopWatch watch;
+  const StopSignals watch;
   const SweepClock::time_point begin = SweepClock::now();
   std::map<pid_t, Running> running;
   std::size_t next = 0;
   std::size_t done = 0;
   while (done < all) {
-    if (g_stop_signal != 0) {
+    if (StopSignals::asked()) {
       end_all(running);
-      end.signal = g_stop_signal;
+      end.signal = StopSignals::number();
       return end;
     }
     if (next < all && running.size() < std::max<std::size_t>(1, options.jobs)) {

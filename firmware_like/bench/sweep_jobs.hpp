@@ -30,8 +30,8 @@ struct SweepJobsEnd {
   int signal{};                     ///< that stopped the sweep; 0: none
 };
 
-/// Runs `this program bench --cell N --out FOLDER` for each cell. SIGINT and SIGTERM end the processes and
-/// the sweep; what is done stays. Throws std::runtime_error where no process can be started.
+/// Runs `this program bench --cell N --out FOLDER` for each cell. SIGINT, SIGTERM and SIGHUP end the
+/// processes and the sweep; what is done stays. Throws std::runtime_error where no process can be started.
 SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions& options);
 
 /// What such a process does: runs one cell of FOLDER/plan.json and writes its file. Throws InputError where

@@ -2,7 +2,6 @@
 // `sortie drive`: asks the drive of a live run for a speed, a halt, or to go on with its mission.
 #include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "firmware_like/profile.hpp"
 #include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
+#include "firmware_like/stop_signals.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
 
@@ -40,8 +40,6 @@ struct DriveOptions {
   double seconds{5};
   bool json{};
 };
-
-std::atomic<bool> interrupted{false};
 
 std::string stop_names(std::uint32_t stop) {
   std::string names;
@@ -122,6 +120,7 @@ void show(const DriveOptions& options, const DriveClient& client, bool taken) {
   std::printf("%s; in control: %s; %.2f m/s, %.2f rad/s%s%s\n", taken ? "taken" : "not taken",
               source_name(state.source), state.speed_m_s, state.turn_rad_s,
               stops.empty() ? "" : "; stopped: ", stops.c_str());
+  std::fflush(stdout);  // whoever reads it hears at once that the robot drives
 }
 
 int run_drive(const CommandContext& context, const DriveOptions& options) {
@@ -137,8 +136,8 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
     std::cerr << context.parts.name << ": the run has no task named drive\n";
     return kUnheard;
   }
-  std::signal(SIGINT, [](int) { interrupted.store(true); });
-  std::signal(SIGTERM, [](int) { interrupted.store(true); });
+  const StopSignals stop;  // a session that is gone stops the robot as Ctrl-C does
+  const std::atomic<bool>& interrupted = StopSignals::asked();
 
   drivers::DriveRequestMessage request;
   request.speed_m_s = options.speed_m_s;
@@ -163,7 +162,7 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
     request.mode =
         static_cast<std::int32_t>(options.what == "halt" ? rt::DriveMode::halt : rt::DriveMode::release);
     taken = repeat(client, request, ms_of(options.seconds),
-                   [](bool heard) { return heard || interrupted.load(); });
+                   [&](bool heard) { return heard || interrupted.load(); });
   }
   if (!taken) {
     std::cerr << context.parts.name

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -10,20 +8,18 @@
 #include "firmware_like/plant_link.hpp"
 #include "firmware_like/plant_process.hpp"
 #include "firmware_like/program.hpp"
+#include "firmware_like/stop_signals.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-std::atomic<bool> plant_interrupted{false};
-
 int run_command(const CommandContext& context, PlantOptions& options, bool json) {
-  options.interrupted = &plant_interrupted;
+  const StopSignals stop;
+  options.interrupted = &StopSignals::asked();
   options.tell = [&context](const std::string& line) {
     std::cerr << context.parts.name << " plant: " << line << std::endl;
   };
-  std::signal(SIGINT, [](int) { plant_interrupted.store(true); });
-  std::signal(SIGTERM, [](int) { plant_interrupted.store(true); });
   const PlantOutcome outcome = run_plant(context.parts.bench, options);
   if (json) {
     std::cout << Json{{"scene", outcome.scene},

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <atomic>
-#include <csignal>
 #include <iostream>
 #include <memory>
 
@@ -11,12 +9,11 @@
 #include "firmware_like/program.hpp"
 #include "firmware_like/report/html.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/stop_signals.hpp"
 
 namespace sortie::firmware {
 
 namespace {
-
-std::atomic<bool> interrupted{false};
 
 struct RunOptions {
   LiveRunOptions live;
@@ -27,9 +24,8 @@ struct RunOptions {
 int run(const CommandContext& context, RunOptions& options) {
   options.live.evaluation.align = parse_alignment(options.align);
   options.live.progress = progress_bar(options.output, "run");
-  options.live.interrupted = &interrupted;
-  std::signal(SIGINT, [](int) { interrupted.store(true); });
-  std::signal(SIGTERM, [](int) { interrupted.store(true); });
+  const StopSignals stop;  // up to the last word of the report
+  options.live.interrupted = &StopSignals::asked();
   const LiveRunOutcome outcome = run_live(context.parts.vehicles, context.parts.bench, options.live);
   ReportInput report;
   report.results = outcome.results;
@@ -44,7 +40,8 @@ int run(const CommandContext& context, RunOptions& options) {
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   show_results(options.output, report);
   if (!outcome.flight_ring.empty()) std::cerr << "flight ring: " << outcome.flight_ring << "\n";
-  if (!options.live.record.empty()) std::cerr << "log: " << options.live.record << "\n";
+  if (!outcome.log.empty()) std::cerr << "log: " << outcome.log << "\n";
+  if (!outcome.former_log.empty()) std::cerr << "the former log: " << outcome.former_log << "\n";
   return outcome.stopped.empty() ? 0 : 1;
 }
 

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -14,37 +13,13 @@
 #include "drivers/lcm_receiver.hpp"
 #include "firmware_like/commands/spy_table.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/stop_signals.hpp"
 
 namespace sortie::firmware {
 namespace {
 
 constexpr rt::Nanoseconds kRefresh = 500 * rt::kNanosecondsPerMillisecond;
 constexpr int kWaitMs = 100;
-
-volatile std::sig_atomic_t g_stop = 0;
-void ask_to_stop(int) { g_stop = 1; }
-
-/// Lets SIGINT and SIGTERM end the loop, so that the last table is still printed; puts the old handlers back.
-class StopOnSignal {
- public:
-  StopOnSignal() {
-    g_stop = 0;
-    struct sigaction action {};
-    action.sa_handler = ask_to_stop;  // without SA_RESTART: a waiting poll() ends at once
-    sigaction(SIGINT, &action, &old_interrupt_);
-    sigaction(SIGTERM, &action, &old_terminate_);
-  }
-  ~StopOnSignal() {
-    sigaction(SIGINT, &old_interrupt_, nullptr);
-    sigaction(SIGTERM, &old_terminate_, nullptr);
-  }
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
-
- private:
-  struct sigaction old_interrupt_ {};
-  struct sigaction old_terminate_ {};
-};
 
 rt::Nanoseconds utc_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -106,12 +81,12 @@ int run_spy(const SpyOptions& options, std::ostream& out, std::ostream& err) {
   }
   const bool refresh =
       !options.json && options.seconds <= 0 && &out == &std::cout && isatty(STDOUT_FILENO) != 0;
-  const StopOnSignal stop;
+  const StopSignals stop;
   SpyTable table(options.values);
   const rt::Nanoseconds start = steady_now();
   rt::Nanoseconds next_refresh = start;
   double elapsed_s = 0;
-  while (g_stop == 0 && (options.seconds <= 0 || elapsed_s < options.seconds)) {
+  while (!StopSignals::asked() && out && (options.seconds <= 0 || elapsed_s < options.seconds)) {
     drivers::ReceivedMessage received;
     const double left_ms = options.seconds > 0 ? 1e3 * (options.seconds - elapsed_s) + 1 : kWaitMs;
     const Status status =

@@ -12,7 +12,7 @@ namespace sortie::firmware {
 /// What the command line asked for.
 struct SpyOptions {
   std::string url{drivers::kDefaultLcmUrl};
-  double seconds{0};   ///< listen that long, then print the table once; 0: until SIGINT or SIGTERM
+  double seconds{0};   ///< listen that long, then print the table once; 0: until SIGINT, SIGTERM or SIGHUP
   bool json{false};    ///< one JSON object at the end instead of the table
   bool values{false};  ///< also the latest numbers of every message whose type is known
 };

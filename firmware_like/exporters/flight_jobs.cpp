@@ -59,17 +59,23 @@ std::string tasks_of(const FlightGroup& group, const FlightJob& job) {
   return text;
 }
 
+const char* signal_name(int number) {
+  constexpr std::pair<int, const char*> kNames[] = {
+      {SIGSEGV, "SIGSEGV"}, {SIGBUS, "SIGBUS"},       {SIGFPE, "SIGFPE"},   {SIGILL, "SIGILL"},
+      {SIGABRT, "SIGABRT"}, {SIGTRAP, "SIGTRAP"},     {SIGSYS, "SIGSYS"},   {SIGQUIT, "SIGQUIT"},
+      {SIGALRM, "SIGALRM"}, {SIGVTALRM, "SIGVTALRM"}, {SIGPROF, "SIGPROF"}, {SIGXCPU, "SIGXCPU"},
+      {SIGUSR1, "SIGUSR1"}, {SIGUSR2, "SIGUSR2"}};
+  for (const auto& [known, name] : kNames)
+    if (known == number) return name;
+  return "another signal";
+}
+
 std::string signal_of(const FlightReader& ring) {
   const rt::posix::FlightState& state = ring.state();
   if (state.signal == 0)
     return " without a signal that can be caught (kill -9, no memory left, or it gave up with an error)";
   const auto number = static_cast<int>(state.signal);
-  const char* name = number == SIGSEGV   ? "SIGSEGV"
-                     : number == SIGBUS  ? "SIGBUS"
-                     : number == SIGFPE  ? "SIGFPE"
-                     : number == SIGILL  ? "SIGILL"
-                     : number == SIGABRT ? "SIGABRT"
-                                         : "another signal";
+  const char* name = signal_name(number);
   char text[120];
   const char* whose = state.signal_code > 0           ? ", its own fault"
                       : state.signal_code == SI_TKILL ? ", its own doing"

@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "firmware_like/importers/input_error.hpp"
+#include "rt/posix/file_place.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -27,23 +28,17 @@ struct Removal {
                    "); choose another place with -o, or free some space");
 }
 
-/// A device or a pipe cannot be replaced by a rename and is written directly.
-bool is_special(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-}
-
 }  // namespace
 
-void write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  if (path == "-") {
+void write_file(const std::string& name, const std::function<void(std::ostream&)>& write) {
+  if (name == "-") {
     write(std::cout);
     std::cout.flush();
     if (!std::cout) refuse("standard output", "it was closed or is full");
     return;
   }
-  const bool direct = is_special(path);
+  const std::string path = rt::posix::place_of(name);
+  const bool direct = rt::posix::is_special_file(path);
   Removal part{direct ? std::string() : path + ".part"};
   errno = 0;
   std::ofstream out(direct ? path : part.path, std::ios::binary);

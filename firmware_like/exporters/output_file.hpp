@@ -8,9 +8,9 @@
 
 namespace sortie::firmware {
 
-/// Calls `write` with a stream and puts what it wrote at `path`; "-" is standard output. The file gets its
+/// Calls `write` with a stream and puts what it wrote at `name`; "-" is standard output. The file gets its
 /// name only when all was written. Throws InputError (path, reason, cure) if the system refuses; what `write`
 /// throws passes through. In both cases nothing is left behind.
-void write_file(const std::string& path, const std::function<void(std::ostream&)>& write);
+void write_file(const std::string& name, const std::function<void(std::ostream&)>& write);
 
 }  // namespace sortie::firmware

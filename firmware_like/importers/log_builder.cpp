@@ -9,6 +9,7 @@
 #include "drivers/lcm_log.hpp"
 #include "drivers/wire.hpp"
 #include "firmware_like/results.hpp"
+#include "rt/posix/file_place.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -21,13 +22,13 @@ std::int64_t ceil_us(rt::Nanoseconds ns) {
   return ns > us * rt::kNanosecondsPerMicrosecond ? us + 1 : us;
 }
 
-/// A log that is written beside its name and gets it only when it is whole.
+/// A log that is written beside its name and gets it only when it is whole (rt/posix/file_place.hpp).
 class OutputLog {
  public:
-  explicit OutputLog(const std::string& path) : path_(path), part_(path + ".part"), writer_(open(part_)) {}
-  ~OutputLog() {
-    std::error_code ignored;
-    if (!done_) std::filesystem::remove(part_, ignored);
+  explicit OutputLog(const std::string& path) try
+      : place_(path), writer_(place_.second_descriptor(), place_.path()) {
+  } catch (const std::runtime_error& error) {
+    throw InputError(error.what());
   }
   OutputLog(const OutputLog&) = delete;
   OutputLog& operator=(const OutputLog&) = delete;
@@ -37,27 +38,17 @@ class OutputLog {
   }
   void finish() {
     if (writer_.close() != Status::ok) fail();
-    std::error_code error;
-    std::filesystem::rename(part_, path_, error);
-    if (error)
-      throw InputError(path_ + ": cannot be written (" + error.message() + "); choose another place with -o");
-    done_ = true;
+    if (const std::string why = place_.take(rt::posix::FormerFile::replaced); !why.empty())
+      throw InputError(why + "; choose another place with -o");
   }
 
  private:
-  static drivers::LcmLogWriter open(const std::string& part) try {
-    return drivers::LcmLogWriter(part);
-  } catch (const std::runtime_error& error) {
-    throw InputError(error.what());
-  }
   [[noreturn]] void fail() const {
     throw InputError(writer_.error() + "; free some space or choose another place with -o");
   }
 
-  std::string path_;
-  std::string part_;
+  rt::posix::FilePlace place_;
   drivers::LcmLogWriter writer_;
-  bool done_{false};
 };
 
 template <class Encode>

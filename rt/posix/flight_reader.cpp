@@ -98,6 +98,22 @@ bool FlightReader::is_ring(const std::string& path) noexcept {
   }
 }
 
+bool FlightReader::is_blank(const std::string& path) noexcept {
+  try {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) return false;
+    std::vector<char> piece(1u << 16);
+    do {
+      in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+      const auto end = piece.begin() + in.gcount();
+      if (std::any_of(piece.begin(), end, [](char byte) { return byte != '\0'; })) return false;
+    } while (in);
+    return in.eof();
+  } catch (...) {
+    return false;
+  }
+}
+
 bool FlightReader::has_ended(const std::string& path) noexcept {
   FlightState state;
   return read_state(path, state) && state.ended == 1;

@@ -58,6 +58,10 @@ class FlightReader {
   /// True when the file begins as a flight ring does. Never throws.
   static bool is_ring(const std::string& path) noexcept;
 
+  /// True when there is nothing in the file but zeros: what is left where a ring's making was killed before
+  /// its first word. Reads up to the first other byte. Never throws.
+  static bool is_blank(const std::string& path) noexcept;
+
   /// True when the file is a flight ring with a whole header whose run ended by itself. Reads the header
   /// alone. Never throws.
   static bool has_ended(const std::string& path) noexcept;

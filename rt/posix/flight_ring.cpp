@@ -55,14 +55,21 @@ std::string boot_id() {
 FlightRing::FlightRing(const std::string& path, const FlightPlan& plan) : path_(path) {
   const auto header = std::make_unique<FlightHeader>();
   lay_out(plan, *header);
-  open_file();
+  look_at_former();
+  rescue_part();
+  try {
+    place_ = std::make_unique<FilePlace>(path_, 0600);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string(error.what()) + " (--flight-ring FILE)");
+  }
   map_file(*header);
+  if (plan.waits) return;
+  if (const std::string why = take_place(); !why.empty()) throw std::runtime_error(why);
 }
 
 FlightRing::~FlightRing() {
   this_thread_spans = nullptr;  // a run in virtual time has its jobs on this thread
   if (map_ != nullptr) munmap(map_, bytes_);
-  if (file_ >= 0) close(file_);
 }
 
 void FlightRing::lay_out(const FlightPlan& plan, FlightHeader& header) {
@@ -111,50 +118,63 @@ void FlightRing::lay_out(const FlightPlan& plan, FlightHeader& header) {
 }
 
 // Never through a link, never over another user's file: /dev/shm belongs to everybody.
-void FlightRing::open_file() {
-  for (int attempt = 0; attempt < 3; ++attempt) {
-    file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (file_ < 0)
-      refuse(path_, std::string(std::strerror(errno)) + "; choose another file with --flight-ring FILE");
-    struct stat found {};
-    if (fstat(file_, &found) != 0 || !S_ISREG(found.st_mode))
-      refuse(path_, "it is no ordinary file; choose another");
-    if (found.st_uid != geteuid()) refuse(path_, "it belongs to another user; choose another file");
-    if (flock(file_, LOCK_EX | LOCK_NB) != 0)
-      refuse(path_, "a run that is still going uses it; choose another file");
-    if (found.st_size == 0) return;
-    keep_unfinished();
-    close(file_);
-    file_ = -1;
+void FlightRing::look_at_former() {
+  const int file = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) {
+    if (errno == ENOENT) return;
+    refuse(path_, std::string(std::strerror(errno)) + "; choose another file with --flight-ring FILE");
   }
-  refuse(path_, "another program keeps making it; choose another file");
+  struct stat found {};
+  const bool seen = fstat(file, &found) == 0;
+  const bool lives = seen && flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(file);
+  if (!seen || !S_ISREG(found.st_mode)) refuse(path_, "it is no ordinary file; choose another");
+  if (found.st_uid != geteuid()) refuse(path_, "it belongs to another user; choose another file");
+  if (lives) refuse(path_, "a run that is still going uses it; choose another file");
+  if (FlightReader::is_blank(path_)) return;
+  if (!FlightReader::is_ring(path_)) refuse(path_, "it exists and is no flight ring; choose another file");
+  former_unfinished_ = !FlightReader::has_ended(path_);
+  if (former_unfinished_) tell_kept();
 }
 
-/// What stands at the path goes away: a finished ring is removed, an unfinished one is kept beside it.
-void FlightRing::keep_unfinished() {
-  if (!FlightReader::is_ring(path_)) refuse(path_, "it exists and is no flight ring; choose another file");
-  const bool finished = FlightReader::has_ended(path_);
-  const std::string kept = path_ + ".previous";
-  if (finished ? unlink(path_.c_str()) != 0 : std::rename(path_.c_str(), kept.c_str()) != 0) {
-    refuse(path_, std::string("the ring of the run before cannot be moved: ") + std::strerror(errno) +
-                      "; remove it, or choose another file");
+// A run that died within its first job, before anybody put its ring into its place, is worth as much as any
+// other.
+void FlightRing::rescue_part() {
+  const std::string part = path_ + ".part";
+  if (!FlightReader::was_left(part)) return;
+  try {
+    const FlightReader reader(part);
+    if (reader.jobs().empty() && reader.state().signal == 0) return;
+  } catch (const std::runtime_error&) {
+    return;
   }
-  if (!finished)
-    warnings_.push_back(
-        "a run before this one did not end by itself; its last moments are kept: sortie export jobs " + kept);
+  if (std::rename(part.c_str(), path_.c_str()) != 0)
+    return;  // over a ring that would be kept no longer anyway
+  if (!former_unfinished_) tell_kept();
+  former_unfinished_ = true;
+}
+
+void FlightRing::tell_kept() {
+  warnings_.push_back(
+      "a run before this one did not end by itself; its last moments are kept: sortie export jobs " + path_ +
+      ".previous");
+}
+
+std::string FlightRing::take_place() {
+  return place_->take(former_unfinished_ ? FormerFile::kept : FormerFile::replaced);
 }
 
 void FlightRing::map_file(const FlightHeader& header) {
   // Space is taken now: a store into a page for which there is none later would kill the process.
-  if (const int error = posix_fallocate(file_, 0, static_cast<off_t>(bytes_)); error != 0) {
-    unlink(path_.c_str());
+  const int file = place_->descriptor();
+  if (const int error = posix_fallocate(file, 0, static_cast<off_t>(bytes_)); error != 0) {
     refuse(path_, "no room for " + std::to_string(bytes_) + " bytes: " + std::strerror(error) +
                       "; keep fewer ticks with --flight-ticks, or choose another file");
   }
-  void* map = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
+  void* map = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   if (map == MAP_FAILED) refuse(path_, std::string(std::strerror(errno)) + "; choose another file");
   map_ = static_cast<std::byte*>(map);
-  if (!on_memory_file_system(file_)) {
+  if (!on_memory_file_system(file)) {
     warnings_.push_back(
         path_ +
         ": this flight ring lies on a disk: while the disk takes a page, a job that writes to it waits; "

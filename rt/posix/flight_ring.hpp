@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "rt/job_record.hpp"
+#include "rt/posix/file_place.hpp"
 #include "rt/posix/flight_format.hpp"
 #include "rt/posix/trace_span.hpp"
 
@@ -50,6 +51,7 @@ struct FlightPlan {
   std::uint32_t ticks{10'000};           ///< kept at least, of every group
   std::uint32_t spans{4096};             ///< kept of every track, rounded up to a power of two
   std::uint32_t events{256};             ///< kept, rounded up to a power of two
+  bool waits{};                          ///< takes its place with take_place(), not when it is made
 };
 
 /// The writing side. All memory is mapped and touched at construction; afterwards a job costs about 20 ns and
@@ -57,9 +59,13 @@ struct FlightPlan {
 /// memory file system, see above). Threads that have called job() must have ended before it is destroyed.
 class FlightRing {
  public:
-  /// Makes the file. A ring that stands there from a run that did not end is kept as PATH.previous. Throws
-  /// std::runtime_error (what, where, cure): a living run uses it, it is another's, it is no ring, no room.
+  /// Makes the file whole as PATH.part and puts it at PATH, now or with take_place(). A ring that stands
+  /// there from a run that did not end is kept as PATH.previous then; so is one that died with a job before
+  /// it took its place. What else a killed start has left, a file without a word in it among that, is in
+  /// nobody's way. Throws std::runtime_error (what, where, cure): a living run uses it, it is another's, it
+  /// is no ring, no room; then everything is as it was.
   FlightRing(const std::string& path, const FlightPlan& plan);
+  /// A ring that has not taken its place goes away.
   ~FlightRing();
   FlightRing(const FlightRing&) = delete;
   FlightRing& operator=(const FlightRing&) = delete;
@@ -67,6 +73,10 @@ class FlightRing {
   /// Says when the run begins: CLOCK_MONOTONIC at 0 of the run clock, and what makes it UTC. Before the first
   /// job: known only when everything else that takes time is done, the making of this file included.
   void set_clock(std::int64_t start_ns, std::int64_t utc_minus_monotonic_ns);
+
+  /// Puts the file at PATH, where the run's first job is in it. Idempotent; not for real-time threads. Empty,
+  /// or why that was refused, with the name under which the file can be found.
+  std::string take_place();
 
   /// Notes a job that has run, and makes the group's track that of the calling thread. Real-time safe; a
   /// group's jobs come from one thread at a time.
@@ -85,7 +95,7 @@ class FlightRing {
 
   const std::string& path() const { return path_; }
   std::size_t bytes() const { return bytes_; }
-  /// Empty, or what is not as it should be, with the cure: the file is on a disk; an older ring was kept.
+  /// Empty, or what is not as it should be, with the cure: the file is on a disk; an older ring is kept.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -96,12 +106,14 @@ class FlightRing {
   };
 
   void lay_out(const FlightPlan& plan, FlightHeader& header);
-  void open_file();
-  void keep_unfinished();
+  void look_at_former();
+  void rescue_part();
+  void tell_kept();
   void map_file(const FlightHeader& header);
 
   std::string path_;
-  int file_{-1};
+  std::unique_ptr<FilePlace> place_;
+  bool former_unfinished_{};
   std::byte* map_{};
   std::size_t bytes_{};
   FlightState* state_{};

@@ -3,6 +3,8 @@
 #include "firmware_like/flight_recorder.hpp"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
 
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/run_end.hpp"
@@ -227,4 +229,55 @@ TEST_CASE("a log that says how far its run came is replayed so far, and what no 
     CHECK(same.results.ticks == 300);
     CHECK(counter(same, "skipped_releases") == 0);
   }
+}
+
+TEST_CASE("a log takes the place of the one before with its first job, and never without") {
+  const TempFolder folder;
+  const std::string scene = stall_scene(folder);
+  const std::string path = folder.file("run.lcm");
+  const auto bytes_of = [](const std::string& name) {
+    std::ifstream in(name, std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  stalls = {};
+  RecorderOptions options;
+  options.path = path;
+  Runtime runtime(load_scene(scene), stall_vehicles(), RuntimeStart{});
+  const drivers::LogHeader header = make_header(runtime, "test", 0);
+  { const FlightRecorder refused(runtime, options, header); }
+  CHECK_FALSE(std::filesystem::exists(path));
+  {
+    FlightRecorder idle(runtime, options, header);
+    idle.stop();
+    CHECK(idle.log_is_there());  // nothing was there: a header is more than nothing
+  }
+  std::ofstream(path) << "what a run before has left";
+  {
+    FlightRecorder refused(runtime, options, header);
+    refused.sample("IMU", 0, {});
+    refused.drain();
+  }
+  {
+    FlightRecorder idle(runtime, options, header);
+    idle.sample("IMU", 0, {});
+    idle.stop();
+    CHECK_FALSE(idle.log_is_there());
+    CHECK(idle.former_log().empty());
+  }
+  CHECK(bytes_of(path) == "what a run before has left");
+  CHECK_FALSE(std::filesystem::exists(path + ".part"));
+  {
+    FlightRecorder recorder(runtime, options, header);
+    runtime.executive().set_sink(recorder.job_sink());
+    SlowDisk feed(runtime, recorder, {1});
+    rt::run_virtual(runtime.executive(), feed, 0, 0);
+    CHECK(bytes_of(path) == "what a run before has left");
+    recorder.drain();
+    CHECK(LogFile(path).header().scene == runtime.profile().name());  // a kill would find this
+    recorder.stop();
+    CHECK(recorder.log_is_there());
+    CHECK(recorder.former_log() == path + ".previous");
+  }
+  CHECK(bytes_of(path + ".previous") == "what a run before has left");
+  CHECK_FALSE(std::filesystem::exists(path + ".part"));
 }

@@ -25,7 +25,8 @@ int death_of(const std::string& path, Act act) {
   if (child == 0) {
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-    for (const int number : {SIGSEGV, SIGABRT, SIGFPE}) signal(number, SIG_DFL);  // not the test's own
+    for (const int number : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS})
+      signal(number, SIG_DFL);  // not the test's own
     FlightRing ring(path, plan_of_two());
     const CrashNote note(ring);
     ring.job(job_of(0, 41));
@@ -70,6 +71,25 @@ TEST_CASE("abort, and a signal that was sent, are told apart from a fault, and S
   CHECK(FlightReader(folder.file("b")).state().signal_code == SI_USER);
   CHECK(death_of(folder.file("c"), [](FlightRing&) { raise(SIGKILL); }) == SIGKILL);
   CHECK(FlightReader(folder.file("c")).state().signal == 0);
+}
+
+TEST_CASE("every signal that ends a process and can be caught is noted, and somebody's own handler stays") {
+  const RingFolder folder;
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS, SIGQUIT, SIGALRM,
+                           SIGVTALRM, SIGPROF, SIGXCPU, SIGUSR1, SIGUSR2}) {
+    INFO(number);
+    std::filesystem::remove(folder.file("d"));
+    CHECK(death_of(folder.file("d"), [number](FlightRing&) { raise(number); }) == number);
+    CHECK(FlightReader(folder.file("d")).state().signal == static_cast<std::uint32_t>(number));
+  }
+  signal(SIGUSR1, SIG_IGN);
+  {
+    FlightRing ring(folder.file("e"), plan_of_two());
+    const CrashNote note(ring);
+    raise(SIGUSR1);
+  }
+  signal(SIGUSR1, SIG_DFL);
+  CHECK(FlightReader(folder.file("e")).state().signal == 0);
 }
 
 TEST_CASE("the first ring hears the signals, and afterwards they are whose they were") {
