@@ -15,6 +15,8 @@
 #include "firmware_like/log_clock.hpp"
 #include "firmware_like/owned_part.hpp"
 #include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/recorded_times.hpp"
+#include "firmware_like/stream_use.hpp"
 #include "firmware_like/telemetry.hpp"
 #include "rt/built_parts.hpp"
 #include "rt/posix/clock.hpp"
@@ -57,6 +59,26 @@ bool takes_channel(const Runtime& runtime, std::string_view channel) {
 
 std::uint64_t microseconds_of(rt::Nanoseconds ns) {
   return static_cast<std::uint64_t>(ns / rt::kNanosecondsPerMicrosecond);
+}
+
+// What the clock said of the robot: in simulated time nothing.
+void add_live(Results& results, LiveMeasured& live, bool virtual_time) {
+  if (virtual_time) {
+    results.live.why_not = "this run was in simulated time, where nothing is late; leave out --virtual";
+    return;
+  }
+  results.live.known = true;
+  results.live.over_budget = results.counters.at("over_budget");
+  for (const TaskResult& task : results.tasks)
+    results.live.tasks.push_back(
+        {task.name, task.count, task.p50_us, task.p99_us, task.p999_us, task.max_us});
+  for (std::size_t i = 0; i < live.groups.size(); ++i) {
+    results.groups[i].wake_known = true;
+    results.groups[i].spinning = live.groups[i].spinning;
+    results.groups[i].margin_us = live.groups[i].margin_us;
+    results.groups[i].stack_bytes = live.groups[i].stack_bytes;
+    results.groups[i].delays = std::move(live.groups[i].delays);
+  }
 }
 
 struct RunClock {
@@ -175,8 +197,8 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
     if (telemetry) telemetry->start();
     EventDesk desk(runtime, recorder, telemetry.get(), ring, utc_minus_run);
     if (!ring.before_this().empty()) desk.tell("run_before", "run", ring.before_this(), 0);
-    live =
-        run_in_real_time({runtime, surroundings, parameters, recorder, desk}, options, clock.start_ns, last);
+    live = run_in_real_time({runtime, surroundings, parameters, recorder, desk, chains}, options,
+                            clock.start_ns, last);
     ticks = live.ticks;
     if (telemetry) telemetry->stop();
     if (options.require_realtime && !live.warnings.empty()) throw RealtimeRefused(live.warnings.front());
@@ -188,6 +210,12 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   ring.finish(executive.time_of(ticks));
   if (ring.stays()) outcome.flight_ring = ring.path();
   DoctorReport health = doctor.finish(executive, recorder, executive.time_of(ticks));
+  Results& results = outcome.results;
+  results = collect_results(runtime, ticks);
+  results.counters.insert(live.counters.begin(), live.counters.end());
+  if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
+  add_live(results, live, options.virtual_time);
+  if (!options.virtual_time) write_measured(recorder, results, executive.time_of(ticks));
   recorder.stop();
 
   outcome.estimate = collector.poses.take();
@@ -198,21 +226,17 @@ LiveRunOutcome run_live(const VehicleRegistry& vehicles, const BenchFactory& ben
   if (!outcome.truth.empty() && !outcome.estimate.empty()) {
     outcome.evaluation = evaluate(outcome.estimate, outcome.truth, options.evaluation);
   }
-  Results& results = outcome.results;
-  results = collect_results(runtime, ticks);
-  results.counters.insert(live.counters.begin(), live.counters.end());
   chains.add_to(results);
-  for (std::size_t i = 0; i < live.groups.size(); ++i) {
-    results.groups[i].spinning = live.groups[i].spinning;
-    results.groups[i].margin_us = live.groups[i].margin_us;
-    results.groups[i].stack_bytes = live.groups[i].stack_bytes;
-    results.groups[i].delays = std::move(live.groups[i].delays);
+  outcome.failures = unused_streams(runtime, pushed_streams(runtime), false);
+  results.warnings.insert(results.warnings.begin(), outcome.failures.begin(), outcome.failures.end());
+  if (options.virtual_time) {
+    const std::vector<std::string> exceeded = exceeded_bounds(results);
+    outcome.failures.insert(outcome.failures.end(), exceeded.begin(), exceeded.end());
   }
   if (!outcome.stopped.empty()) results.warnings.push_back(outcome.stopped);
   results.errors = outcome.evaluation.errors;
   results.duration_s = static_cast<double>(ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
   results.speed = wall > 0 ? results.duration_s / wall : 0;
-  if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
   if (!trial.task.empty()) {
     results.counters["calibration_" + trial.task + "_ps_per_unit"] =
         static_cast<std::uint64_t>(std::llround(1e3 * trial.ns_per_unit));

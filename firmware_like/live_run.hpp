@@ -46,6 +46,8 @@ struct LiveRunOutcome {
   std::string bench;                     ///< what was simulated, with its seed
   std::string flight_ring;               ///< file that was asked for and stays
   std::string stopped;                   ///< why the run ended before its time, or empty
+  std::vector<std::string> failures;  ///< why the run has failed: streams of which nothing was used, and, in
+                                      ///< simulated time, declared bounds that were exceeded
 };
 
 /// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.

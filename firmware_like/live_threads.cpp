@@ -35,6 +35,11 @@ const rt::posix::SpanName kDevicesSpan("poll devices");
   std::_Exit(1);
 }
 
+void tell_chains(const LiveParts& parts, rt::Nanoseconds now) {
+  for (const ChainNews& news : parts.chains.take_news(now))
+    parts.desk.tell("chain", news.chain, "chain " + news.chain + ": " + news.text, now);
+}
+
 // Calls `step(now)` about every millisecond until `stop`.
 template <class Step>
 void every_millisecond(const std::atomic<bool>& stop, rt::Nanoseconds start_ns, Step step) {
@@ -97,6 +102,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
     parts.desk.take(runner);
     if (const std::string news = parts.surroundings.news(); !news.empty())
       parts.desk.tell("plant", "plant", news, rt::posix::monotonic_now() - start_ns);
+    tell_chains(parts, rt::posix::monotonic_now() - start_ns);
     if (const std::uint64_t code = stuck.load(); code != 0)
       leave_stuck(parts, static_cast<std::uint32_t>((code - 1) >> 16),
                   static_cast<std::uint32_t>((code - 1) & 0xffff));
@@ -108,6 +114,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   service.stopping();
   runner.join();
   parts.desk.take(runner);
+  tell_chains(parts, rt::posix::monotonic_now() - start_ns);
   stop.store(true);
   bench.join();
   devices.join();
