@@ -20,14 +20,18 @@ class Arrivals {
   /// Producer: sample number `sequence` arrived at `received_ns`. Numbers rise by one; the newest may be
   /// noted again.
   void note(std::uint64_t sequence, rt::Nanoseconds received_ns) {
+    if (end_.load(std::memory_order_relaxed) == 0) first_.store(sequence, std::memory_order_relaxed);
     // Whoever sees the new time also sees that the number before it was the newest: the old one is gone then.
     times_[slot(sequence)].store(received_ns, std::memory_order_release);
     end_.store(sequence + 1, std::memory_order_release);
   }
 
+  /// Number of the first sample that was noted: 0, or where a replay began. Known once anything is noted.
+  std::uint64_t first() const { return first_.load(std::memory_order_relaxed); }
+
   /// False when that sample is unknown or too long ago.
   bool find(std::uint64_t sequence, rt::Nanoseconds& received_ns) const {
-    if (sequence >= end_.load(std::memory_order_acquire)) return false;
+    if (sequence >= end_.load(std::memory_order_acquire) || sequence < first()) return false;
     received_ns = times_[slot(sequence)].load(std::memory_order_acquire);
     return end_.load(std::memory_order_relaxed) < sequence + times_.size();
   }
@@ -38,6 +42,7 @@ class Arrivals {
   }
 
   std::vector<std::atomic<rt::Nanoseconds>> times_;
+  std::atomic<std::uint64_t> first_{};
   std::atomic<std::uint64_t> end_{};
 };
 

@@ -26,7 +26,7 @@ ChainSpec read_spec(Profile& profile, ChainSpec spec) {
        "longest time from a sample to an output that knows of it; 0: any");
   read("max_age_ms", spec.max_age_ms, "oldest sample behind an output when it becomes visible; 0: any");
   read("source_interval_ms", spec.source_interval_ms,
-       "longest time between two samples; 0: one comes for every release");
+       "longest time between two samples, max_age_ms of a stream needs it; 0: one comes for every release");
   return spec;
 }
 
@@ -97,6 +97,13 @@ void hold_to_bounds(Profile& profile, const DeclaredChain& declared, const rt::E
                                   " ms: raise the rate or shorten deadline_ticks of the groups on the way (" +
                                   list(groups) + "), or allow more");
   };
+  // Nothing but the declared interval says how old a sample grows before the next one comes.
+  if (declared.chain.from_stream && declared.spec.max_age_ms > 0 && declared.spec.source_interval_ms == 0) {
+    profile.fail(below + "max_age_ms", "the age of what comes from " + declared.spec.path.front() +
+                                           " cannot be bounded: " + below +
+                                           "source_interval_ms is missing, "
+                                           "the longest time between two of its samples");
+  }
   hold("max_reaction_ms", "reaction time", declared.bound.reaction_ns, declared.spec.max_reaction_ms);
   hold("max_age_ms", "data age", declared.bound.age_ns, declared.spec.max_age_ms);
 }

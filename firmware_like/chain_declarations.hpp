@@ -36,8 +36,9 @@ struct DeclaredChain {
 };
 
 /// Reads [chains], finds each chain and bounds it. Streams at the beginning of a chain keep their arrival
-/// times from here on. Throws ProfileError when a path does not exist or a bound is exceeded. `warnings`:
-/// streams that come faster than their batches are taken.
+/// times from here on. Throws ProfileError when a path does not exist, a bound is exceeded, or one is
+/// declared that cannot be computed (ChainWatch has the rule). `warnings`: streams that come faster than
+/// their batches are taken.
 std::vector<DeclaredChain> read_chains(Profile& profile, VehicleBuilder& builder,
                                        const rt::Executive& executive, std::vector<std::string>& warnings);
 

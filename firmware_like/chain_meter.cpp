@@ -12,6 +12,11 @@ namespace {
 constexpr std::size_t kMostWaiting = 4096;
 constexpr std::size_t kMostRepeats = 1 << 16;
 
+// Of a damaged log, times may be anything: differences wrap.
+rt::Nanoseconds between(rt::Nanoseconds from, rt::Nanoseconds to) {
+  return static_cast<rt::Nanoseconds>(static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from));
+}
+
 void record(rt::LatencyHistogram& histogram, rt::Nanoseconds span) {
   histogram.record(static_cast<std::uint64_t>(std::max<rt::Nanoseconds>(span, 0)));
 }
@@ -19,11 +24,12 @@ void record(rt::LatencyHistogram& histogram, rt::Nanoseconds span) {
 }  // namespace
 
 ChainMeter::ChainMeter(const rt::Executive& executive, const rt::Chain& chain, const Arrivals* arrivals,
-                       bool on_run_clock)
+                       bool on_run_clock, ChainLimits limits)
     : executive_(executive),
       chain_(chain),
       arrivals_(arrivals),
       on_run_clock_(on_run_clock),
+      limits_(limits),
       legs_(chain.legs.size()),
       newest_(chain.steps.size(), kNothing) {
   for (std::uint32_t i = 0; i + 1 < chain.legs.size(); ++i) {
@@ -36,11 +42,11 @@ ChainMeter::ChainMeter(const rt::Executive& executive, const rt::Chain& chain, c
   }
 }
 
-void ChainMeter::job(const rt::JobRecord& record) {
+void ChainMeter::job(const rt::JobRecord& record, const JobTimes* times) {
   bool concerned = false;
   for (std::uint32_t i = 0; i < legs_.size(); ++i) {
     if (chain_.legs[i].group != record.group) continue;
-    legs_[i].waiting.push_back(note_of(record, i));
+    legs_[i].waiting.push_back(note_of(record, i, times));
     concerned = true;
   }
   if (!concerned) return;
@@ -55,7 +61,8 @@ void ChainMeter::job(const rt::JobRecord& record) {
   }
 }
 
-ChainMeter::Note ChainMeter::note_of(const rt::JobRecord& record, std::uint32_t leg) const {
+ChainMeter::Note ChainMeter::note_of(const rt::JobRecord& record, std::uint32_t leg,
+                                     const JobTimes* times) const {
   Note note;
   note.job = record.job;
   note.shed = record.shed;
@@ -68,9 +75,14 @@ ChainMeter::Note ChainMeter::note_of(const rt::JobRecord& record, std::uint32_t 
   } else if (const rt::StreamRange& range = record.stream[port]; range.count != 0) {
     note.taken = static_cast<std::int64_t>(range.first + range.count) - 1;
   }
-  note.finished_ns = record.started_ns;
-  for (std::uint32_t i = 0; i <= chain_.steps.back().task && i < record.tasks; ++i)
-    note.finished_ns += record.duration_ns[i];
+  note.timed = times != nullptr || on_run_clock_;
+  auto finished = static_cast<std::uint64_t>(times != nullptr ? times->started_ns : record.started_ns);
+  const std::uint32_t tasks =
+      times != nullptr ? static_cast<std::uint32_t>(times->duration_ns.size()) : record.tasks;
+  for (std::uint32_t i = 0; i <= chain_.steps.back().task && i < tasks; ++i) {
+    finished += times != nullptr ? static_cast<std::uint64_t>(times->duration_ns[i]) : record.duration_ns[i];
+  }
+  note.finished_ns = static_cast<rt::Nanoseconds>(finished);
   return note;
 }
 
@@ -121,31 +133,56 @@ bool ChainMeter::arrival(std::int64_t sample, rt::Nanoseconds& ns) const {
   return true;
 }
 
+void ChainMeter::hold_age(rt::Nanoseconds age_ns) {
+  if (limits_.age_ns == 0 || age_ns <= limits_.age_ns) return;
+  ++ages_over_;
+  age_over_ns_ = std::max(age_over_ns_, age_ns);
+}
+
 void ChainMeter::put_out(std::int64_t newest, const Note& note) {
   if (newest == kNothing) return;
   const rt::GroupTiming& timing = executive_.group(chain_.legs.back().group).timing;
   const rt::Nanoseconds visible = executive_.time_of(timing.due(note.job));
   if (newest <= seen_) {
     // Whether more samples will come is not known yet: a source that has ended does not make outputs older.
+    // While the robot runs no source may end, so there the limit holds at once.
+    if (!seen_known_) return;
+    if (on_run_clock_) hold_age(visible - seen_at_);
     if (repeats_.size() < kMostRepeats) repeats_.push_back(visible);
     return;
   }
-  for (const rt::Nanoseconds again : repeats_) record(age_, again - seen_at_);
+  for (const rt::Nanoseconds again : repeats_) {
+    record(age_, again - seen_at_);
+    if (!on_run_clock_) hold_age(again - seen_at_);
+  }
   repeats_.clear();
   // A chain that begins with a task has one sample a job, and jobs may have been skipped.
-  for (std::int64_t sample = chain_.from_stream ? seen_ + 1 : newest; sample <= newest; ++sample) {
+  std::int64_t sample = chain_.from_stream ? seen_ + 1 : newest;
+  // A replay that begins at a keyframe knows of no samples before it.
+  if (arrivals_ != nullptr && seen_ == kNothing)
+    sample = std::max(sample, std::min(static_cast<std::int64_t>(arrivals_->first()), newest));
+  for (; sample <= newest; ++sample) {
     rt::Nanoseconds arrived = 0;
     if (!arrival(sample, arrived)) {
       ++unmeasured_;
+      seen_known_ = false;
       continue;
     }
     record(reaction_, visible - arrived);
-    if (on_run_clock_) record(finished_, note.finished_ns - arrived);
-    if (seen_ != kNothing) source_interval_ns_ = std::max(source_interval_ns_, arrived - seen_at_);
+    if (limits_.reaction_ns != 0 && visible - arrived > limits_.reaction_ns) {
+      ++reactions_over_;
+      reaction_over_ns_ = std::max(reaction_over_ns_, visible - arrived);
+    }
+    if (note.timed) record(finished_, between(arrived, note.finished_ns));
+    if (seen_known_) source_interval_ns_ = std::max(source_interval_ns_, arrived - seen_at_);
     seen_ = sample;
     seen_at_ = arrived;
+    seen_known_ = true;
   }
-  if (seen_ == newest) record(age_, visible - seen_at_);
+  if (seen_known_) {
+    record(age_, visible - seen_at_);
+    hold_age(visible - seen_at_);
+  }
   seen_ = newest;
 }
 

@@ -52,6 +52,8 @@ class InputPortBase {
     record(received_ns, message);
     return status;
   }
+  /// After the stream's state was restored: goes on with its numbers, which arrivals are looked up by.
+  void resume() { admitted_ = static_cast<std::int64_t>(stream_.next_admitted()); }
   /// Samples admitted so far.
   std::int64_t admitted() const { return admitted_; }
   /// From now on the arrival times of the last `capacity` samples are kept. Set-up only.

@@ -77,6 +77,7 @@ void restore_state(std::span<const std::uint8_t> state, Runtime& runtime, LogFee
                      (read.status() == Status::ok ? "bytes are left over" : fault_of(read)) +
                      "); make it again with `sortie index LOG`");
   }
+  for (const auto& port : runtime.parts().ports()) port->resume();
 }
 
 }  // namespace sortie::firmware

@@ -48,6 +48,8 @@ struct LiveRunOutcome {
   std::string log;                       ///< that was written; empty where the run ended without a job
   std::string former_log;                ///< what stood there before, under its new name; or empty
   std::string stopped;                   ///< why the run ended before its time, or empty
+  std::vector<std::string> failures;  ///< why the run has failed: streams of which nothing was used, and, in
+                                      ///< simulated time, declared bounds that were exceeded
 };
 
 /// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.

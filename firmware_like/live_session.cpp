@@ -172,6 +172,7 @@ void LiveSession::run() {
   wall_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   ring_->finish(executive_.time_of(ticks_));
   health_ = doctor_.finish(executive_, *recorder_, executive_.time_of(ticks_));
+  collect_measured();
   recorder_->stop();
   if (ring_->stays()) outcome_.flight_ring = ring_->path();
   if (!ring_->place_problem().empty()) warnings_.push_back(ring_->place_problem());
@@ -194,7 +195,7 @@ void LiveSession::run_live_threads() {
   if (telemetry_) telemetry_->start();
   EventDesk desk(runtime_, *recorder_, telemetry_.get(), *ring_, utc_minus_run_);
   if (!ring_->before_this().empty()) desk.tell("run_before", "run", ring_->before_this(), 0);
-  live_ = run_in_real_time({runtime_, *surroundings_, *parameters_, *recorder_, desk}, options_,
+  live_ = run_in_real_time({runtime_, *surroundings_, *parameters_, *recorder_, desk, *chains_}, options_,
                            clock_.start_ns, last_);
   ticks_ = live_.ticks;
   if (telemetry_) telemetry_->stop();

@@ -50,6 +50,7 @@ class LiveSession {
   void open_telemetry();
   void run_virtually();
   void run_live_threads();
+  void collect_measured();
   void collect_trajectories();
   void collect_counters(Results& results);
   void collect_traffic(Results& results);

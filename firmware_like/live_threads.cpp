@@ -36,6 +36,11 @@ const rt::posix::SpanName kDevicesSpan("poll devices");
   std::_Exit(1);
 }
 
+void tell_chains(const LiveParts& parts, rt::Nanoseconds now) {
+  for (const ChainNews& news : parts.chains.take_news(now))
+    parts.desk.tell("chain", news.chain, "chain " + news.chain + ": " + news.text, now);
+}
+
 // The ordinary threads of a run, one a chore. They end before this does, however that comes: also when the
 // next of them, or a worker, cannot be made.
 class Chores {
@@ -151,6 +156,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
     parts.desk.take(runner);
     if (const std::string news = parts.surroundings.news(); !news.empty())
       parts.desk.tell("plant", "plant", news, rt::posix::monotonic_now() - start_ns);
+    tell_chains(parts, rt::posix::monotonic_now() - start_ns);
     if (const std::uint64_t code = stuck.load(); code != 0)
       leave_stuck(parts, static_cast<std::uint32_t>((code - 1) >> 16),
                   static_cast<std::uint32_t>((code - 1) & 0xffff));
@@ -162,6 +168,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   service.stopping();
   runner.join();
   parts.desk.take(runner);
+  tell_chains(parts, rt::posix::monotonic_now() - start_ns);
   chores.stop();
   return collect_live(parts, runner);
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_like/chain_watch.hpp"
 #include "firmware_like/event_desk.hpp"
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/live_surroundings.hpp"
@@ -22,6 +23,7 @@ struct LiveParts {
   ParameterDesk& parameters;
   FlightRecorder& recorder;
   EventDesk& desk;
+  ChainWatch& chains;
 };
 
 /// What a live run measures of one group beside its histograms.

@@ -17,6 +17,8 @@ LogFeed::LogFeed(const LogFile& log, Runtime& runtime, bool use_ticks)
     auto cursor = std::make_unique<PortCursor>();
     cursor->port = port.get();
     cursor->events = &log.channel(port->channel());
+    cursor->use.channel = port->channel();
+    cursor->use.there = cursor->events->size();
     ports_.push_back(std::move(cursor));
   }
   for (std::uint32_t index = 0; index < executive.group_count(); ++index) {
@@ -112,14 +114,6 @@ bool LogFeed::load(GroupCursor& cursor) {
   return true;
 }
 
-void LogFeed::push(PortCursor& cursor) {
-  const StoredEvent& event = (*cursor.events)[cursor.next++];
-  const Status status =
-      cursor.port->push_message(event.message, event.timestamp_us * rt::kNanosecondsPerMicrosecond);
-  if (status == Status::malformed) ++damaged_samples_;
-  if (status == Status::full || status == Status::out_of_range) ++refused_samples_;
-}
-
 bool LogFeed::prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt::JobOrder& order) {
   GroupCursor& cursor = groups_[group];
   const rt::Executive& executive = runtime_.executive();
@@ -154,32 +148,6 @@ bool LogFeed::prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt:
   }
   order.recorded = cursor.current.get();
   return true;
-}
-
-LogDigest LogFeed::recorded_digest() const {
-  const rt::Executive& executive = runtime_.executive();
-  LogDigest digest;
-  if (!use_ticks_) return digest;
-  digest.tasks.resize(executive.task_count());
-  for (std::uint32_t index = 0; index < executive.group_count(); ++index) {
-    std::vector<std::uint32_t> tasks;
-    for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
-      if (executive.task(i).group() == index) tasks.push_back(i);
-    }
-    for (const StoredEvent& event : groups_[index].jobs) {
-      if (drivers::decode(event.message, scratch_) != Status::ok || scratch_.tasks.size() != tasks.size())
-        continue;
-      for (std::size_t i = 0; i < tasks.size(); ++i) {
-        if ((static_cast<unsigned>(scratch_.shed) >> i & 1u) != 0) continue;  // it put out nothing
-        std::uint64_t& chain = digest.tasks[tasks[i]];
-        chain = rt::chain_digest(chain, static_cast<std::uint64_t>(scratch_.tick), scratch_.tasks[i].digest);
-      }
-      ++digest.jobs;
-    }
-  }
-  for (std::uint32_t i = 0; i < executive.task_count(); ++i)
-    digest.all = rt::chain_digest(digest.all, i, digest.tasks[i]);
-  return digest;
 }
 
 }  // namespace sortie::firmware

@@ -9,6 +9,7 @@
 #include "firmware_like/log_file.hpp"
 #include "firmware_like/recorded_job.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/stream_use.hpp"
 #include "rt/archive.hpp"
 #include "rt/virtual_runner.hpp"
 
@@ -55,6 +56,8 @@ class LogFeed final : public rt::JobFeed {
   std::uint64_t missing_samples() const { return missing_samples_; }  ///< named by a job, not in the log
   std::uint64_t damaged_samples() const { return damaged_samples_; }  ///< of another type, or damaged
   std::uint64_t refused_samples() const { return refused_samples_; }  ///< the stream could not take them
+  /// What became of the log's samples so far, by input channel of this scene.
+  std::vector<StreamUse> stream_use() const;
   /// Channels of samples that no task of this scene consumes.
   const std::vector<std::string>& unused_channels() const { return unused_channels_; }
 
@@ -63,6 +66,7 @@ class LogFeed final : public rt::JobFeed {
     InputPortBase* port{};
     const std::vector<StoredEvent>* events{};
     std::size_t next{};
+    StreamUse use;
   };
   struct GroupCursor {
     std::vector<PortCursor*> ports;  // in the order of the group's streams

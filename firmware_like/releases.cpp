@@ -5,7 +5,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "drivers/wire_timing.hpp"
 #include "firmware_like/importers/input_error.hpp"
 
 namespace sortie::firmware {
@@ -60,6 +59,13 @@ GroupResult ReleaseCounter::result() const {
   return result;
 }
 
+bool read_timing(const StoredEvent& event, drivers::JobTimingRecord& timing) {
+  if (drivers::decode(event.message, timing) != Status::ok || timing.group < 0 || timing.tick < 0)
+    return false;
+  return std::all_of(timing.duration_ns.begin(), timing.duration_ns.end(),
+                     [](std::int64_t spent) { return spent >= 0 && spent <= 0xffffffff; });
+}
+
 std::vector<GroupResult> releases_of(const LogFile& log) {
   const drivers::LogHeader& header = log.header();
   if (header.utc_minus_monotonic_ns == 0)
@@ -84,12 +90,13 @@ std::vector<GroupResult> releases_of(const LogFile& log) {
   bool some = false;
   for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTiming))) {
     drivers::JobTimingRecord timing;
-    if (drivers::decode(event.message, timing) != Status::ok || timing.group < 0 || timing.tick < 0) continue;
+    if (!read_timing(event, timing)) continue;
     const auto group = static_cast<std::size_t>(timing.group);
     if (group >= counters.size()) continue;
-    rt::Nanoseconds end = timing.started_ns;
-    for (const std::int64_t duration : timing.duration_ns) end += duration;
-    counters[group].job(static_cast<rt::Tick>(timing.tick), timing.started_ns, end, false);
+    std::uint64_t end = static_cast<std::uint64_t>(timing.started_ns);  // of a damaged log it may wrap
+    for (const std::int64_t duration : timing.duration_ns) end += static_cast<std::uint64_t>(duration);
+    counters[group].job(static_cast<rt::Tick>(timing.tick), timing.started_ns,
+                        static_cast<rt::Nanoseconds>(end), false);
     some = true;
   }
   if (!some)

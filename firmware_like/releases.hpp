@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/wire_timing.hpp"
 #include "firmware_like/log_file.hpp"
 #include "firmware_like/results.hpp"
 #include "rt/histogram.hpp"
@@ -43,6 +44,9 @@ class ReleaseCounter {
   std::uint64_t skipped_{};
   rt::Tick next_;
 };
+
+/// One timing event of a log. False where it is damaged or says what no job can say.
+bool read_timing(const StoredEvent& event, drivers::JobTimingRecord& timing);
 
 /// From a log that was recorded live. Throws InputError when it holds no measured times, or those of a run in
 /// simulated time, where nothing is late.

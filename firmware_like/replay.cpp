@@ -2,14 +2,13 @@
 #include "firmware_like/replay.hpp"
 
 #include <chrono>
-#include <mutex>
 
-#include "firmware_like/chain_watch.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/log_clock.hpp"
+#include "firmware_like/replay_observer.hpp"
 #include "firmware_like/replay_part.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/threaded_runner.hpp"
@@ -17,63 +16,6 @@
 namespace sortie::firmware {
 
 namespace {
-
-// Follows the jobs of a replay: poses for the errors, differences for the check.
-class Observer {
- public:
-  Observer(Runtime& runtime, const LogFeed& feed, const ReplayOptions& options, rt::Tick first_tick)
-      : chains(runtime, false), runtime_(runtime), feed_(feed), options_(options), first_tick_(first_tick) {}
-
-  void job(const rt::JobRecord& record) {
-    const std::lock_guard lock(mutex_);  // replays may run one worker a group
-    chains.job(record);
-    if (record.tick < first_tick_) {
-      // On the way from a keyframe to the place that was asked for.
-    } else if (const auto* pose = runtime_.vehicle().pose_task();
-               pose != nullptr && pose->group() == record.group) {
-      keep(to_timed_pose(pose->value()));
-    } else if (const auto* attitude = runtime_.vehicle().attitude_task();
-               pose == nullptr && attitude != nullptr && attitude->group() == record.group) {
-      TimedPose only_turned;
-      only_turned.stamp_ns = attitude->value().stamp_ns;
-      for (int i = 0; i < 4; ++i) only_turned.q[i] = attitude->value().q_world_body[i];
-      only_turned.flags = rt::kTruthOrientation;
-      keep(only_turned);
-    }
-    if (const rt::JobRecord* recorded = feed_.recorded(record.group); recorded != nullptr) {
-      ++compared_jobs;
-      if (auto divergence = compare_jobs(runtime_.executive(), *recorded, record)) {
-        ++diverged_jobs;
-        // The lowest tick, then the order of the table: threads of other groups may come here first.
-        if (!first || divergence->tick < first->tick ||
-            (divergence->tick == first->tick && record.group < first_group_)) {
-          first = std::move(divergence);
-          first_group_ = record.group;
-        }
-      }
-    }
-    if (options_.on_job) options_.on_job(record, runtime_);
-  }
-
-  Trajectory estimate;
-  std::optional<Divergence> first;
-  std::uint64_t diverged_jobs{};
-  std::uint64_t compared_jobs{};
-  ChainWatch chains;
-
- private:
-  void keep(const TimedPose& pose) {
-    if (pose.stamp_ns == 0 || (!estimate.empty() && estimate.back().stamp_ns == pose.stamp_ns)) return;
-    estimate.push_back(pose);
-  }
-
-  Runtime& runtime_;
-  const LogFeed& feed_;
-  const ReplayOptions& options_;
-  rt::Tick first_tick_;
-  std::uint16_t first_group_{};
-  std::mutex mutex_;
-};
 
 // Progress is the only thing that happens between ticks; it goes through a feed so that both runners can show
 // it.
@@ -106,6 +48,19 @@ class ProgressFeed final : public rt::JobFeed {
   const std::function<void(double)>& progress_;
   FlightRecorder* recorder_;
 };
+
+// In simulated time nothing comes late by accident.
+bool is_simulated(const LogFile& log) {
+  return log.header().has_ticks && log.header().utc_minus_monotonic_ns == 0;
+}
+
+// The times in a log are those of one profile, job by job: a what-if has none.
+std::string why_not_live(const LogFile& log, const ReplayOptions& options, bool use_ticks) {
+  if (std::string why = why_no_times(log); !why.empty()) return why;
+  if (!options.scene.empty() || !options.overrides.empty())
+    return "holds the times of its own scene; leave out --scene and --set";
+  return use_ticks ? "" : "holds the jobs of another build; take the version that recorded it";
+}
 
 rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
   const std::size_t at = text.find('@');
@@ -191,9 +146,11 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
       }
     }
   }
-  Observer observer(runtime, feed, options, options.from.empty() ? 0 : part.asked);
+  const bool whole = options.from.empty() && options.to.empty();
+  ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
+                          RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
   struct Sinks {
-    Observer* observer;
+    ReplayObserver* observer;
     FlightRecorder* recorder;
   } sinks{&observer, recorder.get()};
   executive.set_sink({&sinks, [](void* self, const rt::JobRecord& record) {
@@ -243,7 +200,18 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   results.counters["samples_damaged"] = feed.damaged_samples();
   results.counters["samples_refused"] = feed.refused_samples();
   if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
+  observer.times.add_to(results);
   observer.chains.add_to(results);
+  std::vector<std::string> unused = unused_streams(runtime, feed.stream_use(), whole && !use_ticks);
+  const std::vector<std::string> homeless =
+      channels_without_stream(results.scene, feed.stream_use(), feed.unused_channels(), !header.has_ticks);
+  unused.insert(unused.end(), homeless.begin(), homeless.end());
+  results.warnings.insert(results.warnings.begin(), unused.begin(), unused.end());
+  if (!options.accept_unused) outcome.failures = std::move(unused);
+  if (is_simulated(log)) {
+    const std::vector<std::string> exceeded = exceeded_bounds(results);
+    outcome.failures.insert(outcome.failures.end(), exceeded.begin(), exceeded.end());
+  }
   const std::vector<std::string> problems = log.problems();
   results.doctor = recorded_doctor(log);
   results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
@@ -253,6 +221,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
         options.truth + ": of another machine or start of it; laid beside the run by their dates (UTC)");
   if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
   for (const std::string& name : feed.unused_channels()) {
+    if (!homeless.empty()) break;  // told already
     results.warnings.push_back("channel " + name + " is not used by scene " + results.scene);
   }
   if (feed.jobs_left_out() != 0) {

@@ -29,6 +29,7 @@ struct ReplayOptions {
   std::string record;  ///< write a log of this replay (outputs of a what-if), or empty
   /// Refuse with InputError (exit code 2), before anything is run, what could not be compared.
   bool must_compare{};
+  bool accept_unused{};  ///< a stream of which nothing is used is a warning only
   /// Begin there: seconds since the start or "@tick"; empty: at the start. The state comes from the nearest
   /// keyframe before it; without a file of keyframes the log is run from its start, silently until there.
   std::string from;
@@ -51,7 +52,9 @@ struct ReplayOutcome {
   std::vector<ContactSummary> contacts;  ///< truth of contacts and flippers, if a simulation wrote it
   bool comparable{};
   std::string why_not_comparable;
-  std::string damage;  ///< empty, or where the log is cut off or damaged
+  std::string damage;                 ///< empty, or where the log is cut off or damaged
+  std::vector<std::string> failures;  ///< why the command ends with 1: streams of which nothing was used,
+                                      ///< and, of a simulated run, declared bounds that were exceeded
   LogDigest recorded;
   std::optional<Divergence> divergence;  ///< the first one, in order of ticks and groups
   std::uint64_t diverged_jobs{};

@@ -48,9 +48,11 @@ Json to_json(const GroupResult& group) {
   object["late_p999_us"] = json_number(group.late_p999_us);
   object["late_max_us"] = json_number(group.late_max_us);
   object["response_max_us"] = json_number(group.response_max_us);
-  object["spinning"] = json_number(group.spinning);
-  object["margin_us"] = json_number(group.margin_us);
-  object["stack_bytes"] = group.stack_bytes;
+  if (group.wake_known) {
+    object["spinning"] = json_number(group.spinning);
+    object["margin_us"] = json_number(group.margin_us);
+    object["stack_bytes"] = group.stack_bytes;
+  }
   if (group.delays.known) object["delays"] = to_json(group.delays);
   object["lateness"] = to_json(group.lateness);
   object["response"] = to_json(group.response);
@@ -102,6 +104,7 @@ GroupResult group_from(const Json& object, const std::string& place) {
   in.read("late_p999_us", group.late_p999_us);
   in.read("late_max_us", group.late_max_us);
   in.read("response_max_us", group.response_max_us);
+  group.wake_known = in.find("spinning") != nullptr;
   in.read("spinning", group.spinning);
   in.read("margin_us", group.margin_us);
   in.read("stack_bytes", group.stack_bytes);
@@ -161,6 +164,7 @@ Json to_json(const Results& results) {
               {"profile_hash", results.profile_hash},
               {"left_out", results.left_out},
               {"warnings", results.warnings}};
+  object["live"] = to_json(results.live);
   if (results.doctor.present) object["doctor"] = to_json(results.doctor);
   return object;
 }
@@ -208,6 +212,7 @@ Results results_from_json(const Json& object) {
   in.read("profile_hash", results.profile_hash);
   in.read("left_out", results.left_out);
   in.read("warnings", results.warnings);
+  if (const Json* live = in.find("live")) results.live = live_from_json(*live);
   if (const Json* doctor = in.find("doctor")) results.doctor = doctor_from_json(*doctor);
   return results;
 }

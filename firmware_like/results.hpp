@@ -11,6 +11,7 @@
 
 #include "firmware_like/doctor/finding.hpp"
 #include "firmware_like/results_delays.hpp"
+#include "firmware_like/results_live.hpp"
 #include "firmware_like/results_schedule.hpp"
 
 namespace sortie::firmware {
@@ -24,7 +25,8 @@ struct HistogramBar {
   std::uint64_t count{};
 };
 
-/// Timing of one task over a run. Times are of the job's own execution, in microseconds.
+/// Timing of one task over a run. Times are of the job's own execution, in microseconds, on the machine that
+/// ran this command: in a replay not the robot's, which stand in Results::live.
 struct TaskResult {
   std::string name;
   std::string group;
@@ -40,8 +42,8 @@ struct TaskResult {
   std::vector<HistogramBar> histogram;  ///< optional, ascending, without gaps in meaning
 };
 
-/// Releases of one group over a run. Lateness and response are measured in live runs only, and count releases
-/// that were left out as late.
+/// Releases of one group over a run. Lateness, response and all below them are those of the live run, from
+/// itself or from its log (see LiveTimes); lateness and response count releases that were left out as late.
 struct GroupResult {
   std::string name;
   double period_us{};
@@ -58,11 +60,12 @@ struct GroupResult {
   double late_p999_us{};
   double late_max_us{};
   double response_max_us{};            ///< end of the job after its release
+  bool wake_known{};                   ///< the next three were measured
   double spinning{};                   ///< share of a core spent spinning before releases
   double margin_us{};                  ///< the spin margin at the end
   std::uint64_t stack_bytes{};         ///< most stack that the worker had in use
   GroupDelays delays;                  ///< why jobs were late
-  std::vector<HistogramBar> lateness;  ///< empty unless live
+  std::vector<HistogramBar> lateness;  ///< empty: lateness and response are not known
   std::vector<HistogramBar> response;
 };
 
@@ -90,6 +93,7 @@ struct Results {
   std::map<std::string, std::uint64_t> counters;
   double duration_s{};  ///< span of the log or run
   double speed{};       ///< span divided by wall time; 0 = not measured
+  LiveTimes live;       ///< what was measured where the robot drove
   std::string machine;
   std::string compiler;
   std::string profile_hash;           ///< of the profile with its overrides, hex

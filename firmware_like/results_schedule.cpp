@@ -68,6 +68,10 @@ Json to_json(const ChainResult& chain) {
               {"max_reaction_us", json_number(chain.max_reaction_us)},
               {"max_age_us", json_number(chain.max_age_us)},
               {"source_interval_us", json_number(chain.source_interval_us)}};
+  object["reactions_over"] = chain.reactions_over;
+  object["ages_over"] = chain.ages_over;
+  object["reaction_over_max_us"] = json_number(chain.reaction_over_max_us);
+  object["age_over_max_us"] = json_number(chain.age_over_max_us);
   if (chain.reaction.count + chain.age.count + chain.unmeasured == 0) return object;
   object["measured_reaction"] = to_json(chain.reaction);
   object["measured_age"] = to_json(chain.age);
@@ -130,6 +134,10 @@ ChainResult chain_from_json(const Json& object) {
   read(in, "measured_age", chain.age);
   read(in, "measured_finished", chain.finished);
   in.read("unmeasured", chain.unmeasured);
+  in.read("reactions_over", chain.reactions_over);
+  in.read("ages_over", chain.ages_over);
+  in.read("reaction_over_max_us", chain.reaction_over_max_us);
+  in.read("age_over_max_us", chain.age_over_max_us);
   return chain;
 }
 

@@ -69,6 +69,10 @@ struct ChainResult {
   ChainFigures age;
   ChainFigures finished;  ///< live: sample to the end of the last task; counts nothing otherwise
   std::uint64_t unmeasured{};
+  std::uint64_t reactions_over{};  ///< samples above max_reaction_us
+  std::uint64_t ages_over{};       ///< outputs above max_age_us
+  double reaction_over_max_us{};   ///< the longest of those; 0: none
+  double age_over_max_us{};
 };
 
 Json to_json(const ScheduleResult& schedule);

@@ -114,13 +114,27 @@ void print_causes(std::ostream& out, const Results& results) {
   }
 }
 
+// The table of tasks is of the machine that runs this command; where that replays, these are the robot's.
+void print_live(std::ostream& out, const Results& results) {
+  bool same = true;
+  for (std::size_t i = 0; i < results.live.tasks.size() && i < results.tasks.size(); ++i)
+    same = same && results.live.tasks[i].max_us == results.tasks[i].max_us;
+  if (!results.live.known || same) return;
+  Wrapped line(out, "on robot");
+  for (const LiveTask& task : results.live.tasks) {
+    line.add(task.name + " [us] p50 " + format_short(task.p50_us) + "  p99 " + format_short(task.p99_us) +
+             "  max " + format_short(task.max_us));
+  }
+  line.end();
+}
+
 void print_releases(std::ostream& out, const Results& results, const Paint& paint) {
   for (const GroupResult& group : results.groups) {
     if (group.lateness.empty()) continue;
     Wrapped line(out, "release");
     line.add(group.name + " late [us] p50 " + format_short(group.late_p50_us) + "  p99 " +
              format_short(group.late_p99_us) + "  max " + format_short(group.late_max_us));
-    line.add("spinning " + format_fixed(100 * group.spinning, 1) + " %");
+    if (group.wake_known) line.add("spinning " + format_fixed(100 * group.spinning, 1) + " %");
     if (group.skipped > 0) {
       const std::string text = "left out " + group_digits(group.skipped);
       line.add(paint.red(text), text.size());
@@ -166,6 +180,7 @@ void print_table(std::ostream& out, const Results& results, bool colour) {
     line.end();
   }
   if (!results.tasks.empty()) print_tasks(out, results, paint);
+  print_live(out, results);
   print_releases(out, results, paint);
   print_causes(out, results);
   print_chains(out, results.chains);

@@ -152,6 +152,14 @@ class VehicleBuilder {
     counters_.emplace_back(name, std::move(value));
   }
 
+  /// How many samples of `channel` a task has made use of: a run in which samples came and this stayed 0 has
+  /// the wrong scene or a wrong sensor, and ends with 1 (stream_use.hpp). Of several for one channel any will
+  /// do; without one it is enough that jobs took them. Every vehicle says it of every sensor. Called when no
+  /// job runs.
+  void uses(const std::string& channel, std::function<std::uint64_t()> used) {
+    uses_.emplace_back(channel, std::move(used));
+  }
+
   /// Declares a chain of this vehicle: shown and measured in every run, and bounded where [chains.NAME] says
   /// so. All of its tasks must exist in the scene.
   void chain(const ChainSpec& spec) { chains_.push_back(spec); }
@@ -179,6 +187,7 @@ class VehicleBuilder {
   const std::vector<std::string>& auto_units() const { return auto_units_; }
   const Pools& pools() const { return pools_; }
   const Counters& counters() const { return counters_; }
+  const Counters& uses() const { return uses_; }
 
  private:
   const char* keep(const std::string& name);
@@ -207,6 +216,7 @@ class VehicleBuilder {
   std::vector<std::pair<const rt::TaskBase*, std::function<void(rt::Archive&)>>> memories_;
   Pools pools_;
   Counters counters_;
+  Counters uses_;
   ParameterSet parameters_;
 };
 

@@ -38,6 +38,8 @@ class StreamBase {
   /// Most samples that ever waited at a release.
   std::uint32_t high_water() const { return high_water_.load(std::memory_order_relaxed); }
   virtual std::uint32_t capacity() const = 0;
+  /// Number of the next sample that is admitted. When no job runs and nobody pushes.
+  std::uint64_t next_admitted() const { return next_ + waiting(); }
 
   /// Says when silence makes the stream stale. Set-up only.
   void set_stale_rule(StaleRule rule) { stale_rule_ = rule; }

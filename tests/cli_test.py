@@ -133,6 +133,32 @@ check(result.stdout.splitlines() == ["FAILED  gate.toml:4: digest = " + first.ge
                                      f"FAILED  gate.toml:2: ticks = {first.get('ticks')}, at most 1"], "a gate names what is broken", result)
 pathlib.Path("gate.toml").write_text("[max]\nall.mised = 0\n")
 expect(2, "check", "hall.lcm", "--gate", "gate.toml", says=["gate.toml:2: ", "all.mised"], only_line=True)
+# The robot's times are known in a live run and in its log; in simulated time they are refused with the cure, and so is a gate that cannot fail.
+pathlib.Path("late.toml").write_text("[max]\ngroups.control.late_max_us = -1\nall.response_max_us = -1\n")
+pathlib.Path("kept.toml").write_text("[max]\ngroups.control.late_max_us = 1e9\nall.response_max_us = 1e9\nall.max_us = 1e9\n")
+live = ["run", "--scene", "ugv_hall", "--seconds", "0.5", "--lcm-url", "none", "--quiet", "--no-rt"]
+expect(0, *live, "--record", "gated.lcm", "--gate", "kept.toml")
+gated = expect(1, *live, "--gate", "late.toml", "--json")
+check(parsed(gated).get("passed") is False and len(parsed(gated)["failures"]) == 2, "run --gate names what is broken", gated)
+expect(0, "check", "gated.lcm", "--gate", "kept.toml")
+result = expect(1, "check", "gated.lcm", "--gate", "late.toml")
+check("late.toml:2: groups.control.late_max_us" in result.stdout and "late.toml:3: all.response_max_us" in result.stdout, "check judges the robot's times", result)
+told = parsed(expect(0, "check", "gated.lcm", "--json"))
+expect(0, "report", "gated.lcm", "--out", "gated")
+paged = json.loads(pathlib.Path("gated/results.json").read_text())
+check(told["live"]["known"] and paged["live"] == told["live"] and paged["groups"] == told["groups"], "check and report tell the same of the robot")
+check("Run times on the robot" in pathlib.Path("gated/report.html").read_text(), "the page tells the robot's run times")
+expect(2, "check", "hall.lcm", "--gate", "kept.toml", says=["kept.toml:", "simulated time", "record a live run"], only_line=True)
+pathlib.Path("empty.toml").write_text("[max]\n")
+expect(2, *live, "--gate", "empty.toml", says=["empty.toml", "could not fail"], only_line=True)
+# A bound that cannot be computed, one that is exceeded, a scene that refuses every scan of a log.
+mine = ["--set", 'chains.mine.path=["IMU", "attitude"]', "chains.mine.max_age_ms=4"]
+virtual = ["run", "--scene", "ugv_hall", "--virtual", "--seconds", "1", "--lcm-url", "none", "--quiet"]
+expect(2, *virtual, *mine, says=["chains.mine.max_age_ms", "source_interval_ms is missing"], only_line=True)
+result = expect(1, *virtual, *mine, "chains.mine.source_interval_ms=1")
+check("FAILED  chain mine: data age up to" in result.stdout, "an exceeded bound is told", result)
+result = expect(1, "replay", "hall.lcm", "--set", "limits.scan_points=16")
+check("FAILED  channel SCAN: " in result.stdout, "a replay that used no scan says so", result)
 wrong = expect(1, "check", "hall.lcm", "--fault", "odometry.8@1200", "--json")
 where = parsed(wrong).get("divergence", {})
 check((where.get("tick"), where.get("task"), where.get("field")) == (1200, "odometry", "p_world_body_m[0]"),
@@ -490,6 +516,17 @@ if husky.is_dir():
     expect(2, "check", "husky.lcm", says=["husky.lcm", "--gate"], only_line=True)
 else:
     print(f"left out: bad rows of real data, no {husky}")
+
+walk = DATA / "lidar_os64" / "os64_thin4_000_109.rls"
+if walk.exists():
+    expect(0, "import", "rls", walk, "-o", "walk.lcm")
+    refused = expect(1, "replay", "walk.lcm", "--scene", "ugv_hall")
+    check("110 of 110 samples were refused by scene ugv_hall" in refused.stdout, "the wrong scene for a walk is told", refused)
+    expect(1, "replay", "walk.lcm", "--scene", "imu_bench")
+    expect(0, "replay", "walk.lcm", "--scene", "imu_bench", "--accept-unused")
+    expect(0, "replay", "walk.lcm", "--scene", "building_walk")
+else:
+    print(f"left out: the wrong scene for a walk, no {walk}")
 
 shutil.rmtree(work, ignore_errors=True)
 print(f"{checks - len(failures)} of {checks} checks passed")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/gate.hpp"
@@ -18,11 +20,13 @@ struct CheckOptions {
   std::string log;
   std::string fault;
   std::string gate;
+  std::string scene;
   std::string align{"none"};
   bool threaded{};
   std::string truth;
   SpanOptions span;
   bool accept_damage{};
+  bool accept_unused{};
   OutputOptions output;
 };
 
@@ -35,7 +39,14 @@ std::string extent(const ReplayOutcome& outcome, bool has_ticks, bool is_part) {
          (is_part ? " (" + std::to_string(outcome.begin_tick) + " to " + std::to_string(last) + ")" : "");
 }
 
+bool is_among(const std::string& line, const std::vector<std::string>& lines) {
+  return std::find(lines.begin(), lines.end(), line) != lines.end();
+}
+
 int run(const CommandContext& context, const CheckOptions& options) {
+  // First: a gate that cannot be used is told before the replay, not after it.
+  std::optional<Gate> gate;
+  if (!options.gate.empty()) gate.emplace(options.gate);
   const LogFile log(options.log);
   if (!log.header().has_ticks && options.gate.empty()) {
     throw InputError(options.log +
@@ -44,7 +55,9 @@ int run(const CommandContext& context, const CheckOptions& options) {
                      2);
   }
   ReplayOptions replay_options;
+  replay_options.scene = options.scene;
   replay_options.threaded = options.threaded;
+  replay_options.accept_unused = options.accept_unused;
   replay_options.must_compare = log.header().has_ticks;
   replay_options.fault = options.fault;
   replay_options.from = options.span.from;
@@ -55,7 +68,7 @@ int run(const CommandContext& context, const CheckOptions& options) {
   replay_options.progress = progress_bar(options.output, "check");
   const ReplayOutcome outcome = replay(log, context.parts.vehicles, replay_options);
 
-  std::vector<std::string> failures;
+  std::vector<std::string> failures = outcome.failures;
   if (outcome.divergence) failures.push_back(describe(*outcome.divergence));
   const std::string recorded = hex(outcome.recorded.all);
   if (log.header().has_ticks && !outcome.divergence && recorded != outcome.results.digest) {
@@ -67,8 +80,8 @@ int run(const CommandContext& context, const CheckOptions& options) {
                          ": the log does not hold all that its jobs consumed");
     }
   }
-  if (!options.gate.empty()) {
-    for (std::string& line : check_gate(options.gate, outcome.results)) failures.push_back(std::move(line));
+  if (gate) {
+    for (std::string& line : gate->judge(outcome.results)) failures.push_back(std::move(line));
   }
 
   if (options.output.json) {
@@ -86,7 +99,8 @@ int run(const CommandContext& context, const CheckOptions& options) {
     std::cout << object.dump(2) << "\n";
   } else {
     for (const std::string& warning : outcome.results.warnings) {
-      if (warning != outcome.damage) std::cerr << "warning: " << warning << "\n";
+      if (warning != outcome.damage && !is_among(warning, failures))
+        std::cerr << "warning: " << warning << "\n";
     }
     for (const std::string& failure : failures) std::cout << "FAILED  " << failure << "\n";
     if (failures.empty()) {
@@ -108,17 +122,19 @@ void add_check(Command& app, CommandContext& context) {
       "Examples:\n"
       "  sortie check hall.lcm\n"
       "  sortie check hall.lcm --gate release.toml\n"
+      "  sortie check husky.lcm --scene skid_outdoor --gate errors.toml   # imported: the gate alone\n"
       "  sortie check hall.lcm --from 60 --to 70       # after `sortie index hall.lcm`: in a moment\n"
       "  sortie check hall.lcm --fault odometry@1200   # shows that the check can fail");
   command->add_option("log", options->log, "LCM log with ticks")->required();
-  command->add_option("--gate", options->gate, "Bounds on errors, counters, pools and times: a TOML file")
-      ->type_name("FILE");
+  add_gate_option(*command, options->gate);
+  command->add_option("--scene", options->scene, "The scene of an imported log, which names none");
   command->add_option("--fault", options->fault,
                       "Flip a bit of a task's output: task@tick or task.byte@tick");
   command->add_flag("--threads", options->threaded, "One worker a group");
   add_truth_option(*command, options->truth);
   add_span_options(*command, options->span);
   add_alignment_option(*command, options->align);
+  add_unused_option(*command, options->accept_unused);
   add_damage_option(*command, options->accept_damage);
   command->add_flag("--json", options->output.json, "Print one JSON object");
   command->add_flag("--quiet", options->output.quiet, "No progress bar");

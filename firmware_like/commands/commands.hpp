@@ -52,8 +52,14 @@ void add_span_options(Command& command, SpanOptions& options);
 /// A progress bar on stderr, if that is a terminal; otherwise null.
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
 
-/// Prints the result (table or JSON), writes the folder, tells where the report is.
-void show_results(const OutputOptions& options, const ReportInput& report);
+/// Prints the result (table or JSON), writes the folder, tells where the report is. `judged`: what made the
+/// command fail, where something judged it; JSON then has `passed` and `failures`.
+void show_results(const OutputOptions& options, const ReportInput& report,
+                  const std::vector<std::string>* judged = nullptr);
+/// Prints a line for each reason why the command ends with 1; beside JSON on stderr.
+void show_failures(const OutputOptions& options, const std::vector<std::string>& failures);
+/// Adds --gate.
+void add_gate_option(Command& command, std::string& gate);
 
 /// Adds a picture of the map, if there is one, with the path that was estimated, before any alignment.
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path);
@@ -70,6 +76,8 @@ int finish_with_log(const CommandContext& context, const LogFile& log, bool acce
 /// The same for a replay's ReplayOutcome::damage.
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code);
+/// Adds --accept-unused.
+void add_unused_option(Command& command, bool& accept_unused);
 /// Adds --accept-damage.
 void add_damage_option(Command& command, bool& accept_damage);
 

@@ -7,9 +7,25 @@
 #include "firmware_like/program.hpp"
 #include "firmware_like/report/map_plot.hpp"
 #include "firmware_like/report/timeline_plot.hpp"
+#include "firmware_like/text_format.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
+
+namespace {
+
+// Of every task, so that they are not taken for those of the replay, which the table of tasks shows.
+std::vector<FigureRow> live_rows(const Results& results) {
+  std::vector<FigureRow> rows;
+  for (const LiveTask& task : results.live.tasks) {
+    rows.push_back({task.name + ", p50", format_short(task.p50_us), "us"});
+    rows.push_back({task.name + ", p99", format_short(task.p99_us), "us"});
+    rows.push_back({task.name + ", max", format_short(task.max_us), "us"});
+  }
+  return rows;
+}
+
+}  // namespace
 
 void add_replay_report_options(Command& command, ReplayReportOptions& options) {
   command.add_option("--scene", options.replay.scene,
@@ -25,6 +41,7 @@ void add_replay_report_options(Command& command, ReplayReportOptions& options) {
                   "those of the rest, in place of --align")
       ->in_range(0.0, 1e6)
       ->type_name("SECONDS");
+  add_unused_option(command, options.replay.accept_unused);
   add_damage_option(command, options.accept_damage);
 }
 
@@ -52,6 +69,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   report.source = path;
   report.alignment = options.align;
   report.timeline = plot_timeline(timeline);
+  report.tables.push_back({"Run times on the robot", live_rows(report.results)});
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
@@ -63,14 +81,17 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   report.errors = std::move(outcome.evaluation.series);
   replayed.ground = plot_map(map_points(outcome.runtime->vehicle()), {});
   replayed.damage = outcome.damage;
+  replayed.failures = outcome.failures;
   return replayed;
 }
 
 int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
                     const OutputOptions& output) {
   const ReplayedLog replayed = replay_for_report(context, options, output, options.log);
-  show_results(output, replayed.report);
-  return finish_with_damage(context, replayed.damage, options.accept_damage, 0);
+  show_results(output, replayed.report, replayed.failures.empty() ? nullptr : &replayed.failures);
+  show_failures(output, replayed.failures);
+  return finish_with_damage(context, replayed.damage, options.accept_damage,
+                            replayed.failures.empty() ? 0 : 1);
 }
 
 void add_replay(Command& app, CommandContext& context) {

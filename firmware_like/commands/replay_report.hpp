@@ -27,6 +27,7 @@ struct ReplayedLog {
   ReportInput report;
   Plot ground;  ///< the map from above, without the path's frame; without series where there is none
   std::string damage;
+  std::vector<std::string> failures;  ///< ReplayOutcome::failures
 };
 
 /// Replays `log`. Throws InputError, ProfileError.

@@ -58,10 +58,12 @@ int write_page(const CommandContext& context, PageOptions& options) {
   std::vector<ReportInput> reports;
   Plot ground;
   std::string damage;
+  std::vector<std::string> failures;
   for (const std::string& log : options.logs) {
     ReplayedLog replayed = replay_for_report(context, options.replay, options.output, log);
     if (ground.series.empty()) ground = std::move(replayed.ground);
     if (damage.empty()) damage = replayed.damage;
+    for (const std::string& failure : replayed.failures) failures.push_back(log + ": " + failure);
     reports.push_back(std::move(replayed.report));
   }
   const std::vector<std::vector<Sweep>> sweeps =
@@ -78,7 +80,8 @@ int write_page(const CommandContext& context, PageOptions& options) {
   for (const auto& of_log : sweeps) {
     for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, wants_colour(STDOUT_FILENO));
   }
-  return finish_with_damage(context, damage, options.replay.accept_damage, 0);
+  show_failures(options.output, failures);
+  return finish_with_damage(context, damage, options.replay.accept_damage, failures.empty() ? 0 : 1);
 }
 
 }  // namespace

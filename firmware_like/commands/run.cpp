@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "drivers/lcm_url.hpp"
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/commands/gate.hpp"
 #include "firmware_like/evaluation/alignment.hpp"
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/program.hpp"
@@ -19,9 +21,13 @@ struct RunOptions {
   LiveRunOptions live;
   OutputOptions output;
   std::string align{"none"};
+  std::string gate;
 };
 
 int run(const CommandContext& context, RunOptions& options) {
+  // First: a gate that cannot be used is told before anything moves.
+  std::optional<Gate> gate;
+  if (!options.gate.empty()) gate.emplace(options.gate);
   options.live.evaluation.align = parse_alignment(options.align);
   options.live.progress = progress_bar(options.output, "run");
   const StopSignals stop;  // up to the last word of the report
@@ -38,11 +44,24 @@ int run(const CommandContext& context, RunOptions& options) {
   report.errors = outcome.evaluation.series;
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
-  show_results(options.output, report);
+  // What the gate asks for and the run did not measure is told after its results, which are there.
+  std::vector<std::string> failures = outcome.failures;
+  std::optional<ProfileError> unanswered;
+  try {
+    if (gate) {
+      for (std::string& line : gate->judge(outcome.results)) failures.push_back(std::move(line));
+    }
+  } catch (const ProfileError& error) {
+    unanswered = error;
+  }
+  show_results(options.output, report, (gate && !unanswered) || !failures.empty() ? &failures : nullptr);
   if (!outcome.flight_ring.empty()) std::cerr << "flight ring: " << outcome.flight_ring << "\n";
   if (!outcome.log.empty()) std::cerr << "log: " << outcome.log << "\n";
   if (!outcome.former_log.empty()) std::cerr << "the former log: " << outcome.former_log << "\n";
-  return outcome.stopped.empty() ? 0 : 1;
+  if (unanswered) throw ProfileError(*unanswered);
+  show_failures(options.output, failures);
+  if (gate && failures.empty() && !options.output.json) std::cout << "passed  the gate\n";
+  return outcome.stopped.empty() && failures.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -55,6 +74,7 @@ void add_run(Command& app, CommandContext& context) {
       "Examples:\n"
       "  sortie run --scene ugv_hall --seconds 20 --record hall.lcm\n"
       "  sortie run --scene ugv_hall --virtual --out out/hall\n"
+      "  sortie run --scene ugv_hall --record hall.lcm --gate latency.toml   # exit 1: a bound is broken\n"
       "  sortie run --scene ugv_hall --plant own --record hall.lcm   # beside: sortie plant --scene "
       "ugv_hall\n"
       "  sortie run --scene ugv_hall --can can0 --require-rt");
@@ -91,6 +111,7 @@ void add_run(Command& app, CommandContext& context) {
       ->add_option("--flight-ticks", options->live.flight_ring.ticks, "How many ticks the flight ring keeps")
       ->in_range(16, 10'000'000)
       ->capture_default_str();
+  add_gate_option(*command, options->gate);
   add_alignment_option(*command, options->align);
   add_output_options(*command, options->output);
   command->callback(

@@ -44,6 +44,16 @@ void add_truth_option(Command& command, std::string& truth) {
       ->type_name("LOG");
 }
 
+void add_gate_option(Command& command, std::string& gate) {
+  command.add_option("--gate", gate, "Bounds on errors, counters, pools and the robot's times: a TOML file")
+      ->type_name("FILE");
+}
+
+void add_unused_option(Command& command, bool& accept_unused) {
+  command.add_flag("--accept-unused", accept_unused,
+                   "A channel of the log of which nothing is used is meant: do not exit with 1");
+}
+
 void add_damage_option(Command& command, bool& accept_damage) {
   command.add_flag("--accept-damage", accept_damage,
                    "The good part of a damaged log is enough: do not exit with 3");
@@ -105,9 +115,20 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
   };
 }
 
-void show_results(const OutputOptions& options, const ReportInput& report) {
+void show_failures(const OutputOptions& options, const std::vector<std::string>& failures) {
+  for (const std::string& failure : failures)
+    (options.json ? std::cerr : std::cout) << "FAILED  " << failure << "\n";
+}
+
+void show_results(const OutputOptions& options, const ReportInput& report,
+                  const std::vector<std::string>* judged) {
   if (options.json) {
-    std::cout << to_json(report.results).dump(2) << "\n";
+    Json object = to_json(report.results);
+    if (judged != nullptr) {
+      object["passed"] = judged->empty();
+      object["failures"] = *judged;
+    }
+    std::cout << object.dump(2) << "\n";
   } else {
     print_table(std::cout, report.results, wants_colour(STDOUT_FILENO));
   }

@@ -76,6 +76,8 @@ void Uav::add_state(VehicleBuilder& builder, rt::GroupId group) {
       estimator->counters(), [&](const char* name, const std::uint64_t& count) {
         builder.counter(std::string("state_") + name, [&count] { return count; });
       });
+  builder.uses("IMU", [estimator] { return estimator->counters().imu_used; });
+  builder.uses("FIX", [estimator] { return estimator->counters().fixes_used; });
 }
 
 void Uav::put_pose(rt::PoseEstimate& pose) {

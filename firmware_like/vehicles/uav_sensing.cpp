@@ -58,6 +58,7 @@ void UavSensing::add_tasks(VehicleBuilder& builder, rt::GroupId group, rt::Input
   builder.counter("occupancy_scans", [this] { return scans_entered_; });
   builder.counter("occupancy_points_unplaced", [this] { return points_unplaced_; });
   builder.counter("occupancy_rays", [map] { return map->output().rays; });
+  builder.uses("SCAN", [map] { return map->output().used; });
   builder.counter("occupancy_used", [map] { return map->output().used; });
   builder.counter("occupancy_outside", [map] { return map->output().outside; });
   builder.counter("occupancy_too_near", [map] { return map->output().too_near; });

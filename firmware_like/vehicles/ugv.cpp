@@ -90,6 +90,7 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   builder.remembers(attitude_task_, *attitude_);
   const ChosenAttitude* attitude = attitude_.get();
   builder.counter("imu_used", [attitude] { return attitude->counters().used; });
+  builder.uses("IMU", [attitude] { return attitude->counters().used; });
   builder.counter("imu_not_finite", [attitude] { return attitude->counters().not_finite; });
   builder.counter("imu_out_of_range", [attitude] { return attitude->counters().out_of_range; });
   builder.counter("imu_time_backwards", [attitude] { return attitude->counters().time_backwards; });

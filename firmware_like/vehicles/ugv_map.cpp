@@ -170,6 +170,7 @@ void UgvMap::add_counters(VehicleBuilder& builder, const ChosenMapConfig& config
     builder.counter(std::string("points_") + name, [&value] { return value; });
   });
   builder.counter("scans", [&output] { return output.scans; });
+  builder.uses("SCAN", [&output] { return output.scans - output.scans_unplaced; });
   builder.counter("scans_unplaced", [&output] { return output.scans_unplaced; });
   builder.counter("map_voxels", [&output] { return std::uint64_t{output.voxels}; });
   if (map_->labelling() == nullptr) return;

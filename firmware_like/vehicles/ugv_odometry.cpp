@@ -53,6 +53,7 @@ void Ugv::run_odometry() {
 void Ugv::add_odometry_counters(VehicleBuilder& builder) {
   const estimators::TrackOdometry* odometry = odometry_.get();
   builder.counter("track_used", [odometry] { return odometry->counters().used; });
+  builder.uses("TRACK", [odometry] { return odometry->counters().used; });
   builder.counter("track_not_finite", [odometry] { return odometry->counters().not_finite; });
   builder.counter("track_time_backwards", [odometry] { return odometry->counters().time_backwards; });
   builder.counter("track_jumps", [odometry] { return odometry->counters().jumps; });

@@ -79,6 +79,7 @@ void UgvSsl::add_occupancy(VehicleBuilder& builder, rt::GroupId group) {
   builder.remembers(task, *map_, *history_, newest_, scans_unplaced_);
   const mapping::OccupancyMap* map = map_.get();
   builder.counter("occupancy_rays", [map] { return map->output().rays; });
+  builder.uses("SCAN", [map] { return map->output().used; });
   builder.counter("occupancy_used", [map] { return map->output().used; });
   builder.counter("occupancy_outside", [map] { return map->output().outside; });
   builder.counter("occupancy_not_finite", [map] { return map->output().not_finite; });

@@ -30,6 +30,12 @@ void check_same_end(const ReplayOutcome& full, const ReplayOutcome& part) {
     INFO(name);
     CHECK(part.results.counters.at(name) == value);
   }
+  CHECK(part.failures.empty());
+  for (const ChainResult& chain : part.results.chains) {  // measured from where it began, by the same numbers
+    INFO(chain.name);
+    CHECK(chain.reaction.max_us <= chain.reaction_us);
+    CHECK(chain.age.max_us <= chain.age_us);
+  }
   REQUIRE(part.results.pools.size() == full.results.pools.size());
   for (std::size_t i = 0; i < full.results.pools.size(); ++i) {
     INFO(full.results.pools[i].name);

@@ -48,6 +48,7 @@ Results example() {
   imu.worst_in_row = 4;
   imu.late_p99_us = 1.25;
   imu.late_max_us = 7801;
+  imu.wake_known = true;
   imu.spinning = 0.016;
   imu.margin_us = 23.5;
   imu.stack_bytes = 9216;

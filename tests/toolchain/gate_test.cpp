@@ -24,14 +24,20 @@ firmware::Results gated_results() {
   results.counters["imu_used"] = 900;
   results.tasks.resize(2);
   results.tasks[0].name = "odometry";
-  results.tasks[0].max_us = 40;
+  results.tasks[0].max_us = 1;  // of the machine that replays
   results.tasks[1].name = "map";
-  results.tasks[1].max_us = 3000;
+  results.tasks[1].max_us = 2;
+  results.tasks[0].count = 5000;
+  results.tasks[1].count = 50;
+  results.live.known = true;
+  results.live.tasks = {{"odometry", 5000, 0, 0, 0, 40}, {"map", 50, 0, 0, 0, 3000}};
   results.groups.resize(2);
   results.groups[0].name = "control";
   results.groups[1].name = "mapping";
   results.groups[1].missed = 2;
   results.groups[1].response_max_us = 5200;
+  results.groups[1].jobs = 50;
+  results.groups[1].lateness = {{0, 100, 50}};
   results.pools.resize(1);
   results.pools[0].name = "voxels";
   results.pools[0].refused = 3;
@@ -60,7 +66,6 @@ TEST_CASE("A gate whose bounds are all kept says nothing") {
              "[min]\ncounters.imu_used = 900\nticks = 5000\n"
              "[equal]\ndigest = \"00000000000000ab\"\nscene = \"ugv_hall\"\nvehicle = \"ugv\"\n")
             .empty());
-  CHECK(gate("").empty());
 }
 
 TEST_CASE("A broken bound is one line: place, name, figure, limit") {
@@ -82,15 +87,23 @@ TEST_CASE("A figure that is no number breaks every bound") {
   CHECK(gate("[max]\nerrors.heading_rmse_deg = 1e300").size() == 1);
   CHECK(gate("[min]\nerrors.heading_rmse_deg = -1e300").size() == 1);
   firmware::Results results = gated_results();
-  results.tasks[0].max_us = std::nan("");  // and the task after it has a number
+  results.live.tasks[0].max_us = std::nan("");  // and the task after it has a number
   const testing::TempFolder folder;
   CHECK(firmware::check_gate(folder.write("gate.toml", "[max]\nall.max_us = 1e300"), results).size() == 1);
 }
 
+TEST_CASE("What no job was measured for is refused, not kept") {
+  for (const char* name : {"groups.control.response_max_us", "groups.control.late_max_us"}) {
+    CAPTURE(name);
+    CHECK_THROWS_AS(gate("[max]\n" + std::string(name) + " = 1e300"), firmware::ProfileError);
+  }
+}
+
 TEST_CASE("A gate that cannot fail is refused: unknown names, wrong kinds, what was not measured") {
-  for (const char* text : {"[max]\nerrors.ate_rsme_m = 1", "[maximum]\nerrors.ate_rmse_m = 1",
-                           "[max]\nticks = \"many\"", "[equal]\ndigest = 12", "[equal]\nticks = \"5000\"",
-                           "max = 3", "[max\n", "[max]\nchains.silent.measured_age.max_us = 1"}) {
+  for (const char* text :
+       {"[max]\nerrors.ate_rsme_m = 1", "[maximum]\nerrors.ate_rmse_m = 1", "[max]\nticks = \"many\"",
+        "[equal]\ndigest = 12", "[equal]\nticks = \"5000\"", "max = 3", "[max\n", "", "[max]\n", "[equal]\n",
+        "[max]\nchains.silent.measured_age.max_us = 1"}) {
     CAPTURE(text);
     CHECK_THROWS_AS(gate(text), firmware::ProfileError);
   }
