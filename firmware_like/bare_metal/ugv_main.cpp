@@ -17,7 +17,7 @@ struct Drive {
     executive.add_task<rt::AttitudeEstimate>(
         group, "attitude", 100, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
           const rt::PoseEstimate& pose = odometry.estimate();
-          attitude.set_moving(pose.v_body_m_s[0] > 0.01 || pose.v_body_m_s[0] < -0.01);
+          attitude.set_moving(odometry.belts_run());
           if ((pose.flags & estimators::kPoseStarted) != 0)
             static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
           // What is refused is counted by filter and odometry.
