@@ -175,6 +175,15 @@ inline void BasicAttitude<Real>::add_change(const QuaternionOf<Real>& change) {
   add_exactly(q_.z, q_error_.z, change.z + shrink * q_.z);
 }
 
+/// A quiet sensor whose tracks stand stands at once; without tracks it has to be quiet for a while, as a slow
+/// turn by hand is quiet, too.
+template <class Real>
+inline HeadingBlock BasicAttitude<Real>::heading_block() const {
+  if (rests()) return HeadingBlock::rests;
+  if (!(rest_s_ > Real{0})) return told_ && !moving_ ? HeadingBlock::quiet : HeadingBlock::moves;
+  return told_ ? HeadingBlock::stands : HeadingBlock::quiet;
+}
+
 /// In double precision, as the runtime uses it.
 using Attitude = BasicAttitude<double>;
 /// In single precision, for boards without double: the same within 0.01 deg.

@@ -69,15 +69,6 @@ void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   mean_s_ += dt_s;
 }
 
-/// A quiet sensor whose tracks stand stands at once; without tracks it has to be quiet for a while, as a slow
-/// turn by hand is quiet, too.
-template <class Real>
-HeadingBlock BasicAttitude<Real>::heading_block() const {
-  if (rests()) return HeadingBlock::rests;
-  if (!(rest_s_ > Real{0})) return told_ && !moving_ ? HeadingBlock::quiet : HeadingBlock::moves;
-  return told_ ? HeadingBlock::stands : HeadingBlock::quiet;
-}
-
 /// The low-passed vectors stay: they lie along the vertical, or forget so small a turn sooner than it grows.
 template <class Real>
 void BasicAttitude<Real>::turn_heading(Real turn) {

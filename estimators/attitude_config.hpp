@@ -19,6 +19,7 @@ enum AttitudeFlags : std::uint32_t {
   kAttitudeHeadingInvalid = 32u,  ///< a clipped, lost or dead stretch lies in the heading; see set_heading()
   kAttitudeAided = 64u,           ///< the tracks' acceleration is taken out of the specific force
   kAttitudeAidRefused = 128u,     ///< the tracks and the accelerometer disagree (slip): no aid at present
+  kAttitudeStands = 256u,         ///< tracks and sensor stand still: the heading is held
 };
 
 /// What one inertial sample stands for. Rates: coning correction and bridging of gaps depend on it.

@@ -206,6 +206,7 @@ void BasicAttitude<Real>::publish(const rt::ImuSample& sample) {
   std::uint32_t flags = kAttitudeStarted;
   if (levelled_) flags |= kAttitudeLevelled;
   if (rests()) flags |= kAttitudeAtRest;
+  if (heading_block() == HeadingBlock::stands || (rests() && told_)) flags |= kAttitudeStands;
   if (coasted_) flags |= kAttitudeCoasted;
   if (clipped_) flags |= kAttitudeSaturated;
   if (heading_invalid_) flags |= kAttitudeHeadingInvalid;

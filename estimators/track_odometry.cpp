@@ -85,7 +85,7 @@ Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
     return finite ? Status::out_of_range : Status::not_finite;
   }
   history_.add(attitude);
-  rests_ = (attitude.flags & kAttitudeAtRest) != 0;
+  stands_ = (attitude.flags & kAttitudeStands) != 0;
   return Status::ok;
 }
 
@@ -151,7 +151,7 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   const AttitudeHistory::Answer begin = history_.at(from.stamp_ns);
   const AttitudeHistory::Answer end = history_.at(to.stamp_ns);
   watch_belts(to);
-  if (rests_ && !belts_run_ && begin.exact && end.exact && lost_m2 == 0.0) {
+  if (stands_ && !belts_run_ && begin.exact && end.exact && lost_m2 == 0.0) {
     stand(from, to, begin, end);
     return Status::ok;
   }
@@ -282,7 +282,7 @@ void TrackOdometry::archive(rt::Archive& archive) {
       .fixed(config_, q_world_attitude_)
       .state(gate_, history_, covariance_, p_world_body_, base_, suspect_, has_suspect_, travel_lost_)
       .state(distance_m_, last_speed_m_s_, counters_, estimate_)
-      .state(anchor_, belts_run_, rests_, kept_rise_m_)
+      .state(anchor_, belts_run_, stands_, kept_rise_m_)
       .by_hand(obstacle_, steering_);
   if (config_.learn_steering) steering_.archive(archive);
   if (kHasObstacles && obstacle_) obstacle_->archive(archive);

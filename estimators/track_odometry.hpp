@@ -21,7 +21,7 @@ namespace sortie::estimators {
 enum PoseFlags : std::uint32_t {
   kPoseStarted = 1u,         ///< at least one track sample was used
   kPoseStationary = 2u,      ///< tracks and gyro stand still; never with an attitude that is stale. Where the
-                             ///< attitude rests, too, place and twist stand exactly
+                             ///< attitude stands, too, place and twist are exact
   kPoseSlip = 4u,            ///< tracks and gyro disagree about the turn
   kPoseAttitudeStale = 8u,   ///< no attitude near the newest step; the nearest one was taken, if any
   kPoseTravelUnknown = 16u,  ///< travel was lost for good (counter reset, new time line)
@@ -151,7 +151,7 @@ class TrackOdometry {
   bool has_suspect_{};
   bool travel_lost_{};
   bool belts_run_{};
-  bool rests_{};          ///< so says the newest attitude
+  bool stands_{};         ///< so says the newest attitude
   double kept_rise_m_{};  ///< height that came to light while the robot stood
   double distance_m_{};
   double last_speed_m_s_{};

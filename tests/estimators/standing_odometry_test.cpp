@@ -29,7 +29,7 @@ struct Stand {
   void step(double left_m, double right_m, double heading, bool rests) {
     now += 10 * kMs;
     rt::AttitudeEstimate attitude = attitude_at(now, rt::from_yaw_pitch_roll(heading, 0.1, 0), {0, 0, 0.03});
-    if (rests) attitude.flags |= estimators::kAttitudeAtRest;
+    if (rests) attitude.flags |= estimators::kAttitudeStands;
     REQUIRE(odometry.observe(attitude) == Status::ok);
     REQUIRE(odometry.update({now, left_m, right_m, 0}) == Status::ok);
   }
