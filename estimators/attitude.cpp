@@ -161,7 +161,7 @@ void BasicAttitude<Real>::turn_world(const MatrixOf<Real>& about) {
   mix(row_x_.z, row_y_.z);
   mix(seen_x_, seen_y_);
   force_.set(about * force_.value(), about * force_.slope());
-  block_ = {};
+  begin_block();
   aid_.interrupt();
 }
 

@@ -40,7 +40,8 @@ class BasicAttitude {
 
   /// Tells what the sensor cannot know: that the robot moves (a track turns, on the spot, too) or that it
   /// stands. A slow steady turn looks like a gyro bias at rest; while `moving` nothing is taken for rest.
-  /// Where tracks stand as well, the heading stands with the first quiet block, else after rest_time_s.
+  /// Where tracks stand as well, the heading stands with the first quiet block, else after rest_time_s. Told
+  /// once or at every sample is the same.
   void set_moving(bool moving) {
     moving_ = moving;
     told_ = true;
@@ -108,6 +109,10 @@ class BasicAttitude {
   void level(const rt::Vector3& acc_body);
   void restart_mean();
   void turn_world(const MatrixOf<Real>& about);
+  void begin_block() {
+    block_ = {};
+    block_.restless = moving_;
+  }
   void close_block(rt::Nanoseconds now_ns);
   void forget_unknown(Real dt_s);
   void watch_rest(bool restless, const Vector& rate, const Vector& acc_body, Real dt_s);

@@ -19,7 +19,7 @@ template <class Real>
 void BasicAttitude<Real>::restart_mean() {
   mean_s_ = Real{0};
   doubted_s_ = Real{0};
-  block_ = {};
+  begin_block();
   rest_s_ = Real{0};
   aid_.interrupt();
 }
@@ -27,7 +27,7 @@ void BasicAttitude<Real>::restart_mean() {
 template <class Real>
 void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   const Block block = block_;
-  block_ = {};
+  begin_block();
   const Real dt_s = block.time_s;
   const bool felt = block.force_s > Real{0};
   const Real share = felt ? Real{1} / block.force_s : Real{0};
