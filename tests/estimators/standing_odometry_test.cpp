@@ -73,6 +73,41 @@ TEST_CASE("A robot that creeps while its attitude rests gets where it goes") {
   CHECK(stand.odometry.estimate().distance_m == Approx(0.04).margin(1e-12));
 }
 
+TEST_CASE("A height that is put right while the robot stands counts when it moves") {
+  TrackOdometryConfig config = skidding();
+  config.obstacles = true;
+  Stand stands{TrackOdometry(config)};
+  Stand plain{TrackOdometry(config)};  // the same, but nobody says that it stands
+  const auto step = [](Stand& stand, double travel_m, double force, bool says_so) {
+    for (int k = 1; k <= 5; ++k) {
+      const rt::ImuSample sample{
+          stand.now + k * 2 * kMs, {0, 0, 0}, {0, 0, force}, rt::kImuGyr | rt::kImuAcc};
+      stand.odometry.feel(sample);
+    }
+    stand.step(travel_m, travel_m, 0.0, says_so);
+  };
+  for (int i = 0; i < 100; ++i) {
+    step(stands, 0.005 * i, 9.81, false);
+    step(plain, 0.005 * i, 9.81, false);
+  }
+  for (int i = 0; i < 60; ++i) {
+    step(stands, 0.495, 9.81, i > 30);
+    step(plain, 0.495, 9.81, false);
+  }
+  const double there = position_of(stands.odometry).z;
+  for (int i = 0; i < 100; ++i) {
+    step(stands, 0.495, 10.2, true);
+    step(plain, 0.495, 10.2, false);
+  }
+  CHECK(position_of(stands.odometry).z == there);
+  REQUIRE(std::fabs(position_of(plain.odometry).z - there) > 1e-4);
+  for (int i = 0; i < 10; ++i) {
+    step(stands, 0.495 + 0.005 * i, 9.81, false);
+    step(plain, 0.495 + 0.005 * i, 9.81, false);
+  }
+  CHECK(position_of(stands.odometry).z == Approx(position_of(plain.odometry).z).margin(1e-9));
+}
+
 TEST_CASE("A slow turn on the spot is no rest: the belts run, though the body's place stays") {
   for (const double rate : {0.012, 0.02, 0.03}) {
     estimators::Attitude attitude{estimators::AttitudeConfig{}};
