@@ -19,7 +19,8 @@ BasicAttitude<Real>::BasicAttitude(const AttitudeConfig& config)
       q_(quaternion_of<Real>(normalised(rt::to_quaternion(config.q_world_body)))),
       turn_(matrix_of(q_)),
       bias_(vector_of<Real>(config.bias_rad_s),
-            real(config.bias_sigma_initial_rad_s * config.bias_sigma_initial_rad_s)) {
+            real(config.bias_sigma_initial_rad_s * config.bias_sigma_initial_rad_s)),
+      hold_(real(config.bias_sigma_initial_rad_s * config.bias_sigma_initial_rad_s)) {
   config_.block_ns = std::max(config_.block_ns, rt::Nanoseconds{1});
   store(widened(q_), estimate_.q_world_body);
   store(widened(bias_.value()), estimate_.bias_rad_s);
@@ -138,6 +139,7 @@ Status BasicAttitude<Real>::set_heading(double heading_rad, double sigma_rad) {
   constexpr double kTurn = 6.283185307179586;
   const double sigma = std::fmin(std::fabs(sigma_rad), kTurn);
   bias_.set_heading(real(sigma * sigma));
+  hold_.clear();
   heading_invalid_ = false;
   store(widened(q_), estimate_.q_world_body);
   estimate_.flags &= ~std::uint32_t{kAttitudeHeadingInvalid};
@@ -159,7 +161,7 @@ void BasicAttitude<Real>::turn_world(const MatrixOf<Real>& about) {
   mix(row_x_.z, row_y_.z);
   mix(seen_x_, seen_y_);
   force_.set(about * force_.value(), about * force_.slope());
-  block_ = {};
+  begin_block();
   aid_.interrupt();
 }
 
@@ -169,11 +171,12 @@ void BasicAttitude<Real>::archive(rt::Archive& archive) {
       .fixed(config_)
       .state(gate_, q_, q_error_, turn_, last_rate_, last_step_s_, block_, force_, row_x_, row_y_, seen_x_,
              seen_y_)
-      .state(mean_s_, deviation_, bias_, aid_, mean_rate_, mean_acc_, rest_s_, tilt_variance_,
-             unknown_turn_rad_)
+      .state(mean_s_, doubted_s_, deviation_, bias_, hold_, aid_, mean_rate_, mean_acc_, rest_s_,
+             tilt_variance_, unknown_turn_rad_)
       .state(delta_heading_rad_, block_end_ns_, usual_step_ns_, even_steps_, zero_rates_, refused_,
              refused_rate_)
-      .state(held_sample_, held_, has_refused_rate_, levelled_, coasted_, clipped_, moving_, heading_invalid_)
+      .state(held_sample_, held_, has_refused_rate_, levelled_, coasted_, clipped_, moving_, told_,
+             heading_invalid_)
       .state(counters_, estimate_);
 }
 

@@ -7,6 +7,7 @@
 
 #include "estimators/attitude_config.hpp"
 #include "estimators/gyro_bias.hpp"
+#include "estimators/heading_hold.hpp"
 #include "estimators/real_rotation.hpp"
 #include "estimators/slow_value.hpp"
 #include "estimators/track_aid.hpp"
@@ -37,9 +38,15 @@ class BasicAttitude {
   /// estimate stays. About 230 floating point operations, and 600 more at the end of a block.
   Status update(const rt::ImuSample& sample);
 
-  /// Tells what the sensor cannot know: that the robot moves (its tracks turn). A slow steady turn looks like
-  /// a gyro bias at rest; while `moving` nothing is taken for rest. False until told otherwise.
-  void set_moving(bool moving) { moving_ = moving; }
+  /// Tells what the sensor cannot know: that the robot moves (a track turns, on the spot, too) or that it
+  /// stands. A slow steady turn looks like a gyro bias at rest; while `moving` nothing is taken for rest.
+  /// Where tracks stand as well, the heading stands with the first quiet block, else after rest_time_s. Told
+  /// once or at every sample is the same.
+  void set_moving(bool moving) {
+    moving_ = moving;
+    told_ = true;
+    block_.restless = block_.restless || moving;
+  }
 
   /// Tells the velocity of the body's origin, body axes, at `stamp_ns` on the sensor's clock: the
   /// acceleration that follows from it is taken out of the specific force. On an edge the body does not move
@@ -82,8 +89,9 @@ class BasicAttitude {
     Vector rate, away, body_force, row_x, row_y;  // each times its step; away: force less the mean force
     Vector cut;                                   // what shortening took from away
     Real time_s{}, force_s{};
+    Real heading{};  // by how much the gyro turned it
     bool restless{};
-    SORTIE_FIELDS(rate, away, cut, body_force, row_x, row_y, time_s, force_s, restless)
+    SORTIE_FIELDS(rate, away, cut, body_force, row_x, row_y, time_s, force_s, heading, restless)
   };
 
   Status check(const rt::ImuSample& sample);
@@ -101,9 +109,18 @@ class BasicAttitude {
   void level(const rt::Vector3& acc_body);
   void restart_mean();
   void turn_world(const MatrixOf<Real>& about);
+  void begin_block() {
+    block_ = {};
+    block_.restless = moving_;
+  }
   void close_block(rt::Nanoseconds now_ns);
   void forget_unknown(Real dt_s);
   void watch_rest(bool restless, const Vector& rate, const Vector& acc_body, Real dt_s);
+  HeadingBlock heading_block() const;
+  /// Blocks make whole hundredths of a second: float and double pass a bound between two of them together.
+  bool rests() const { return rest_s_ >= real(0.999 * config_.rest_time_s); }
+  void turn_heading(Real turn);
+  bool believe_young(const Vector& away, const Vector& body_force, Real dt_s);
   Vector correct_inclination();
   void note_variance(const Vector& away, const SlowStep<Real>& step, Real dt_s);
   void learn_bias(const Vector& correction, const Vector& rate, Real dt_s);
@@ -123,8 +140,10 @@ class BasicAttitude {
   SlowVector<Real> row_x_, row_y_;   // low-passed rows of the rotation matrix
   SlowValue<Real> seen_x_, seen_y_;  // low-passed bias in the world
   Real mean_s_{};                    // time since levelling
+  Real doubted_s_{};                 // time left out of a young mean
   Real deviation_{};                 // mean size of the force's deviation, sum of absolute coordinates
   GyroBias<Real> bias_;
+  HeadingHold<Real> hold_;
   TrackAid<Real> aid_;
   Vector mean_rate_;  // for the detection of rest
   Vector mean_acc_;
@@ -144,6 +163,7 @@ class BasicAttitude {
   bool coasted_{};
   bool clipped_{};
   bool moving_{};
+  bool told_{};  // whether it moves
   bool heading_invalid_{};
   AttitudeCounters counters_;
   rt::AttitudeEstimate estimate_;
@@ -158,6 +178,15 @@ inline void BasicAttitude<Real>::add_change(const QuaternionOf<Real>& change) {
   add_exactly(q_.x, q_error_.x, change.x + shrink * q_.x);
   add_exactly(q_.y, q_error_.y, change.y + shrink * q_.y);
   add_exactly(q_.z, q_error_.z, change.z + shrink * q_.z);
+}
+
+/// A quiet sensor whose tracks stand stands at once; without tracks it has to be quiet for a while, as a slow
+/// turn by hand is quiet, too.
+template <class Real>
+inline HeadingBlock BasicAttitude<Real>::heading_block() const {
+  if (rests()) return HeadingBlock::rests;
+  if (!(rest_s_ > Real{0})) return told_ && !moving_ ? HeadingBlock::quiet : HeadingBlock::moves;
+  return told_ ? HeadingBlock::stands : HeadingBlock::quiet;
 }
 
 /// In double precision, as the runtime uses it.

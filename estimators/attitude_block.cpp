@@ -11,13 +11,15 @@ constexpr double kWeightless_m_s2 = 1.0;
 constexpr double kVarianceTime_s = 10.0;   // over which corrections are averaged to a variance
 constexpr double kWalk_rad_s = 0.0017453;  // of the bias in bias_forgetting_s
 constexpr double kYoung_s = 1.0;
+constexpr double kNearer_m_s2 = 0.03;  // by so much one force has to be nearer to gravity than another
 constexpr double kGravity_m_s2 = 9.81;
 }  // namespace
 
 template <class Real>
 void BasicAttitude<Real>::restart_mean() {
   mean_s_ = Real{0};
-  block_ = {};
+  doubted_s_ = Real{0};
+  begin_block();
   rest_s_ = Real{0};
   aid_.interrupt();
 }
@@ -25,16 +27,26 @@ void BasicAttitude<Real>::restart_mean() {
 template <class Real>
 void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   const Block block = block_;
-  block_ = {};
+  begin_block();
   const Real dt_s = block.time_s;
-  const Real noise = real(config_.gyr_noise_rad_s_rthz);
-  bias_.integrate(turn_.z, dt_s, noise * noise * dt_s);
-  if (unknown_turn_rad_ > Real{0}) forget_unknown(dt_s);
-  if (block.force_s <= Real{0}) return;
-  const Real share = Real{1} / block.force_s;
+  const bool felt = block.force_s > Real{0};
+  const Real share = felt ? Real{1} / block.force_s : Real{0};
   const Vector rate = (Real{1} / dt_s) * block.rate;
-  watch_rest(block.restless, rate, share * block.body_force, dt_s);
+  const Vector body_force = share * block.body_force;
+  watch_rest(block.restless || !felt, rate, body_force, dt_s);
+  const HeadingBlock heading = heading_block();
+  const Real noise = real(config_.gyr_noise_rad_s_rthz);
+  if (heading == HeadingBlock::moves || heading == HeadingBlock::quiet) {
+    bias_.integrate(turn_.z, dt_s + hold_.doubted_s(), noise * noise * dt_s);
+  } else {
+    bias_.add_heading(noise * noise * dt_s);  // who stands may be nudged: careful, not proud
+  }
+  const auto turn = hold_.close(config_, heading, block.heading, dt_s);
+  bias_.add_heading(turn.variance);
+  if (unknown_turn_rad_ > Real{0}) forget_unknown(dt_s);
+  if (!felt) return turn_heading(turn.now);
   Vector force = force_.value() + share * block.away;
+  if (!believe_young(share * block.away, body_force, dt_s)) return turn_heading(turn.now);
   // To a young mean each block counts much, and so does the noise of a speed.
   if (mean_s_ < real(kYoung_s)) aid_.interrupt();
   if (aid_.correct(config_, turn_, last_rate_ - bias_.value(), now_ns, dt_s, force_.z.value,
@@ -53,8 +65,16 @@ void BasicAttitude<Real>::close_block(rt::Nanoseconds now_ns) {
   const Vector correction = correct_inclination();
   note_variance(force - before, step, dt_s);
   learn_bias(correction, rate, dt_s);
-  turn_ = matrix_of(q_);
+  turn_heading(turn.now);
   mean_s_ += dt_s;
+}
+
+/// The low-passed vectors stay: they lie along the vertical, or forget so small a turn sooner than it grows.
+template <class Real>
+void BasicAttitude<Real>::turn_heading(Real turn) {
+  add_change(exp_minus_one(Vector{Real{0}, Real{0}, turn}) * q_);
+  delta_heading_rad_ += static_cast<double>(turn);
+  turn_ = matrix_of(q_);
 }
 
 /// Clipped and lost stretches: much unknown turn makes the filter average its inclination afresh.
@@ -65,6 +85,7 @@ void BasicAttitude<Real>::forget_unknown(Real dt_s) {
     bias_.add_heading(unknown * unknown);
     unknown_turn_rad_ = Real{0};
     mean_s_ = Real{0};
+    doubted_s_ = Real{0};
     tilt_variance_ += unknown * unknown;
     return;
   }
@@ -73,11 +94,33 @@ void BasicAttitude<Real>::forget_unknown(Real dt_s) {
   unknown_turn_rad_ = kept * unknown;
 }
 
+/// A young mean has no spread to judge a blow by, and a blow of 10 ms in the first second would lean it for
+/// seconds. So a block that differs from the mean is weighed against it: the one whose size is nearer to
+/// gravity is right. Either the mean begins anew, or the block is left out and the gyro carries over it; for
+/// a second in all, as a robot may move from the first sample on.
+template <class Real>
+bool BasicAttitude<Real>::believe_young(const Vector& away, const Vector& body_force, Real dt_s) {
+  const Real spread = real(0.5 * config_.rest_acc_m_s2);
+  const bool young = mean_s_ > Real{0} && mean_s_ < real(kYoung_s) && doubted_s_ < real(kYoung_s);
+  if (!young || dot(away, away) <= spread * spread) return true;
+  const auto odd = [](const Vector& force) {
+    return std::fabs(std::sqrt(dot(force, force)) - real(kGravity_m_s2));
+  };
+  const Real nearer = odd(force_.value()) - odd(body_force);
+  const bool anew = nearer > real(kNearer_m_s2);
+  const bool out = nearer < -real(kNearer_m_s2);
+  if (anew || out) doubted_s_ += anew ? mean_s_ : dt_s;
+  if (anew) mean_s_ = Real{0};
+  return !out;
+}
+
 /// At rest the gyro reads its bias. A steady slow turn within max_bias_rad_s looks the same: the price of
 /// having no other witness than the tracks.
 template <class Real>
 void BasicAttitude<Real>::watch_rest(bool restless, const Vector& rate, const Vector& acc_body, Real dt_s) {
-  const Real weight = dt_s / (real(config_.rest_mean_s) + dt_s);
+  // In motion the means only wait for the stop, and belts that stand know when that was.
+  const bool follow = moving_ || (told_ && restless);
+  const Real weight = follow ? Real{1} : dt_s / (real(config_.rest_mean_s) + dt_s);
   mean_rate_ = mean_rate_ + weight * (rate - mean_rate_);
   mean_acc_ = mean_acc_ + weight * (acc_body - mean_acc_);
   const Real most = real(config_.max_bias_rad_s);
@@ -130,7 +173,7 @@ void BasicAttitude<Real>::learn_bias(const Vector& correction, const Vector& rat
   if (!(initial > Real{0})) return;
   const Real growth = real(kWalk_rad_s * kWalk_rad_s / config_.bias_forgetting_s) * dt_s;
   bias_.grow(growth, initial * initial);
-  const bool rest = rest_s_ >= real(config_.rest_time_s);
+  const bool rest = rests();
   const Real sigma = real(rest ? config_.bias_sigma_rest_rad_s : config_.bias_sigma_motion_rad_s);
   const Real variance = sigma * sigma;
   const Real noise = variance * variance / growth + variance;
@@ -145,10 +188,11 @@ void BasicAttitude<Real>::learn_bias(const Vector& correction, const Vector& rat
     turn += bias_.observe(row_x_.value(), seen_x_.value - per_s * correction.x, noise, most);
     turn += bias_.observe(row_y_.value(), seen_y_.value - per_s * correction.y, noise, most);
   }
-  // The low-passed vectors stay: they lie along the vertical, or forget so small a turn sooner than it grows.
-  if (config_.heading_follows_bias) {
-    add_change(exp_minus_one(Vector{Real{0}, Real{0}, turn}) * q_);
-    delta_heading_rad_ += static_cast<double>(turn);
+  if (!config_.heading_follows_bias) return;
+  if (rest) {
+    hold_.learn(turn, dot(turn_.z, rate), dt_s);
+  } else {
+    hold_.owe(turn);
   }
 }
 
@@ -160,7 +204,7 @@ void BasicAttitude<Real>::covariance(double (&out)[9]) const {
   const double xy = static_cast<double>(tau * tau * bias_.covariance_along(turn_.x, turn_.y));
   out[0] = floor + static_cast<double>(tau * tau * bias_.covariance_along(turn_.x, turn_.x));
   out[4] = floor + static_cast<double>(tau * tau * bias_.covariance_along(turn_.y, turn_.y));
-  out[8] = static_cast<double>(bias_.heading_variance());
+  out[8] = static_cast<double>(bias_.heading_variance() + hold_.owed() * hold_.owed());
   out[1] = out[3] = xy;
   out[2] = out[5] = out[6] = out[7] = 0.0;
 }

@@ -19,6 +19,7 @@ enum AttitudeFlags : std::uint32_t {
   kAttitudeHeadingInvalid = 32u,  ///< a clipped, lost or dead stretch lies in the heading; see set_heading()
   kAttitudeAided = 64u,           ///< the tracks' acceleration is taken out of the specific force
   kAttitudeAidRefused = 128u,     ///< the tracks and the accelerometer disagree (slip): no aid at present
+  kAttitudeStands = 256u,         ///< tracks and sensor stand still: the heading is held
 };
 
 /// What one inertial sample stands for. Rates: coning correction and bridging of gaps depend on it.
@@ -56,8 +57,10 @@ struct AttitudeConfig {
   double bias_sigma_rest_rad_s{0.00052360};   ///< steady 1 sigma at rest (0.03 deg/s)
   double bias_forgetting_s{100.0};            ///< in which the bias walks by 0.1 deg/s, 1 sigma
   double max_bias_rad_s{0.035};     ///< the bias is held within this; also the fastest turn taken for rest
-  bool heading_follows_bias{true};  ///< a bias learned late also turns back what it did to the heading
-  double gyr_noise_rad_s_rthz{0.0002};  ///< white noise of the gyro, for the covariance only
+  bool heading_follows_bias{true};  ///< a bias learned late also turns back what it did to the heading, ...
+  double heading_payment_rad_s{0.0087};  ///< ... once the robot moves, at most so fast (0.5 deg/s)
+  double gyr_noise_rad_s_rthz{0.0002};   ///< white noise of the gyro: for the covariance, and against ...
+  double bias_walk_rad_s_rts{1e-5};      ///< ... this drift of the bias: what a rest is worth to the heading
 
   double rest_rate_rad_s{0.035};  ///< rest: gyro stays this close to its mean
   double rest_acc_m_s2{0.5};      ///< rest: accelerometer stays this close to its mean

@@ -125,7 +125,9 @@ VectorOf<Real> BasicAttitude<Real>::turn_of_means(const Vector& now, const Vecto
 
 template <class Real>
 void BasicAttitude<Real>::turn_by(const Vector& phi) {
-  delta_heading_rad_ += static_cast<double>(dot(turn_.z, phi));
+  const Real heading = dot(turn_.z, phi);
+  delta_heading_rad_ += static_cast<double>(heading);
+  block_.heading += heading;
   add_change(q_ * exp_minus_one(phi));
   turn_ = matrix_of(q_);
 }
@@ -203,7 +205,8 @@ template <class Real>
 void BasicAttitude<Real>::publish(const rt::ImuSample& sample) {
   std::uint32_t flags = kAttitudeStarted;
   if (levelled_) flags |= kAttitudeLevelled;
-  if (rest_s_ >= real(config_.rest_time_s)) flags |= kAttitudeAtRest;
+  if (rests()) flags |= kAttitudeAtRest;
+  if (heading_block() == HeadingBlock::stands || (rests() && told_)) flags |= kAttitudeStands;
   if (coasted_) flags |= kAttitudeCoasted;
   if (clipped_) flags |= kAttitudeSaturated;
   if (heading_invalid_) flags |= kAttitudeHeadingInvalid;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimators/attitude_config.hpp"
+
 namespace sortie::estimators {
 namespace {
 using rt::Quaternion;
@@ -14,6 +16,8 @@ constexpr double kFarthestTravel_m = 1e7;
 constexpr double kJumpMargin_m = 0.05;  // quantisation and stamp jitter of short steps
 constexpr rt::Nanoseconds kPiece_ns = 100 * rt::kNanosecondsPerMillisecond;
 constexpr rt::Nanoseconds kMostPieces = 8;
+constexpr rt::Nanoseconds kRan_ns =
+    200 * rt::kNanosecondsPerMillisecond;  // a belt runs for so long after it moved
 
 Eigen::Matrix3d to_eigen(const Quaternion& q) {
   const rt::RotationMatrix r = to_matrix(q);
@@ -81,6 +85,7 @@ Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
     return finite ? Status::out_of_range : Status::not_finite;
   }
   history_.add(attitude);
+  stands_ = (attitude.flags & kAttitudeStands) != 0;
   return Status::ok;
 }
 
@@ -145,6 +150,11 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   const double travel_m = 0.5 * (left_m + right_m);
   const AttitudeHistory::Answer begin = history_.at(from.stamp_ns);
   const AttitudeHistory::Answer end = history_.at(to.stamp_ns);
+  watch_belts(to);
+  if (stands_ && !belts_run_ && begin.exact && end.exact && lost_m2 == 0.0) {
+    stand(from, to, begin, end);
+    return Status::ok;
+  }
   TrackMotion motion;
   if (kHasObstacles && obstacle_) {
     motion = obstacle_->advance({dt_s, travel_m, begin.q_world_body, end.q_world_body});
@@ -158,6 +168,9 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
     const Vector3 across = rotate(begin.q_world_body, {0, 1, 0}) + rotate(end.q_world_body, {0, 1, 0});
     motion.travel_world_m = motion.travel_world_m + (-0.5 * config_.icr_x_m * turn_gyro) * across;
   }
+  motion.travel_world_m.z += kept_rise_m_;
+  motion.mended_m += kept_rise_m_;
+  kept_rise_m_ = 0.0;
   const Vector3 step = rotate(q_world_attitude_, motion.travel_world_m);
 
   std::uint32_t flags = 0;
@@ -206,9 +219,43 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   return Status::ok;
 }
 
+/// Belts that leave the place where they stand run for a while; an encoder between two counts does not.
+void TrackOdometry::watch_belts(const rt::TrackSample& to) {
+  if (std::fabs(config_.scale_left * (to.left_m - anchor_.left_m)) > config_.still_travel_m ||
+      std::fabs(config_.scale_right * (to.right_m - anchor_.right_m)) > config_.still_travel_m) {
+    anchor_ = to;
+    belts_run_ = true;
+  } else if (to.stamp_ns - anchor_.stamp_ns > kRan_ns) {
+    belts_run_ = false;
+  }
+}
+
+/// A step of a robot that stands: time passes, and what comes to light is kept.
+void TrackOdometry::stand(const rt::TrackSample& from, const rt::TrackSample& to,
+                          const AttitudeHistory::Answer& begin, const AttitudeHistory::Answer& end) {
+  const double dt_s = rt::to_seconds(to.stamp_ns - from.stamp_ns);
+  double vertical_m2 = 0.0;
+  if (kHasObstacles && obstacle_) {
+    const TrackMotion motion = obstacle_->advance({dt_s, 0.0, begin.q_world_body, end.q_world_body});
+    kept_rise_m_ += motion.travel_world_m.z;
+    vertical_m2 = motion.vertical_variance_m2;
+  }
+  const Quaternion q_to = q_world_attitude_ * end.q_world_body;
+  const Eigen::Matrix3d r = to_eigen(q_to);  // a gyro's noise is no turn
+  covariance_.advance({Eigen::Vector3d::Zero(), r, r, dt_s, 0.0, vertical_m2, true});
+  last_speed_m_s_ = 0.0;
+  base_ = from;
+  base_.stamp_ns = to.stamp_ns;
+  has_suspect_ = false;
+  ++counters_.used;
+  publish(to.stamp_ns, q_to, {}, kPoseStationary);
+  store(Vector3{}, estimate_.w_body_rad_s);
+}
+
 /// Takes a sample as the point from which travel counts, without any motion.
 void TrackOdometry::rebase(const rt::TrackSample& sample) {
-  base_ = sample;
+  base_ = anchor_ = sample;
+  belts_run_ = false;
   has_suspect_ = false;
   ++counters_.used;
   const bool any = history_.size() > 0;
@@ -235,6 +282,7 @@ void TrackOdometry::archive(rt::Archive& archive) {
       .fixed(config_, q_world_attitude_)
       .state(gate_, history_, covariance_, p_world_body_, base_, suspect_, has_suspect_, travel_lost_)
       .state(distance_m_, last_speed_m_s_, counters_, estimate_)
+      .state(anchor_, belts_run_, stands_, kept_rise_m_)
       .by_hand(obstacle_, steering_);
   if (config_.learn_steering) steering_.archive(archive);
   if (kHasObstacles && obstacle_) obstacle_->archive(archive);

@@ -20,7 +20,8 @@ namespace sortie::estimators {
 /// Bits of rt::PoseEstimate::flags.
 enum PoseFlags : std::uint32_t {
   kPoseStarted = 1u,         ///< at least one track sample was used
-  kPoseStationary = 2u,      ///< tracks and gyro stand still; never with an attitude that is stale
+  kPoseStationary = 2u,      ///< tracks and gyro stand still; never with an attitude that is stale. Where the
+                             ///< attitude stands, too, place and twist are exact
   kPoseSlip = 4u,            ///< tracks and gyro disagree about the turn
   kPoseAttitudeStale = 8u,   ///< no attitude near the newest step; the nearest one was taken, if any
   kPoseTravelUnknown = 16u,  ///< travel was lost for good (counter reset, new time line)
@@ -39,6 +40,7 @@ struct TrackOdometryConfig {
   double max_speed_m_s{10.0};     ///< a faster track is a counter that jumped
   double still_speed_m_s{0.002};  ///< slower than this is standing
   double still_rate_rad_s{0.02};  ///< turning slower than this is standing
+  double still_travel_m{0.001};   ///< a belt that stays within this stands: more than a count of its encoder
   rt::Nanoseconds attitude_spacing_ns{20 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_extrapolation_ns{150 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_step_ns{10 * rt::kNanosecondsPerSecond};  ///< a longer step of time is doubted
@@ -112,6 +114,8 @@ class TrackOdometry {
 
   /// Pose, twist and covariance at the stamp of the newest used sample.
   const rt::PoseEstimate& estimate() const { return estimate_; }
+  /// A belt ran of late, on the spot, too: what Attitude::set_moving() wants to know.
+  bool belts_run() const { return belts_run_; }
   const TrackOdometryCounters& counters() const { return counters_; }
   /// Mode, confidence and step height; planar without config.obstacles.
   ObstacleState obstacle() const { return kHasObstacles && obstacle_ ? obstacle_->state() : ObstacleState{}; }
@@ -125,6 +129,9 @@ class TrackOdometry {
   static constexpr bool kHasObstacles = rt::kBuilt<rt::Part::obstacles>;
   Status check(const rt::TrackSample& sample);
   bool plausible(const rt::TrackSample& from, const rt::TrackSample& to) const;
+  void watch_belts(const rt::TrackSample& to);
+  void stand(const rt::TrackSample& from, const rt::TrackSample& to, const AttitudeHistory::Answer& begin,
+             const AttitudeHistory::Answer& end);
   Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);
   void rebase(const rt::TrackSample& sample);
   void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, const rt::Vector3& v_body_m_s,
@@ -139,9 +146,13 @@ class TrackOdometry {
   rt::Quaternion q_world_attitude_;
   rt::Vector3 p_world_body_;
   rt::TrackSample base_{};     ///< last sample whose travel is in the pose
+  rt::TrackSample anchor_{};   ///< where the belts stand, and when they last came there
   rt::TrackSample suspect_{};  ///< refused for its jump; a second one like it makes it the base
   bool has_suspect_{};
   bool travel_lost_{};
+  bool belts_run_{};
+  bool stands_{};         ///< so says the newest attitude
+  double kept_rise_m_{};  ///< height that came to light while the robot stood
   double distance_m_{};
   double last_speed_m_s_{};
   TrackOdometryCounters counters_;

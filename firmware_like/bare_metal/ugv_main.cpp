@@ -17,9 +17,10 @@ struct Drive {
     executive.add_task<rt::AttitudeEstimate>(
         group, "attitude", 100, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
           const rt::PoseEstimate& pose = odometry.estimate();
-          attitude.set_moving(pose.v_body_m_s[0] > 0.01 || pose.v_body_m_s[0] < -0.01);
-          if ((pose.flags & estimators::kPoseStarted) != 0)
+          if ((pose.flags & estimators::kPoseStarted) != 0) {
+            attitude.set_moving(odometry.belts_run());
             static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
+          }
           // What is refused is counted by filter and odometry.
           for (const rt::ImuSample& sample : *imu) {
             if (attitude.update(sample) == Status::ok)

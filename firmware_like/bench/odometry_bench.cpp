@@ -18,7 +18,6 @@ using Kind = OdometryEvent::Kind;
 
 constexpr double kSameCost = 0.05;
 constexpr double kSameError = 0.001;
-constexpr double kMovingSpeed_m_s = 0.01;
 
 /// Time that the thread had a processor: what another one took away is not in it.
 double thread_seconds() {
@@ -95,8 +94,7 @@ Outcome run_chain(const OdometrySet& set, const Variant& v) {
     } else if (moves) {
       if (odometry.update(set.track[event.index]) != Status::ok) continue;
       const rt::PoseEstimate& pose = odometry.estimate();
-      const double speed = pose.v_body_m_s[0];
-      attitude.set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
+      attitude.set_moving(odometry.belts_run());
       if (v.track_aid)
         static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
       outcome.path.push_back(to_timed_pose(pose));

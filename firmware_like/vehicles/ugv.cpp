@@ -7,10 +7,6 @@
 
 namespace sortie::firmware {
 
-namespace {
-constexpr double kMovingSpeed_m_s = 0.01;
-}  // namespace
-
 Ugv::Ugv(VehicleBuilder& builder) {
   // A scene without any estimator has no control group: a recorded walk with posed scans needs only the map.
   // What is asked for and not built was refused before.
@@ -72,12 +68,13 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
         // A backward read: the tracks' velocity of the job before.
         if (rt::kBuilt<rt::Part::odometry> && odometry_) {
           const rt::PoseEstimate& pose = odometry_->estimate();
-          const double speed = pose.v_body_m_s[0];
-          attitude_->set_moving(speed > kMovingSpeed_m_s || speed < -kMovingSpeed_m_s);
-          // A velocity that is not finite is no aid; the odometry counts what made it so. Before its first
-          // sample it has none to tell.
-          if (track_aid_ && (pose.flags & estimators::kPoseStarted) != 0)
-            static_cast<void>(attitude_->set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
+          // Before its first sample the odometry has nothing to tell. A velocity that is not finite is no
+          // aid; the odometry counts what made it so.
+          if ((pose.flags & estimators::kPoseStarted) != 0) {
+            attitude_->set_moving(odometry_->belts_run());
+            if (track_aid_)
+              static_cast<void>(attitude_->set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
+          }
         }
         for (const rt::ImuSample& sample : *imu_) {
           // A refused sample is counted by the filter, by reason.

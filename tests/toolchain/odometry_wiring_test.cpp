@@ -156,9 +156,8 @@ TEST_CASE("the state of the odometry tells what the estimators know") {
       odometry.feel(set.imu[event.index]);
     } else {
       if (odometry.update(set.track[event.index]) != Status::ok) continue;
-      const double speed = odometry.estimate().v_body_m_s[0];
       const auto found = states.find(odometry.estimate().stamp_ns);
-      attitude.set_moving(std::fabs(speed) > 0.01);
+      attitude.set_moving(odometry.belts_run());
       static_cast<void>(attitude.set_track_velocity(rt::to_vector(odometry.estimate().v_body_m_s),
                                                     odometry.estimate().stamp_ns));
       if (found == states.end()) continue;
