@@ -40,7 +40,8 @@ struct TrackOdometryConfig {
   double max_speed_m_s{10.0};     ///< a faster track is a counter that jumped
   double still_speed_m_s{0.002};  ///< slower than this is standing
   double still_rate_rad_s{0.02};  ///< turning slower than this is standing
-  double still_travel_m{0.001};   ///< a belt that stays within this stands: more than a count of its encoder
+  double still_travel_m{
+      0.00075};  ///< a belt that stays within this stands: one count of its encoder and a half
   rt::Nanoseconds attitude_spacing_ns{20 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_extrapolation_ns{150 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_step_ns{10 * rt::kNanosecondsPerSecond};  ///< a longer step of time is doubted
