@@ -39,8 +39,8 @@ class ChainWatch {
   /// is not real-time.
   std::vector<ChainNews> take_news(rt::Nanoseconds now_ns);
   /// Puts what was measured beside what was computed, in the results of that runtime, whose live times are in
-  /// place. A reaction more than a tick beyond its bound becomes a warning if no release was missed, skipped or
-  /// shed; so do samples that came too far apart, a declared bound that nothing measured, and one that was
+  /// place. A reaction more than a tick beyond its bound becomes a warning if no release was missed, skipped
+  /// or shed; so do samples that came too far apart, a declared bound that nothing measured, and one that was
   /// exceeded.
   void add_to(Results& results) const;
 

@@ -242,24 +242,6 @@ void FlightRecorder::stop() {
   if (has_log() && !log_->place->occupied()) take_place();
 }
 
-std::vector<drivers::TaskTiming> FlightRecorder::timings() const {
-  std::vector<drivers::TaskTiming> result;
-  const rt::Executive& executive = runtime_.executive();
-  const std::lock_guard lock(statistics_);
-  for (std::uint32_t group = 0; group < executive.group_count(); ++group) {
-    for (std::uint32_t i = 0; i < executive.group(group).tasks.size(); ++i) {
-      const rt::TaskBase& task = *executive.group(group).tasks[i];
-      const rt::LatencyHistogram& wall = histograms_[group][i];
-      result.push_back({task.name(), static_cast<std::int64_t>(wall.count()),
-                        static_cast<std::int64_t>(missed_[group]),
-                        static_cast<double>(wall.percentile(0.5)) * 1e-3,
-                        static_cast<double>(wall.percentile(0.99)) * 1e-3,
-                        static_cast<double>(wall.max()) * 1e-3, static_cast<double>(task.budget_us())});
-    }
-  }
-  return result;
-}
-
 std::uint64_t FlightRecorder::bytes() const { return has_log() ? log_->writer->bytes() : 0; }
 
 std::uint64_t FlightRecorder::events() const { return has_log() ? log_->writer->events() : 0; }

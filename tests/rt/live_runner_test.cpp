@@ -146,8 +146,11 @@ TEST_CASE("a stuck task is told by name, and told again when it has ended") {
   LiveRig rig;
   const GroupId group = rig.executive.add_group({"pair", 5});
   rig.executive.add_task<Sum>(group, "innocent", 100, [](JobContext&, Sum&) {});
-  rig.executive.add_task<Sum>(group, "culprit", 100, [](JobContext& context, Sum&) {
-    if (context.job == 10) sleep_until(monotonic_now() + 100 * kMs);
+  bool slept = false;
+  rig.executive.add_task<Sum>(group, "culprit", 100, [&slept](JobContext& context, Sum&) {
+    if (slept || context.job < 10) return;  // a busy machine may have left out the tenth
+    slept = true;
+    sleep_until(monotonic_now() + 100 * kMs);
   });
   REQUIRE(rig.executive.seal() == Status::ok);
   LiveOptions live = rig.options();
