@@ -42,6 +42,8 @@ TEST_CASE(
   for (const char* header : {"[|", "[[[", "[\2"})  // found by fuzzing: the library assumed that none comes
     CHECK(refusal(std::string("\n") + header).find("own.toml:2: not valid TOML: ") == 0);
   CHECK(refusal("\n\xef\xbb\xbd = 1").find("own.toml:2: not valid TOML: a character beyond ASCII") == 0);
+  CHECK(refusal("\n31=+'\xef\xbb\xa8:)':)").find("own.toml:2: not valid TOML: ") ==
+        0);  // and that none is like this
   Profile profile("[scene]\nname = \"a\"\nvehicle = \"ugv\"\n", "own.toml",
                   {"scene.about=Gr\xc3\xbc\xc3\x9f"
                    "e"});
