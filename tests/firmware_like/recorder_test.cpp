@@ -224,7 +224,7 @@ TEST_CASE("a log that says how far its run came is replayed so far, and what no 
   CHECK(counter(longer, "skipped_releases") == 63);  // of every tick, and of every twentieth
   CHECK(complaint_of(longer) == "");
   // Less than its jobs say, or longer than anybody waits: then the jobs count.
-  for (const rt::Tick wrong : {rt::Tick{100}, rt::Tick{1} << 60}) {
+  for (const rt::Tick wrong : {rt::Tick{100}, rt::Tick{1} << 40}) {
     const ReplayOutcome same = with_end(wrong);
     CHECK(same.results.ticks == 300);
     CHECK(counter(same, "skipped_releases") == 0);
