@@ -16,8 +16,7 @@ constexpr double kFarthestTravel_m = 1e7;
 constexpr double kJumpMargin_m = 0.05;  // quantisation and stamp jitter of short steps
 constexpr rt::Nanoseconds kPiece_ns = 100 * rt::kNanosecondsPerMillisecond;
 constexpr rt::Nanoseconds kMostPieces = 8;
-constexpr rt::Nanoseconds kRan_ns =
-    200 * rt::kNanosecondsPerMillisecond;  // a belt runs for so long after it moved
+constexpr rt::Nanoseconds kRan_ns = 200 * rt::kNanosecondsPerMillisecond;  // a belt runs on after it moved
 
 Eigen::Matrix3d to_eigen(const Quaternion& q) {
   const rt::RotationMatrix r = to_matrix(q);

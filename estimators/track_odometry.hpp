@@ -29,19 +29,18 @@ enum PoseFlags : std::uint32_t {
 
 /// Settings of the track odometry.
 struct TrackOdometryConfig {
-  double p_world_body_m[3]{};     ///< position at the first sample
-  double heading_offset_rad{};    ///< turns the attitude's world into the odometry's world, about up
-  double scale_left{1.0};         ///< true metres per measured metre of the left track
-  double scale_right{1.0};        ///< and of the right one
-  double track_width_m{};         ///< for the slip check only; 0 switches it off
-  double icr_x_m{};               ///< turning centre of the tracks ahead of the body's place: that slides
-                                  ///< sideways by -x per rad of turn
-  double slip_rate_rad_s{0.5};    ///< slip: disagreement about the turn rate beyond this
-  double max_speed_m_s{10.0};     ///< a faster track is a counter that jumped
-  double still_speed_m_s{0.002};  ///< slower than this is standing
-  double still_rate_rad_s{0.02};  ///< turning slower than this is standing
-  double still_travel_m{
-      0.00075};  ///< a belt that stays within this stands: one count of its encoder and a half
+  double p_world_body_m[3]{};      ///< position at the first sample
+  double heading_offset_rad{};     ///< turns the attitude's world into the odometry's world, about up
+  double scale_left{1.0};          ///< true metres per measured metre of the left track
+  double scale_right{1.0};         ///< and of the right one
+  double track_width_m{};          ///< for the slip check only; 0 switches it off
+  double icr_x_m{};                ///< turning centre of the tracks ahead of the body's place: that slides
+                                   ///< sideways by -x per rad of turn
+  double slip_rate_rad_s{0.5};     ///< slip: disagreement about the turn rate beyond this
+  double max_speed_m_s{10.0};      ///< a faster track is a counter that jumped
+  double still_speed_m_s{0.002};   ///< slower than this is standing
+  double still_rate_rad_s{0.02};   ///< turning slower than this is standing
+  double still_travel_m{0.00075};  ///< a belt that stays within this stands: 1.5 counts of its encoder
   rt::Nanoseconds attitude_spacing_ns{20 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_extrapolation_ns{150 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds max_step_ns{10 * rt::kNanosecondsPerSecond};  ///< a longer step of time is doubted

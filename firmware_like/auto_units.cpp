@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "drivers/wire_telemetry.hpp"
+#include "firmware_like/log_event.hpp"
 
 namespace sortie::firmware {
 
@@ -45,7 +45,8 @@ BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& s
   return booted;
 }
 
-void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen, double ns_per_unit) {
+void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen, double ns_per_unit,
+                        rt::Nanoseconds utc_minus_run_ns) {
   for (const ChosenUnits& one : chosen) {
     drivers::EventRecord event;
     event.kind = "calibration";
@@ -54,10 +55,7 @@ void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen,
     char text[96];
     std::snprintf(text, sizeof text, "units = \"auto\": a unit takes %.2f ns here", ns_per_unit);
     event.text = one.timed ? text : "units = \"auto\": the default, as nothing was timed";
-    std::vector<std::uint8_t> message(256 + event.subject.size() + event.text.size());
-    std::size_t size = 0;
-    if (drivers::encode(event, message, size) == Status::ok)
-      log.sample(std::string(drivers::kChannelEvent), 0, {message.data(), size});
+    log_event(log, event, 0, utc_minus_run_ns);
   }
 }
 

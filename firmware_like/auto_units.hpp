@@ -34,6 +34,7 @@ BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& s
                            const std::vector<std::string>& overrides, bool times);
 
 /// Writes into a log what was chosen: events of kind "calibration", the task as subject, the units as value.
-void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen, double ns_per_unit);
+void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen, double ns_per_unit,
+                        rt::Nanoseconds utc_minus_run_ns);
 
 }  // namespace sortie::firmware

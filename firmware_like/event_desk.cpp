@@ -3,9 +3,9 @@
 
 #include <cstdio>
 #include <string>
-#include <vector>
 
 #include "firmware_like/live_events.hpp"
+#include "firmware_like/log_event.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
@@ -31,10 +31,7 @@ void EventDesk::tell(const std::string& kind, const std::string& subject, const 
 }
 
 void EventDesk::write(const drivers::EventRecord& record, rt::Nanoseconds now_ns) {
-  std::vector<std::uint8_t> message(256 + record.kind.size() + record.subject.size() + record.text.size());
-  std::size_t size = 0;
-  if (drivers::encode(record, message, size) == Status::ok)
-    recorder_.sample(std::string(drivers::kChannelEvent), now_ns, {message.data(), size});
+  log_event(recorder_, record, now_ns, utc_minus_run_ns_);
   if (rt::kBuilt<rt::Part::telemetry> && telemetry_ != nullptr) telemetry_->tell(record);
   ring_.event(now_ns, static_cast<rt::Tick>(record.tick), record.text);
   ++count;

@@ -46,7 +46,7 @@ void LiveSession::collect_measured() {
   if (const HeapWatch heap = heap_watch(); heap.calls != nullptr)
     results.counters["heap_calls"] = heap.calls() - heap_before_;
   add_live(results, live_, options_.virtual_time);
-  if (!options_.virtual_time) write_measured(*recorder_, results, executive_.time_of(ticks_));
+  if (!options_.virtual_time) write_measured(*recorder_, results, executive_.time_of(ticks_), utc_minus_run_);
 }
 
 void LiveSession::collect_trajectories() {
@@ -64,8 +64,7 @@ LiveRunOutcome LiveSession::collect() {
   collect_trajectories();
   Results& results = outcome_.results;
   chains_->add_to(results);
-  // A run that was stopped may not have come to what its streams are for.
-  if (ticks_ > last_) outcome_.failures = unused_streams(runtime_, pushed_streams(runtime_), false);
+  outcome_.failures = unused_streams(runtime_, pushed_streams(runtime_), false);
   results.warnings.insert(results.warnings.begin(), outcome_.failures.begin(), outcome_.failures.end());
   if (options_.virtual_time) {
     const std::vector<std::string> exceeded = exceeded_bounds(results);

@@ -111,9 +111,9 @@ void LiveSession::open_log() {
     collector_->job(record);
     chains_->job(record);
   };
-  recorder_.emplace(runtime_, recording,
-                    make_header(runtime_, bench_ ? bench_->describe() : what_is_outside(options_),
-                                options_.virtual_time ? 0 : utc_minus_run_));
+  recorder_.emplace(
+      runtime_, recording,
+      make_header(runtime_, bench_ ? bench_->describe() : what_is_outside(options_), utc_minus_log()));
   if (options_.record.empty()) return;
   for (const auto& port : runtime_.parts().ports()) port->set_sink(&*recorder_);
 }
@@ -138,10 +138,10 @@ void LiveSession::connect_devices() {
 
 void LiveSession::attach() {
   if (!options_.virtual_time) write_log_clock(*recorder_, clock_.start_ns, utc_minus_run_);
-  write_chosen_units(*recorder_, booted_.chosen, booted_.trial.ns_per_unit);
+  write_chosen_units(*recorder_, booted_.chosen, booted_.trial.ns_per_unit, utc_minus_log());
   surroundings_.emplace(runtime_, bench_.get(), outside_, *recorder_, !options_.record.empty());
   executive_.set_sink(ring_->before(recorder_->job_sink()));
-  doctor_.begin(executive_, *recorder_, !options_.virtual_time && options_.realtime);
+  doctor_.begin(executive_, *recorder_, !options_.virtual_time && options_.realtime, utc_minus_log());
   executive_.set_record_fields(true);
   executive_.set_clock(
       [](void* self) { return rt::posix::fast_now() - static_cast<RunClock*>(self)->start_ns; }, &clock_);

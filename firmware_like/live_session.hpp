@@ -41,6 +41,9 @@ class LiveSession {
     rt::Nanoseconds start_ns{};  // CLOCK_MONOTONIC at tick 0
   };
 
+  // What dates the log: a run in simulated time has no date, so that its log is always the same.
+  rt::Nanoseconds utc_minus_log() const { return options_.virtual_time ? 0 : utc_minus_run_; }
+
   void make_bench(const BenchFactory& bench_factory);
   void settle_machine();
   void open_inputs();

@@ -3,9 +3,9 @@
 
 #include <fstream>
 #include <optional>
-#include <vector>
 
 #include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/log_event.hpp"
 
 namespace sortie::firmware {
 
@@ -37,15 +37,11 @@ std::int64_t difference(std::int64_t a, std::int64_t b) {
 
 void write_log_clock(SampleSink& log, rt::Nanoseconds zero_ns, rt::Nanoseconds utc_minus_log_ns) {
   drivers::EventRecord event;
-  event.utime = utc_minus_log_ns / rt::kNanosecondsPerMicrosecond;
   event.kind = kKind;
   event.subject = boot_id();
   event.value = zero_ns;
   event.text = "CLOCK_MONOTONIC at time 0 of this log [ns], counted from that start of the machine";
-  std::vector<std::uint8_t> message(256 + event.subject.size() + event.text.size());
-  std::size_t size = 0;
-  if (drivers::encode(event, message, size) == Status::ok)
-    log.sample(std::string(drivers::kChannelEvent), 0, {message.data(), size});
+  log_event(log, event, 0, utc_minus_log_ns);
 }
 
 ClockOffset clock_offset(const LogFile& run, const LogFile& other) {

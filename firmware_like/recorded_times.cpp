@@ -5,6 +5,7 @@
 
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/json_reader.hpp"
+#include "firmware_like/log_event.hpp"
 
 namespace sortie::firmware {
 
@@ -13,16 +14,12 @@ namespace {
 constexpr const char* kKind = "measured";
 constexpr const char* kRun = "run";  // subject of the run's own event; a group's is its name behind a slash
 
-void write_event(SampleSink& log, const std::string& subject, const Json& figures, rt::Nanoseconds now_ns) {
+drivers::EventRecord measured_event(const std::string& subject, const Json& figures) {
   drivers::EventRecord event;
-  event.utime = now_ns / rt::kNanosecondsPerMicrosecond;
   event.kind = kKind;
   event.subject = subject;
   event.text = figures.dump();
-  std::vector<std::uint8_t> message(256 + event.subject.size() + event.text.size());
-  std::size_t size = 0;
-  if (drivers::encode(event, message, size) == Status::ok)
-    log.sample(std::string(drivers::kChannelEvent), now_ns, {message.data(), size});
+  return event;
 }
 
 void read_group(const Json& figures, GroupResult& group) {
@@ -47,20 +44,21 @@ void read_counters(const Json& figures, Results& results) {
 
 }  // namespace
 
-void write_measured(SampleSink& log, const Results& results, rt::Nanoseconds run_time_ns) {
+void write_measured(SampleSink& log, const Results& results, rt::Nanoseconds run_time_ns,
+                    rt::Nanoseconds utc_minus_run_ns) {
   for (const GroupResult& group : results.groups) {
     Json figures{{"spinning", json_number(group.spinning)},
                  {"margin_us", json_number(group.margin_us)},
                  {"stack_bytes", group.stack_bytes}};
     if (group.delays.known) figures["delays"] = to_json(group.delays);
-    write_event(log, "/" + group.name, figures, run_time_ns);
+    log_event(log, measured_event("/" + group.name, figures), run_time_ns, utc_minus_run_ns);
   }
   Json counters = Json::object();
   for (const char* name : kLiveCounters) {
     if (const auto counter = results.counters.find(name); counter != results.counters.end())
       counters[name] = counter->second;
   }
-  write_event(log, kRun, counters, run_time_ns);
+  log_event(log, measured_event(kRun, counters), run_time_ns, utc_minus_run_ns);
 }
 
 std::string why_no_times(const LogFile& log) {

@@ -20,7 +20,8 @@ inline constexpr const char* kLiveCounters[] = {"events", "heap_calls", "ladder_
 /// Writes what only the end of a live run knows into its log: wake-ups and causes of each group, and
 /// kLiveCounters of `results`. One event of kind `measured` a group and one for the run. `log` takes it as it
 /// takes samples. Off the real-time path; takes heap.
-void write_measured(SampleSink& log, const Results& results, rt::Nanoseconds run_time_ns);
+void write_measured(SampleSink& log, const Results& results, rt::Nanoseconds run_time_ns,
+                    rt::Nanoseconds utc_minus_run_ns);
 
 /// Follows the jobs of a replay through the times that the log holds for them. One thread at a time. Cost: a
 /// decoded event a job; memory 8 bytes an event and a histogram a task.

@@ -84,13 +84,9 @@ rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
                      ": write task@tick or task.byte@tick with a task of this scene, e.g. odometry@1200");
 }
 
-}  // namespace
-
-ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
+std::unique_ptr<Runtime> make_runtime(const LogFile& log, const VehicleRegistry& vehicles,
+                                      const ReplayOptions& options) {
   const drivers::LogHeader& header = log.header();
-  // Read first: what cannot be used is told before the replay, not after it.
-  std::unique_ptr<TruthLog> truth;
-  if (!options.truth.empty()) truth = std::make_unique<TruthLog>(log, options.truth);
   if (options.scene.empty() && header.scene_toml.empty()) {
     throw ProfileError(log.path() +
                        " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
@@ -104,9 +100,56 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   start.has_initial = true;
   for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];
   for (int i = 0; i < 4; ++i) start.initial.q_world_body[i] = header.initial_q[i];
+  return std::make_unique<Runtime>(std::move(profile), vehicles, start);
+}
 
+// What was true in the log is true of its replay.
+std::unique_ptr<FlightRecorder> open_recorder(const LogFile& log, Runtime& runtime, const std::string& path) {
+  RecorderOptions recording;
+  recording.path = path;
+  auto recorder = std::make_unique<FlightRecorder>(runtime, recording,
+                                                   make_header(runtime, "replay of " + log.path(), 0));
+  for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
+  for (const std::string_view channel :
+       {drivers::kChannelTruth, drivers::kChannelContacts, drivers::kChannelSensorTruth}) {
+    for (const StoredEvent& stored : log.channel(std::string(channel))) {
+      recorder->sample(std::string(channel), stored.timestamp_us * rt::kNanosecondsPerMicrosecond,
+                       stored.message);
+    }
+  }
+  return recorder;
+}
+
+// Streams and channels of which nothing was used, and declared bounds that were exceeded where nothing can
+// come late by accident. `must_be_offered`: as of unused_streams().
+void add_failures(ReplayOutcome& outcome, const LogFile& log, const LogFeed& feed,
+                  const ReplayOptions& options, bool must_be_offered) {
+  Results& results = outcome.results;
+  const std::vector<StreamUse> uses = feed.stream_use();
+  std::vector<std::string> unused = unused_streams(*outcome.runtime, uses, must_be_offered);
+  const std::vector<std::string> homeless =
+      channels_without_stream(results.scene, uses, feed.unused_channels(), !log.header().has_ticks);
+  unused.insert(unused.end(), homeless.begin(), homeless.end());
+  results.warnings.insert(results.warnings.begin(), unused.begin(), unused.end());
+  for (const std::string& name : feed.unused_channels()) {
+    if (!homeless.empty()) break;  // told already
+    results.warnings.push_back("channel " + name + " is not used by scene " + results.scene);
+  }
+  if (!options.accept_unused) outcome.failures = std::move(unused);
+  if (!is_simulated(log)) return;
+  const std::vector<std::string> exceeded = exceeded_bounds(results);
+  outcome.failures.insert(outcome.failures.end(), exceeded.begin(), exceeded.end());
+}
+
+}  // namespace
+
+ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
+  const drivers::LogHeader& header = log.header();
+  // Read first: what cannot be used is told before the replay, not after it.
+  std::unique_ptr<TruthLog> truth;
+  if (!options.truth.empty()) truth = std::make_unique<TruthLog>(log, options.truth);
   ReplayOutcome outcome;
-  outcome.runtime = std::make_unique<Runtime>(std::move(profile), vehicles, start);
+  outcome.runtime = make_runtime(log, vehicles, options);
   Runtime& runtime = *outcome.runtime;
   rt::Executive& executive = runtime.executive();
   outcome.why_not_comparable = why_not_comparable(log, options, runtime);
@@ -131,21 +174,8 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   outcome.begin_tick = part.begin;
   outcome.first_tick = part.asked;
   outcome.restored_tick = part.restored;
-  std::unique_ptr<FlightRecorder> recorder;
-  if (!options.record.empty()) {
-    RecorderOptions recording;
-    recording.path = options.record;
-    recorder = std::make_unique<FlightRecorder>(runtime, recording,
-                                                make_header(runtime, "replay of " + log.path(), 0));
-    for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
-    for (const std::string_view channel :
-         {drivers::kChannelTruth, drivers::kChannelContacts, drivers::kChannelSensorTruth}) {
-      for (const StoredEvent& stored : log.channel(std::string(channel))) {
-        recorder->sample(std::string(channel), stored.timestamp_us * rt::kNanosecondsPerMicrosecond,
-                         stored.message);
-      }
-    }
-  }
+  const std::unique_ptr<FlightRecorder> recorder =
+      options.record.empty() ? nullptr : open_recorder(log, runtime, options.record);
   const bool whole = options.from.empty() && options.to.empty();
   ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
                           RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
@@ -202,16 +232,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
   observer.times.add_to(results);
   observer.chains.add_to(results);
-  std::vector<std::string> unused = unused_streams(runtime, feed.stream_use(), whole && !use_ticks);
-  const std::vector<std::string> homeless =
-      channels_without_stream(results.scene, feed.stream_use(), feed.unused_channels(), !header.has_ticks);
-  unused.insert(unused.end(), homeless.begin(), homeless.end());
-  results.warnings.insert(results.warnings.begin(), unused.begin(), unused.end());
-  if (!options.accept_unused) outcome.failures = std::move(unused);
-  if (is_simulated(log)) {
-    const std::vector<std::string> exceeded = exceeded_bounds(results);
-    outcome.failures.insert(outcome.failures.end(), exceeded.begin(), exceeded.end());
-  }
+  add_failures(outcome, log, feed, options, whole && !use_ticks);
   const std::vector<std::string> problems = log.problems();
   results.doctor = recorded_doctor(log);
   results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
@@ -220,10 +241,6 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
     results.warnings.push_back(
         options.truth + ": of another machine or start of it; laid beside the run by their dates (UTC)");
   if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
-  for (const std::string& name : feed.unused_channels()) {
-    if (!homeless.empty()) break;  // told already
-    results.warnings.push_back("channel " + name + " is not used by scene " + results.scene);
-  }
   if (feed.jobs_left_out() != 0) {
     results.warnings.push_back(
         std::to_string(feed.jobs_left_out()) +

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/run_end.hpp"
 
-#include <vector>
+#include "firmware_like/log_event.hpp"
 
 namespace sortie::firmware {
 
@@ -11,17 +11,12 @@ constexpr const char* kKind = "end";
 
 void write_run_end(SampleSink& log, const rt::Executive& executive, rt::Tick ticks,
                    rt::Nanoseconds utc_minus_run_ns) {
-  const rt::Nanoseconds now = executive.time_of(ticks);
   drivers::EventRecord event;
-  event.utime = (now + utc_minus_run_ns) / rt::kNanosecondsPerMicrosecond;
   event.tick = static_cast<std::int64_t>(ticks);
   event.kind = kKind;
   event.subject = "run";
   event.text = "the run had the ticks before this one";
-  std::vector<std::uint8_t> message(256 + event.text.size());
-  std::size_t size = 0;
-  if (drivers::encode(event, message, size) == Status::ok)
-    log.sample(std::string(drivers::kChannelEvent), now, {message.data(), size});
+  log_event(log, event, executive.time_of(ticks), utc_minus_run_ns);
 }
 
 std::optional<rt::Tick> run_end(const LogFile& log) {

@@ -44,9 +44,13 @@ bool idle(const VehicleBuilder::Counters& uses, const std::string& channel) {
 std::vector<StreamUse> pushed_streams(const Runtime& runtime) {
   std::vector<StreamUse> uses;
   for (const auto& port : runtime.parts().ports()) {
-    const auto taken = static_cast<std::uint64_t>(port->admitted());
+    // What still waits no job has seen, so nobody can have used it: after a run that was stopped, that may be
+    // all.
+    const std::uint64_t waiting = port->stream().waiting();
+    const std::uint64_t taken = static_cast<std::uint64_t>(port->admitted()) - waiting;
     const std::uint64_t refused = port->stream().refused();
-    uses.push_back({port->channel(), taken + refused, taken + refused, taken, 0, 0, refused});
+    const std::uint64_t offered = taken == 0 && waiting != 0 ? 0 : taken + refused;
+    uses.push_back({port->channel(), taken + waiting + refused, offered, taken, 0, 0, refused});
   }
   return uses;
 }

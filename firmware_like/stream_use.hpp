@@ -15,13 +15,13 @@ struct StreamUse {
   std::string channel;
   std::uint64_t there{};      ///< in the log, or pushed by the driver
   std::uint64_t offered{};    ///< of these, to the stream, by a job that was due
-  std::uint64_t taken{};      ///< of these, by the stream
+  std::uint64_t taken{};      ///< of these, by jobs
   std::uint64_t malformed{};  ///< of another type, or damaged
   std::uint64_t too_large{};  ///< more than a slot of the stream's pool holds
   std::uint64_t no_room{};    ///< all slots were full
 };
 
-/// What the drivers of a live or simulated run pushed.
+/// What the drivers of a live or simulated run pushed, without what still waits. After the run.
 std::vector<StreamUse> pushed_streams(const Runtime& runtime);
 
 /// One line, with the cure, for each stream that had samples of which nothing was used: all refused by the

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/doctor/run_doctor.hpp"
 
-#include <vector>
-
-#include "drivers/wire_records.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/log_event.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -12,33 +10,31 @@ namespace {
 constexpr const char* kKind = "doctor";
 
 void write(FlightRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
-           rt::Nanoseconds run_time_ns) {
+           rt::Nanoseconds run_time_ns, rt::Nanoseconds utc_minus_run_ns) {
   drivers::EventRecord event;
-  event.utime = run_time_ns / rt::kNanosecondsPerMicrosecond;
   event.tick = (run_time_ns - executive.epoch_ns()) / executive.base_tick_ns();
   event.kind = kKind;
   event.subject = report.machine;
   for (const Finding& finding : report.findings) event.value += finding.verdict == Health::bad ? 1 : 0;
   event.text = to_json(report).dump();
-  std::vector<std::uint8_t> message(256 + event.kind.size() + event.subject.size() + event.text.size());
-  std::size_t size = 0;
-  if (drivers::encode(event, message, size) == Status::ok)
-    recorder.sample(std::string(drivers::kChannelEvent), run_time_ns, {message.data(), size});
+  log_event(recorder, event, run_time_ns, utc_minus_run_ns);
 }
 
 }  // namespace
 
 RunDoctor::RunDoctor() : doctor_({}), before_(doctor_.report()) {}
 
-void RunDoctor::begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency) {
-  write(recorder, executive, before_, executive.epoch_ns());
+void RunDoctor::begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency,
+                      rt::Nanoseconds utc_minus_run_ns) {
+  utc_minus_run_ns_ = utc_minus_run_ns;
+  write(recorder, executive, before_, executive.epoch_ns(), utc_minus_run_ns_);
   if (hold_latency) hold_ = std::make_unique<rt::posix::CpuLatencyHold>();
 }
 
 DoctorReport RunDoctor::finish(const rt::Executive& executive, FlightRecorder& recorder,
                                rt::Nanoseconds run_time_ns) const {
   DoctorReport report = doctor_.report();
-  write(recorder, executive, report, run_time_ns);
+  write(recorder, executive, report, run_time_ns, utc_minus_run_ns_);
   return report;
 }
 

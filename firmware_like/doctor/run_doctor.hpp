@@ -19,8 +19,9 @@ class RunDoctor {
   /// Looks. Takes some tens of milliseconds on a busy machine, so do it before the time of tick 0 is chosen.
   RunDoctor();
   /// Writes what was seen to the log as an event of kind "doctor" and, if `hold_latency`, holds idle states
-  /// off.
-  void begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency);
+  /// off. `utc_minus_run_ns`: as of log_event().
+  void begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency,
+             rt::Nanoseconds utc_minus_run_ns);
 
   /// Looks again, now with rates of interrupts and stolen time over the run; writes that to the log, too.
   DoctorReport finish(const rt::Executive& executive, FlightRecorder& recorder,
@@ -31,6 +32,7 @@ class RunDoctor {
  private:
   Doctor doctor_;
   DoctorReport before_;
+  rt::Nanoseconds utc_minus_run_ns_{};
   std::unique_ptr<rt::posix::CpuLatencyHold> hold_;
 };
 

@@ -92,7 +92,8 @@ std::string task_table(const Results& r) {
            "</td>" + table_cell(group_digits(t.count)) +
            table_cell(group_digits(t.missed), t.missed > 0 ? "n bad" : "n") + "</tr>\n";
   }
-  return out + "</tbody></table>\n<p class=\"note\">Times in microseconds.</p>\n";
+  return out +
+         "</tbody></table>\n<p class=\"note\">Times in microseconds; in a replay those of the replay.</p>\n";
 }
 
 std::string trajectory_section(const ReportInput& input) {

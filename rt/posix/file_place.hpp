@@ -4,8 +4,7 @@
 //
 // - A file is made beside its place, as PATH.part, and takes the place by a rename: at once there, and whole.
 // - It takes the place when it holds something: the log and the flight ring of a run with its first job, a
-// table
-//   or a report when it is complete. A start that is refused or dies before has touched nothing.
+//   table or a report when it is complete. A start that is refused or dies before has touched nothing.
 // - What may be the only witness of a run (log, truth of a plant, unfinished ring) is kept as PATH.previous.
 // - PATH.part of a program that died is nobody's: the next one takes it. That of a living one is locked.
 #pragma once

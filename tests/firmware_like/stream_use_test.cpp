@@ -62,6 +62,17 @@ TEST_CASE("a replay with a scene that has none of the log's streams fails") {
   CHECK(replay_log(two_seconds().log, what_if).failures.empty());
 }
 
+TEST_CASE("samples that no job has seen yet are not called unused") {
+  const TempFolder folder;
+  Runtime runtime(load_scene(stall_scene(folder)), idle_vehicles(), RuntimeStart{});
+  for (int i = 0; i < 100; ++i) runtime.vehicle().poll_devices({}, i);  // 64 wait, and no job runs any more
+  for (const StreamUse& use : pushed_streams(runtime)) {
+    CHECK(use.there == 100);
+    CHECK(use.taken == 0);
+  }
+  CHECK(unused_streams(runtime, pushed_streams(runtime), false).empty());
+}
+
 TEST_CASE("a stream whose samples no task could use fails the run and its replay") {
   const TempFolder folder;
   stalls = {};

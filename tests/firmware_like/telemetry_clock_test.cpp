@@ -2,13 +2,16 @@
 // What a run tells bears one date on every channel, whatever the system's clock says meanwhile.
 #include <catch2/catch.hpp>
 #include <map>
+#include <set>
 #include <string>
 
 #include "drivers/lcm_receiver.hpp"
+#include "firmware_like/live_run.hpp"
 #include "firmware_like/telemetry.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/virtual_runner.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "tests/firmware_like/stall_vehicle.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
@@ -29,6 +32,29 @@ std::int64_t utime_of(std::span<const std::uint8_t> message) {
 }
 
 }  // namespace
+
+TEST_CASE("every event of a live run's log has a date of that run") {
+  const TempFolder folder;
+  stalls = {};
+  LiveRunOptions options;
+  options.scene = stall_scene(folder);
+  options.seconds = 0.3;
+  options.realtime = false;
+  options.record = folder.file("live.lcm");
+  options.lcm_url = "none";
+  static_cast<void>(run_live(stall_vehicles(), nullptr, options));
+  const LogFile log(options.record);
+  std::set<std::string> kinds;
+  for (const StoredEvent& stored : log.channel(std::string(drivers::kChannelEvent))) {
+    drivers::EventRecord event;
+    REQUIRE(drivers::decode(stored.message, event) == Status::ok);
+    INFO(event.kind);
+    CHECK(event.utime >= log.header().utc_minus_monotonic_ns / 1000);
+    CHECK(event.utime < log.header().utc_minus_monotonic_ns / 1000 + 60'000'000);
+    kinds.insert(event.kind);
+  }
+  for (const char* kind : {"clock", "doctor", "end", "measured"}) CHECK(kinds.count(kind) == 1);
+}
 
 TEST_CASE("when the system's clock was set after the start, all channels keep the date of the start") {
   const std::string url = "udpm://239.255.76.68:7718?ttl=0";

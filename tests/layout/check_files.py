@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_files.py ROOT: the habits of a file: licence line, #pragma once, length, nothing unfinished, no machine's paths."""
+"""check_files.py ROOT: the habits of a file: licence line, #pragma once, length, links that lead somewhere, nothing
+unfinished, no machine's paths."""
 
 import re
 import subprocess
@@ -53,6 +54,16 @@ def look_at_cases(path, text):
             yield f"{path}:{line}: CTest cuts the name of a case at its semicolon and then finds no such case"
 
 
+LINK = re.compile(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)")
+
+
+def look_at_links(root, path, text):
+    for match in LINK.finditer(text):
+        if not (tree.pathlib.Path(root) / path.parent / match[1]).exists():
+            line = text.count("\n", 0, match.start()) + 1
+            yield f"{path}:{line}: the link to {match[1]} leads nowhere"
+
+
 def look_at_packages(path, text):
     for number, line in enumerate(text.splitlines(), 1):
         if line.strip() and not line.startswith("#") and not re.fullmatch(r"\w+\s+[a-z0-9.+-]+\s+# \S.*", line):
@@ -71,6 +82,8 @@ def main(root):
         checked += 1
         findings += look(path, text)
         findings += look_at_cases(path, text)
+        if path.suffix == ".md":
+            findings += look_at_links(root, path, text)
         if path.name == "debian12-packages.txt":
             findings += look_at_packages(path, text)
     tree.finish(findings, checked, "files")

@@ -86,6 +86,7 @@ FAULTS = {
     "files": [
         ("rt/base.cpp", "// TO" "DO: the rest\n", "rt/base.cpp:7: 'TO" "DO'"),
         ("docs/page.md", "Good enough for " "now.\n", "docs/page.md:2: 'for " "now'"),
+        ("docs/page.md", "See [what](absent.md#there).\n", "docs/page.md:2: the link to absent.md leads nowhere"),
         ("toolchain/run", "cd /wo" "rk/tree\n", "a path of one machine"),
         ("rt/base.hpp", "\n" * 300, "307 lines"),
         ("toolchain/debian12-packages.txt", "base  cowsay\n", "debian12-packages.txt:2: a package line is: group, package, # reason"),

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <catch2/catch.hpp>
 #include <csignal>
 
 namespace sortie::testing {
@@ -44,6 +45,30 @@ int few_threads(int most, Body body) {
       return kNotPossible;
     return body();
   });
+}
+
+/// Runs `body` with 1 to `most` threads: it returns 0 where it ran and 10 where it was refused with the cure.
+/// As root, where nobody else's threads count, it must have run with `needed` of them and more, and with no
+/// fewer.
+template <class Body>
+void check_few_threads(int most, int needed, Body body) {
+  int refused = 0;
+  for (int threads = 1; threads <= most; ++threads) {
+    INFO("a system that gives " << threads << " threads");
+    const int code = few_threads(threads, body);
+    if (code == kNotPossible) {
+      WARN("skipped: this user's threads cannot be limited");
+      return;
+    }
+    CHECK((code == 0 || code == 10));
+    refused += code == 10 ? 1 : 0;
+#if !defined(__SANITIZE_THREAD__)  // it has a thread of its own
+    if (geteuid() == 0) CHECK(code == (threads < needed ? 10 : 0));
+#else
+    static_cast<void>(needed);
+#endif
+  }
+  CHECK(refused >= 1);
 }
 
 }  // namespace sortie::testing
