@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Delays whose cause is known, made on purpose, short: most are told right. The long test counts exactly.
+// Delays whose cause is known, made on purpose, short: the cause is told. The long test counts how often.
 #include <catch2/catch.hpp>
 
 #include "tests/rt/cause_confusion.hpp"
@@ -37,14 +37,15 @@ ConfusionRow labels_of(Injection injection) {
   return row;
 }
 
-// Loose, and up to three runs: another cause of the machine's own may fall into the same time. A label that
-// is wrong by a fault of the program is wrong in all of them.
-bool most(Injection injection, DelayCause cause) {
+// A reading of the kernel's figures that is wrong is wrong for all delays of a kind. What a busy machine adds
+// of its own (interrupts, time stolen by its host) takes half of the labels at times, so a third is asked,
+// and the share of 95 % is the long test's, on a quiet machine.
+bool told(Injection injection, DelayCause cause) {
   for (int run = 0; run < 3; ++run) {
     const ConfusionRow row = labels_of(injection);
     const std::uint32_t right = row.label[static_cast<int>(cause)];
     UNSCOPED_INFO(row.injected << " injected, " << row.outliers << " late, " << right << " told right");
-    if (right * 4 >= row.outliers * 3) return true;
+    if (right * 3 >= row.outliers) return true;
   }
   return false;
 }
@@ -52,19 +53,19 @@ bool most(Injection injection, DelayCause cause) {
 }  // namespace
 
 TEST_CASE("a hog of higher priority is found in the run queue") {
-  CHECK(most(Injection::hog, DelayCause::run_queue));
+  CHECK(told(Injection::hog, DelayCause::run_queue));
 }
 
 TEST_CASE("work beyond the budget is found to be the program's own") {
-  CHECK(most(Injection::own_work, DelayCause::own));
+  CHECK(told(Injection::own_work, DelayCause::own));
 }
 
 TEST_CASE("a flood of signals is found to be interrupts") {
-  CHECK(most(Injection::signals, DelayCause::interrupt));
+  CHECK(told(Injection::signals, DelayCause::interrupt));
 }
 
 TEST_CASE("a pause of the whole process is found to be stolen time") {
-  CHECK(most(Injection::pause, DelayCause::stolen));
+  CHECK(told(Injection::pause, DelayCause::stolen));
 }
 
 }  // namespace sortie::rt::posix::test
