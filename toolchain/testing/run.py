@@ -9,6 +9,7 @@ import re
 import resource
 import subprocess
 import sys
+import threading
 import time
 
 import near
@@ -45,12 +46,12 @@ def expand(text):
 
 
 def build(preset, definitions, targets):
-    """Configures and builds; what went wrong, or an empty text."""
+    """Configures and builds; what went wrong, or an empty text. Tests that run beside it go first."""
     log = BUILD / f"{preset}.log"
     log.unlink(missing_ok=True)
     configure = ["cmake", "--preset", preset, *map(expand, definitions)]
     make = ["cmake", "--build", "--preset", preset, "-j", JOBS, *(["--target", *targets] if targets else [])]
-    if logged(configure, log) == 0 and logged(make, log) == 0:
+    if logged(configure, log) == 0 and logged(["nice", "-n", "19", *make], log) == 0:
         return ""
     lines = log.read_text(errors="replace").splitlines()
     found = [index for index, line in enumerate(lines) if re.search(r"\berror\b|Error|FAILED", line)]
@@ -84,20 +85,38 @@ def processor_seconds():
     return used.ru_utime + used.ru_stime
 
 
+class Builds:
+    """The builds of a stage, in a thread: they go on while the tests of the stage before wait for their clocks."""
+
+    def __init__(self, stage):
+        self.faults = {}
+        self.thread = threading.Thread(target=self.run, args=(stage,), daemon=True)
+        self.thread.start()
+
+    def run(self, stage):
+        for preset, definitions, targets in stage.builds:
+            say(f"{stage.name}: building {preset}")
+            self.faults[preset] = build(preset, definitions, targets)
+
+    def wait(self):
+        """What went wrong, by preset."""
+        self.thread.join()
+        return {preset: fault for preset, fault in self.faults.items() if fault}
+
+
 BROKEN = set()  # presets that did not build
 
 
-def run_stage(stage):
-    """(name, seconds, tests, processor share) of a stage."""
+def run_stage(stage, builds=None, then=None):
+    """(name, seconds, tests, processor share) of a stage. `builds` are under way already; `then` is called where its tests begin."""
     begin, used = time.monotonic(), processor_seconds()
     tests = [results.Test(f"{stage.name}: tests of {preset}", "failed", 0, "not run: it did not build")
              for preset, _ in stage.tests if preset in BROKEN]
-    for preset, definitions, targets in stage.builds:
-        say(f"{stage.name}: building {preset}")
-        fault = build(preset, definitions, targets)
-        if fault:
-            BROKEN.add(preset)
-            tests.append(results.Test(f"{stage.name}: build of {preset}", "failed", 0, fault))
+    for preset, fault in (builds or Builds(stage)).wait().items():
+        BROKEN.add(preset)
+        tests.append(results.Test(f"{stage.name}: build of {preset}", "failed", 0, fault))
+    if then and (stage.tests or stage.commands):
+        then()
     if not tests:
         if stage.tests or stage.commands:
             say(f"{stage.name}: running")
@@ -188,13 +207,18 @@ def main():
             print(f"toolchain/test: no stage '{unknown[0]}'; stages: {', '.join(stage.name for stage in STAGES)}", file=sys.stderr)
             return 2
         wanted = [stage for stage in STAGES if any(stage.name == name or stage.name.startswith(name + " ") for name in names)]
-    state, rows = State(), []
-    for stage in wanted:
+    state, rows, ahead = State(), [], {}
+    for stage, following in zip(wanted, [*wanted[1:], None]):
+        def begin_next(stage=stage, following=following):
+            passed = options.resume and following and state.passed(following.name)
+            if following and following.builds and not passed and not stage.long and not following.long:
+                ahead[following.name] = Builds(following)
+
         row = state.passed(stage.name) if options.resume else None
         if row:
             say(f"{stage.name}: has passed")
         else:
-            row = run_stage(stage)
+            row = run_stage(stage, ahead.get(stage.name), begin_next)
             if good(row):
                 state.keep(row)
         rows.append(row)
