@@ -42,18 +42,25 @@ class JobContext {
   Nanoseconds period_ns{};   ///< of the group
   Nanoseconds due_ns{};      ///< deadline of this job: its outputs are visible from then on
 
-  /// Counts work units without asking for leave: what a task cannot do without. Recorded with the job.
-  void add_units(std::uint32_t units) { record_->units[task_] += units; }
+  /// Counts work units without asking for leave: what a task cannot do without. Recorded with the job. Behind
+  /// a cut by the wall-clock guard nothing counts any more: the number at the cut is where a replay stops.
+  void add_units(std::uint32_t units) {
+    if (!cut_) record_->units[task_] += units;
+  }
 
   /// Asks for `units` more of the work-unit budget, before they are spent. An anytime task makes its base
   /// result first, then refines as long as this says true; after a false it must stop, and keeps what it has.
   /// So it stops at exactly the same unit in a replay, also where a live run's wall-clock guard has cut it.
   [[nodiscard]] bool spend(std::uint32_t units = 1) {
     std::uint32_t& spent = record_->units[task_];
-    if (spent > limit_ || limit_ - spent < units) return false;
+    if (spent > limit_ || limit_ - spent < units) {
+      cut_ = cut_ || (cut_recorded_ && spent == limit_);
+      return false;
+    }
     if (guard_ns_ != 0 && clock_(clock_self_) >= guard_ns_) {
       record_->cut = static_cast<std::uint16_t>(record_->cut | (1u << task_));
       limit_ = spent;
+      cut_ = true;
       return false;
     }
     spent += units;
@@ -76,6 +83,8 @@ class JobContext {
   std::uint32_t task_{};
   std::uint32_t granted_{kUnlimitedUnits};  // by the table and the ladder
   std::uint32_t limit_{kUnlimitedUnits};    // as granted, or where the recorded job was cut
+  bool cut_recorded_{};                     // the recorded job was cut at limit_
+  bool cut_{};                              // it has come so far
   Nanoseconds guard_ns_{};
   Clock clock_{};
   void* clock_self_{};
