@@ -114,6 +114,10 @@ class TrackOdometry {
 
   /// Pose, twist and covariance at the stamp of the newest used sample.
   const rt::PoseEstimate& estimate() const { return estimate_; }
+  /// False where the newest sample began a time line, or found no attitude: the velocity of the estimate is
+  /// then 0 because nobody knows it, and is no aid for the attitude. A robot whose first sample this is
+  /// counts as standing.
+  bool velocity_known() const { return velocity_known_; }
   /// A belt ran of late, on the spot, too: what Attitude::set_moving() wants to know.
   bool belts_run() const { return belts_run_; }
   const TrackOdometryCounters& counters() const { return counters_; }
@@ -151,6 +155,9 @@ class TrackOdometry {
   bool has_suspect_{};
   bool travel_lost_{};
   bool belts_run_{};
+  bool heading_invalid_{};  ///< so says the newest attitude
+  bool turned_unseen_{};    ///< said so since the newest step
+  bool velocity_known_{};
   bool stands_{};         ///< so says the newest attitude
   double kept_rise_m_{};  ///< height that came to light while the robot stood
   double distance_m_{};
