@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "estimators/attitude_config.hpp"
 #include "tests/estimators/odometry_samples.hpp"
 
 using namespace sortie;
