@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <memory>
 #include <set>
 

@@ -56,12 +56,13 @@ TEST_CASE("an unknown key is named with its line and the nearest key that is kno
 
 TEST_CASE("a whole number that no double can hold is refused, not rounded and not left at its default") {
   const NumberSpec any{7, -1e19, 1e19, "", ""};
-  for (const char* last : {"9007199254740992", "-9007199254740992", "9007199254740994"}) {
+  for (const char* last : {"9007199254740992", "-9007199254740992"}) {
     Profile profile("[scene]\nname=\"a\"\nvehicle=\"ugv\"\n[map]\ncount = " + std::string(last) + "\n",
                     "far.toml");
     CHECK(profile.number("map.count", any) == std::stod(last));
   }
-  for (const char* odd : {"9007199254740993", "-9007199254740993", "9223372036854775807"}) {
+  for (const char* odd :
+       {"9007199254740993", "9007199254740994", "-9007199254740993", "9223372036854775807"}) {
     Profile profile("[scene]\nname=\"a\"\nvehicle=\"ugv\"\n[map]\ncount = " + std::string(odd) +
                         "\n[[script]]\nat_s = 1\nset = \"map.count\"\nvalue = " + odd + "\n",
                     "far.toml");
