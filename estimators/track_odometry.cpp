@@ -86,8 +86,8 @@ Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
   history_.add(attitude);
   // A stretch that the gyro did not see: how far the robot turned in it is not known, as without an attitude.
   const bool invalid = (attitude.flags & kAttitudeHeadingInvalid) != 0;
-  const bool unseen = (attitude.flags & (kAttitudeSaturated | kAttitudeCoasted)) != 0;
-  turned_unseen_ = turned_unseen_ || (invalid && (unseen || !heading_invalid_));
+  const bool again = !heading_invalid_ || (attitude.flags & (kAttitudeSaturated | kAttitudeCoasted)) != 0;
+  turned_unseen_ = turned_unseen_ || (invalid && again);
   heading_invalid_ = invalid;
   stands_ = (attitude.flags & kAttitudeStands) != 0;
   return Status::ok;
@@ -103,8 +103,7 @@ Status TrackOdometry::update(const rt::TrackSample& sample) {
   if (first || gate_.resumed()) {
     counters_.resumed += gate_.resumed() ? 1 : 0;
     travel_lost_ = travel_lost_ || gate_.resumed();
-    velocity_known_ = first;
-    rebase(sample);
+    rebase(sample, first);
     return Status::ok;
   }
   if (plausible(base_, sample)) return advance(base_, sample, 0.0);
@@ -146,8 +145,7 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   if (history_.size() == 0) {
     ++counters_.no_attitude;
     travel_lost_ = true;
-    velocity_known_ = false;
-    rebase(to);
+    rebase(to, false);
     return Status::ok;
   }
   const double dt_s = rt::to_seconds(to.stamp_ns - from.stamp_ns);
@@ -263,8 +261,9 @@ void TrackOdometry::stand(const rt::TrackSample& from, const rt::TrackSample& to
 }
 
 /// Takes a sample as the point from which travel counts, without any motion.
-void TrackOdometry::rebase(const rt::TrackSample& sample) {
+void TrackOdometry::rebase(const rt::TrackSample& sample, bool stands) {
   base_ = anchor_ = sample;
+  velocity_known_ = stands;
   belts_run_ = false;
   has_suspect_ = false;
   ++counters_.used;

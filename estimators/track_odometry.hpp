@@ -137,7 +137,7 @@ class TrackOdometry {
   void stand(const rt::TrackSample& from, const rt::TrackSample& to, const AttitudeHistory::Answer& begin,
              const AttitudeHistory::Answer& end);
   Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);
-  void rebase(const rt::TrackSample& sample);
+  void rebase(const rt::TrackSample& sample, bool stands);
   void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, const rt::Vector3& v_body_m_s,
                std::uint32_t flags);
 

@@ -71,7 +71,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("a command leaves at its job's deadline and once; a late one never, and is counted") {
+TEST_CASE("a command leaves at its job's deadline and once, a late one never, and it is counted") {
   Bench bench;
   CHECK(bench.taken(0) == -1);
   bench.run(0, true);
@@ -138,7 +138,7 @@ TEST_CASE("a job that puts nothing leaves the last command standing, and a skipp
   CHECK(bench.taken(bench.due(9)) == 9);
 }
 
-TEST_CASE("any order of jobs, verdicts and looks is as the rule says; a replay counts the same") {
+TEST_CASE("any order of jobs, verdicts and looks is as the rule says, and a replay counts the same") {
   for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
     INFO("seed " << seed);
     std::mt19937 random(seed);
