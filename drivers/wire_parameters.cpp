@@ -9,6 +9,8 @@ namespace sortie::drivers {
 
 Status encode(const rt::ParameterChange& change, std::int64_t seq, std::span<std::uint8_t> out,
               std::size_t& size) noexcept {
+  size = 0;
+  if (rt::name_of(change).empty()) return Status::out_of_range;  // refused when it is read
   WireWriter writer(out);
   writer.put(kFingerprintParameter);
   writer.put(change.stamp_ns);

@@ -2,6 +2,8 @@
 // Codecs of the solid-state lidar; member order as in drivers/messages/ssl_*.lcm.
 #include "drivers/wire_ssl.hpp"
 
+#include <algorithm>
+
 #include "drivers/channels.hpp"
 #include "drivers/wire_cursor.hpp"
 
@@ -18,6 +20,14 @@ void put_head(WireWriter& writer, std::uint64_t fingerprint, const Sample& sampl
   writer.put_array(sample.direction, sample.rays);
 }
 
+// What is not, is refused when it is read, so it is not written either.
+template <class Sample>
+bool is_one(const Sample& sample) {
+  return sample.rays <= rt::kSslMaxRays &&
+         std::all_of(sample.direction, sample.direction + sample.rays,
+                     [](std::uint16_t direction) { return direction < rt::kSslDirections; });
+}
+
 template <class Sample>
 Status get_head(WireReader& reader, std::uint64_t fingerprint, Sample& sample, std::int64_t& seq) {
   if (const Status type = expect_fingerprint(reader, fingerprint); type != Status::ok) return type;
@@ -28,10 +38,7 @@ Status get_head(WireReader& reader, std::uint64_t fingerprint, Sample& sample, s
   if (reader.status() != Status::ok || rays > rt::kSslMaxRays) return Status::malformed;
   sample.rays = static_cast<std::uint32_t>(rays);
   reader.get_array(sample.direction, rays);
-  for (std::size_t i = 0; i < rays; ++i) {
-    if (sample.direction[i] >= rt::kSslDirections) return Status::malformed;
-  }
-  return reader.status();
+  return is_one(sample) ? reader.status() : Status::malformed;
 }
 
 }  // namespace
@@ -39,7 +46,7 @@ Status get_head(WireReader& reader, std::uint64_t fingerprint, Sample& sample, s
 Status encode(const rt::SslCommand& command, std::int64_t seq, std::span<std::uint8_t> out,
               std::size_t& size) noexcept {
   size = 0;
-  if (command.rays > rt::kSslMaxRays) return Status::out_of_range;
+  if (!is_one(command)) return Status::out_of_range;
   WireWriter writer(out);
   put_head(writer, kFingerprintSslCommand, command, seq);
   return writer.finish(size);
@@ -48,7 +55,7 @@ Status encode(const rt::SslCommand& command, std::int64_t seq, std::span<std::ui
 Status encode(const rt::SslReturns& returns, std::int64_t seq, std::span<std::uint8_t> out,
               std::size_t& size) noexcept {
   size = 0;
-  if (returns.rays > rt::kSslMaxRays) return Status::out_of_range;
+  if (!is_one(returns)) return Status::out_of_range;
   WireWriter writer(out);
   put_head(writer, kFingerprintSslReturns, returns, seq);
   writer.put_array(returns.range_mm, returns.rays);

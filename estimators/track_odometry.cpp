@@ -84,6 +84,11 @@ Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
     return finite ? Status::out_of_range : Status::not_finite;
   }
   history_.add(attitude);
+  // A stretch that the gyro did not see: how far the robot turned in it is not known, as without an attitude.
+  const bool invalid = (attitude.flags & kAttitudeHeadingInvalid) != 0;
+  const bool again = !heading_invalid_ || (attitude.flags & (kAttitudeSaturated | kAttitudeCoasted)) != 0;
+  turned_unseen_ = turned_unseen_ || (invalid && again);
+  heading_invalid_ = invalid;
   stands_ = (attitude.flags & kAttitudeStands) != 0;
   return Status::ok;
 }
@@ -98,7 +103,7 @@ Status TrackOdometry::update(const rt::TrackSample& sample) {
   if (first || gate_.resumed()) {
     counters_.resumed += gate_.resumed() ? 1 : 0;
     travel_lost_ = travel_lost_ || gate_.resumed();
-    rebase(sample);
+    rebase(sample, first);
     return Status::ok;
   }
   if (plausible(base_, sample)) return advance(base_, sample, 0.0);
@@ -140,7 +145,7 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
   if (history_.size() == 0) {
     ++counters_.no_attitude;
     travel_lost_ = true;
-    rebase(to);
+    rebase(to, false);
     return Status::ok;
   }
   const double dt_s = rt::to_seconds(to.stamp_ns - from.stamp_ns);
@@ -204,7 +209,9 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
                        dt_s,
                        slip_m * slip_m + lost_m2,
                        motion.vertical_variance_m2,
-                       (flags & kPoseAttitudeStale) == 0});
+                       (flags & kPoseAttitudeStale) == 0 && !turned_unseen_});
+  turned_unseen_ = false;
+  velocity_known_ = true;
   p_world_body_ = p_world_body_ + step;
   distance_m_ += std::fabs(travel_m);
   last_speed_m_s_ = travel_m / dt_s;
@@ -241,7 +248,9 @@ void TrackOdometry::stand(const rt::TrackSample& from, const rt::TrackSample& to
   }
   const Quaternion q_to = q_world_attitude_ * end.q_world_body;
   const Eigen::Matrix3d r = to_eigen(q_to);  // a gyro's noise is no turn
-  covariance_.advance({Eigen::Vector3d::Zero(), r, r, dt_s, 0.0, vertical_m2, true});
+  covariance_.advance({Eigen::Vector3d::Zero(), r, r, dt_s, 0.0, vertical_m2, !turned_unseen_});
+  turned_unseen_ = false;
+  velocity_known_ = true;
   last_speed_m_s_ = 0.0;
   base_ = from;
   base_.stamp_ns = to.stamp_ns;
@@ -252,8 +261,9 @@ void TrackOdometry::stand(const rt::TrackSample& from, const rt::TrackSample& to
 }
 
 /// Takes a sample as the point from which travel counts, without any motion.
-void TrackOdometry::rebase(const rt::TrackSample& sample) {
+void TrackOdometry::rebase(const rt::TrackSample& sample, bool stands) {
   base_ = anchor_ = sample;
+  velocity_known_ = stands;
   belts_run_ = false;
   has_suspect_ = false;
   ++counters_.used;
@@ -281,7 +291,7 @@ void TrackOdometry::archive(rt::Archive& archive) {
       .fixed(config_, q_world_attitude_)
       .state(gate_, history_, covariance_, p_world_body_, base_, suspect_, has_suspect_, travel_lost_)
       .state(distance_m_, last_speed_m_s_, counters_, estimate_)
-      .state(anchor_, belts_run_, stands_, kept_rise_m_)
+      .state(anchor_, belts_run_, stands_, kept_rise_m_, heading_invalid_, turned_unseen_, velocity_known_)
       .by_hand(obstacle_, steering_);
   if (config_.learn_steering) steering_.archive(archive);
   if (kHasObstacles && obstacle_) obstacle_->archive(archive);

@@ -114,6 +114,10 @@ class TrackOdometry {
 
   /// Pose, twist and covariance at the stamp of the newest used sample.
   const rt::PoseEstimate& estimate() const { return estimate_; }
+  /// False where the newest sample began a time line, or found no attitude: the velocity of the estimate is
+  /// then 0 because nobody knows it, and is no aid for the attitude. A robot whose first sample this is
+  /// counts as standing.
+  bool velocity_known() const { return velocity_known_; }
   /// A belt ran of late, on the spot, too: what Attitude::set_moving() wants to know.
   bool belts_run() const { return belts_run_; }
   const TrackOdometryCounters& counters() const { return counters_; }
@@ -133,7 +137,7 @@ class TrackOdometry {
   void stand(const rt::TrackSample& from, const rt::TrackSample& to, const AttitudeHistory::Answer& begin,
              const AttitudeHistory::Answer& end);
   Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);
-  void rebase(const rt::TrackSample& sample);
+  void rebase(const rt::TrackSample& sample, bool stands);
   void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, const rt::Vector3& v_body_m_s,
                std::uint32_t flags);
 
@@ -151,6 +155,9 @@ class TrackOdometry {
   bool has_suspect_{};
   bool travel_lost_{};
   bool belts_run_{};
+  bool heading_invalid_{};  ///< so says the newest attitude
+  bool turned_unseen_{};    ///< said so since the newest step
+  bool velocity_known_{};
   bool stands_{};         ///< so says the newest attitude
   double kept_rise_m_{};  ///< height that came to light while the robot stood
   double distance_m_{};

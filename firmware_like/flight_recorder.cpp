@@ -55,7 +55,8 @@ void FlightRecorder::open_log(const drivers::LogHeader& header) {
     throw std::runtime_error(options_.path +
                              ": the log's header cannot be encoded; a text in the profile holds a zero byte");
   }
-  append(drivers::kChannelHeader, header.epoch_ns / 1000, {buffer_.data(), size});
+  if (!append(drivers::kChannelHeader, header.epoch_ns / 1000, {buffer_.data(), size}))
+    throw std::runtime_error(options_.path + ": the log's header is too large for an event of a log");
   if (!log_->writer->error().empty()) throw std::runtime_error(log_->writer->error());
 }
 
@@ -86,21 +87,23 @@ void FlightRecorder::sample(const std::string& channel, rt::Nanoseconds stamp_ns
   samples_.push_back({channel, stamp_ns / 1000, {message.begin(), message.end()}});
 }
 
-void FlightRecorder::append(std::string_view channel, std::int64_t stamp_us,
+bool FlightRecorder::append(std::string_view channel, std::int64_t stamp_us,
                             std::span<const std::uint8_t> bytes) {
-  // A file that cannot take more says so in error(), counts every refusal, and keeps what it has.
-  static_cast<void>(log_->writer->append(channel, stamp_us, bytes));
+  // A file that cannot take more says so in error(), counts every refusal, and keeps what it has. What no log
+  // may hold (a bad channel, more bytes than an event has) is for the caller to count.
+  return log_->writer->append(channel, stamp_us, bytes) != Status::malformed;
 }
 
 void FlightRecorder::write_gap(rt::Tick tick, std::uint64_t lost, const char* reason) {
   std::size_t size = 0;
   const drivers::GapRecord gap{static_cast<std::int64_t>(tick), -1, static_cast<std::int64_t>(lost), reason};
   if (drivers::encode(gap, buffer_, size) == Status::ok) {
-    append(drivers::kChannelGap, runtime_.executive().time_of(tick) / 1000, {buffer_.data(), size});
+    static_cast<void>(append(drivers::kChannelGap, runtime_.executive().time_of(tick) / 1000,
+                             {buffer_.data(), size}));  // small, and its channel is one
   }
 }
 
-void FlightRecorder::write_job(const rt::JobRecord& record) {
+bool FlightRecorder::write_job(const rt::JobRecord& record) {
   drivers::StreamTake streams[rt::kMaxStreamsPerGroup];
   drivers::ChannelTake channels[rt::kMaxInputsPerGroup];
   drivers::TaskOutput outputs[rt::kMaxTasksPerGroup];
@@ -127,14 +130,15 @@ void FlightRecorder::write_job(const rt::JobRecord& record) {
                                {record.fields, options_.write_fields ? record.field_bytes : 0}};
   std::size_t size = 0;
   const rt::Nanoseconds released = runtime_.executive().time_of(record.tick);
-  if (drivers::encode(view, buffer_, size) == Status::ok) {
-    append(drivers::kChannelTick, released / 1000, {buffer_.data(), size});
-  }
+  if (drivers::encode(view, buffer_, size) != Status::ok ||
+      !append(drivers::kChannelTick, released / 1000, {buffer_.data(), size}))
+    return false;
   const drivers::JobTiming timing{
       view.tick, view.group, record.started_ns, {record.duration_ns, record.tasks}};
-  if (drivers::encode(timing, buffer_, size) == Status::ok) {
-    append(drivers::kChannelTiming, released / 1000, {buffer_.data(), size});
-  }
+  // How long it took is no input of a replay.
+  if (drivers::encode(timing, buffer_, size) == Status::ok)
+    static_cast<void>(append(drivers::kChannelTiming, released / 1000, {buffer_.data(), size}));
+  return true;
 }
 
 void FlightRecorder::drain() {
@@ -150,7 +154,11 @@ void FlightRecorder::drain() {
     samples.swap(samples_);
     waiting_bytes_ = 0;
   }
-  for (const QueuedSample& queued : samples) append(queued.channel, queued.stamp_us, queued.bytes);
+  // What no log may hold is as lost as what came too fast.
+  for (const QueuedSample& queued : samples) {
+    if (!append(queued.channel, queued.stamp_us, queued.bytes))
+      lost_samples_.fetch_add(1, std::memory_order_relaxed);
+  }
   for (std::size_t group = 0; group < rings_.size(); ++group) {
     for (std::uint32_t i = 0; i < ready[group] && rings_[group]->try_pop(*current_); ++i) {
       {
@@ -163,7 +171,7 @@ void FlightRecorder::drain() {
       if (options_.on_job) options_.on_job(*current_);
       whole_[group] =
           runtime_.executive().group(static_cast<std::uint32_t>(group)).timing.release(current_->job + 1);
-      if (has_log()) write_job(*current_);
+      if (has_log() && !write_job(*current_)) lost_jobs_.fetch_add(1, std::memory_order_relaxed);
       has_jobs_ = true;
     }
   }
@@ -171,11 +179,13 @@ void FlightRecorder::drain() {
   note_written();
   if (has_jobs_ && !log_->place->taken() && log_->writer->flush() == Status::ok) take_place();
   if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
-    write_gap(whole_until, lost - reported_jobs_, "jobs were lost: the disk was too slow");
+    write_gap(whole_until, lost - reported_jobs_,
+              "jobs were lost: the disk was too slow, or no log may hold them");
     reported_jobs_ = lost;
   }
   if (const std::uint64_t lost = lost_samples_.load(); lost != reported_samples_) {
-    write_gap(whole_until, lost - reported_samples_, "samples were lost: the disk was too slow");
+    write_gap(whole_until, lost - reported_samples_,
+              "samples were lost: the disk was too slow, or no log may hold them");
     reported_samples_ = lost;
   }
 }

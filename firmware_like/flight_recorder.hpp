@@ -88,14 +88,14 @@ class FlightRecorder final : public SampleSink {
   bool has_log() const;
   void open_log(const drivers::LogHeader& header);
   void job(const rt::JobRecord& record);
-  void write_job(const rt::JobRecord& record);
+  bool write_job(const rt::JobRecord& record);
   void write_gap(rt::Tick tick, std::uint64_t lost, const char* reason);
   rt::Tick whole_until() const;
   void note_written();
   void close_log();
   void take_place();
   void end();
-  void append(std::string_view channel, std::int64_t stamp_us, std::span<const std::uint8_t> bytes);
+  bool append(std::string_view channel, std::int64_t stamp_us, std::span<const std::uint8_t> bytes);
 
   const Runtime& runtime_;
   RecorderOptions options_;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The gate between the outside and a stream of the executive: admits a sample, numbers it, and writes it down
 // in the log.
+//
+// The rule: what a log could not hold is not used, be a log kept or not. A sample whose message cannot be
+// encoded, or would be refused when it is read back, is refused here and counted; so a message's encode()
+// refuses all that its decode() refuses. What the disk then does not take is a GAP in the log, and a replay
+// ends before it (firmware_like/flight_recorder.hpp).
 #pragma once
 
 #include <cstdint>
@@ -109,15 +114,17 @@ class InputPort final : public InputPortBase {
     message_.resize(128 + fields_.size() + channel_bytes() + rt::canonical_size<T>());
   }
 
-  /// Admits one sample received at `received_ns` of the run's clock. Status: ok, full (refused and counted;
-  /// then it is not in the log either).
+  /// Admits one sample received at `received_ns` of the run's clock. Status: ok; full, or what encode() says
+  /// of a sample that no log could hold (refused and counted; then it is not in the log either).
   Status push(const T& sample, rt::Nanoseconds received_ns) {
     // Asked once: a consumer that made room between two questions would take what the log does not hold.
     if (!stream_.has_room()) return stream_.refuse();
-    if (recording()) {
-      std::size_t size = 0;
-      if (encode(sample, size) == Status::ok) record(received_ns, {message_.data(), size});
+    std::size_t size = 0;
+    if (const Status status = encode(sample, size); status != Status::ok) {
+      static_cast<void>(stream_.refuse());  // counts it
+      return status;
     }
+    record(received_ns, {message_.data(), size});
     arrives(received_ns);
     const Status status = stream_.push(sample);  // only this thread fills the ring, so there still is room
     if (status == Status::ok) ++admitted_;
@@ -182,8 +189,9 @@ class ScanPort final : public InputPortBase, public drivers::ScanSink {
     if (recording()) {
       std::size_t size = 0;
       const rt::PointScan scan{header, points_};
-      if (drivers::encode(scan, admitted_, message_, size) == Status::ok)
-        record(header.stamp_ns, {message_.data(), size});
+      // There is room for as many points as a buffer holds.
+      static_cast<void>(drivers::encode(scan, admitted_, message_, size));
+      record(header.stamp_ns, {message_.data(), size});
     }
     points_ = nullptr;
     arrives(header.stamp_ns);

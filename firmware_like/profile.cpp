@@ -115,7 +115,8 @@ double Profile::number(const std::string& path, const NumberSpec& spec) {
   if (node) {
     if (!node.is_number())
       fail(path, "must be a number" + (*spec.unit ? " in " + std::string(spec.unit) : std::string()));
-    value = node.number().value_or(spec.fallback);
+    if (!node.number()) fail(path, kTooManyDigits);
+    value = *node.number();
   }
   const std::string range = as_text(spec.low) + " .. " + as_text(spec.high);
   if (!(value >= spec.low && value <= spec.high)) {

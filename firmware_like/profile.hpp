@@ -137,6 +137,8 @@ class Profile {
   const std::vector<ProfileKey>& keys() const { return keys_; }
 
  private:
+  static constexpr const char* kTooManyDigits =
+      "has more digits than a number here can hold: whole ones reach to 2^53 = 9007199254740992";
   struct Tree;
   friend Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides);
   Profile(std::unique_ptr<Tree> tree, const std::string& source, const std::vector<std::string>& overrides);

@@ -30,7 +30,8 @@ std::vector<ScriptLine> Profile::script() {
     if (!(at_s >= 0 && at_s <= kLatest_s)) fail(path, "needs at_s = 0 .. 1e7, seconds from the start");
     if (name.empty()) fail(path, "needs set = \"name of a run-time parameter\"");
     if (!row.get("value").is_number()) fail(path, "needs value = a number");
-    lines.push_back({at_s, name, row.get("value").number().value_or(kNone), i});
+    if (!row.get("value").number()) fail(path + ".value", kTooManyDigits);
+    lines.push_back({at_s, name, *row.get("value").number(), i});
   }
   std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
   declare("script", std::to_string(lines.size()) + " changes", "", "rows of at_s, set, value",

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_timing.hpp"
@@ -139,10 +138,9 @@ void Telemetry::publish_events() {
 }
 
 void Telemetry::publish_segments() {
-  Outlet<rt::SegmentList>* lists = runtime_.vehicle().segment_lists();
+  ReportQueue<rt::SegmentList>* lists = runtime_.vehicle().segment_lists();
   if (lists == nullptr) return;
-  // Nobody acts on them, so they need not wait for the deadline.
-  while (lists->take(std::numeric_limits<rt::Nanoseconds>::max(), segments_)) {
+  while (lists->take(segments_)) {
     segments_.stamp_ns += utc_minus_run_ns_;
     static_cast<void>(publisher_.publish_encoded(
         drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {

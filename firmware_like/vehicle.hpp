@@ -14,9 +14,9 @@
 #include "firmware_like/chain_declarations.hpp"
 #include "firmware_like/factories.hpp"
 #include "firmware_like/input_port.hpp"
-#include "firmware_like/outlet.hpp"
 #include "firmware_like/parameters.hpp"
 #include "firmware_like/profile.hpp"
+#include "firmware_like/report_queue.hpp"
 #include "mapping/occupancy_view.hpp"
 #include "rt/archive.hpp"
 #include "rt/executive.hpp"
@@ -134,14 +134,23 @@ class VehicleBuilder {
   std::pair<ScanStream*, ScanPort*> scans(rt::GroupId reader, const std::string& channel,
                                           std::uint32_t buffers, std::uint32_t points);
 
-  /// A way out for commands: values that a task puts in leave at the deadline of its job.
+  /// A way out for commands of a group's tasks. Counters NAME_late and, where a command can be a stop,
+  /// NAME_late_stops.
   template <class T>
-  Outlet<T>* outlet(const std::string& name, std::uint32_t capacity = 64) {
-    auto outlet = std::make_unique<Outlet<T>>(capacity);
-    auto* handle = outlet.get();
-    counter(name + "_overrun", [handle] { return handle->overrun(); });
-    outlets_.push_back(std::move(outlet));
-    return handle;
+  rt::CommandOutlet<T>* outlet(rt::GroupId group, const std::string& name) {
+    rt::CommandOutlet<T>* outlet = executive_.add_outlet<T>(group);
+    check();
+    counter(name + "_late", [outlet] { return outlet->late(); });
+    if constexpr (requires(const T& value) { stops(value); })
+      counter(name + "_late_stops", [outlet] { return outlet->late_stops(); });
+    return outlet;
+  }
+  /// A way out for reports, which move nothing.
+  template <class T>
+  std::unique_ptr<ReportQueue<T>> reports(const std::string& name, std::uint32_t capacity) {
+    auto queue = std::make_unique<ReportQueue<T>>(capacity);
+    counter(name + "_overrun", [handle = queue.get()] { return handle->overrun(); });
+    return queue;
   }
 
   /// Adds a pool or a counter to every result and to telemetry. The functions are called when no job runs.
@@ -181,7 +190,6 @@ class VehicleBuilder {
   using Counters = std::vector<std::pair<std::string, std::function<std::uint64_t()>>>;
   std::vector<std::unique_ptr<InputPortBase>>& ports() { return ports_; }
   const std::vector<std::unique_ptr<InputPortBase>>& ports() const { return ports_; }
-  std::vector<std::unique_ptr<OutletBase>>& outlets() { return outlets_; }
   const std::vector<ChainSpec>& chains() const { return chains_; }
   /// Tasks whose units the scene leaves to the boot of a live run; until then they have their default.
   const std::vector<std::string>& auto_units() const { return auto_units_; }
@@ -208,7 +216,6 @@ class VehicleBuilder {
   InitialPose initial_;
   std::vector<std::unique_ptr<std::string>> names_;
   std::vector<std::unique_ptr<InputPortBase>> ports_;
-  std::vector<std::unique_ptr<OutletBase>> outlets_;
   std::vector<ChainSpec> chains_;
   std::vector<drivers::CanStream> bus_frames_;
   std::vector<std::string> auto_units_;
@@ -266,7 +273,7 @@ class Vehicle {
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
   /// Where lists of the map's segments come out, for one reader on another thread; null without any.
-  virtual Outlet<rt::SegmentList>* segment_lists() { return nullptr; }
+  virtual ReportQueue<rt::SegmentList>* segment_lists() { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
     static_cast<void>(put);

@@ -41,6 +41,7 @@ void UavGuide::put_box(const KnownBox& box) {
 
 void UavGuide::begin() {
   slices_ = 0;
+  checking_ = Checking::nothing;
   hoping_ = false;
   begun_version_ = version();
   way_.points = way_.whole = way_.blocked = 0;
@@ -71,27 +72,47 @@ void UavGuide::refreshed() {
   refreshing_ = false;
   way_.map_version = map_->version();
   if (searching_ && begun_version_ != version()) begin();
-  if (searching_ || way_.points == 0 || checked_version_ == map_->version()) return;
+  if (searching_) return;
+  if (checking_ != Checking::nothing) {  // a check under way begins anew
+    walk_.begin();
+    if (checking_ == Checking::hoped) checked_version_ = map_->version();
+  }
+  if (checking_ == Checking::hoped || way_.points == 0 || checked_version_ == map_->version()) return;
   checked_version_ = map_->version();
-  rt::Vector3 points[UavWay::kMostPoints];
-  for (std::uint32_t i = 0; i < way_.points; ++i) points[i] = {way_.x_m[i], way_.y_m[i], way_.z_m[i]};
-  if (way_.blocked != 0 || UavPath::is_still_free(*map_, {points, way_.points})) return;
-  way_.blocked = 1;
-  ++counts_.blocked;
+  if (way_.blocked != 0) return;
+  checking_ = Checking::shown;
+  walk_.begin();
 }
 
-void UavGuide::note_path() {
-  way_.state = static_cast<std::uint32_t>(path_->state());
-  const auto points = path_->waypoints();
-  way_.points = std::min(static_cast<std::uint32_t>(points.size()), UavWay::kMostPoints);
-  for (std::uint32_t i = 0; i < UavWay::kMostPoints; ++i) {
-    const rt::Vector3 p = i < way_.points ? points[i] : rt::Vector3{};
-    way_.x_m[i] = p.x;
-    way_.y_m[i] = p.y;
-    way_.z_m[i] = p.z;
+// A slice of an exact check.
+void UavGuide::check() {
+  const UavWay& way = checking_ == Checking::hoped ? cut_ : way_;
+  rt::Vector3 points[UavWay::kMostPoints];
+  for (std::uint32_t i = 0; i < way.points; ++i) points[i] = {way.x_m[i], way.y_m[i], way.z_m[i]};
+  std::uint64_t steps = kSlice * UavPath::kStepsPerUnit;
+  if (!walk_.run(*map_, {points, way.points}, steps)) return;
+  const Checking what = checking_;
+  checking_ = Checking::nothing;
+  if (what == Checking::hoped) {
+    end_cut(walk_.is_free());
+  } else if (!walk_.is_free()) {
+    way_.blocked = 1;
+    ++counts_.blocked;
   }
-  way_.whole = path_->is_whole() ? 1 : 0;
-  way_.length_m = way_.points != 0 ? path_->length_m() : 0.0;
+}
+
+void UavGuide::note_path(UavWay& way) const {
+  way.state = static_cast<std::uint32_t>(path_->state());
+  const auto points = path_->waypoints();
+  way.points = std::min(static_cast<std::uint32_t>(points.size()), UavWay::kMostPoints);
+  for (std::uint32_t i = 0; i < UavWay::kMostPoints; ++i) {
+    const rt::Vector3 p = i < way.points ? points[i] : rt::Vector3{};
+    way.x_m[i] = p.x;
+    way.y_m[i] = p.y;
+    way.z_m[i] = p.z;
+  }
+  way.whole = path_->is_whole() ? 1 : 0;
+  way.length_m = way.points != 0 ? path_->length_m() : 0.0;
 }
 
 void UavGuide::step() {
@@ -100,6 +121,7 @@ void UavGuide::step() {
     if (known && (hope_ == nullptr || hope_->refresh(kBricksPerSlice))) refreshed();
     return;
   }
+  if (checking_ != Checking::nothing) return check();
   if (!searching_) return;
   ++slices_;
   const PathState state = path_->step(hoping_ ? *hope_ : *map_, kSlice);
@@ -111,22 +133,28 @@ void UavGuide::step() {
   }
   searching_ = false;
   checked_version_ = map_->version();
-  note_path();
-  if (hoping_) cut();
+  if (hoping_ && state == PathState::done)
+    cut();
+  else
+    note_path(way_);
 }
 
 void UavGuide::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav guide")
       .fixed(map_, path_, boxes_, hope_, cells_)
-      .by_hand(known_)
+      .by_hand(known_, checking_)
       .state(started_, refreshing_, searching_, start_ns_, begun_version_, slices_, checked_version_,
-             question_, way_, hoping_, counts_);
+             question_, way_, walk_, cut_, hoping_, counts_);
+  auto checking = static_cast<std::uint32_t>(checking_);
+  archive.bounded(checking, static_cast<std::uint32_t>(Checking::hoped));
+  checking_ = static_cast<Checking>(checking);
   archive.bounded(known_, boxes_.size());
   archive.value(*map_);
   if (hope_ != nullptr) archive.value(*hope_);
   if (archive.is_reading() && hoping_ && hope_ == nullptr) archive.fail(Status::malformed, "a hoped way");
   if (!archive.is_reading() || archive.status() != Status::ok) return;
-  if (way_.points > UavWay::kMostPoints) archive.fail(Status::malformed, "a way of too many points");
+  if (std::max(way_.points, cut_.points) > UavWay::kMostPoints)
+    archive.fail(Status::malformed, "a way of too many points");
   if (!searching_) return;
   // A search in a map that has changed since begins anew anyway, once the change is worked in.
   const FlightMap& map = hoping_ ? *hope_ : *map_;

@@ -54,15 +54,15 @@ class UavGuide {
   /// far as it is known to be free, and is not whole: who flies it sees more there and asks again.
   void expect(FlightMap& hope, const SensedCells& cells);
   /// Takes over what the occupancy map says by now; what it never measured, or forgot, stays as it was. Not
-  /// while a search is under way: the map that a search sees stands still. Cost: 3 ns a voxel of the map, and
-  /// the change.
+  /// while a search or a check is under way: the map that it sees stands still. Cost: 3 ns a voxel of the
+  /// map, and the change.
   void sense(const mapping::OccupancyView& view);
   const GuideCounts& counts() const { return counts_; }
 
   /// Takes notice of what is asked and of boxes that have come up by now.
   void look(const WayQuestion* question, rt::Nanoseconds now_ns);
   /// True while there is something to work on: then step() does one slice of it, about 50 us.
-  bool works() const { return refreshing_ || searching_; }
+  bool works() const { return refreshing_ || searching_ || checking_ != Checking::nothing; }
   void step();
 
   const UavWay& way() const { return way_; }
@@ -73,6 +73,10 @@ class UavGuide {
   void archive(rt::Archive& archive);
 
  private:
+  // What the exact check of a whole way is for.
+  enum class Checking : std::uint8_t { nothing, shown, hoped };
+  void check();
+  void end_cut(bool is_free);
   void begin();
   void begin_hoped();
   bool wants_hope() const;
@@ -80,13 +84,16 @@ class UavGuide {
   std::uint32_t version() const { return map_->version() + (hope_ != nullptr ? hope_->version() : 0); }
   void put_box(const KnownBox& box);
   void refreshed();
-  void note_path();
+  void note_path(UavWay& way) const;
 
   FlightMap* map_;
   UavPath* path_;
   std::span<const KnownBox> boxes_;
   FlightMap* hope_{};  ///< null: the map is given
   SensedCells cells_;
+  Checking checking_{Checking::nothing};
+  WayWalk walk_;   ///< of that check
+  UavWay cut_;     ///< Checking::hoped: what is answered if it is free
   bool hoping_{};  ///< the present search is one through `hope_`
   GuideCounts counts_;
   std::uint32_t known_{};

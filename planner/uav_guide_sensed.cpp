@@ -15,7 +15,7 @@ void UavGuide::expect(FlightMap& hope, const SensedCells& cells) {
 }
 
 void UavGuide::sense(const mapping::OccupancyView& view) {
-  if (hope_ == nullptr || searching_) return;
+  if (hope_ == nullptr || searching_ || checking_ != Checking::nothing) return;
   const FlightMapConfig& config = map_->config();
   const std::int32_t count[3] = {config.nx, config.ny, config.nz};
   std::int32_t first[3];
@@ -67,15 +67,15 @@ void UavGuide::begin_hoped() {
 // Of a hoped way only the beginning that is known to be free: it ends in a free voxel, and the exact check
 // has the last word. What is shorter than two voxels shows nothing new.
 void UavGuide::cut() {
-  if (static_cast<PathState>(way_.state) != PathState::done) return;
+  note_path(cut_);
   const double voxel_m = map_->config().voxel_m;
-  const auto point = [this](std::uint32_t i) { return rt::Vector3{way_.x_m[i], way_.y_m[i], way_.z_m[i]}; };
+  const auto point = [this](std::uint32_t i) { return rt::Vector3{cut_.x_m[i], cut_.y_m[i], cut_.z_m[i]}; };
   rt::Vector3 last = point(0);
   std::uint32_t points = 1;
   double gone_m = 0.0;
   double length_m = 0.0;
   bool free = true;
-  for (std::uint32_t i = 1; free && i < way_.points; ++i) {
+  for (std::uint32_t i = 1; free && i < cut_.points; ++i) {
     const rt::Vector3 a = point(i - 1);
     const rt::Vector3 way = point(i) - a;
     const double leg_m = rt::norm(way);
@@ -94,24 +94,34 @@ void UavGuide::cut() {
     }
     gone_m += leg_m;
   }
-  rt::Vector3 kept[UavWay::kMostPoints];
-  for (std::uint32_t i = 0; i + 1 < points; ++i) kept[i] = point(i);
-  kept[points - 1] = last;
-  const bool good = length_m >= 2.0 * voxel_m && UavPath::is_still_free(*map_, {kept, points});
-  if (!good) points = 0;
-  for (std::uint32_t i = points == 0 ? 0 : points - 1; i < UavWay::kMostPoints; ++i) {
-    const rt::Vector3 p = i < points ? kept[i] : rt::Vector3{};
-    way_.x_m[i] = p.x;
-    way_.y_m[i] = p.y;
-    way_.z_m[i] = p.z;
-  }
-  way_.points = points;
+  const auto put = [this](std::uint32_t i, const rt::Vector3& p) {
+    cut_.x_m[i] = p.x;
+    cut_.y_m[i] = p.y;
+    cut_.z_m[i] = p.z;
+  };
+  put(points - 1, last);
+  for (std::uint32_t i = points; i < UavWay::kMostPoints; ++i) put(i, {});
+  cut_.points = points;
+  cut_.whole = 0;
+  cut_.length_m = length_m;
+  if (length_m < 2.0 * voxel_m) return end_cut(false);
+  way_.state = static_cast<std::uint32_t>(PathState::running);
+  checking_ = Checking::hoped;
+  walk_.begin();
+}
+
+void UavGuide::end_cut(bool is_free) {
+  const UavWay none;
+  const UavWay& way = is_free ? cut_ : none;
+  way_.state = static_cast<std::uint32_t>(is_free ? PathState::done : PathState::none);
+  way_.points = way.points;
   way_.whole = 0;
-  way_.length_m = good ? length_m : 0.0;
-  if (good)
-    ++counts_.begun;
-  else
-    way_.state = static_cast<std::uint32_t>(PathState::none);
+  way_.length_m = way.length_m;
+  std::copy(way.x_m, way.x_m + UavWay::kMostPoints, way_.x_m);
+  std::copy(way.y_m, way.y_m + UavWay::kMostPoints, way_.y_m);
+  std::copy(way.z_m, way.z_m + UavWay::kMostPoints, way_.z_m);
+  counts_.begun += is_free ? 1 : 0;
+  cut_ = {};
 }
 
 }  // namespace sortie::planner

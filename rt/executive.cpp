@@ -66,6 +66,12 @@ bool Executive::allocate_channels() {
       if (slots.empty()) return false;
       task->attach_channel(*group.ledger, slots.data());
     }
+    for (CommandOutletBase* outlet : group.outlets) {
+      const auto slots = arena_.make_array<std::atomic<std::uint32_t>>(
+          "outlets", std::size_t{depth} * outlet->channel_words());
+      if (slots.empty()) return false;
+      outlet->attach(*group.ledger, group.timing, slots.data());
+    }
   }
   return true;
 }
@@ -84,9 +90,11 @@ bool Executive::admit(const TaskBase& task, JobContext& context, const JobRecord
   }
   if (service == Service::off) return false;
   context.limit_ = context.granted_;
+  context.cut_ = context.cut_recorded_ = false;
   const auto bit = static_cast<std::uint16_t>(1u << context.task_);
   if (recorded != nullptr && (recorded->cut & bit) != 0) {
     context.limit_ = recorded->units[context.task_];
+    context.cut_recorded_ = true;
     record.cut = static_cast<std::uint16_t>(record.cut | bit);
   }
   return true;
@@ -186,7 +194,9 @@ Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrde
 
   const bool in_time = order.recorded != nullptr ? order.recorded->verdict == Verdict::done
                                                  : (order.due_ns == 0 || before <= order.due_ns);
+  for (CommandOutletBase* outlet : group.outlets) outlet->close(job);
   record.verdict = opened ? group.ledger->finish(job, in_time) : Verdict::missed;
+  for (CommandOutletBase* outlet : group.outlets) outlet->settle(job, record.verdict);
   group.running->store(0, std::memory_order_relaxed);
   if (guard_ != nullptr) guard_(false);
   ++group.jobs;

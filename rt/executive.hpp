@@ -12,6 +12,7 @@
 
 #include "rt/archive.hpp"
 #include "rt/arena.hpp"
+#include "rt/command_outlet.hpp"
 #include "rt/fixed_vector.hpp"
 #include "rt/limits.hpp"
 #include "rt/miss_window.hpp"
@@ -52,6 +53,7 @@ struct Group {
   FixedVector<TaskBase*, kMaxTasksPerGroup> tasks;
   FixedVector<StreamBase*, kMaxStreamsPerGroup> streams;
   FixedVector<InputBase*, kMaxInputsPerGroup> inputs;
+  FixedVector<CommandOutletBase*, kMaxOutletsPerGroup> outlets;
   JobLedger* ledger{};
   JobRecord* record{};
   LatencyHistogram lateness;  ///< live: start of the job after its release
@@ -159,6 +161,15 @@ class Executive {
     if (values.empty() || input == nullptr) return fail<Input<T>>("arena full");
     if (!groups_[reader.index].inputs.push_back(input)) return fail<Input<T>>("too many inputs");
     return input;
+  }
+
+  /// A way out for the commands of `group`'s tasks (rt/command_outlet.hpp).
+  template <class T>
+  CommandOutlet<T>* add_outlet(GroupId group) {
+    auto* outlet = make<CommandOutlet<T>>("outlets", base_tick_ns_, epoch_ns_);
+    if (outlet == nullptr) return fail<CommandOutlet<T>>("arena full");
+    if (!groups_[group.index].outlets.push_back(outlet)) return fail<CommandOutlet<T>>("too many outlets");
+    return outlet;
   }
 
   /// Checks the table, chooses phases, allocates channels. Status: ok, or out_of_range with error() telling

@@ -20,7 +20,7 @@ void Executive::archive(Archive& archive, Tick tick) {
   for (TaskBase* task : tasks_) task->archive(archive);
   for (Group& group : groups_) {
     Members(archive, group, group.spec.name)
-        .fixed(group.spec, group.timing, group.tasks, group.streams, group.inputs)
+        .fixed(group.spec, group.timing, group.tasks, group.streams, group.inputs, group.outlets)
         .fixed(group.ledger, group.record, group.running)
         .scratch(group.lateness, group.response)
         .state(group.jobs, group.missed, group.skipped, group.misses);

@@ -14,6 +14,7 @@ inline constexpr std::uint32_t kMaxStreams = 4;
 inline constexpr std::uint32_t kMaxTasksPerGroup = 4;
 inline constexpr std::uint32_t kMaxStreamsPerGroup = 4;
 inline constexpr std::uint32_t kMaxInputsPerGroup = 2;
+inline constexpr std::uint32_t kMaxOutletsPerGroup = 2;
 inline constexpr std::uint32_t kMaxFieldBytes = 512;
 /// Buckets of a latency histogram per doubling, as a power of two: steps of 50 %, 0.6 kB.
 inline constexpr std::uint32_t kHistogramSubBits = 1;
@@ -26,6 +27,7 @@ inline constexpr std::uint32_t kMaxStreams = 16;
 inline constexpr std::uint32_t kMaxTasksPerGroup = 12;
 inline constexpr std::uint32_t kMaxStreamsPerGroup = 8;
 inline constexpr std::uint32_t kMaxInputsPerGroup = 8;
+inline constexpr std::uint32_t kMaxOutletsPerGroup = 4;
 /// Room for the outputs of one job when fields are recorded.
 inline constexpr std::uint32_t kMaxFieldBytes = 2048;
 /// Buckets of a latency histogram per doubling, as a power of two: steps of 1.6 %, 15.9 kB.

@@ -169,6 +169,10 @@ struct DriveCommand {
     visit("flags", self.flags);
   }
 };
+/// A command to stand, or to leave the drives to their brakes (rt/command_outlet.hpp).
+constexpr bool stops(const DriveCommand& command) {
+  return (command.flags & 1u) == 0 || (command.left_m_s == 0.0 && command.right_m_s == 0.0);
+}
 
 /// Values of DriveRequest::mode.
 enum class DriveMode : std::uint32_t {
@@ -222,6 +226,8 @@ struct FlipperCommand {
     visit("flags", self.flags);
   }
 };
+/// A command that leaves the flippers to their brakes (rt/command_outlet.hpp).
+constexpr bool stops(const FlipperCommand& command) { return (command.flags & 1u) == 0; }
 
 /// Where the flippers are, and what turns them. Angles as in FlipperCommand; a torque is positive where the
 /// drive turns the tip up.

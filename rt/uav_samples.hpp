@@ -74,8 +74,10 @@ struct RotorCommand {
   Nanoseconds stamp_ns{};
   double speed_rad_s[kMaxRotors]{};
   std::uint32_t rotors{};
-  std::uint32_t flags{};
+  std::uint32_t flags{};  ///< bit 0: enabled
   SORTIE_FIELDS(stamp_ns, speed_rad_s, rotors, flags)
 };
+/// A command that switches the rotors off: the vehicle stands (rt/command_outlet.hpp).
+constexpr bool stops(const RotorCommand& command) { return (command.flags & 1u) == 0; }
 
 }  // namespace sortie::rt

@@ -24,7 +24,8 @@ class DisturbanceObserver {
  public:
   explicit DisturbanceObserver(const DisturbanceConfig& config) : config_(config) {}
 
-  void reset() { across_ = along_ = {}; }
+  /// As new: nothing is known, and the filters' steps are worked out again.
+  void reset() { *this = DisturbanceObserver(config_); }
 
   /// The world's axes turn: what was taken for one direction was another.
   void turn(const rt::Quaternion& by) {

@@ -19,7 +19,8 @@ struct Drive {
           const rt::PoseEstimate& pose = odometry.estimate();
           if ((pose.flags & estimators::kPoseStarted) != 0) {
             attitude.set_moving(odometry.belts_run());
-            static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
+            if (odometry.velocity_known())
+              static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
           }
           // What is refused is counted by filter and odometry.
           for (const rt::ImuSample& sample : *imu) {

@@ -95,7 +95,7 @@ Outcome run_chain(const OdometrySet& set, const Variant& v) {
       if (odometry.update(set.track[event.index]) != Status::ok) continue;
       const rt::PoseEstimate& pose = odometry.estimate();
       attitude.set_moving(odometry.belts_run());
-      if (v.track_aid)
+      if (v.track_aid && odometry.velocity_known())
         static_cast<void>(attitude.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
       outcome.path.push_back(to_timed_pose(pose));
     }

@@ -122,15 +122,21 @@ OdometrySet thinned(const OdometrySet& set, std::uint32_t every) {
   rt::ImuSample sum;
   bool whole_rates = true;
   std::uint32_t n = 0;
+  std::uint32_t rates = 0;  // of those, with a rate and with a force: what is not there counts for nothing
+  std::uint32_t forces = 0;
   for (const OdometryEvent& event : set.events) {
     if (event.kind != Kind::imu) {
       out.events.push_back(event);
       continue;
     }
     const rt::ImuSample& sample = set.imu[event.index];
+    const bool has_rate = (sample.flags & rt::kImuGyr) != 0;
+    const bool has_force = (sample.flags & rt::kImuAcc) != 0;
+    rates += has_rate ? 1 : 0;
+    forces += has_force ? 1 : 0;
     for (int i = 0; i < 3; ++i) {
-      sum.gyr_rad_s[i] += sample.gyr_rad_s[i];
-      sum.acc_m_s2[i] += sample.acc_m_s2[i];
+      sum.gyr_rad_s[i] += has_rate ? sample.gyr_rad_s[i] : 0.0;
+      sum.acc_m_s2[i] += has_force ? sample.acc_m_s2[i] : 0.0;
     }
     sum.flags |= sample.flags;
     whole_rates = whole_rates &&
@@ -139,14 +145,14 @@ OdometrySet thinned(const OdometrySet& set, std::uint32_t every) {
     if (!whole_rates) sum.flags &= ~std::uint32_t{rt::kImuOnlyAccSaturated};
     sum.stamp_ns = sample.stamp_ns;
     for (int i = 0; i < 3; ++i) {
-      sum.gyr_rad_s[i] /= n;
-      sum.acc_m_s2[i] /= n;
+      sum.gyr_rad_s[i] /= std::max(rates, 1u);
+      sum.acc_m_s2[i] /= std::max(forces, 1u);
     }
     out.events.push_back({event.received_us, Kind::imu, static_cast<std::uint32_t>(out.imu.size())});
     out.imu.push_back(sum);
     sum = {};
     whole_rates = true;
-    n = 0;
+    n = rates = forces = 0;
   }
   return out;
 }

@@ -20,11 +20,11 @@ void put_place(float (&to)[3], const rt::Vector3& p, const rt::Vector3& origin) 
 
 }  // namespace
 
-SegmentReport::SegmentReport(const ChosenMapConfig& config, bool features, Outlet<rt::SegmentList>& outlet,
-                             rt::Arena& arena)
+SegmentReport::SegmentReport(const ChosenMapConfig& config, bool features,
+                             ReportQueue<rt::SegmentList>& queue, rt::Arena& arena)
     : moments_(
           arena.make_array<mapping::SegmentMoments>("segment sums", features ? config.most_segments : 0)),
-      outlet_(&outlet) {
+      queue_(&queue) {
   list_.features = features;
 }
 
@@ -40,7 +40,7 @@ void SegmentReport::note(const ChosenMap& map) {
   }
 }
 
-void SegmentReport::send(const ChosenMap& map, rt::Nanoseconds stamp_ns, rt::Nanoseconds due_ns) {
+void SegmentReport::send(const ChosenMap& map, rt::Nanoseconds stamp_ns) {
   if (!fresh_) return;
   fresh_ = false;
   const mapping::Labelling& segments = *map.labelling();
@@ -59,8 +59,8 @@ void SegmentReport::send(const ChosenMap& map, rt::Nanoseconds stamp_ns, rt::Nan
     segment.voxels = voxels;
   }
   if (list_.features) add_features(map);
-  outlet_->put(list_, due_ns);
-  list_.events = list_.listed_events = 0;
+  // What a full queue did not take, the next list tells.
+  if (queue_->put(list_)) list_.events = list_.listed_events = 0;
 }
 
 void SegmentReport::add_features(const ChosenMap& map) {

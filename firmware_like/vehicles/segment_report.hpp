@@ -2,7 +2,7 @@
 // What a map's segments are and what happened to them, on its way to telemetry.
 #pragma once
 
-#include "firmware_like/outlet.hpp"
+#include "firmware_like/report_queue.hpp"
 #include "firmware_like/vehicles/chosen_map.hpp"
 #include "mapping/segment_features.hpp"
 #include "rt/segment_list.hpp"
@@ -14,19 +14,19 @@ namespace sortie::firmware {
 /// are asked for. Cost: O(segments); with features one visit a voxel.
 class SegmentReport {
  public:
-  SegmentReport(const ChosenMapConfig& config, bool features, Outlet<rt::SegmentList>& outlet,
+  SegmentReport(const ChosenMapConfig& config, bool features, ReportQueue<rt::SegmentList>& queue,
                 rt::Arena& arena);
 
   /// After each part of the segmenter's work: the events of a labelling that it finished.
   void note(const ChosenMap& map);
   /// At the end of a job: the list, when there was a labelling since the one before.
-  void send(const ChosenMap& map, rt::Nanoseconds stamp_ns, rt::Nanoseconds due_ns);
+  void send(const ChosenMap& map, rt::Nanoseconds stamp_ns);
 
  private:
   void add_features(const ChosenMap& map);
 
   std::span<mapping::SegmentMoments> moments_;  ///< empty: no features
-  Outlet<rt::SegmentList>* outlet_;
+  ReportQueue<rt::SegmentList>* queue_;
   rt::SegmentList list_;
   std::uint16_t slot_of_[rt::SegmentList::kMost]{};
   std::uint64_t labellings_{};

@@ -124,7 +124,7 @@ void Uav::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
 void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
   if (builder.profile().flag("flight.remote", false, "requests over LCM may fly the vehicle"))
     std::tie(requests_, request_port_) = builder.stream<rt::FlyRequest>(group, "FLY", 16, 8);
-  outlet_ = builder.outlet<rt::RotorCommand>("rotors");
+  outlet_ = builder.outlet<rt::RotorCommand>(group, "rotors");
   pilot_task_ = builder.task<planner::UavPilotOutput>(
       group, "pilot", 50, [this](rt::JobContext& context, planner::UavPilotOutput& output) {
         if (requests_ != nullptr) {
@@ -134,7 +134,7 @@ void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
         const planner::UavWay* way = way_input_ != nullptr ? way_input_->latest() : nullptr;
         pilot_->update(estimator_->state(), way, context.release_ns);
         output = pilot_->output();
-        outlet_->put(output.command, context.due_ns);
+        outlet_->put(output.command);
       });
   builder.remembers(pilot_task_, *pilot_);
   add_pilot_counters(builder);
@@ -280,9 +280,7 @@ void Uav::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)
     take_frame(frame, devices, now_ns);
   rt::RotorCommand command;
-  bool has_command = false;
-  while (outlet_ != nullptr && outlet_->take(now_ns, command)) has_command = true;
-  if (has_command) send_command(*devices.can, command);
+  if (outlet_ != nullptr && outlet_->take(now_ns, command)) send_command(*devices.can, command);
 }
 
 /// All of a command or a refusal; the counter rises with every attempt that put something on the bus.

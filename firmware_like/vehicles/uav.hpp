@@ -72,7 +72,7 @@ class Uav final : public Vehicle {
   rt::Task<planner::UavPilotOutput>* pilot_task_{};
   rt::Input<planner::UavPilotOutput>* question_input_{};
   rt::Input<planner::UavWay>* way_input_{};
-  Outlet<rt::RotorCommand>* outlet_{};
+  rt::CommandOutlet<rt::RotorCommand>* outlet_{};
   double distance_m_{};
   rt::Vector3 last_m_;
   bool located_{};

@@ -72,7 +72,7 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
           // aid; the odometry counts what made it so.
           if ((pose.flags & estimators::kPoseStarted) != 0) {
             attitude_->set_moving(odometry_->belts_run());
-            if (track_aid_)
+            if (track_aid_ && odometry_->velocity_known())
               static_cast<void>(attitude_->set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
           }
         }

@@ -28,7 +28,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   drivers::ScanSink* scan_sink() override {
     return rt::kBuilt<rt::Part::map> && map_ ? map_->port() : nullptr;
   }
-  Outlet<rt::SegmentList>* segment_lists() override {
+  ReportQueue<rt::SegmentList>* segment_lists() override {
     return rt::kBuilt<rt::Part::map> && map_ ? map_->segment_lists() : nullptr;
   }
   UnitTrial try_units() const override {
@@ -86,8 +86,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   rt::Task<rt::PoseEstimate>* odometry_task_{};
   rt::Task<planner::FlipperOutput>* flipper_task_{};
   rt::Input<rt::PoseEstimate>* pose_input_{};  // of the group `mapping`; null without odometry
-  Outlet<rt::DriveCommand>* drive_outlet_{};
-  Outlet<rt::FlipperCommand>* flipper_outlet_{};
+  rt::CommandOutlet<rt::DriveCommand>* drive_outlet_{};
+  rt::CommandOutlet<rt::FlipperCommand>* flipper_outlet_{};
   std::int32_t postures_{};
   // Every attitude of the present job, for the odometry that runs behind it.
   rt::AttitudeEstimate job_attitudes_[kImuBatch]{};

@@ -36,7 +36,7 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   add_drive_parameters(builder, group, setup.efficiency);
   if (setup.remote)
     std::tie(requests_, request_port_) = builder.stream<rt::DriveRequest>(group, "DRIVE", 16, 8);
-  drive_outlet_ = builder.outlet<rt::DriveCommand>("drive");
+  drive_outlet_ = builder.outlet<rt::DriveCommand>(group, "drive");
   const rt::TaskBase* task = builder.task<planner::UgvDriveOutput>(
       group, "drive", 50, [this](rt::JobContext& context, planner::UgvDriveOutput& output) {
         if (requests_ != nullptr) {
@@ -47,7 +47,7 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
         static_cast<void>(
             drive_->update(odometry_task_->value(), {imu_->stale(), tracks_->stale()}, context.release_ns));
         output = drive_->output();
-        drive_outlet_->put(drive_->command(), context.due_ns);
+        drive_outlet_->put(drive_->command());
       });
   builder.remembers(task, *drive_);
   add_drive_counters(builder);
@@ -119,7 +119,7 @@ void Ugv::add_drive_counters(VehicleBuilder& builder) {
 
 void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
   listen_to_flippers(builder, group);
-  flipper_outlet_ = builder.outlet<rt::FlipperCommand>("flippers");
+  flipper_outlet_ = builder.outlet<rt::FlipperCommand>(group, "flippers");
   flipper_task_ = builder.task<planner::FlipperOutput>(
       group, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
         // What is not finite does not come off the bus; a posture that does not exist is counted in the
@@ -134,7 +134,7 @@ void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
         command.stamp_ns = output.stamp_ns;
         for (std::uint32_t i = 0; i < rt::kFlippers; ++i) command.angle_rad[i] = output.angle_rad[i];
         command.flags = output.flags & planner::kFlippersEnabled;
-        flipper_outlet_->put(command, context.due_ns);
+        flipper_outlet_->put(command);
       });
   builder.remembers(flipper_task_, *flippers_);
   builder.counter("flipper_commands_sent", [this] { return flipper_commands_sent_; });
@@ -142,17 +142,19 @@ void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
 }
 
 void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
+  // The bus has room for one every so often. Until then the newest waits in the outlet.
+  const bool paced = !motors_;
   rt::DriveCommand command;
-  bool has_command = false;
-  while (drive_outlet_ != nullptr && drive_outlet_->take(now_ns, command)) has_command = true;
+  const bool has_command = drive_outlet_ != nullptr && (!paced || now_ns >= next_command_ns_) &&
+                           drive_outlet_->take(now_ns, command);
   rt::FlipperCommand flippers;
-  bool has_flippers = false;
-  while (flipper_outlet_ != nullptr && flipper_outlet_->take(now_ns, flippers)) has_flippers = true;
+  const bool has_flippers = flipper_outlet_ != nullptr && (!paced || now_ns >= next_flippers_ns_) &&
+                            flipper_outlet_->take(now_ns, flippers);
   if (motors_) {
     send_to_motors(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
     return;
   }
-  if (has_command && now_ns >= next_command_ns_) {
+  if (has_command) {
     drivers::CanFrame frame;
     if (drivers::encode_drive(command, command_counter_, frame) == Status::ok &&
         can.send(frame) == Status::ok) {
@@ -163,7 +165,7 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
       ++commands_refused_;
     }
   }
-  if (!has_flippers || now_ns < next_flippers_ns_) return;
+  if (!has_flippers) return;
   if (send_flippers(can, flippers)) {
     ++flipper_commands_sent_;
     next_flippers_ns_ = now_ns + kFlippersEvery;

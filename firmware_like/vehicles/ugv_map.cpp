@@ -32,7 +32,7 @@ UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& source
   }
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
   if (rt::kBuilt<rt::Part::segment_lists> && config.publish) {
-    lists_ = builder.outlet<rt::SegmentList>("segments", 4);
+    lists_ = builder.reports<rt::SegmentList>("segments", 4);
     report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
   }
   // Pools and the size of a voxel are memory; how far the lidar is believed may change.
@@ -140,7 +140,7 @@ void UgvMap::segment(rt::JobContext& context) {
     map_->segment(milliseconds_of(context));
     if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->note(*map_);
   }
-  if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->send(*map_, output_.stamp_ns, context.due_ns);
+  if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->send(*map_, output_.stamp_ns);
   const mapping::RollingGridOutput& grid = map_->grid().output();
   output_.voxels = grid.voxels;
   output_.blocks = grid.blocks;

@@ -74,7 +74,7 @@ class UgvMap {
   ScanPort* port() const { return port_; }
   const LidarScans& lidar() const { return lidar_; }
   /// Null without segments, or where the profile publishes none.
-  Outlet<rt::SegmentList>* segment_lists() const { return lists_; }
+  ReportQueue<rt::SegmentList>* segment_lists() const { return lists_.get(); }
   const ChosenMap& map() const { return *map_; }
   const MapOutput& output() const { return output_; }
 
@@ -96,7 +96,7 @@ class UgvMap {
   std::unique_ptr<ChosenMap> map_;
   std::unique_ptr<mapping::Sweeps> sweeps_;                   ///< null without odometry
   OwnedPart<SegmentReport, rt::Part::segment_lists> report_;  ///< null: no list of segments is published
-  Outlet<rt::SegmentList>* lists_{};
+  std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;
   rt::Nanoseconds next_pose_ns_{};
   MapOutput output_;
   bool anytime_{};

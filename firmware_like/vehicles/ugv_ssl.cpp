@@ -38,7 +38,7 @@ void UgvSsl::add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSour
                  : builder.arena().make_array<std::byte>("ray scheduler", static_cast<std::size_t>(bytes),
                                                          alignof(std::max_align_t)));
   std::tie(returns_, port_) = builder.stream<rt::SslReturns>(group, std::string(drivers::kChannelSsl), 8, 4);
-  outlet_ = builder.outlet<rt::SslCommand>("ssl", 4);
+  outlet_ = builder.outlet<rt::SslCommand>(group, "ssl");
   const TaskDefaults defaults{schedules() ? 30'000.0 : 100.0, rt::Criticality::b, settings_.units, true};
   task_ = builder.task<SslOutput>(group, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
     for (const rt::SslReturns& returns : *returns_) take(returns, output);
@@ -48,7 +48,7 @@ void UgvSsl::add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSour
     output.asked = command.number;
     output.rays_digest = rt::digest_bytes(command.direction, command.rays * sizeof(command.direction[0]));
     output.unplanned = choice_->unplanned();
-    outlet_->put(command, context.due_ns);
+    outlet_->put(command);
   });
   builder.remembers(task_, *choice_, planned_job_);
   add_counters(builder, task_);
@@ -208,21 +208,23 @@ void UgvSsl::plan(rt::JobContext& context, SslOutput& output) {
   output.certificate = plan->certificate;
 }
 
+void UgvSsl::send(const Devices& devices, const rt::SslCommand& command, rt::Nanoseconds now_ns) {
+  if (devices.ssl == nullptr || devices.ssl->send(command) != Status::ok) {
+    ++commands_refused_;
+    return;
+  }
+  if (devices.log != nullptr) {
+    std::uint8_t message[drivers::kSslCommandBytes];
+    std::size_t size = 0;
+    if (drivers::encode(command, commands_sent_, message, size) == Status::ok)
+      devices.log->sample(std::string(drivers::kChannelSslCommand), now_ns, {message, size});
+  }
+  ++commands_sent_;
+}
+
 void UgvSsl::poll(const Devices& devices, rt::Nanoseconds now_ns) {
   rt::SslCommand command;
-  while (outlet_->take(now_ns, command)) {
-    if (devices.ssl == nullptr || devices.ssl->send(command) != Status::ok) {
-      ++commands_refused_;
-      continue;
-    }
-    if (devices.log != nullptr) {
-      std::uint8_t message[drivers::kSslCommandBytes];
-      std::size_t size = 0;
-      if (drivers::encode(command, commands_sent_, message, size) == Status::ok)
-        devices.log->sample(std::string(drivers::kChannelSslCommand), now_ns, {message, size});
-    }
-    ++commands_sent_;
-  }
+  if (outlet_->take(now_ns, command)) send(devices, command, now_ns);
   if (devices.ssl == nullptr) return;
   rt::SslReturns returns;
   // A full stream counts its refusals.

@@ -77,6 +77,7 @@ class UgvSsl {
  private:
   void add_occupancy(VehicleBuilder& builder, rt::GroupId group);
   void add_counters(VehicleBuilder& builder, const rt::Task<SslOutput>* task);
+  void send(const Devices& devices, const rt::SslCommand& command, rt::Nanoseconds now_ns);
   void take_poses();
   void enter_scan(const rt::PointScan& scan);
   void take(const rt::SslReturns& returns, SslOutput& output);
@@ -91,7 +92,7 @@ class UgvSsl {
   const rt::Task<SslOutput>* task_{};
   rt::Stream<rt::SslReturns>* returns_{};
   InputPort<rt::SslReturns>* port_{};
-  Outlet<rt::SslCommand>* outlet_{};
+  rt::CommandOutlet<rt::SslCommand>* outlet_{};
   std::unique_ptr<planner::SslChoice> choice_;
   // Only where rays are scheduled.
   std::unique_ptr<mapping::OccupancyMap> map_;

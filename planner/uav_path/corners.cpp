@@ -112,7 +112,7 @@ float Corners::length() const {
 bool Corners::shorten(const FlightMap& map, std::uint64_t& units) {
   while (rounds_ < kMostRounds && units > 0) {
     if (source_ == 0) {
-      if (!sampled_ && rounds_ > 0) resample(map);
+      if (!sampled_ && rounds_ > 0) resample(map, units);
       sampled_ = true;
       std::fill_n(memory_.lengths.begin(), count_, std::numeric_limits<float>::infinity());
       memory_.lengths[0] = 0.0f;
@@ -162,7 +162,7 @@ void Corners::keep_chain() {
 }
 
 // New points on the lines, where they see both ends.
-void Corners::resample(const FlightMap& map) {
+void Corners::resample(const FlightMap& map, std::uint64_t& units) {
   auto& points = memory_.points;
   const std::uint32_t corners = count_;
   if (2 * corners + kResampled > points.size()) return;
@@ -184,6 +184,7 @@ void Corners::resample(const FlightMap& map) {
       };
       const Voxel3 c{between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)};
       const bool room = count_ + (corners - k) < tail + k;
+      if (room) units -= std::min<std::uint64_t>(units, line_steps(points[count_ - 1], c) + line_steps(c, b));
       if (room && line_is_free(map, points[count_ - 1], c) && line_is_free(map, c, b)) points[count_++] = c;
     }
   }

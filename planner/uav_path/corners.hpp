@@ -34,7 +34,8 @@ class Corners {
   Status crawl(const FlightMap& map, const CoarseSearch& coarse, const Voxel3& start, const Voxel3& goal);
 
   /// Goes on shortening for about `units` voxels of lines of sight; takes what it used off, and past zero by
-  /// one point's lines at the most. True when nothing gets shorter any more, or after kMostRounds.
+  /// the lines of one point, or of all new points of a round (256 pieces of the way), at the most. True when
+  /// nothing gets shorter any more, or after kMostRounds.
   bool shorten(const FlightMap& map, std::uint64_t& units);
 
   /// The way: after a finished round its corners alone. Never shorter than 1; the first is the start.
@@ -57,7 +58,7 @@ class Corners {
   void begin();
   void connect(const FlightMap& map, std::uint32_t i, std::uint64_t& units);
   void keep_chain();
-  void resample(const FlightMap& map);
+  void resample(const FlightMap& map, std::uint64_t& units);
 
   CornerMemory memory_;
   std::uint32_t count_{};

@@ -10,6 +10,7 @@
 #include "planner/uav_path/corners.hpp"
 #include "planner/uav_path/fine_search.hpp"
 #include "planner/uav_path/flight_map.hpp"
+#include "planner/uav_path/swept_check.hpp"
 
 namespace sortie::planner {
 
@@ -38,11 +39,12 @@ struct UavPathWork {
   std::uint64_t units{};
   std::uint32_t parts{};  ///< connected parts of bricks that were met
   std::uint32_t
-      crawled{};          ///< plans whose fine search ran out of memory and that were led by the parts alone
-  std::uint32_t exact{};  ///< pairs that the exact check judged, all plans
+      crawled{};           ///< plans whose fine search ran out of memory and that were led by the parts alone
+  std::uint32_t exact{};   ///< pairs that the exact check judged, all plans
+  std::uint32_t bricks{};  ///< that it looked at
   std::uint32_t
       unsafe{};  ///< ways that the exact check refused: a fault of this program, never shown as a way
-  SORTIE_FIELDS(units, parts, crawled, exact, unsafe)
+  SORTIE_FIELDS(units, parts, crawled, exact, bricks, unsafe)
 };
 
 /// Plans one way at a time. No heap, no clock; the result does not depend on how the work is sliced. Memory
@@ -51,18 +53,20 @@ struct UavPathWork {
 class UavPath {
  public:
   static constexpr std::uint32_t kMostWaypoints = 64;
+  /// Voxels of a line of sight, or steps of an exact check (SweptWalk), that are one unit.
+  static constexpr std::uint64_t kStepsPerUnit = 16;
 
   explicit UavPath(const UavPathMemory& memory)
       : coarse_(memory.coarse), fine_(memory.fine), corners_(memory.corners) {}
 
   /// Asks for a way between two points (world). A start in a voxel that is not free is led to a free one
-  /// nearby first. Cost: that of clearing the tables, and up to 64 exact checks.
+  /// nearby first, in step(). Cost: that of clearing the tables.
   PathState begin(const FlightMap& map, const rt::Vector3& start_m, const rt::Vector3& goal_m);
 
-  /// Works on for at most `units`: a part of a brick, a voxel of the fine search and 16 voxels of a line of
-  /// sight are one each; beyond them by one point's lines of sight at the most. Where a way was found or got
-  /// shorter, its exact check comes on top and is not in units: at most 8 of them for a question, some ns for
-  /// each brick along the way and 150 ns for each pair that is judged (work().exact).
+  /// Works on for at most `units`: a part of a brick, a voxel of the fine search, 16 voxels of a line of
+  /// sight, a pair of the exact check and 16 bricks along its line are one each; beyond them by
+  /// one point's lines of sight, a round's new points, or one brick of the exact check, at the most. Nothing
+  /// is left out of the units: whoever adds work adds it there.
   PathState step(const FlightMap& map, std::uint64_t units);
 
   /// The way as it is now, from start to goal, world; empty before `found`. A way with more corners than room
@@ -82,10 +86,18 @@ class UavPath {
   void archive(rt::Archive& archive);
 
  private:
-  enum class Phase : std::uint8_t { coarse, fine, shorten };
-  bool find_free_start(const FlightMap& map, const rt::Vector3& start_m);
-  PathState finish_search(const FlightMap& map, Status taken);
-  bool publish(const FlightMap& map);
+  enum class Phase : std::uint8_t { lead_in, coarse, fine, judge, shorten };
+  // Which of the fresh way's lines is judged.
+  enum class Line : std::uint8_t { without_first, without_last, each };
+  bool find_next_start(const FlightMap& map);
+  void lead_in(const FlightMap& map, std::uint64_t& steps);
+  void search(const FlightMap& map, std::uint64_t& units);
+  void begin_judging(const FlightMap& map);
+  void judge(const FlightMap& map, std::uint64_t& steps);
+  bool walk_on(const FlightMap& map, std::uint64_t& steps);
+  bool next_line();
+  void refuse();
+  void drop(std::uint32_t point);
 
   CoarseSearch coarse_;
   FineSearch fine_;
@@ -101,6 +113,18 @@ class UavPath {
   rt::Vector3 waypoints_[kMostWaypoints]{};
   std::uint32_t waypoint_count_{};
   bool whole_{};
+  bool shortest_{};  ///< the corners get no shorter
+  // A start that is not free: how far from it the last voxel was that was tried, and how many there were.
+  double tried_m_{};
+  std::uint32_t tries_{};
+  // The way that is judged before it is shown.
+  rt::Vector3 fresh_[kMostWaypoints]{};
+  std::uint32_t fresh_count_{};
+  bool fresh_whole_{};
+  bool walking_{};
+  Line line_{};
+  std::uint32_t point_{};  ///< at the end of the line that is judged
+  SweptWalk walk_;
   UavPathWork work_;
 };
 

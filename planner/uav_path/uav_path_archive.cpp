@@ -136,15 +136,23 @@ void Corners::archive(rt::Archive& archive) {
 
 void UavPath::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav path")
-      .by_hand(fine_, state_, phase_, start_, goal_, waypoint_count_)
+      .by_hand(fine_, state_, phase_, start_, goal_, waypoint_count_, fresh_count_, line_, point_)
       .state(coarse_, corners_, map_version_, published_rounds_, start_m_, goal_m_, waypoints_, whole_,
-             work_);
+             shortest_, tried_m_, tries_, fresh_, fresh_whole_, walking_, walk_, work_);
   place(archive, start_);
   place(archive, goal_);
   fine_.archive(archive, coarse_.size());
   state_of(archive, state_, PathState::outdated);
   state_of(archive, phase_, Phase::shorten);
+  state_of(archive, line_, Line::each);
   archive.bounded(waypoint_count_, kMostWaypoints);
+  archive.bounded(fresh_count_, kMostWaypoints);
+  archive.bounded(point_, kMostWaypoints);
+  if (archive.is_reading() && phase_ == Phase::judge && fresh_count_ < (line_ == Line::each ? 2u : 3u) &&
+      walking_) {
+    archive.fail(Status::malformed, "a line is judged that the way does not have");
+    state_ = PathState::none;
+  }
 }
 
 }  // namespace sortie::planner

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "rt/digest.hpp"
+#include "rt/stamp_gate.hpp"
 
 namespace sortie::rt::posix {
 namespace {
@@ -20,6 +21,8 @@ namespace {
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw std::runtime_error(path + ": " + what);
 }
+
+constexpr std::uint64_t kFarthest = std::uint64_t{1} << 61;  // ns from tick 0, as is_far() has it
 
 template <std::size_t N>
 bool ends(const char (&text)[N]) {
@@ -37,8 +40,10 @@ bool fits(const FlightPlace& place, std::uint32_t words, std::uint64_t bytes) {
 bool is_sound(const FlightHeader& header) {
   const std::uint64_t bytes = header.file_bytes;
   bool sound = header.groups <= kMaxGroups && header.tracks <= kMaxFlightTracks && header.base_tick_ns > 0 &&
-               header.span_names <= kMaxSpanNames && ends(header.boot_id) && ends(header.scene) &&
-               ends(header.vehicle) && ends(header.version_text) && fits(header.events, kEventWords, bytes);
+               !is_far(header.epoch_ns) && !is_far(header.start_ns) &&
+               !is_far(header.utc_minus_monotonic_ns) && header.span_names <= kMaxSpanNames &&
+               ends(header.boot_id) && ends(header.scene) && ends(header.vehicle) &&
+               ends(header.version_text) && fits(header.events, kEventWords, bytes);
   for (std::uint32_t i = 0; sound && i < header.groups; ++i) {
     const FlightGroup& group = header.group[i];
     sound = ends(group.name) && group.period_ticks > 0 && group.tasks <= kMaxTasksPerGroup &&
@@ -165,6 +170,11 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
       job.group = group;
       job.tick = word64(w);
       job.started_ns = static_cast<Nanoseconds>(word64(w + 2));
+      // The sum of such times never overflows; what no run can have is damage.
+      if (is_far(job.started_ns) || job.tick > kFarthest / static_cast<std::uint64_t>(header.base_tick_ns)) {
+        ++damaged_;
+        return;
+      }
       job.verdict = static_cast<Verdict>(w[4] & 0xffu);
       job.tasks = std::min((w[4] >> 8) & 0xffu, kMaxTasksPerGroup);
       job.level = static_cast<std::uint8_t>(w[4] >> 16);
@@ -177,6 +187,10 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
   }
   for (std::uint32_t track = 0; track < header.tracks; ++track) {
     read_ring(words, header.track[track].spans, kSpanWords, [&](const std::uint32_t* w) {
+      if (is_far(static_cast<Nanoseconds>(word64(w)))) {
+        ++damaged_;
+        return;
+      }
       const char* name = w[3] < header.span_names ? header.span_name[w[3]] : "?";
       spans_.push_back({track, name, static_cast<Nanoseconds>(word64(w)) - header.start_ns, w[2]});
     });

@@ -149,6 +149,7 @@ bool LiveRunner::poll_event(LiveEvent& event) {
 void LiveRunner::set_up(std::uint32_t index, int priority, StackMeter& stack) {
   Group& group = executive_.group(index);
   set_thread_name(group.spec.name);
+  pulses_[index].thread.store(thread_number(), std::memory_order_release);
   if (options_.realtime) {
     const auto keep = [this, index](const SetupResult& result) {
       if (result.ok) return;
@@ -283,6 +284,7 @@ void LiveRunner::work(std::uint32_t index, int priority) {
   if (options_.on_worker != nullptr) options_.on_worker(false);
   stack_bytes_[index] = stack.high_water();
   pulse.has_cpu_clock.store(false, std::memory_order_release);
+  pulse.thread.store(0, std::memory_order_release);
   running_.fetch_sub(1, std::memory_order_release);
 }
 

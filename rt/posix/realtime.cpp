@@ -11,6 +11,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -50,6 +51,14 @@ SetupResult set_fifo_priority(int priority) noexcept {
 }
 
 SetupResult set_ordinary_priority() noexcept { return set_scheduler(SCHED_OTHER, 0); }
+
+int thread_number() noexcept { return static_cast<int>(::syscall(SYS_gettid)); }
+
+SetupResult take_priority_from(int thread) noexcept {
+  const sched_param none{};
+  if (::sched_setscheduler(thread, SCHED_OTHER, &none) == 0) return {};
+  return refused("SCHED_OTHER for thread %d: %s", thread, std::strerror(errno));
+}
 
 SetupResult lock_memory() noexcept {
 #ifdef __GLIBC__

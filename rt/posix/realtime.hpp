@@ -21,6 +21,13 @@ SetupResult set_fifo_priority(int priority) noexcept;
 /// Ordinary scheduling (SCHED_OTHER, nice 0) for the calling thread: undoes set_fifo_priority.
 SetupResult set_ordinary_priority() noexcept;
 
+/// The number that the kernel knows the calling thread by.
+int thread_number() noexcept;
+
+/// The same as set_ordinary_priority() for another thread of this process, by its number: one that does not
+/// end leaves the processor to ordinary threads from then on.
+SetupResult take_priority_from(int thread) noexcept;
+
 /// Keeps all present and future pages of the process in memory (mlockall), and keeps malloc from giving pages
 /// back.
 SetupResult lock_memory() noexcept;

@@ -5,6 +5,7 @@
 
 #include "rt/posix/clock.hpp"
 #include "rt/posix/make_thread.hpp"
+#include "rt/posix/realtime.hpp"
 #include "rt/shared_load.hpp"
 
 namespace sortie::rt::posix {
@@ -177,6 +178,10 @@ void Supervisor::look_for_stuck(Nanoseconds now, Nanoseconds looked) {
     }
     if (options_.stuck_limit_ns != 0 && watch.watched_ns > options_.stuck_limit_ns && !watch.limit_reached) {
       watch.limit_reached = true;
+      // Where it holds the only processor, and the kernel does not throttle real-time threads, nobody else
+      // could end the process.
+      if (const int thread = pulses_[index].thread.load(std::memory_order_acquire); thread != 0)
+        static_cast<void>(take_priority_from(thread));  // refused: it has ended, or was ordinary all along
       if (options_.on_stuck_limit != nullptr) options_.on_stuck_limit(options_.on_stuck_self, event);
     }
   }

@@ -28,7 +28,8 @@ struct SupervisorOptions {
   /// One update of the ladder a window; longer where a core's slowest group has a period of more than
   /// kMostSpan windows.
   Nanoseconds window_ns{10 * kNanosecondsPerMillisecond};
-  /// A task that is stuck for so long ends the run: `on_stuck_limit` is called once, on this thread. Of a
+  /// A task that is stuck for so long ends the run: its worker loses its real-time priority, so that ordinary
+  /// threads have a processor, and `on_stuck_limit` is called once, on this thread. Of a
   /// time in which the supervisor, too, had no processor 20 ms count, or two of its periods. 0: never.
   Nanoseconds stuck_limit_ns{};
   void (*on_stuck_limit)(void* self, const LiveEvent& event){};

@@ -18,6 +18,7 @@ struct alignas(64) WorkerPulse {
   // Written by the worker.
   std::atomic<Nanoseconds> busy_since_ns{0};  ///< CLOCK_MONOTONIC when the running job began; 0: idle
   std::atomic<Nanoseconds> spun_ns{0};        ///< time spent spinning before releases
+  std::atomic<int> thread{0};                 ///< its number in the kernel (thread_number()); 0: it has ended
   clockid_t cpu_clock{};                      ///< CPU time of the worker's thread
   std::atomic<std::uint32_t> missed{0};       ///< jobs missed or left out, modulo 2^32
   std::atomic<bool> has_cpu_clock{false};     ///< `cpu_clock` may be read

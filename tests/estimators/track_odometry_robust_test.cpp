@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "estimators/attitude_config.hpp"
 #include "tests/estimators/odometry_samples.hpp"
 
 using namespace sortie;
@@ -77,6 +78,62 @@ TEST_CASE("An attitude that stops coming is noticed and makes the heading less c
   CHECK(odometry.counters().attitude_stale == 43);  // 150 ms are bridged
   CHECK(variance(odometry, 5) > 0.05);
   CHECK(position_of(odometry).x == Approx(1.0));
+}
+
+TEST_CASE("A turn that the gyro did not see makes the heading less certain, once for each time") {
+  const auto heading_variance = [](std::uint32_t flags, int from, int until, double speed) {
+    TrackOdometry odometry{TrackOdometryConfig{}};
+    for (int i = 0; i <= 100; ++i) {
+      rt::AttitudeEstimate attitude = attitude_at(i * 20 * kMs, {}, {});
+      attitude.flags |= i >= from ? flags & ~std::uint32_t{estimators::kAttitudeSaturated} : 0u;
+      attitude.flags |= i >= from && i < until ? flags : 0u;
+      if (speed == 0) attitude.flags |= estimators::kAttitudeStands;
+      REQUIRE(odometry.observe(attitude) == Status::ok);
+      REQUIRE(odometry.update({i * 20 * kMs, speed * i, speed * i, 0}) == Status::ok);
+    }
+    return variance(odometry, 5);
+  };
+  constexpr std::uint32_t kInvalid = estimators::kAttitudeHeadingInvalid;
+  constexpr std::uint32_t kClipped = estimators::kAttitudeSaturated;
+  const double step = estimators::PoseCovarianceConfig{}.unknown_heading_rad2_per_s * 0.02;
+  for (const double speed : {0.01, 0.0}) {
+    const double seen = heading_variance(0, 50, 60, speed);
+    CHECK(seen < 1e-6);
+    CHECK(heading_variance(kClipped, 50, 60, speed) == seen);  // of the accelerometer alone
+    CHECK(heading_variance(kInvalid, 50, 60, speed) == Approx(seen + step));
+    CHECK(heading_variance(kInvalid | kClipped, 50, 60, speed) == Approx(seen + 10 * step));
+  }
+}
+
+TEST_CASE("A velocity that nobody knows is told as such") {
+  TrackOdometry odometry{TrackOdometryConfig{}};
+  CHECK_FALSE(odometry.velocity_known());
+  int i = 0;
+  for (; i < 10; ++i) {
+    REQUIRE(odometry.observe(attitude_at(i * 20 * kMs, {}, {})) == Status::ok);
+    REQUIRE(odometry.update({i * 20 * kMs, 0.02 * i, 0.02 * i, 0}) == Status::ok);
+    CHECK(odometry.velocity_known());
+  }
+  CHECK(odometry.estimate().v_body_m_s[0] == Approx(1.0));
+  // Another time line: the robot still drives, and the first sample cannot say how fast.
+  for (int k = 0; odometry.counters().resumed == 0; ++k) {
+    REQUIRE(k < 20);
+    const rt::Nanoseconds now = 60'000 * kMs + k * 20 * kMs;
+    REQUIRE(odometry.observe(attitude_at(now, {}, {})) == Status::ok);
+    static_cast<void>(odometry.update({now, 0.02 * (i + k), 0.02 * (i + k), 0}));
+    if (odometry.counters().resumed == 0) continue;
+    CHECK_FALSE(odometry.velocity_known());
+    const rt::Nanoseconds next = now + 20 * kMs;
+    REQUIRE(odometry.observe(attitude_at(next, {}, {})) == Status::ok);
+    REQUIRE(odometry.update({next, 0.02 * (i + k + 1), 0.02 * (i + k + 1), 0}) == Status::ok);
+    CHECK(odometry.velocity_known());
+    CHECK(odometry.estimate().v_body_m_s[0] == Approx(1.0));
+  }
+  TrackOdometry blind{TrackOdometryConfig{}};
+  for (int k = 0; k < 3; ++k) {
+    REQUIRE(blind.update({k * 20 * kMs, 0.02 * k, 0.02 * k, 0}) == Status::ok);
+    CHECK(blind.velocity_known() == (k == 0));
+  }
 }
 
 TEST_CASE("Where the attitude is not known a pose says so, and nothing is taken for rest") {

@@ -69,3 +69,31 @@ TEST_CASE("a consumer that makes room while a sample is being refused gets none 
   CHECK(taken + gate.stream.waiting() == static_cast<std::uint64_t>(gate.port.admitted()));
   CHECK(gate.sink.samples == gate.port.admitted());
 }
+
+TEST_CASE("what no log could hold is refused and counted, be a log kept or not") {
+  for (const bool recorded : {true, false}) {
+    CountingSink sink;
+    std::vector<rt::SslReturns> ring(4);
+    std::vector<rt::SslReturns> batch(4);
+    rt::Stream<rt::SslReturns> stream("returns", 0, ring.data(), 4, batch.data(), 4);
+    InputPort<rt::SslReturns> port("SSL", stream);
+    if (recorded) port.set_sink(&sink);
+    rt::SslReturns returns;
+    returns.rays = 2;
+    CHECK(port.push(returns, 1) == Status::ok);
+    returns.direction[1] = rt::kSslDirections;  // a reader of the log would not take it
+    CHECK(port.push(returns, 2) == Status::out_of_range);
+    returns.rays = rt::kSslMaxRays + 1;
+    CHECK(port.push(returns, 3) == Status::out_of_range);
+    CHECK(sink.samples == (recorded ? 1 : 0));
+    CHECK(port.admitted() == 1);
+    CHECK(stream.waiting() == 1);
+    CHECK(stream.refused() == 2);
+  }
+  std::vector<rt::ParameterChange> ring(4);
+  std::vector<rt::ParameterChange> batch(4);
+  rt::Stream<rt::ParameterChange> changes("changes", 0, ring.data(), 4, batch.data(), 4);
+  InputPort<rt::ParameterChange> port("PARAM", changes);
+  CHECK(port.push({}, 1) == Status::out_of_range);  // it has no name
+  CHECK(changes.waiting() == 0);
+}

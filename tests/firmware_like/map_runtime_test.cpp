@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <memory>
 #include <set>
 
@@ -134,9 +133,12 @@ TEST_CASE("lists of segments tell every birth and end, and features are those of
   std::uint64_t lists = 0;
   std::uint64_t wrong = 0;
   const auto list = std::make_unique<rt::SegmentList>();
-  options.on_job = [&](const rt::JobRecord&, firmware::Runtime& runtime) {
-    while (runtime.vehicle().segment_lists()->take(std::numeric_limits<rt::Nanoseconds>::max(), *list)) {
+  rt::Tick away_until = 0;
+  options.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
+    if (record.tick > 100 && record.tick < away_until) return;
+    while (runtime.vehicle().segment_lists()->take(*list)) {
       ++lists;
+      wrong += list->events == list->listed_events ? 0u : 1u;
       for (const rt::ListedEvent& event : std::span(list->event, list->listed_events)) {
         const bool born = event.change == rt::ListedEvent::kBorn;
         const bool fits = born ? living.insert(event.id).second : living.erase(event.id) == 1;
@@ -148,9 +150,19 @@ TEST_CASE("lists of segments tell every birth and end, and features are those of
       wrong += listed == living ? 0u : 1u;
     }
   };
+  // A reader that stays away: what the full queue did not take, the next list tells.
+  away_until = 1200;
+  const firmware::ReplayOutcome slow = replay_log(log, options);
+  CHECK(slow.results.counters.at("segments_overrun") > 2);
+  CHECK(wrong == 0);
+  CHECK(lists > 4);
+  away_until = 0;
+  living.clear();
+  lists = 0;
   const firmware::ReplayOutcome again = replay_log(log, options);
   CHECK(complaint_of(again).empty());
   CHECK(wrong == 0);
+  CHECK(again.results.counters.at("segments_overrun") == 0);
   CHECK(lists > 8);
   REQUIRE(list->listed > 1);
   CHECK(list->segments == list->listed);

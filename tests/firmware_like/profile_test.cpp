@@ -54,6 +54,25 @@ TEST_CASE("an unknown key is named with its line and the nearest key that is kno
   CHECK(error_of([&] { far.refuse_unknown_keys("hil"); }).empty());
 }
 
+TEST_CASE("a whole number that no double can hold is refused, not rounded and not left at its default") {
+  const NumberSpec any{7, -1e19, 1e19, "", ""};
+  for (const char* last : {"9007199254740992", "-9007199254740992"}) {
+    Profile profile("[scene]\nname=\"a\"\nvehicle=\"ugv\"\n[map]\ncount = " + std::string(last) + "\n",
+                    "far.toml");
+    CHECK(profile.number("map.count", any) == std::stod(last));
+  }
+  for (const char* odd :
+       {"9007199254740993", "9007199254740994", "-9007199254740993", "9223372036854775807"}) {
+    Profile profile("[scene]\nname=\"a\"\nvehicle=\"ugv\"\n[map]\ncount = " + std::string(odd) +
+                        "\n[[script]]\nat_s = 1\nset = \"map.count\"\nvalue = " + odd + "\n",
+                    "far.toml");
+    CHECK(mentions(error_of([&] { static_cast<void>(profile.number("map.count", any)); }), "2^53"));
+    CHECK(mentions(error_of([&] { static_cast<void>(profile.integer("map.count", any)); }), "2^53"));
+    CHECK(mentions(error_of([&] { static_cast<void>(profile.integer_or_auto("map.count", any)); }), "2^53"));
+    CHECK(mentions(error_of([&] { static_cast<void>(profile.script()); }), "2^53"));
+  }
+}
+
 TEST_CASE("a scene of the program refuses unknown keys, wherever they stand") {
   CHECK(scene_error({}).empty());
   CHECK(mentions(scene_error({"map.voxel=0.2"}), "unknown key map.voxel; did you mean map.voxel_m?"));

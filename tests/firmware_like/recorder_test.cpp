@@ -113,6 +113,31 @@ TEST_CASE("samples that the recorder loses become a gap before the job that took
   CHECK(LogFile(path).whole_until() == 0);
 }
 
+TEST_CASE("what no log may hold is counted as lost, and the log says so") {
+  const TempFolder folder;
+  const std::string path = folder.file("odd.lcm");
+  stalls = {};
+  Runtime runtime(load_scene(stall_scene(folder)), stall_vehicles(), RuntimeStart{});
+  RecorderOptions options;
+  options.path = path;
+  FlightRecorder recorder(runtime, options, make_header(runtime, "test", 0));
+  for (const auto& port : runtime.parts().ports()) port->set_sink(&recorder);
+  runtime.executive().set_sink(recorder.job_sink());
+  SlowDisk feed(runtime, recorder, {50, 100, 150});
+  rt::run_virtual(runtime.executive(), feed, 0, 119);
+  const std::uint8_t byte = 0;
+  recorder.sample(std::string(100, 'x'), 0, {&byte, 1});  // longer than a channel may be
+  rt::run_virtual(runtime.executive(), feed, 120, 199);
+  recorder.stop();
+  CHECK(recorder.lost_samples() == 1);
+  CHECK(recorder.error().find("1 samples") != std::string::npos);
+  const LogFile log(path);
+  CHECK(log.whole_until() > 60);
+  CHECK(log.whole_until() < 200);
+  const ReplayOutcome outcome = replay(log, stall_vehicles(), {});
+  CHECK(hex(outcome.recorded.all) == outcome.results.digest);
+}
+
 TEST_CASE("a gap behind a disk that filled up early names the tick where the log is no longer whole") {
   const TempFolder folder;
   const std::string scene = stall_scene(folder);

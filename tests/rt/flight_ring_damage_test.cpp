@@ -191,6 +191,26 @@ TEST_CASE("a byte that is changed anywhere is found or does not matter") {
   }
 }
 
+TEST_CASE("a job of a time that no run has is damage, whatever its check says") {
+  const RingFolder folder;
+  {
+    FlightRing ring(folder.file(), plan_of_two(16));
+    ring.job(job_of(0, 1));
+    JobRecord odd = job_of(0, 2);
+    odd.tick = std::uint64_t{1} << 62;  // times 1 ms: beyond all clocks
+    ring.job(odd);
+    odd = job_of(0, 3);
+    odd.started_ns = INT64_MIN + 5;
+    ring.job(odd);
+    ring.job(job_of(0, 4));
+  }
+  const FlightReader reader(folder.file());
+  CHECK(reader.damaged() == 2);
+  REQUIRE(reader.jobs().size() == 2);
+  CHECK(equals(reader.jobs()[0], job_of(0, 1)));
+  CHECK(equals(reader.jobs()[1], job_of(0, 4)));
+}
+
 TEST_CASE("an older ring is kept if its run did not end and replaced if it did") {
   const RingFolder folder;
   { FlightRing(folder.file(), plan_of_two()).job(job_of(0, 0)); }
