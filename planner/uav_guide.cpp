@@ -40,15 +40,24 @@ void UavGuide::put_box(const KnownBox& box) {
 }
 
 void UavGuide::begin() {
-  slices_ = 0;
-  hoping_ = false;
   begun_version_ = version();
   way_.points = way_.whole = way_.blocked = 0;
   way_.number = question_.number;
-  way_.state = static_cast<std::uint32_t>(
-      path_->begin(*map_, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m)));
-  searching_ = static_cast<PathState>(way_.state) == PathState::running;
-  if (!searching_ && wants_hope()) begin_hoped();
+  begin(Search::known);
+}
+
+void UavGuide::begin(Search search) {
+  search_ = search;
+  slices_ = 0;
+  const PathState state = begin_path();
+  way_.state = static_cast<std::uint32_t>(state);
+  searching_ = state == PathState::running;
+  if (!searching_) ended();
+}
+
+PathState UavGuide::begin_path() {
+  const double* const to = search_ == Search::aimed ? aims_.p_world_m[aims_.next] : question_.to_m;
+  return path_->begin(searched(), rt::to_vector(question_.from_m), {to[0], to[1], to[2]});
 }
 
 void UavGuide::look(const WayQuestion* question, rt::Nanoseconds now_ns) {
@@ -90,7 +99,7 @@ void UavGuide::note_path() {
     way_.y_m[i] = p.y;
     way_.z_m[i] = p.z;
   }
-  way_.whole = path_->is_whole() ? 1 : 0;
+  way_.whole = path_->is_whole() && search_ == Search::known ? 1 : 0;
   way_.length_m = way_.points != 0 ? path_->length_m() : 0.0;
 }
 
@@ -102,17 +111,18 @@ void UavGuide::step() {
   }
   if (!searching_) return;
   ++slices_;
-  const PathState state = path_->step(hoping_ ? *hope_ : *map_, kSlice);
+  const PathState state = path_->step(searched(), kSlice);
   if (state == PathState::running || state == PathState::found) return;
   way_.state = static_cast<std::uint32_t>(state);
-  if (wants_hope()) {
-    begin_hoped();
-    return;
-  }
+  ended();
+}
+
+// A search is over.
+void UavGuide::ended() {
   searching_ = false;
   checked_version_ = map_->version();
+  if (hope_ != nullptr && goes_on(static_cast<PathState>(way_.state))) return;
   note_path();
-  if (hoping_) cut();
 }
 
 void UavGuide::archive(rt::Archive& archive) {
@@ -120,19 +130,18 @@ void UavGuide::archive(rt::Archive& archive) {
       .fixed(map_, path_, boxes_, hope_, cells_)
       .by_hand(known_)
       .state(started_, refreshing_, searching_, start_ns_, begun_version_, slices_, checked_version_,
-             question_, way_, hoping_, counts_);
+             question_, way_, search_, aims_, counts_);
   archive.bounded(known_, boxes_.size());
   archive.value(*map_);
   if (hope_ != nullptr) archive.value(*hope_);
-  if (archive.is_reading() && hoping_ && hope_ == nullptr) archive.fail(Status::malformed, "a hoped way");
+  if (archive.is_reading() && !is_consistent()) archive.fail(Status::malformed, "a hoped way");
   if (!archive.is_reading() || archive.status() != Status::ok) return;
   if (way_.points > UavWay::kMostPoints) archive.fail(Status::malformed, "a way of too many points");
   if (!searching_) return;
   // A search in a map that has changed since begins anew anyway, once the change is worked in.
-  const FlightMap& map = hoping_ ? *hope_ : *map_;
-  PathState state = path_->begin(map, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m));
+  PathState state = begin_path();
   for (std::uint32_t i = 0; i < slices_ && (state == PathState::running || state == PathState::found); ++i)
-    state = path_->step(map, kSlice);
+    state = path_->step(searched(), kSlice);
 }
 
 }  // namespace sortie::planner

@@ -31,9 +31,19 @@ struct SensedCells {
 struct GuideCounts {
   std::uint64_t voxels_changed{};  ///< voxels that became free or blocked
   std::uint64_t hoped{};           ///< questions with no way through what is known to be free
-  std::uint64_t begun{};           ///< of those, ways that are flown as far as they are known
+  std::uint64_t begun{};           ///< of those, with a known way to some place on the hoped one
+  std::uint64_t hopeless{};        ///< of those, with no way either if all that is unknown were free
   std::uint64_t blocked{};         ///< ways that the map took away
-  SORTIE_FIELDS(voxels_changed, hoped, begun, blocked)
+  SORTIE_FIELDS(voxels_changed, hoped, begun, hopeless, blocked)
+};
+
+/// Places on a hoped way where what is known to be free ends, the nearest to the goal first.
+struct WayAims {
+  static constexpr std::uint32_t kMost = 8;
+  std::uint32_t count{};
+  std::uint32_t next{};
+  double p_world_m[kMost][3]{};
+  SORTIE_FIELDS(count, next, p_world_m)
 };
 
 /// Map, planner and the present question. No heap; memory as given. The answers do not depend on how the
@@ -50,8 +60,11 @@ class UavGuide {
   Status status() const { return map_->usable(); }
 
   /// Set-up, for a map that is sensed: `map` holds what is known, unknown voxels blocked; `hope`, of the same
-  /// size, has them free. Where there is no way through the known, the way through the hoped is answered as
-  /// far as it is known to be free, and is not whole: who flies it sees more there and asks again.
+  /// size, has them free. Where there is no way through the known to the goal, there may be one through the
+  /// hoped. Then the answer is a way through the known, which is not whole, to that place on the hoped way
+  /// which is nearest to its end: who flies there sees more and asks again. The hoped way itself is not
+  /// flown, not even its beginning: a sensor that does not look up or down leaves the voxels over and under
+  /// the vehicle unknown, and a way that begins there would end where it begins.
   void expect(FlightMap& hope, const SensedCells& cells);
   /// Takes over what the occupancy map says by now; what it never measured, or forgot, stays as it was. Not
   /// while a search is under way: the map that a search sees stands still. Cost: 3 ns a voxel of the map, and
@@ -73,10 +86,19 @@ class UavGuide {
   void archive(rt::Archive& archive);
 
  private:
+  enum class Search : std::uint8_t {
+    known,  ///< through the known to the goal
+    hoped,  ///< through the unknown to the goal
+    aimed,  ///< through the known to a place on the hoped way
+  };
   void begin();
-  void begin_hoped();
-  bool wants_hope() const;
-  void cut();
+  void begin(Search search);
+  PathState begin_path();
+  void ended();
+  bool goes_on(PathState state);
+  void take_aims();
+  bool is_consistent() const;
+  const FlightMap& searched() const { return search_ == Search::hoped ? *hope_ : *map_; }
   std::uint32_t version() const { return map_->version() + (hope_ != nullptr ? hope_->version() : 0); }
   void put_box(const KnownBox& box);
   void refreshed();
@@ -87,7 +109,8 @@ class UavGuide {
   std::span<const KnownBox> boxes_;
   FlightMap* hope_{};  ///< null: the map is given
   SensedCells cells_;
-  bool hoping_{};  ///< the present search is one through `hope_`
+  Search search_{Search::known};  ///< the present or the last one
+  WayAims aims_;
   GuideCounts counts_;
   std::uint32_t known_{};
   bool started_{};

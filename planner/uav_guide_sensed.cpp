@@ -48,70 +48,62 @@ void UavGuide::sense(const mapping::OccupancyView& view) {
   refreshing_ = refreshing_ || changed != 0;
 }
 
-bool UavGuide::wants_hope() const {
-  if (hope_ == nullptr || hoping_) return false;
-  const auto state = static_cast<PathState>(way_.state);
-  return state == PathState::none || state == PathState::bad_goal || state == PathState::bad_start;
-}
-
-void UavGuide::begin_hoped() {
-  hoping_ = true;
-  slices_ = 0;
-  ++counts_.hoped;
-  const PathState state =
-      path_->begin(*hope_, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m));
-  way_.state = static_cast<std::uint32_t>(state);
-  searching_ = state == PathState::running;
-}
-
-// Of a hoped way only the beginning that is known to be free: it ends in a free voxel, and the exact check
-// has the last word. What is shorter than two voxels shows nothing new.
-void UavGuide::cut() {
-  if (static_cast<PathState>(way_.state) != PathState::done) return;
-  const double voxel_m = map_->config().voxel_m;
-  const auto point = [this](std::uint32_t i) { return rt::Vector3{way_.x_m[i], way_.y_m[i], way_.z_m[i]}; };
-  rt::Vector3 last = point(0);
-  std::uint32_t points = 1;
-  double gone_m = 0.0;
-  double length_m = 0.0;
-  bool free = true;
-  for (std::uint32_t i = 1; free && i < way_.points; ++i) {
-    const rt::Vector3 a = point(i - 1);
-    const rt::Vector3 way = point(i) - a;
-    const double leg_m = rt::norm(way);
-    const double steps = std::ceil(4.0 * leg_m / voxel_m);
-    for (double s = 1.0; free && s <= steps; s += 1.0) {
-      const rt::Vector3 p = a + (s / steps) * way;
-      const double here_m = gone_m + s / steps * leg_m;
-      free = map_->is_free(map_->voxel_at(p));
-      if (free) {
-        last = p;
-        length_m = here_m;
-        points = i + 1;
-      } else {
-        free = length_m == 0.0 && here_m <= 3.0 * voxel_m;  // from a start beside free voxels
-      }
-    }
-    gone_m += leg_m;
+// After each search of a sensed map: true when the answer is there, or another search was begun.
+bool UavGuide::goes_on(PathState state) {
+  const bool no_way =
+      state == PathState::none || state == PathState::bad_goal || state == PathState::bad_start;
+  if (search_ == Search::known) {
+    if (!no_way) return false;
+    ++counts_.hoped;
+    begin(Search::hoped);
+    return true;
   }
-  rt::Vector3 kept[UavWay::kMostPoints];
-  for (std::uint32_t i = 0; i + 1 < points; ++i) kept[i] = point(i);
-  kept[points - 1] = last;
-  const bool good = length_m >= 2.0 * voxel_m && UavPath::is_still_free(*map_, {kept, points});
-  if (!good) points = 0;
-  for (std::uint32_t i = points == 0 ? 0 : points - 1; i < UavWay::kMostPoints; ++i) {
-    const rt::Vector3 p = i < points ? kept[i] : rt::Vector3{};
-    way_.x_m[i] = p.x;
-    way_.y_m[i] = p.y;
-    way_.z_m[i] = p.z;
-  }
-  way_.points = points;
-  way_.whole = 0;
-  way_.length_m = good ? length_m : 0.0;
-  if (good)
+  if (search_ == Search::hoped) {
+    if (no_way) ++counts_.hopeless;
+    if (state != PathState::done) return false;
+    take_aims();
+  } else if (state == PathState::done) {
     ++counts_.begun;
-  else
-    way_.state = static_cast<std::uint32_t>(PathState::none);
+    return false;
+  } else {
+    ++aims_.next;
+  }
+  if (aims_.next < aims_.count && state != PathState::bad_start) {  // from there no aim can be reached
+    begin(Search::aimed);
+    return true;
+  }
+  way_.state = static_cast<std::uint32_t>(PathState::none);
+  return true;
+}
+
+// Back along the hoped way from the goal: where a stretch of it that is known to be free ends. What is nearer
+// than two voxels shows nothing new. With more of them than room the last place is the one nearest the start.
+void UavGuide::take_aims() {
+  aims_ = WayAims{};
+  const double voxel_m = map_->config().voxel_m;
+  const std::span<const rt::Vector3> points = path_->waypoints();
+  bool free = true;  // who stands in the goal's stretch cannot be met there: the goal could not
+  for (std::size_t i = points.size() - 1; i > 0; --i) {
+    const rt::Vector3 way = points[i - 1] - points[i];
+    const double steps = std::ceil(4.0 * rt::norm(way) / voxel_m);
+    for (double s = 0.0; s < steps; s += 1.0) {
+      const rt::Vector3 p = points[i] + (s / steps) * way;
+      const bool was_free = free;
+      free = map_->is_free(map_->voxel_at(p));
+      if (was_free || !free || rt::norm(p - points[0]) < 2.0 * voxel_m) continue;
+      double* const aim = aims_.p_world_m[std::min(aims_.count, WayAims::kMost - 1)];
+      aim[0] = p.x;
+      aim[1] = p.y;
+      aim[2] = p.z;
+      aims_.count = std::min(aims_.count + 1, WayAims::kMost);
+    }
+  }
+}
+
+bool UavGuide::is_consistent() const {
+  if (search_ == Search::known) return true;
+  return hope_ != nullptr && search_ <= Search::aimed && aims_.count <= WayAims::kMost &&
+         (search_ == Search::hoped || !searching_ || aims_.next < aims_.count);
 }
 
 }  // namespace sortie::planner
