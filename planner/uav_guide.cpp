@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "planner/uav_path/swept_check.hpp"
+
 namespace sortie::planner {
 
 UavGuide::UavGuide(FlightMap& map, UavPath& path, std::span<const KnownBox> boxes)
@@ -43,6 +45,7 @@ void UavGuide::begin() {
   begun_version_ = version();
   way_.points = way_.whole = way_.blocked = 0;
   way_.number = question_.number;
+  share_ = 1.0;
   begin(Search::known);
 }
 
@@ -84,7 +87,9 @@ void UavGuide::refreshed() {
   checked_version_ = map_->version();
   rt::Vector3 points[UavWay::kMostPoints];
   for (std::uint32_t i = 0; i < way_.points; ++i) points[i] = {way_.x_m[i], way_.y_m[i], way_.z_m[i]};
-  if (way_.blocked != 0 || UavPath::is_still_free(*map_, {points, way_.points})) return;
+  const bool free = share_ < 1.0 ? check_swept(*map_, points[0], points[1], share_).is_free
+                                 : UavPath::is_still_free(*map_, {points, way_.points});
+  if (way_.blocked != 0 || free) return;
   way_.blocked = 1;
   ++counts_.blocked;
 }
@@ -130,7 +135,7 @@ void UavGuide::archive(rt::Archive& archive) {
       .fixed(map_, path_, boxes_, hope_, cells_)
       .by_hand(known_)
       .state(started_, refreshing_, searching_, start_ns_, begun_version_, slices_, checked_version_,
-             question_, way_, search_, aims_, counts_);
+             question_, way_, search_, aims_, share_, counts_);
   archive.bounded(known_, boxes_.size());
   archive.value(*map_);
   if (hope_ != nullptr) archive.value(*hope_);

@@ -33,8 +33,9 @@ struct GuideCounts {
   std::uint64_t hoped{};           ///< questions with no way through what is known to be free
   std::uint64_t begun{};           ///< of those, with a known way to some place on the hoped one
   std::uint64_t hopeless{};        ///< of those, with no way either if all that is unknown were free
+  std::uint64_t backed_off{};      ///< questions from a place too near to something: away from it first
   std::uint64_t blocked{};         ///< ways that the map took away
-  SORTIE_FIELDS(voxels_changed, hoped, begun, hopeless, blocked)
+  SORTIE_FIELDS(voxels_changed, hoped, begun, hopeless, backed_off, blocked)
 };
 
 /// Places on a hoped way where what is known to be free ends, the nearest to the goal first.
@@ -96,6 +97,7 @@ class UavGuide {
   PathState begin_path();
   void ended();
   bool goes_on(PathState state);
+  bool back_off();
   void take_aims();
   bool is_consistent() const;
   const FlightMap& searched() const { return search_ == Search::hoped ? *hope_ : *map_; }
@@ -111,6 +113,7 @@ class UavGuide {
   SensedCells cells_;
   Search search_{Search::known};  ///< the present or the last one
   WayAims aims_;
+  double share_{1.0};  ///< of the vehicle's size that the way keeps: less than 1 where it backs off
   GuideCounts counts_;
   std::uint32_t known_{};
   bool started_{};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planner/uav_guide.hpp"
+#include "planner/uav_path/swept_check.hpp"
 
 namespace sortie::planner {
 
@@ -54,6 +55,7 @@ bool UavGuide::goes_on(PathState state) {
       state == PathState::none || state == PathState::bad_goal || state == PathState::bad_start;
   if (search_ == Search::known) {
     if (!no_way) return false;
+    if (state == PathState::bad_start && back_off()) return true;
     ++counts_.hoped;
     begin(Search::hoped);
     return true;
@@ -74,6 +76,47 @@ bool UavGuide::goes_on(PathState state) {
   }
   way_.state = static_cast<std::uint32_t>(PathState::none);
   return true;
+}
+
+// Out of a place that is too near to something, keeping the room that there is.
+bool UavGuide::back_off() {
+  constexpr std::int32_t kReach = 4;
+  constexpr int kMostTries = 64;
+  const rt::Vector3 start = rt::to_vector(question_.from_m);
+  double share = 0.9;
+  while (share > 0.45 && !check_swept(*map_, start, start, share).is_free) share -= 0.1;
+  if (share < 0.45) return false;
+  const Voxel3 middle = map_->voxel_at(start);
+  double tried = -1.0;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    double nearest = HUGE_VAL;  // but beyond those that were tried
+    rt::Vector3 end;
+    for (std::int32_t i = 0; i < (2 * kReach + 1) * (2 * kReach + 1) * (2 * kReach + 1); ++i) {
+      const Voxel3 v{middle.x + i % (2 * kReach + 1) - kReach,
+                     middle.y + i / (2 * kReach + 1) % (2 * kReach + 1) - kReach,
+                     middle.z + i / ((2 * kReach + 1) * (2 * kReach + 1)) - kReach};
+      const double d = rt::norm(map_->middle_m(v) - start);
+      if (d <= tried || d >= nearest || !map_->is_free(v)) continue;
+      nearest = d;
+      end = map_->middle_m(v);
+    }
+    if (nearest == HUGE_VAL) return false;
+    tried = nearest;
+    if (!check_swept(*map_, start, end, share).is_free) continue;
+    const rt::Vector3 points[2] = {start, end};
+    for (std::uint32_t p = 0; p < 2; ++p) {
+      way_.x_m[p] = points[p].x;
+      way_.y_m[p] = points[p].y;
+      way_.z_m[p] = points[p].z;
+    }
+    way_.points = 2;
+    way_.length_m = nearest;
+    way_.state = static_cast<std::uint32_t>(PathState::done);
+    share_ = share;
+    ++counts_.backed_off;
+    return true;
+  }
+  return false;
 }
 
 // Back along the hoped way from the goal: where a stretch of it that is known to be free ends. What is nearer

@@ -85,10 +85,10 @@ struct Axis {
 
 }  // namespace
 
-SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {
+SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m, double share) {
   SweptCheck result;
   const FlightMapConfig& config = map.config();
-  const rt::Vector3& r = config.radii_m;
+  const rt::Vector3 r = share * config.radii_m;
   const double h = config.voxel_m;
   const rt::Vector3 margin{r.x + 1e-9, r.y + 1e-9, r.z + 1e-9};
   if (map.usable() != Status::ok || !rt::is_finite(a_m) || !rt::is_finite(b_m)) return result;

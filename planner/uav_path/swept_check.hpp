@@ -19,7 +19,9 @@ struct SweptCheck {
 /// Judges the straight way from `a_m` to `b_m` (world). Exact to 1e-9 m, on the safe side: what cannot be
 /// decided within the bounds of rt/convex counts as a collision, so does anything outside of the map. Cost:
 /// 150 ns a blocked voxel, or whole blocked brick, whose box lies near the line, and some ns for each brick
-/// along it; none for the others.
-SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m);
+/// along it; none for the others. `share` of the map's radii: less than 1 for a robot that stands nearer to
+/// something than it would go.
+SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m,
+                       double share = 1.0);
 
 }  // namespace sortie::planner
