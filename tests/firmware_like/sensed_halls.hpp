@@ -94,21 +94,18 @@ inline RandomHall draw_hall(std::uint64_t seed) {
   return hall;
 }
 
-/// The least gap of the vehicle's ellipsoid to the boxes, over all of the truth, m; 0 or less: it touched
-/// one.
-inline double least_gap_m(const firmware::LiveRunOutcome& run, const std::vector<HallBox>& boxes) {
+/// True when the vehicle's ellipsoid, without any margin, met a box at a known place of the truth.
+inline bool met_a_box(const firmware::LiveRunOutcome& run, const std::vector<HallBox>& boxes) {
   rt::convex::Convex robot = rt::convex::make_swept_ellipsoid({0.45, 0.45, 0.15}, {});
-  double least = 1e9;
   for (const auto& truth : run.truth) {
     robot.p_world_m = {truth.p[0], truth.p[1], truth.p[2]};
     for (const HallBox& b : boxes) {
       rt::convex::Convex body = rt::convex::make_box(0.5 * b.size_m);
       body.p_world_m = b.low_m + 0.5 * b.size_m;
-      const rt::convex::QueryResult result = rt::convex::query(robot, body);
-      least = std::min(least, rt::convex::is_collision(result.state) ? 0.0 : -result.depth_m);
+      if (rt::convex::is_collision(rt::convex::query(robot, body).state)) return true;
     }
   }
-  return least;
+  return false;
 }
 
 /// Scene uav_hall, or a scene file, in simulated time on a sensed map.

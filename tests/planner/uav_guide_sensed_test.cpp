@@ -121,6 +121,47 @@ TEST_CASE("What is shut by all that is known is hopeless, and says so") {
   CHECK(rig.guide.counts().hopeless == 1);
 }
 
+TEST_CASE("A place that turned out to be too near is left for a free one, with the room that there was") {
+  const auto from_beside = [](double x_m) {
+    BlindRig rig;
+    const WayQuestion beside{1, {x_m, 4.1, 1.1}, {1.1, 4.1, 1.1}};
+    rig.guide.look(&beside, 0);
+    rig.work();
+    UavWay way = rig.guide.way();
+    CHECK(rig.guide.counts().backed_off == (way.points == 0 ? 0u : 1u));
+    return way;
+  };
+  // The wall begins at 4.0 m and the vehicle's size is 0.3 m: at 3.75 m it is 5 cm too near.
+  const UavWay away = from_beside(3.75);
+  REQUIRE(away.state == static_cast<std::uint32_t>(PathState::done));
+  REQUIRE(away.points == 2);
+  CHECK(away.whole == 0);
+  CHECK(away.x_m[0] == 3.75);
+  CHECK(away.x_m[1] < 3.6);
+  BlindRig rig;
+  CHECK(rig.map.map.is_free(rig.map.map.voxel_at({away.x_m[1], away.y_m[1], away.z_m[1]})));
+  // Where not half of its size is free, nothing is claimed.
+  const UavWay inside = from_beside(3.9);
+  CHECK(inside.state == static_cast<std::uint32_t>(PathState::bad_start));
+  CHECK(inside.points == 0);
+}
+
+TEST_CASE("A way out of a place that is too near is given up when something comes nearer still") {
+  BlindRig rig;
+  const WayQuestion beside{1, {3.75, 4.1, 1.1}, {1.1, 4.1, 1.1}};
+  rig.guide.look(&beside, 0);
+  rig.work();
+  REQUIRE(rig.guide.way().points == 2);
+  const auto see = [&rig](int x) {
+    for (int z = 4; z < 7; ++z) rig.cells[static_cast<std::size_t>((z * kN + 20) * kN + x)] = kBlocked;
+    rig.guide.sense({rig.cells.data(), {kN, kN, kHigh}, {0, 0, 0}, kVoxelM});
+    rig.work();
+    return rig.guide.way().blocked;
+  };
+  CHECK(see(8) == 0);   // the map changes elsewhere
+  CHECK(see(17) == 1);  // on the way out
+}
+
 TEST_CASE(
     "Each of the searches on a sensed map, restored between any two slices, ends as if never interrupted") {
   BlindRig whole;
