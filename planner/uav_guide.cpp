@@ -40,16 +40,26 @@ void UavGuide::put_box(const KnownBox& box) {
 }
 
 void UavGuide::begin() {
-  slices_ = 0;
-  checking_ = Checking::nothing;
-  hoping_ = false;
+  checking_ = false;
   begun_version_ = version();
   way_.points = way_.whole = way_.blocked = 0;
   way_.number = question_.number;
-  way_.state = static_cast<std::uint32_t>(
-      path_->begin(*map_, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m)));
-  searching_ = static_cast<PathState>(way_.state) == PathState::running;
-  if (!searching_ && wants_hope()) begin_hoped();
+  share_ = 1.0;
+  begin(Search::known);
+}
+
+void UavGuide::begin(Search search) {
+  search_ = search;
+  slices_ = 0;
+  const PathState state = begin_path();
+  way_.state = static_cast<std::uint32_t>(state);
+  searching_ = state == PathState::running;
+  if (!searching_) ended();
+}
+
+PathState UavGuide::begin_path() {
+  const double* const to = search_ == Search::aimed ? aims_.p_world_m[aims_.next] : question_.to_m;
+  return path_->begin(searched(), rt::to_vector(question_.from_m), {to[0], to[1], to[2]});
 }
 
 void UavGuide::look(const WayQuestion* question, rt::Nanoseconds now_ns) {
@@ -72,47 +82,36 @@ void UavGuide::refreshed() {
   refreshing_ = false;
   way_.map_version = map_->version();
   if (searching_ && begun_version_ != version()) begin();
-  if (searching_) return;
-  if (checking_ != Checking::nothing) {  // a check under way begins anew
-    walk_.begin();
-    if (checking_ == Checking::hoped) checked_version_ = map_->version();
-  }
-  if (checking_ == Checking::hoped || way_.points == 0 || checked_version_ == map_->version()) return;
+  if (searching_ || way_.points == 0 || checked_version_ == map_->version()) return;
   checked_version_ = map_->version();
-  if (way_.blocked != 0) return;
-  checking_ = Checking::shown;
-  walk_.begin();
+  checking_ = way_.blocked == 0;
+  walk_.begin(share_);  // one under way begins anew
 }
 
-// A slice of an exact check.
+// A slice of the exact check of the way that is shown.
 void UavGuide::check() {
-  const UavWay& way = checking_ == Checking::hoped ? cut_ : way_;
   rt::Vector3 points[UavWay::kMostPoints];
-  for (std::uint32_t i = 0; i < way.points; ++i) points[i] = {way.x_m[i], way.y_m[i], way.z_m[i]};
+  for (std::uint32_t i = 0; i < way_.points; ++i) points[i] = {way_.x_m[i], way_.y_m[i], way_.z_m[i]};
   std::uint64_t steps = kSlice * UavPath::kStepsPerUnit;
-  if (!walk_.run(*map_, {points, way.points}, steps)) return;
-  const Checking what = checking_;
-  checking_ = Checking::nothing;
-  if (what == Checking::hoped) {
-    end_cut(walk_.is_free());
-  } else if (!walk_.is_free()) {
-    way_.blocked = 1;
-    ++counts_.blocked;
-  }
+  if (!walk_.run(*map_, {points, way_.points}, steps)) return;
+  checking_ = false;
+  if (walk_.is_free()) return;
+  way_.blocked = 1;
+  ++counts_.blocked;
 }
 
-void UavGuide::note_path(UavWay& way) const {
-  way.state = static_cast<std::uint32_t>(path_->state());
+void UavGuide::note_path() {
+  way_.state = static_cast<std::uint32_t>(path_->state());
   const auto points = path_->waypoints();
-  way.points = std::min(static_cast<std::uint32_t>(points.size()), UavWay::kMostPoints);
+  way_.points = std::min(static_cast<std::uint32_t>(points.size()), UavWay::kMostPoints);
   for (std::uint32_t i = 0; i < UavWay::kMostPoints; ++i) {
-    const rt::Vector3 p = i < way.points ? points[i] : rt::Vector3{};
-    way.x_m[i] = p.x;
-    way.y_m[i] = p.y;
-    way.z_m[i] = p.z;
+    const rt::Vector3 p = i < way_.points ? points[i] : rt::Vector3{};
+    way_.x_m[i] = p.x;
+    way_.y_m[i] = p.y;
+    way_.z_m[i] = p.z;
   }
-  way.whole = path_->is_whole() ? 1 : 0;
-  way.length_m = way.points != 0 ? path_->length_m() : 0.0;
+  way_.whole = path_->is_whole() && search_ == Search::known ? 1 : 0;
+  way_.length_m = way_.points != 0 ? path_->length_m() : 0.0;
 }
 
 void UavGuide::step() {
@@ -121,46 +120,41 @@ void UavGuide::step() {
     if (known && (hope_ == nullptr || hope_->refresh(kBricksPerSlice))) refreshed();
     return;
   }
-  if (checking_ != Checking::nothing) return check();
+  if (checking_) return check();
   if (!searching_) return;
+  if (search_ == Search::backing) return back_off();
   ++slices_;
-  const PathState state = path_->step(hoping_ ? *hope_ : *map_, kSlice);
+  const PathState state = path_->step(searched(), kSlice);
   if (state == PathState::running || state == PathState::found) return;
   way_.state = static_cast<std::uint32_t>(state);
-  if (wants_hope()) {
-    begin_hoped();
-    return;
-  }
+  ended();
+}
+
+// A search is over.
+void UavGuide::ended() {
   searching_ = false;
   checked_version_ = map_->version();
-  if (hoping_ && state == PathState::done)
-    cut();
-  else
-    note_path(way_);
+  if (hope_ != nullptr && goes_on(static_cast<PathState>(way_.state))) return;
+  note_path();
 }
 
 void UavGuide::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav guide")
       .fixed(map_, path_, boxes_, hope_, cells_)
-      .by_hand(known_, checking_)
+      .by_hand(known_)
       .state(started_, refreshing_, searching_, start_ns_, begun_version_, slices_, checked_version_,
-             question_, way_, walk_, cut_, hoping_, counts_);
-  auto checking = static_cast<std::uint32_t>(checking_);
-  archive.bounded(checking, static_cast<std::uint32_t>(Checking::hoped));
-  checking_ = static_cast<Checking>(checking);
+             checking_, question_, way_, walk_, search_, aims_, share_, counts_);
   archive.bounded(known_, boxes_.size());
   archive.value(*map_);
   if (hope_ != nullptr) archive.value(*hope_);
-  if (archive.is_reading() && hoping_ && hope_ == nullptr) archive.fail(Status::malformed, "a hoped way");
+  if (archive.is_reading() && !is_consistent()) archive.fail(Status::malformed, "a hoped way");
   if (!archive.is_reading() || archive.status() != Status::ok) return;
-  if (std::max(way_.points, cut_.points) > UavWay::kMostPoints)
-    archive.fail(Status::malformed, "a way of too many points");
-  if (!searching_) return;
+  if (way_.points > UavWay::kMostPoints) archive.fail(Status::malformed, "a way of too many points");
+  if (!searching_ || search_ == Search::backing) return;
   // A search in a map that has changed since begins anew anyway, once the change is worked in.
-  const FlightMap& map = hoping_ ? *hope_ : *map_;
-  PathState state = path_->begin(map, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m));
+  PathState state = begin_path();
   for (std::uint32_t i = 0; i < slices_ && (state == PathState::running || state == PathState::found); ++i)
-    state = path_->step(map, kSlice);
+    state = path_->step(searched(), kSlice);
 }
 
 }  // namespace sortie::planner

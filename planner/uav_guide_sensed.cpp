@@ -15,7 +15,7 @@ void UavGuide::expect(FlightMap& hope, const SensedCells& cells) {
 }
 
 void UavGuide::sense(const mapping::OccupancyView& view) {
-  if (hope_ == nullptr || searching_ || checking_ != Checking::nothing) return;
+  if (hope_ == nullptr || searching_ || checking_) return;
   const FlightMapConfig& config = map_->config();
   const std::int32_t count[3] = {config.nx, config.ny, config.nz};
   std::int32_t first[3];
@@ -48,80 +48,143 @@ void UavGuide::sense(const mapping::OccupancyView& view) {
   refreshing_ = refreshing_ || changed != 0;
 }
 
-bool UavGuide::wants_hope() const {
-  if (hope_ == nullptr || hoping_) return false;
-  const auto state = static_cast<PathState>(way_.state);
-  return state == PathState::none || state == PathState::bad_goal || state == PathState::bad_start;
-}
-
-void UavGuide::begin_hoped() {
-  hoping_ = true;
-  slices_ = 0;
-  ++counts_.hoped;
-  const PathState state =
-      path_->begin(*hope_, rt::to_vector(question_.from_m), rt::to_vector(question_.to_m));
-  way_.state = static_cast<std::uint32_t>(state);
-  searching_ = state == PathState::running;
-}
-
-// Of a hoped way only the beginning that is known to be free: it ends in a free voxel, and the exact check
-// has the last word. What is shorter than two voxels shows nothing new.
-void UavGuide::cut() {
-  note_path(cut_);
-  const double voxel_m = map_->config().voxel_m;
-  const auto point = [this](std::uint32_t i) { return rt::Vector3{cut_.x_m[i], cut_.y_m[i], cut_.z_m[i]}; };
-  rt::Vector3 last = point(0);
-  std::uint32_t points = 1;
-  double gone_m = 0.0;
-  double length_m = 0.0;
-  bool free = true;
-  for (std::uint32_t i = 1; free && i < cut_.points; ++i) {
-    const rt::Vector3 a = point(i - 1);
-    const rt::Vector3 way = point(i) - a;
-    const double leg_m = rt::norm(way);
-    const double steps = std::ceil(4.0 * leg_m / voxel_m);
-    for (double s = 1.0; free && s <= steps; s += 1.0) {
-      const rt::Vector3 p = a + (s / steps) * way;
-      const double here_m = gone_m + s / steps * leg_m;
-      free = map_->is_free(map_->voxel_at(p));
-      if (free) {
-        last = p;
-        length_m = here_m;
-        points = i + 1;
-      } else {
-        free = length_m == 0.0 && here_m <= 3.0 * voxel_m;  // from a start beside free voxels
-      }
+// After each search of a sensed map: true when the answer is there, or another search was begun.
+bool UavGuide::goes_on(PathState state) {
+  const bool no_way =
+      state == PathState::none || state == PathState::bad_goal || state == PathState::bad_start;
+  if (search_ == Search::known) {
+    if (!no_way) return false;
+    if (state == PathState::bad_start) {
+      begin_backing();
+    } else {
+      ++counts_.hoped;
+      begin(Search::hoped);
     }
-    gone_m += leg_m;
+    return true;
   }
-  const auto put = [this](std::uint32_t i, const rt::Vector3& p) {
-    cut_.x_m[i] = p.x;
-    cut_.y_m[i] = p.y;
-    cut_.z_m[i] = p.z;
-  };
-  put(points - 1, last);
-  for (std::uint32_t i = points; i < UavWay::kMostPoints; ++i) put(i, {});
-  cut_.points = points;
-  cut_.whole = 0;
-  cut_.length_m = length_m;
-  if (length_m < 2.0 * voxel_m) return end_cut(false);
-  way_.state = static_cast<std::uint32_t>(PathState::running);
-  checking_ = Checking::hoped;
-  walk_.begin();
+  if (search_ == Search::hoped &&
+      state == PathState::bad_start) {  // the goal was bad as well, and told first
+    begin_backing();
+    return true;
+  }
+  if (search_ == Search::hoped) {
+    if (no_way) ++counts_.hopeless;
+    if (state != PathState::done) return false;
+    take_aims();
+  } else if (state == PathState::done) {
+    ++counts_.begun;
+    return false;
+  } else {
+    ++aims_.next;
+  }
+  if (aims_.next < aims_.count && state != PathState::bad_start) {  // from there no aim can be reached
+    begin(Search::aimed);
+    return true;
+  }
+  way_.state = static_cast<std::uint32_t>(PathState::none);
+  return true;
 }
 
-void UavGuide::end_cut(bool is_free) {
-  const UavWay none;
-  const UavWay& way = is_free ? cut_ : none;
-  way_.state = static_cast<std::uint32_t>(is_free ? PathState::done : PathState::none);
-  way_.points = way.points;
-  way_.whole = 0;
-  way_.length_m = way.length_m;
-  std::copy(way.x_m, way.x_m + UavWay::kMostPoints, way_.x_m);
-  std::copy(way.y_m, way.y_m + UavWay::kMostPoints, way_.y_m);
-  std::copy(way.z_m, way.z_m + UavWay::kMostPoints, way_.z_m);
-  counts_.begun += is_free ? 1 : 0;
-  cut_ = {};
+// Out of a place that is too near to something, in a straight line, keeping the room that there is: the first
+// lines go nowhere and tell that room.
+void UavGuide::begin_backing() {
+  search_ = Search::backing;
+  searching_ = true;
+  aims_ = WayAims{};
+  std::copy(std::begin(question_.from_m), std::end(question_.from_m), std::begin(aims_.p_world_m[0]));
+  share_ = 0.9;
+  walk_.begin(share_);
+}
+
+// A slice of it.
+void UavGuide::back_off() {
+  const rt::Vector3 points[2] = {rt::to_vector(question_.from_m), rt::to_vector(aims_.p_world_m[0])};
+  std::uint64_t steps = kSlice * UavPath::kStepsPerUnit;
+  if (!walk_.run(*map_, points, steps)) return;
+  const bool measures = aims_.next == 0;
+  if (walk_.is_free() && !measures) {
+    for (std::uint32_t p = 0; p < 2; ++p) {
+      way_.x_m[p] = points[p].x;
+      way_.y_m[p] = points[p].y;
+      way_.z_m[p] = points[p].z;
+    }
+    way_.points = 2;
+    way_.length_m = rt::norm(points[1] - points[0]);
+    way_.state = static_cast<std::uint32_t>(PathState::done);
+    searching_ = false;
+    checked_version_ = map_->version();
+    ++counts_.backed_off;
+  } else if (measures && !walk_.is_free() && share_ > 0.55) {
+    share_ -= 0.1;
+    walk_.begin(share_);
+  } else if (walk_.is_free() || !measures) {
+    try_next_place();
+  } else {
+    give_up_backing();
+  }
+}
+
+// The nearest free voxel beyond those that were tried.
+void UavGuide::try_next_place() {
+  constexpr std::int32_t kReach = 4;
+  constexpr std::int32_t kSide = 2 * kReach + 1;
+  constexpr std::uint32_t kMostTries = 64;
+  const rt::Vector3 start = rt::to_vector(question_.from_m);
+  const double tried = aims_.next == 0 ? -1.0 : rt::norm(rt::to_vector(aims_.p_world_m[0]) - start);
+  const Voxel3 middle = map_->voxel_at(start);
+  double nearest = HUGE_VAL;
+  rt::Vector3 place;
+  for (std::int32_t i = 0; i < kSide * kSide * kSide; ++i) {
+    const Voxel3 v{middle.x + i % kSide - kReach, middle.y + i / kSide % kSide - kReach,
+                   middle.z + i / (kSide * kSide) - kReach};
+    const double d = rt::norm(map_->middle_m(v) - start);
+    if (d <= tried || d >= nearest || !map_->is_free(v)) continue;
+    nearest = d;
+    place = map_->middle_m(v);
+  }
+  if (nearest == HUGE_VAL || aims_.next == kMostTries) return give_up_backing();
+  ++aims_.next;
+  aims_.p_world_m[0][0] = place.x;
+  aims_.p_world_m[0][1] = place.y;
+  aims_.p_world_m[0][2] = place.z;
+  walk_.begin(share_);
+}
+
+void UavGuide::give_up_backing() {
+  share_ = 1.0;
+  searching_ = false;
+  checked_version_ = map_->version();
+  way_.state = static_cast<std::uint32_t>(PathState::bad_start);
+}
+
+// Back along the hoped way from the goal: where a stretch of it that is known to be free ends. What is nearer
+// than two voxels shows nothing new. With more of them than room the last place is the one nearest the start.
+void UavGuide::take_aims() {
+  aims_ = WayAims{};
+  const double voxel_m = map_->config().voxel_m;
+  const std::span<const rt::Vector3> points = path_->waypoints();
+  bool free = true;  // who stands in the goal's stretch cannot be met there: the goal could not
+  for (std::size_t i = points.size() - 1; i > 0; --i) {
+    const rt::Vector3 way = points[i - 1] - points[i];
+    const double steps = std::ceil(4.0 * rt::norm(way) / voxel_m);
+    for (double s = 0.0; s < steps; s += 1.0) {
+      const rt::Vector3 p = points[i] + (s / steps) * way;
+      const bool was_free = free;
+      free = map_->is_free(map_->voxel_at(p));
+      if (was_free || !free || rt::norm(p - points[0]) < 2.0 * voxel_m) continue;
+      double* const aim = aims_.p_world_m[std::min(aims_.count, WayAims::kMost - 1)];
+      aim[0] = p.x;
+      aim[1] = p.y;
+      aim[2] = p.z;
+      aims_.count = std::min(aims_.count + 1, WayAims::kMost);
+    }
+  }
+}
+
+bool UavGuide::is_consistent() const {
+  if (search_ == Search::known) return true;
+  return hope_ != nullptr && search_ <= Search::backing && aims_.count <= WayAims::kMost &&
+         (search_ != Search::aimed || !searching_ || aims_.next < aims_.count);
 }
 
 }  // namespace sortie::planner

@@ -85,16 +85,17 @@ struct Axis {
 
 }  // namespace
 
-void SweptWalk::begin(const rt::Vector3& a_m, const rt::Vector3& b_m) {
+void SweptWalk::begin(const rt::Vector3& a_m, const rt::Vector3& b_m, double share) {
   a_m_ = a_m;
   b_m_ = b_m;
+  share_ = share;
   for (std::int32_t& next : next_) next = 0;
   result_ = {};
 }
 
 bool SweptWalk::run(const FlightMap& map, std::uint64_t& steps) {
   const FlightMapConfig& config = map.config();
-  const rt::Vector3& r = config.radii_m;
+  const rt::Vector3 r = share_ * config.radii_m;
   const double h = config.voxel_m;
   const rt::Vector3 margin{r.x + 1e-9, r.y + 1e-9, r.z + 1e-9};
   if (map.usable() != Status::ok || !rt::is_finite(a_m_) || !rt::is_finite(b_m_)) return ended(false);
@@ -178,7 +179,7 @@ bool SweptWalk::run(const FlightMap& map, std::uint64_t& steps) {
 bool WayWalk::run(const FlightMap& map, std::span<const rt::Vector3> way_m, std::uint64_t& steps) {
   while (line_ + 1 < way_m.size()) {
     if (steps == 0) return false;
-    if (!begun_) walk_.begin(way_m[line_], way_m[line_ + 1]);
+    if (!begun_) walk_.begin(way_m[line_], way_m[line_ + 1], share_);
     begun_ = true;
     if (!walk_.run(map, steps)) return false;
     begun_ = false;
@@ -190,11 +191,11 @@ bool WayWalk::run(const FlightMap& map, std::span<const rt::Vector3> way_m, std:
 }
 
 void SweptWalk::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "swept walk").state(a_m_, b_m_, next_, result_);
+  rt::Members(archive, *this, "swept walk").state(a_m_, b_m_, share_, next_, result_);
 }
 
 void WayWalk::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "way walk").state(walk_, line_, begun_, is_free_);
+  rt::Members(archive, *this, "way walk").state(walk_, share_, line_, begun_, is_free_);
 }
 
 SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {

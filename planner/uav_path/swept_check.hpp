@@ -31,8 +31,9 @@ class SweptWalk {
   /// A brick is not cut in two, so that much more is used at the most.
   static constexpr std::uint64_t kMostPastEnd = 1 + kCloser + 64 * kPair;
 
-  /// Another line; nothing is looked at yet.
-  void begin(const rt::Vector3& a_m, const rt::Vector3& b_m);
+  /// Another line; nothing is looked at yet. `share` of the map's radii: less than 1 for a robot that stands
+  /// nearer to something than it would go.
+  void begin(const rt::Vector3& a_m, const rt::Vector3& b_m, double share = 1.0);
   /// Goes on for about `steps`, and takes off what it used, 0 at the least. True when the line is judged.
   bool run(const FlightMap& map, std::uint64_t& steps);
   /// After run() said true. Before that is_free is false, and the counts rise.
@@ -49,6 +50,7 @@ class SweptWalk {
 
   rt::Vector3 a_m_;
   rt::Vector3 b_m_;
+  double share_{1.0};
   std::int32_t next_[3]{};  ///< brick to look at next: x, y, z
   SweptCheck result_;
 };
@@ -57,7 +59,11 @@ class SweptWalk {
 /// still meanwhile.
 class WayWalk {
  public:
-  void begin() { *this = {}; }
+  /// Another way; `share` as in SweptWalk::begin().
+  void begin(double share = 1.0) {
+    *this = {};
+    share_ = share;
+  }
   /// As SweptWalk::run(), for all of the way. Stops at the first line that is not free.
   bool run(const FlightMap& map, std::span<const rt::Vector3> way_m, std::uint64_t& steps);
   bool is_free() const { return is_free_; }
@@ -66,6 +72,7 @@ class WayWalk {
 
  private:
   SweptWalk walk_;
+  double share_{1.0};
   std::uint32_t line_{};  ///< being judged
   bool begun_{};
   bool is_free_{};

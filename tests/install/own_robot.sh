@@ -22,6 +22,10 @@ for n in 1 2; do "$program" run --scene "$scene" --virtual --seconds 3 --lcm-url
 expect '"heap_calls": 0' virtual1.json
 expect '"name": "gas_alarm"' virtual1.json
 
+# The how-to's table is what this run prints.
+"$program" run --scene "$scene" --virtual --seconds 3 --record howto.lcm --record-fields --out howto >howto.txt 2>howto.err
+"$tree/tests/docs/printed_results.py" --table howto.txt "$tree/docs/driver-howto.md" || fail "docs/driver-howto.md prints another table"
+
 # Live, with a log, a table, a report; a listener in the same private network sees the task's fields.
 cat >live.sh <<LIVE
 "$program" spy --json --seconds 6 >spy.json 2>spy.err &
