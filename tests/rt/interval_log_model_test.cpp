@@ -39,10 +39,10 @@ TEST_CASE("no interval before the covered time is missed, and each memory order 
   INFO(plants.as_it_is.executions << " executions");
   CHECK(plants.as_it_is.executions > 100);
   CHECK(plants.as_it_is.failures == 0);
-  // The ring's own, which queue_overwrite_model_test.cpp needs: here nothing is written over.
-  CHECK(plants.missed == Names{"end: load acquire", "load_words: load acquire", "push: store release",
-                               "store_words: store release"});
-  CHECK(plants.caught == Names{"cover: store release", "covered_until: load acquire"});
+  // The words' own orders: queue_overwrite_model_test.cpp needs them, here nothing is written over.
+  CHECK(plants.missed == Names{"load_words: load acquire", "store_words: store release"});
+  CHECK(plants.caught == Names{"cover: store release", "covered_until: load acquire", "end: load acquire",
+                               "push: store release"});
 }
 
 }  // namespace sortie::rt::test
