@@ -101,8 +101,7 @@ class OverwriteRing {
 
  private:
   // Half the loads where they may be wide; some small processors have no such atomics.
-  static constexpr bool kWide =
-      alignof(T) >= sizeof(std::uint64_t) && std::atomic<std::uint64_t>::is_always_lock_free;
+  static constexpr bool kWide = alignof(T) >= sizeof(std::uint64_t) && ATOMIC_LLONG_LOCK_FREE == 2;
   using Raw = std::conditional_t<kWide, std::uint64_t, std::uint32_t>;
 
   static constexpr std::size_t index_of(std::uint32_t position) {

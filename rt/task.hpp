@@ -50,9 +50,13 @@ class JobContext {
   /// So it stops at exactly the same unit in a replay, also where a live run's wall-clock guard has cut it.
   [[nodiscard]] bool spend(std::uint32_t units = 1) {
     std::uint32_t& spent = record_->units[task_];
-    if (spent > limit_ || limit_ - spent < units) return false;
+    if (spent > limit_ || limit_ - spent < units) {
+      // Room in the table, but none up to where the recorded job was cut: this is the cut.
+      if (limit_ < granted_ && spent <= granted_ && granted_ - spent >= units) note_cut();
+      return false;
+    }
     if (guard_ns_ != 0 && clock_(clock_self_) >= guard_ns_) {
-      record_->cut = static_cast<std::uint16_t>(record_->cut | (1u << task_));
+      note_cut();
       limit_ = spent;
       return false;
     }
@@ -72,6 +76,9 @@ class JobContext {
   friend class TaskBase;
   template <Described T>
   friend class Task;
+
+  void note_cut() { record_->cut = static_cast<std::uint16_t>(record_->cut | (1u << task_)); }
+
   JobRecord* record_{};
   std::uint32_t task_{};
   std::uint32_t granted_{kUnlimitedUnits};  // by the table and the ladder
