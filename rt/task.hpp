@@ -50,25 +50,19 @@ class JobContext {
   /// So it stops at exactly the same unit in a replay, also where a live run's wall-clock guard has cut it.
   [[nodiscard]] bool spend(std::uint32_t units = 1) {
     std::uint32_t& spent = record_->units[task_];
-    if (spent > limit_ || limit_ - spent < units) {
-      // Room in the table, but none up to where the recorded job was cut: this is the cut.
-      if (limit_ < granted_ && spent <= granted_ && granted_ - spent >= units) note_cut();
-      return false;
-    }
+    // Where the table has room left, this is where the recorded job was cut.
+    if (spent > limit_ || limit_ - spent < units) return refuse(limit_ < granted_ && units_left() >= units);
     if (guard_ns_ != 0 && clock_(clock_self_) >= guard_ns_) {
-      note_cut();
       limit_ = spent;
-      return false;
+      return refuse(true);
     }
     spent += units;
     return true;
   }
-  /// Units that are left of the declared budget (kUnlimitedUnits without one). A cut by the wall-clock guard
-  /// cannot be foreseen, and is not.
+  /// Units left of the declared budget (kUnlimitedUnits without one). A cut by the guard cannot be foreseen.
   std::uint32_t units_left() const {
-    const std::uint32_t spent = record_->units[task_];
     if (granted_ == kUnlimitedUnits) return granted_;
-    return spent >= granted_ ? 0 : granted_ - spent;
+    return record_->units[task_] >= granted_ ? 0 : granted_ - record_->units[task_];
   }
 
  private:
@@ -77,8 +71,10 @@ class JobContext {
   template <Described T>
   friend class Task;
 
-  void note_cut() { record_->cut = static_cast<std::uint16_t>(record_->cut | (1u << task_)); }
-
+  bool refuse(bool cut) {
+    if (cut) record_->cut = static_cast<std::uint16_t>(record_->cut | (1u << task_));
+    return false;
+  }
   JobRecord* record_{};
   std::uint32_t task_{};
   std::uint32_t granted_{kUnlimitedUnits};  // by the table and the ladder
