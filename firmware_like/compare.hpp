@@ -20,9 +20,9 @@ struct Divergence {
   std::string field;  ///< of an output, with fields on both sides: "p_world_body_m[2]"; or what was decided:
                       ///< "samples of stream IMU", "jobs taken of task map", "level", "tasks left out",
                       ///< "cut", "units", "verdict"; empty for an output without fields
-  std::string was;  ///< on the first side; of a field with its bits
-  std::string is;   ///< on the second side
-  bool decided{};   ///< `field` is not part of an output
+  std::string was;    ///< on the first side; of a field with its bits
+  std::string is;     ///< on the second side
+  bool decided{};     ///< `field` is not part of an output
 };
 
 /// Compares the outputs of two records of one job, task by task. Records of different inputs differ at their
