@@ -5,9 +5,9 @@
 // elsewhere, and before start_fast_clock(), fast_now() is clock_gettime.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
-#include "rt/overwrite_ring.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/clock_line.hpp"
 
@@ -71,26 +71,54 @@ inline std::uint64_t read_cycles() noexcept {
 /// The newest line. One writer; a reader tries again only if it slept through three anchors.
 class ClockLineCell {
  public:
-  void publish(const ClockLine& line) noexcept { lines_.push(line); }
+  static constexpr std::uint32_t kSlots = 4;
 
-  /// False when there is no line yet.
-  bool read(Nanoseconds& now_ns) const noexcept {
+  bool empty() const noexcept { return newest_.load(std::memory_order_relaxed) == 0; }
+
+  void publish(const ClockLine& line) noexcept {
+    const std::uint32_t number = newest_.load(std::memory_order_relaxed) + 1;
+    Slot& slot = slots_[number % kSlots];
+    // Released one by one: who sees one of these values also sees that the slot is being used again.
+    slot.start_cycles.store(line.start_cycles, std::memory_order_release);
+    slot.start_ns.store(line.start_ns, std::memory_order_release);
+    slot.start_fraction.store(line.start_fraction, std::memory_order_release);
+    slot.before.store(line.before, std::memory_order_release);
+    slot.after.store(line.after, std::memory_order_release);
+    slot.slowest.store(line.slowest, std::memory_order_release);
+    slot.span_cycles.store(line.span_cycles, std::memory_order_release);
+    newest_.store(number, std::memory_order_release);
+  }
+
+  Nanoseconds read() const noexcept {
     for (;;) {
-      const std::uint32_t end = lines_.end();
-      if (end == 0) [[unlikely]]
-        return false;
-      // Before the line is copied: copy() then says whether it was one of the newest at that moment.
-      const std::uint64_t cycles = read_cycles();
+      const std::uint32_t number = newest_.load(std::memory_order_acquire);
+      const Slot& slot = slots_[number % kSlots];
       ClockLine line;
-      if (lines_.copy(end - 1, line)) [[likely]] {
-        now_ns = line.at(cycles);
-        return true;
-      }
+      line.start_cycles = slot.start_cycles.load(std::memory_order_acquire);
+      line.start_ns = slot.start_ns.load(std::memory_order_acquire);
+      line.start_fraction = slot.start_fraction.load(std::memory_order_acquire);
+      line.before = slot.before.load(std::memory_order_acquire);
+      line.after = slot.after.load(std::memory_order_acquire);
+      line.slowest = slot.slowest.load(std::memory_order_acquire);
+      line.span_cycles = slot.span_cycles.load(std::memory_order_acquire);
+      const std::uint64_t cycles = read_cycles();
+      if (newest_.load(std::memory_order_relaxed) - number < kSlots - 1) [[likely]]
+        return line.at(cycles);
     }
   }
 
  private:
-  OverwriteRing<ClockLine, 4> lines_;
+  struct alignas(64) Slot {
+    std::atomic<std::uint64_t> start_cycles;
+    std::atomic<std::int64_t> start_ns;
+    std::atomic<std::uint64_t> start_fraction;
+    std::atomic<std::int64_t> before;
+    std::atomic<std::int64_t> after;
+    std::atomic<std::int64_t> slowest;
+    std::atomic<std::uint64_t> span_cycles;
+  };
+  Slot slots_[kSlots]{};
+  alignas(64) std::atomic<std::uint32_t> newest_{0};  ///< 0: there is no line yet
 };
 
 extern ClockLineCell fast_clock_cell;
@@ -102,9 +130,8 @@ extern ClockLineCell fast_clock_cell;
 /// clock_gettime takes 21; no system call, no lock.
 inline Nanoseconds fast_now() noexcept {
 #if SORTIE_CYCLE_COUNTER
-  Nanoseconds now_ns{};
-  if (detail::fast_clock_cell.read(now_ns)) [[likely]]
-    return now_ns;
+  if (!detail::fast_clock_cell.empty()) [[likely]]
+    return detail::fast_clock_cell.read();
 #endif
   return monotonic_now();
 }
