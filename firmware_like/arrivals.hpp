@@ -12,10 +12,12 @@
 namespace sortie::firmware {
 
 /// The arrival times of the last `capacity` samples (a power of two). One thread notes, one other may look up
-/// what it knows to have been noted; a time that has been overwritten meanwhile is not found.
-class Arrivals {
+/// what it knows to have been noted; a time that has been overwritten meanwhile is not found. `Atomic` is
+/// std::atomic, or its twin in the model that takes the memory orders away one by one.
+template <template <class> class Atomic = std::atomic>
+class BasicArrivals {
  public:
-  explicit Arrivals(std::uint32_t capacity) : times_(capacity) {}
+  explicit BasicArrivals(std::uint32_t capacity) : times_(capacity) {}
 
   /// Producer: sample number `sequence` arrived at `received_ns`. Numbers rise by one; the newest may be
   /// noted again.
@@ -41,9 +43,11 @@ class Arrivals {
     return static_cast<std::size_t>(sequence & (times_.size() - 1));
   }
 
-  std::vector<std::atomic<rt::Nanoseconds>> times_;
-  std::atomic<std::uint64_t> first_{};
-  std::atomic<std::uint64_t> end_{};
+  std::vector<Atomic<rt::Nanoseconds>> times_;
+  Atomic<std::uint64_t> first_{};
+  Atomic<std::uint64_t> end_{};
 };
+
+using Arrivals = BasicArrivals<>;
 
 }  // namespace sortie::firmware

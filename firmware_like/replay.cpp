@@ -49,6 +49,9 @@ class ProgressFeed final : public rt::JobFeed {
   FlightRecorder* recorder_;
 };
 
+// Source of a log that a replay writes: it has the verdicts of the run that was replayed.
+constexpr const char* kReplayOf = "replay of ";
+
 // In simulated time nothing comes late by accident.
 bool is_simulated(const LogFile& log) {
   return log.header().has_ticks && log.header().utc_minus_monotonic_ns == 0;
@@ -107,8 +110,8 @@ std::unique_ptr<Runtime> make_runtime(const LogFile& log, const VehicleRegistry&
 std::unique_ptr<FlightRecorder> open_recorder(const LogFile& log, Runtime& runtime, const std::string& path) {
   RecorderOptions recording;
   recording.path = path;
-  auto recorder = std::make_unique<FlightRecorder>(runtime, recording,
-                                                   make_header(runtime, "replay of " + log.path(), 0));
+  auto recorder =
+      std::make_unique<FlightRecorder>(runtime, recording, make_header(runtime, kReplayOf + log.path(), 0));
   for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
   for (const std::string_view channel :
        {drivers::kChannelTruth, drivers::kChannelContacts, drivers::kChannelSensorTruth}) {
@@ -178,6 +181,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
       options.record.empty() ? nullptr : open_recorder(log, runtime, options.record);
   const bool whole = options.from.empty() && options.to.empty();
   ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
+                          is_simulated(log) && header.source.rfind(kReplayOf, 0) != 0,
                           RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
   struct Sinks {
     ReplayObserver* observer;

@@ -18,14 +18,16 @@ namespace sortie::firmware {
 /// the gate.
 class ReplayObserver {
  public:
+  /// `all_in_time`: the log was made where no job can miss.
   ReplayObserver(Runtime& runtime, const LogFeed& feed, const ReplayOptions& options, rt::Tick first_tick,
-                 RecordedTimes recorded)
+                 bool all_in_time, RecordedTimes recorded)
       : chains(runtime, false),
         times(std::move(recorded)),
         runtime_(runtime),
         feed_(feed),
         options_(options),
-        first_tick_(first_tick) {}
+        first_tick_(first_tick),
+        all_in_time_(all_in_time) {}
 
   /// After a job, on the thread that ran it.
   void job(const rt::JobRecord& record) {
@@ -48,7 +50,7 @@ class ReplayObserver {
     }
     if (const rt::JobRecord* recorded = feed_.recorded(record.group); recorded != nullptr) {
       ++compared_jobs;
-      if (auto divergence = compare_jobs(runtime_.executive(), *recorded, record)) {
+      if (auto divergence = compare(*recorded, record, live)) {
         ++diverged_jobs;
         // The lowest tick, then the order of the table: threads of other groups may come here first.
         if (!first || divergence->tick < first->tick ||
@@ -69,6 +71,24 @@ class ReplayObserver {
   RecordedTimes times;
 
  private:
+  // What was taken and decided comes before what followed from it.
+  std::optional<Divergence> compare(const rt::JobRecord& recorded, const rt::JobRecord& record,
+                                    const JobTimes* live) const {
+    const rt::Executive& executive = runtime_.executive();
+    std::optional<Divergence> found = compare_decisions(executive, recorded, record);
+    if (!found) found = compare_outputs(executive, recorded, record);
+    if (!found && live != nullptr) found = compare_with_times(executive, recorded, *live);
+    if (!found && all_in_time_ && recorded.verdict != rt::Verdict::done)
+      found = Divergence{recorded.tick,
+                         executive.group(recorded.group).spec.name,
+                         "",
+                         "verdict",
+                         to_string(recorded.verdict),
+                         "done: nothing is late in simulated time",
+                         true};
+    return found;
+  }
+
   void keep(const TimedPose& pose) {
     if (pose.stamp_ns == 0 || (!estimate.empty() && estimate.back().stamp_ns == pose.stamp_ns)) return;
     estimate.push_back(pose);
@@ -78,6 +98,7 @@ class ReplayObserver {
   const LogFeed& feed_;
   const ReplayOptions& options_;
   rt::Tick first_tick_;
+  bool all_in_time_;
   std::uint16_t first_group_{};
   std::mutex mutex_;
 };

@@ -90,13 +90,9 @@ bool Executive::admit(const TaskBase& task, JobContext& context, const JobRecord
   }
   if (service == Service::off) return false;
   context.limit_ = context.granted_;
-  context.cut_ = context.cut_recorded_ = false;
-  const auto bit = static_cast<std::uint16_t>(1u << context.task_);
-  if (recorded != nullptr && (recorded->cut & bit) != 0) {
+  // Whether it is cut there shows when it asks for more (JobContext::spend).
+  if (recorded != nullptr && ((recorded->cut >> context.task_) & 1u) != 0)
     context.limit_ = recorded->units[context.task_];
-    context.cut_recorded_ = true;
-    record.cut = static_cast<std::uint16_t>(record.cut | bit);
-  }
   return true;
 }
 

@@ -15,21 +15,25 @@ namespace sortie::rt {
 /// Ring of verdicts of one group's jobs. One writer (the group's worker), any number of readers. Wait-free
 /// but for the writer's begin(), which retries at most once a reader. Words are 32 bits (30 of job number, 2
 /// of state), so that it runs where 64-bit atomics do not exist; jobs are compared modulo 2^30, far beyond
-/// any ring depth.
-class JobLedger {
+/// any ring depth. Whoever sees "done" in decide() sees all that the writer did before finish(); no other
+/// verdict brings anything along. `Atomic` is std::atomic, or its twin in the model that takes the memory
+/// orders away one by one (tests/rt/ledger_model_test.cpp).
+template <template <class> class Atomic = std::atomic>
+class BasicJobLedger {
  public:
   /// `words`: `depth` zeroed words (a power of two) that outlive the ledger.
-  JobLedger(std::atomic<std::uint32_t>* words, std::uint32_t depth) : words_(words), mask_(depth - 1) {
+  BasicJobLedger(Atomic<std::uint32_t>* words, std::uint32_t depth) : words_(words), mask_(depth - 1) {
     for (std::uint32_t i = 0; i < depth; ++i)
       words_[i].store(pack(i - depth, Verdict::missed), std::memory_order_relaxed);
   }
 
   /// Writer: opens job `job`. False when a reader past the deadline has already called it missed.
   bool begin(std::uint64_t job) {
-    std::atomic<std::uint32_t>& word = at(job);
-    std::uint32_t seen = word.load(std::memory_order_acquire);
+    Atomic<std::uint32_t>& word = at(job);
+    std::uint32_t seen = word.load(std::memory_order_relaxed);
     while (!is_job(seen, job)) {
-      if (word.compare_exchange_weak(seen, pack(job, Verdict::pending), std::memory_order_acq_rel))
+      if (word.compare_exchange_weak(seen, pack(job, Verdict::pending), std::memory_order_relaxed,
+                                     std::memory_order_relaxed))
         return true;
     }
     return false;
@@ -39,7 +43,8 @@ class JobLedger {
   Verdict finish(std::uint64_t job, bool in_time) {
     std::uint32_t expected = pack(job, Verdict::pending);
     const Verdict wanted = in_time ? Verdict::done : Verdict::missed;
-    if (at(job).compare_exchange_strong(expected, pack(job, wanted), std::memory_order_acq_rel))
+    if (at(job).compare_exchange_strong(expected, pack(job, wanted), std::memory_order_release,
+                                        std::memory_order_relaxed))
       return wanted;
     return Verdict::missed;
   }
@@ -47,7 +52,7 @@ class JobLedger {
   /// Reader, only after the deadline of `job`: its verdict; pending and never started jobs become missed
   /// here. A job whose word has been reused is missed as well (the reader came more than a ring too late).
   Verdict decide(std::uint64_t job) {
-    std::atomic<std::uint32_t>& word = at(job);
+    Atomic<std::uint32_t>& word = at(job);
     std::uint32_t seen = word.load(std::memory_order_acquire);
     while (true) {
       if (is_job(seen, job)) {
@@ -56,19 +61,21 @@ class JobLedger {
       } else if (!is_older(seen, job)) {
         return Verdict::missed;
       }
-      if (word.compare_exchange_weak(seen, pack(job, Verdict::missed), std::memory_order_acq_rel))
+      if (word.compare_exchange_weak(seen, pack(job, Verdict::missed), std::memory_order_relaxed,
+                                     std::memory_order_acquire))
         return Verdict::missed;
     }
   }
 
-  /// True while `job`'s word still says done: its values have not been overwritten.
+  /// True while `job`'s word still says done: what was loaded before, with acquire, was not overwritten. Says
+  /// nothing about what is loaded afterwards.
   bool still_done(std::uint64_t job) const {
-    return words_[job & mask_].load(std::memory_order_acquire) == pack(job, Verdict::done);
+    return words_[job & mask_].load(std::memory_order_relaxed) == pack(job, Verdict::done);
   }
 
   /// True when `job`'s word belongs to a later job: nobody can tell any more what became of `job`.
   bool overtook(std::uint64_t job) const {
-    const std::uint32_t word = words_[job & mask_].load(std::memory_order_acquire);
+    const std::uint32_t word = words_[job & mask_].load(std::memory_order_relaxed);
     return !is_job(word, job) && !is_older(word, job);
   }
 
@@ -96,10 +103,12 @@ class JobLedger {
     const std::uint32_t ahead = (static_cast<std::uint32_t>(job) - (word >> 2)) & kJobMask;
     return ahead != 0 && ahead < (kJobMask >> 1);
   }
-  std::atomic<std::uint32_t>& at(std::uint64_t job) { return words_[job & mask_]; }
+  Atomic<std::uint32_t>& at(std::uint64_t job) { return words_[job & mask_]; }
 
-  std::atomic<std::uint32_t>* words_;
+  Atomic<std::uint32_t>* words_;
   std::uint64_t mask_;
 };
+
+using JobLedger = BasicJobLedger<>;
 
 }  // namespace sortie::rt

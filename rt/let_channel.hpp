@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
+#include "rt/atomic_words.hpp"
 #include "rt/ledger.hpp"
 #include "rt/time.hpp"
 
@@ -51,48 +51,49 @@ constexpr std::uint32_t channel_depth(const GroupTiming& writer, const GroupTimi
 
 /// Ring of a task's outputs by job number, guarded by the group's ledger. T is copied word by word through
 /// atomics, so a reader that is overtaken sees the ledger change and never uses a torn value. One writer, any
-/// number of readers.
-template <class T>
+/// number of readers. `Atomic`: as of the ledger.
+template <class T, template <class> class Atomic = std::atomic>
 class LetChannel {
   static_assert(std::is_trivially_copyable_v<T>, "a value that crosses groups must be plain");
 
  public:
+  using Ledger = BasicJobLedger<Atomic>;
   /// Of a slot: the value, and the job that made it.
-  static constexpr std::uint32_t kWords = static_cast<std::uint32_t>((sizeof(T) + 3) / 4) + 1;
+  static constexpr std::uint32_t kWords = kWordsOf<T> + 1;
 
   /// `words`: depth * kWords words that outlive the channel. `ledger`: of the writer's group.
-  LetChannel(JobLedger& ledger, std::atomic<std::uint32_t>* words) : ledger_(&ledger), words_(words) {}
+  LetChannel(Ledger& ledger, Atomic<std::uint32_t>* words) : ledger_(&ledger), words_(words) {}
 
   /// Writer, between begin(job) and finish(job). `made_by`: the job that computed the value, which is an
   /// earlier one when the task was shed in this job.
   void write(std::uint64_t job, std::uint64_t made_by, const T& value) {
-    std::uint32_t raw[kWords]{};
-    std::memcpy(raw, &value, sizeof(T));
-    raw[kWords - 1] = static_cast<std::uint32_t>(made_by);
-    std::atomic<std::uint32_t>* slot =
-        words_ + static_cast<std::size_t>(job & (ledger_->depth() - 1)) * kWords;
     // Release on every word: whoever sees a new word also sees that the ledger has left the old job.
-    for (std::uint32_t i = 0; i < kWords; ++i) slot[i].store(raw[i], std::memory_order_release);
+    Atomic<std::uint32_t>* const slot = slot_of(job);
+    store_words(slot, value);
+    slot[kWords - 1].store(static_cast<std::uint32_t>(made_by), std::memory_order_release);
   }
 
   /// Reader, after decide(job) said done. False when the slot was reused meanwhile; the outputs are then
   /// unchanged. `made_by`: the job that computed the value (never behind `job`).
   bool read(std::uint64_t job, T& value, std::uint64_t& made_by) const {
-    std::uint32_t raw[kWords];
-    const std::atomic<std::uint32_t>* slot =
-        words_ + static_cast<std::size_t>(job & (ledger_->depth() - 1)) * kWords;
-    for (std::uint32_t i = 0; i < kWords; ++i) raw[i] = slot[i].load(std::memory_order_acquire);
+    const Atomic<std::uint32_t>* const slot = slot_of(job);
+    const auto raw = load_words<T>(slot);
+    const std::uint32_t made = slot[kWords - 1].load(std::memory_order_acquire);
     if (!ledger_->still_done(job)) return false;
-    std::memcpy(&value, raw, sizeof(T));
-    made_by = job - (static_cast<std::uint32_t>(job) - raw[kWords - 1]);
+    unpack_words(raw, value);
+    made_by = job - (static_cast<std::uint32_t>(job) - made);
     return true;
   }
 
-  JobLedger& ledger() const { return *ledger_; }
+  Ledger& ledger() const { return *ledger_; }
 
  private:
-  JobLedger* ledger_;
-  std::atomic<std::uint32_t>* words_;
+  Atomic<std::uint32_t>* slot_of(std::uint64_t job) const {
+    return words_ + static_cast<std::size_t>(job & (ledger_->depth() - 1)) * kWords;
+  }
+
+  Ledger* ledger_;
+  Atomic<std::uint32_t>* words_;
 };
 
 }  // namespace sortie::rt

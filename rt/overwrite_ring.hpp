@@ -45,7 +45,18 @@ class OverwriteRing {
   }
 
   /// Elements ever pushed, modulo 2^32. Any thread.
-  std::uint32_t pushed() const { return written_.load(std::memory_order_acquire) - first_; }
+  std::uint32_t pushed() const { return end() - first_; }
+  /// Position behind the newest element, modulo 2^32: first_index before the first push. Any thread.
+  std::uint32_t end() const { return written_.load(std::memory_order_acquire); }
+  /// Copies the element at a position before end(). False when it is not, or no longer, among the newest N -
+  /// 1; `value` is then unchanged. Any thread. Wait-free.
+  bool copy(std::uint32_t position, T& value) const {
+    const auto raw = load_words<T>(words_ + index_of(position));
+    // The words were acquired: had one of them been of a later element, its count would be seen here.
+    if (written_.load(std::memory_order_relaxed) - position > kKept) return false;
+    unpack_words(raw, value);
+    return true;
+  }
 
   /// One reader's view: every element once, in order, but for those that it lost. The ring outlives it.
   class Reader {
@@ -55,7 +66,7 @@ class OverwriteRing {
 
     /// Any thread, also while the producer runs: begins with the oldest element kept.
     explicit Reader(const OverwriteRing& ring) : ring_(&ring), next_(ring.first_) {
-      const std::uint32_t written = ring.written_.load(std::memory_order_acquire);
+      const std::uint32_t written = ring.end();
       if (written - next_ > kKept) next_ = written - kKept;
     }
 
@@ -65,17 +76,14 @@ class OverwriteRing {
     Status read(T& value, std::uint32_t& lost) {
       lost = 0;
       for (int attempt = 0; attempt < kAttempts; ++attempt) {
-        const std::uint32_t waiting = ring_->written_.load(std::memory_order_acquire) - next_;
+        const std::uint32_t waiting = ring_->end() - next_;
         if (waiting == 0) return Status::empty;
         if (waiting > kKept) {
           next_ += waiting - kKept;
           lost += waiting - kKept;
           lost_ += waiting - kKept;
         }
-        const auto raw = load_words<T>(ring_->words_ + index_of(next_));
-        // The words were acquired: had one of them been of a later element, its count would be seen here.
-        if (ring_->written_.load(std::memory_order_relaxed) - next_ > kKept) continue;
-        unpack_words(raw, value);
+        if (!ring_->copy(next_, value)) continue;
         ++next_;
         return Status::ok;
       }
@@ -92,13 +100,17 @@ class OverwriteRing {
   };
 
  private:
+  // Half the loads where they may be wide; some small processors have no such atomics.
+  static constexpr bool kWide = alignof(T) >= sizeof(std::uint64_t) && ATOMIC_LLONG_LOCK_FREE == 2;
+  using Raw = std::conditional_t<kWide, std::uint64_t, std::uint32_t>;
+
   static constexpr std::size_t index_of(std::uint32_t position) {
-    return std::size_t{position & (N - 1)} * kWordsOf<T>;
+    return std::size_t{position & (N - 1)} * kWordsOf<T, Raw>;
   }
 
   alignas(kCacheLineBytes) Atomic<std::uint32_t> written_{0};  // stored by the producer only
   std::uint32_t first_{0};
-  alignas(kCacheLineBytes) Atomic<std::uint32_t> words_[std::size_t{N} * kWordsOf<T>]{};
+  alignas(kCacheLineBytes) Atomic<Raw> words_[std::size_t{N} * kWordsOf<T, Raw>]{};
 };
 
 }  // namespace sortie::rt

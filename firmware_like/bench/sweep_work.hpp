@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/bench/job_times.hpp"
 #include "firmware_like/bench/map_volume.hpp"
+#include "firmware_like/bench/shortest_times.hpp"
 #include "firmware_like/bench/sweep.hpp"
 #include "rt/histogram.hpp"
 
@@ -39,7 +39,7 @@ class SweepWork {
   std::vector<std::string> overrides_;
   std::vector<std::string> tasks_;
   std::vector<rt::LatencyHistogram> times_;  // one a task
-  JobTimes shortest_;
+  ShortestTimes shortest_;
   std::optional<MapVolume> map_;
 };
 

@@ -54,7 +54,7 @@ std::optional<Divergence> first_divergence(const Side& first, const Side& second
       return Divergence{
           first.jobs[i].tick, executive.group(first.jobs[i].group).spec.name, "(schedule)", "", "", ""};
     }
-    if (auto divergence = compare_jobs(executive, first.jobs[i], second.jobs[i])) return divergence;
+    if (auto divergence = compare_outputs(executive, first.jobs[i], second.jobs[i])) return divergence;
   }
   return std::nullopt;
 }

@@ -11,48 +11,6 @@
 
 namespace sortie::rt::posix {
 
-void IntervalLog::add(Nanoseconds begin, Nanoseconds end, std::uint64_t weight) noexcept {
-  const std::uint32_t number = count_.load(std::memory_order_relaxed);
-  Slot& slot = slots_[number % kSlots];
-  slot.begin.store(begin, std::memory_order_release);
-  slot.end.store(end, std::memory_order_release);
-  slot.weight.store(weight, std::memory_order_release);
-  count_.store(number + 1, std::memory_order_release);
-}
-
-// Slots are read newest first. One that the writer may be filling again is left out: whoever sees a value of
-// the next round also sees the count that came before it.
-template <class F>
-void IntervalLog::for_each(F f) const noexcept {
-  const std::uint32_t count = count_.load(std::memory_order_acquire);
-  const std::uint32_t held = std::min(count, kSlots);
-  for (std::uint32_t back = 1; back <= held; ++back) {
-    const std::uint32_t number = count - back;
-    const Slot& slot = slots_[number % kSlots];
-    const Nanoseconds begin = slot.begin.load(std::memory_order_acquire);
-    const Nanoseconds end = slot.end.load(std::memory_order_acquire);
-    const std::uint64_t weight = slot.weight.load(std::memory_order_acquire);
-    if (count_.load(std::memory_order_relaxed) - number >= kSlots) return;
-    f(begin, end, weight);
-  }
-}
-
-Nanoseconds IntervalLog::overlap(Nanoseconds begin, Nanoseconds end) const noexcept {
-  Nanoseconds sum = 0;
-  for_each([&](Nanoseconds from, Nanoseconds to, std::uint64_t) {
-    sum += std::max(Nanoseconds{0}, std::min(end, to) - std::max(begin, from));
-  });
-  return sum;
-}
-
-std::uint64_t IntervalLog::weight(Nanoseconds begin, Nanoseconds end) const noexcept {
-  std::uint64_t sum = 0;
-  for_each([&](Nanoseconds from, Nanoseconds to, std::uint64_t weight) {
-    if (from < end && to > begin) sum += weight;
-  });
-  return sum;
-}
-
 SetupResult Heartbeat::open_for_this_thread() noexcept {
   const SetupResult result = account_file_.open_for_this_thread();
   if (result.ok) static_cast<void>(account_file_.read(account_));

@@ -6,38 +6,10 @@
 #include <atomic>
 #include <cstdint>
 
+#include "rt/posix/interval_log.hpp"
 #include "rt/posix/thread_account.hpp"
 
 namespace sortie::rt::posix {
-
-/// Intervals with a weight, newest last: one writer, any number of readers, no lock, fixed memory (1.5 kB).
-/// A reader that is overtaken by the writer sees less, never something wrong.
-class IntervalLog {
- public:
-  static constexpr std::uint32_t kSlots = 64;
-
-  void add(Nanoseconds begin, Nanoseconds end, std::uint64_t weight) noexcept;
-  /// Nothing but what was added happened until then [ns].
-  void cover(Nanoseconds until) noexcept { covered_until_.store(until, std::memory_order_release); }
-  Nanoseconds covered_until() const noexcept { return covered_until_.load(std::memory_order_acquire); }
-  /// Time within [begin, end] that lies in any of the intervals, which must not overlap.
-  Nanoseconds overlap(Nanoseconds begin, Nanoseconds end) const noexcept;
-  /// Sum of the weights of the intervals that touch [begin, end].
-  std::uint64_t weight(Nanoseconds begin, Nanoseconds end) const noexcept;
-
- private:
-  template <class F>
-  void for_each(F f) const noexcept;
-
-  struct Slot {
-    std::atomic<Nanoseconds> begin{0};
-    std::atomic<Nanoseconds> end{0};
-    std::atomic<std::uint64_t> weight{0};
-  };
-  Slot slots_[kSlots];
-  std::atomic<std::uint32_t> count_{0};
-  std::atomic<Nanoseconds> covered_until_{0};
-};
 
 /// The heart of a thread that sleeps on a fixed grid and has next to nothing else to do, such as a watchdog
 /// above all other priorities. If it was not woken, and was not waiting for a core either, then the machine

@@ -26,6 +26,23 @@ LiveRunOptions live_options(const TempFolder& folder, double seconds) {
   return options;
 }
 
+// A live run that ends when its tasks have done what the test is about, however long the machine takes for
+// it; after two minutes in any case.
+template <class Enough>
+LiveRunOutcome run_until(LiveRunOptions options, Enough enough) {
+  std::atomic<bool> ended{false};
+  stall_counts.jobs = 0;
+  stall_counts.fast_stalled = 0;
+  stall_counts.slow_stalled = 0;
+  options.seconds = 120;
+  options.progress = [&](double) { ended.store(enough(stall_counts)); };
+  options.interrupted = &ended;
+  LiveRunOutcome run = run_live(stall_vehicles(), nullptr, options);
+  REQUIRE(ended.load());
+  CHECK(run.results.counters.at("jobs") == stall_counts.jobs.load());
+  return run;
+}
+
 // Replays on one thread and on many, with other delays than in the live run.
 void check_replays(const std::string& log_path, const LiveRunOutcome& run) {
   const LogFile log(log_path);
@@ -59,13 +76,16 @@ TEST_CASE("a live run with stalls longer than the slack replays to its digest, w
   const bool counts_heap = watch_heap();
   const TempFolder folder;
   stalls = {3'500, 30'000, 100};
-  const LiveRunOptions options = live_options(folder, 2);
-  const LiveRunOutcome run = run_live_undisturbed(stall_vehicles(), nullptr, options);
+  const LiveRunOptions options = live_options(folder, 0);
+  const LiveRunOutcome run = run_until(options, [](const StallCounts& counts) {
+    return counts.fast_stalled >= 20 && counts.slow_stalled >= 5;
+  });
   const auto& counters = run.results.counters;
-  CHECK(counters.at("missed_jobs") > 20);
-  CHECK(counters.at("skipped_releases") > 20);
+  // Whoever stalls is late; a fast job leaves out the two releases that its own stall covers, too, but for
+  // the run's last. Above that the machine adds its own.
+  CHECK(counters.at("missed_jobs") >= stall_counts.fast_stalled + stall_counts.slow_stalled);
+  CHECK(counters.at("skipped_releases") >= 2 * (stall_counts.fast_stalled - 1));
   CHECK(counters.at("refused_samples") > 0);
-  CHECK(counters.at("jobs") > 200);
   REQUIRE(counters.at("log_lost_jobs") == 0);
   REQUIRE(counters.at("log_lost_samples") == 0);
   if (counts_heap) CHECK(counters.at("heap_calls") == 0);
@@ -81,15 +101,10 @@ TEST_CASE("a live run with stalls longer than the slack replays to its digest, w
 TEST_CASE("a live run that is interrupted leaves a log that replays whole") {
   const TempFolder folder;
   stalls = {0, 25'000, 0};
-  LiveRunOptions options = live_options(folder, 60);
-  std::atomic<bool> interrupted{false};
-  int calls = 0;
-  options.progress = [&](double) {
-    if (++calls == 12) interrupted.store(true);
-  };
-  options.interrupted = &interrupted;
-  const LiveRunOutcome run = run_live(stall_vehicles(), nullptr, options);
-  CHECK(run.results.duration_s < 30);
+  const LiveRunOptions options = live_options(folder, 0);
+  const LiveRunOutcome run = run_until(
+      options, [](const StallCounts& counts) { return counts.jobs > 50 && counts.slow_stalled > 0; });
+  CHECK(run.results.ticks < 120'000);
   CHECK(run.results.duration_s == Approx(static_cast<double>(run.results.ticks) * 1e-3));
   for (const GroupResult& group : run.results.groups) {
     // Each release of the run was run or left out, and none behind its end.
@@ -99,15 +114,14 @@ TEST_CASE("a live run that is interrupted leaves a log that replays whole") {
     CHECK(static_cast<double>(group.jobs + group.skipped) * period + group.phase_us * 1e-3 >=
           static_cast<double>(run.results.ticks));
   }
-  CHECK(run.results.counters.at("jobs") > 10);
   check_replays(options.record, run);
 }
 
 TEST_CASE("a live run without misses is replayed, too, and a virtual run needs a robot") {
   const TempFolder folder;
   stalls = {};
-  LiveRunOptions options = live_options(folder, 0.5);
-  const LiveRunOutcome run = run_live_undisturbed(stall_vehicles(), nullptr, options);
+  LiveRunOptions options = live_options(folder, 0);
+  const LiveRunOutcome run = run_until(options, [](const StallCounts& counts) { return counts.jobs > 200; });
   check_replays(options.record, run);
   options.virtual_time = true;
   CHECK(message_of<ProfileError>([&] {
@@ -121,7 +135,10 @@ TEST_CASE(
   LiveRunOptions options = live_options(folder, 1);
   options.scene = "ugv_hall";
   options.overrides = {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768"};
-  const LiveRunOutcome run = run_live_undisturbed(own_vehicles(), make_own_bench, options);
+  // A busy machine may take several seconds to its first scan.
+  LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  for (; run.results.counters.at("scans") == 0 && options.seconds < 32; options.seconds *= 2)
+    run = run_live(own_vehicles(), make_own_bench, options);
   CHECK(run.results.counters.at("imu_used") > 0);
   CHECK(run.results.counters.at("scans") > 0);
   const LogFile log(options.record);

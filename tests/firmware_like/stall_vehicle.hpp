@@ -3,6 +3,7 @@
 // driver that delivers bursts. Its samples have no message type of their own.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -47,6 +48,15 @@ struct Stalls {
 };
 inline Stalls stalls;
 
+/// What the tasks of a run have done so far, counted by themselves: how much that is in a second is the
+/// machine's business.
+struct StallCounts {
+  std::atomic<std::uint32_t> jobs{0};          ///< of both groups
+  std::atomic<std::uint32_t> fast_stalled{0};  ///< jobs that stalled
+  std::atomic<std::uint32_t> slow_stalled{0};
+};
+inline StallCounts stall_counts;
+
 class StallVehicle final : public firmware::Vehicle {
  public:
   explicit StallVehicle(firmware::VehicleBuilder& builder) {
@@ -56,11 +66,11 @@ class StallVehicle final : public firmware::Vehicle {
     std::tie(slow_stream_, slow_port_) = builder.stream<Reading>(slow, "SORTIE_CUSTOM_slow", 64, 32);
     fast_task_ = builder.task<Mixed>(fast, "quick", 200, [this](rt::JobContext& context, Mixed& mixed) {
       mix(context, mixed, *fast_stream_, *fast_input_);
-      if (context.job % 37 == 5) stall(stalls.fast_us);
+      if (context.job % 37 == 5) stall(stalls.fast_us, stall_counts.fast_stalled);
     });
     slow_task_ = builder.task<Mixed>(slow, "heavy", 5000, [this](rt::JobContext& context, Mixed& mixed) {
       mix(context, mixed, *slow_stream_, *slow_input_);
-      if (context.job % 5 == 3) stall(stalls.slow_us);
+      if (context.job % 5 == 3) stall(stalls.slow_us, stall_counts.slow_stalled);
     });
     builder.remembers(fast_task_);
     builder.remembers(slow_task_);
@@ -80,8 +90,10 @@ class StallVehicle final : public firmware::Vehicle {
   }
 
  private:
-  static void stall(int us) {
-    if (us > 0) std::this_thread::sleep_for(std::chrono::microseconds(us));
+  static void stall(int us, std::atomic<std::uint32_t>& count) {
+    if (us <= 0) return;
+    std::this_thread::sleep_for(std::chrono::microseconds(us));
+    count.fetch_add(1, std::memory_order_relaxed);
   }
   static void mix(const rt::JobContext& context, Mixed& mixed, const rt::Stream<Reading>& readings,
                   const rt::Input<Mixed>& others) {
@@ -94,6 +106,7 @@ class StallVehicle final : public firmware::Vehicle {
       ++mixed.others;
     }
     mixed.sum = mixed.sum * 41 + context.job;
+    stall_counts.jobs.fetch_add(1, std::memory_order_relaxed);
   }
 
   rt::Stream<Reading>* fast_stream_{};

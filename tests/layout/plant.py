@@ -83,6 +83,12 @@ FAULTS = {
         ("rt/base.cpp", "std::atomic<Nanoseconds> newest;\n", "rt/base.cpp:7: atomic<Nanoseconds>"),
         ("rt/base.hpp", "Atomic<std::int64_t> words[2];\n", "rt/base.hpp:8: Atomic<std::int64_t>"),
     ],
+    "orders": [
+        ("rt/base.cpp", "int f() { return word.load(std::memory_order_acquire); }\n", "rt/base.cpp:7: a memory order that no model takes away"),
+        ("drivers/bus.cpp", "void f() { word.store(1, std::memory_order::release); }\n", "drivers/bus.cpp:4: a memory order"),
+        ("rt/mailbox.hpp", "#pragma once\n", "rt/mailbox.hpp: has no memory order any more"),
+        ("rt/ledger.hpp", "#pragma once\nint f() { return word.load(std::memory_order_acquire); }\n", "ledger_model_test.cpp is gone"),
+    ],
     "files": [
         ("rt/base.cpp", "// TO" "DO: the rest\n", "rt/base.cpp:7: 'TO" "DO'"),
         ("docs/page.md", "Good enough for " "now.\n", "docs/page.md:2: 'for " "now'"),

@@ -34,6 +34,9 @@ struct Result {
   std::uint64_t executions;
   std::uint64_t failures;
 };
+inline Result operator+(const Result& a, const Result& b) {
+  return {a.executions + b.executions, a.failures + b.failures};
+}
 
 inline constexpr int kThreads = 3;   // at most
 inline constexpr int kOutside = -1;  // code before the threads start and after all have ended

@@ -11,37 +11,28 @@
 #include <vector>
 
 #include "tests/rt/interleaving.hpp"
+#include "tests/rt/model_orders.hpp"
 
 namespace sortie::rt::test {
 
-/// What a faulty variant of the code under test does differently.
-struct Faithful {
-  static constexpr bool kRelaxedStores = false;
-  static constexpr bool kRelaxedLoads = false;
-  static constexpr bool kSplitExchange = false;
-};
-struct StoresAreRelaxed : Faithful {
-  static constexpr bool kRelaxedStores = true;
-};
-struct LoadsAreRelaxed : Faithful {
-  static constexpr bool kRelaxedLoads = true;
-};
-struct ExchangeIsLoadThenStore : Faithful {
-  static constexpr bool kSplitExchange = true;
-};
-
-/// Twin of std::atomic under the explorer.
-template <class T, class Fault>
+/// Twin of std::atomic under the explorer. `kSplits`: planted fault, a read-modify-write is a load and then a
+/// store. Memory orders are taken away one by one: see model_orders.hpp. A weak exchange never fails without
+/// a cause here: its loop would only look again.
+template <class T, bool kSplits>
 class ModelAtomic {
  public:
-  ModelAtomic(T value = T{}) { history_.push_back({value, {}, {}, kOutside}); }  // NOLINT: as std::atomic's
+  using value_type = T;
+
+  ModelAtomic(T value = T{}) {
+    history_.push_back({value, {}, {}, kOutside, false});
+  }  // NOLINT: as std::atomic's
   ModelAtomic(const ModelAtomic&) = delete;
   ModelAtomic& operator=(const ModelAtomic&) = delete;
 
-  T load(std::memory_order order) const {
+  T load(std::memory_order order, Caller where = Caller::here()) const {
     Explorer& explorer = Explorer::instance();
-    const bool own = history_.back().writer == explorer.current();
-    if (!own) explorer.yield();
+    // A word that this thread stores is stored by no other (see append): nothing can come in between.
+    if (!history_.back().stored || history_.back().writer != explorer.current()) explorer.yield();
     std::size_t oldest = explorer.current() == kOutside ? history_.size() - 1 : seen();
     const Clock known = explorer.clock();
     for (std::size_t i = history_.size(); i-- > oldest + 1;) {
@@ -57,21 +48,48 @@ class ModelAtomic {
     const auto choices = static_cast<std::uint32_t>(history_.size() - oldest);
     const std::size_t pick = history_.size() - 1 - explorer.choose(choices);
     remember(pick);
-    if (acquires(order) && !Fault::kRelaxedLoads) explorer.learn(history_[pick].released);
+    if (acquires(order, {where, "load acquire"})) explorer.learn(history_[pick].released);
     return history_[pick].value;
   }
 
-  void store(T value, std::memory_order order) {
+  void store(T value, std::memory_order order, Caller where = Caller::here()) {
     Explorer::instance().yield();
-    append(value, order, {});
+    append(value, releases(order, {where, "store release"}), {}, true);
   }
 
   // Reads the last value in the order of modification, as every read-modify-write does.
-  T exchange(T value, std::memory_order order) {
-    return modify(order, [value](T) { return value; });
+  T exchange(T value, std::memory_order order, Caller where = Caller::here()) {
+    return modify(acquires(order, {where, "exchange acquire"}), releases(order, {where, "exchange release"}),
+                  [value](T) { return value; });
   }
-  T fetch_add(T more, std::memory_order order) {
-    return modify(order, [more](T old) { return static_cast<T>(old + more); });
+  T fetch_add(T more, std::memory_order order, Caller where = Caller::here()) {
+    return modify(acquires(order, {where, "fetch_add acquire"}),
+                  releases(order, {where, "fetch_add release"}),
+                  [more](T old) { return static_cast<T>(old + more); });
+  }
+  bool compare_exchange_strong(T& expected, T wanted, std::memory_order success, std::memory_order failure,
+                               Caller where = Caller::here()) {
+    Explorer& explorer = Explorer::instance();
+    const bool acquired = acquires(success, {where, "compare_exchange acquire"});
+    const bool released = releases(success, {where, "compare_exchange release"});
+    const bool acquired_failing = acquires(failure, {where, "compare_exchange failure acquire"});
+    explorer.yield();
+    const Entry last = history_.back();
+    if (last.value != expected) {
+      // A failure is a load: it may also see an older value, as long as that is not the expected one.
+      if (acquired_failing) explorer.learn(last.released);
+      remember(history_.size() - 1);
+      expected = last.value;
+      return false;
+    }
+    if (acquired) explorer.learn(last.released);
+    if (kSplits) explorer.yield();
+    append(wanted, released, last.released, false);
+    return true;
+  }
+  bool compare_exchange_weak(T& expected, T wanted, std::memory_order success, std::memory_order failure,
+                             Caller where = Caller::here()) {
+    return compare_exchange_strong(expected, wanted, success, failure, where);
   }
 
  private:
@@ -80,34 +98,42 @@ class ModelAtomic {
     Clock stamp;     // the writer's clock at the store
     Clock released;  // what an acquiring reader learns
     int writer;
+    bool stored;  // plainly, not by a read-modify-write
   };
 
-  static bool acquires(std::memory_order order) {
-    return order == std::memory_order_acquire || order == std::memory_order_acq_rel ||
-           order == std::memory_order_seq_cst;
+  static bool acquires(std::memory_order order, const OrderSite& site) {
+    return (order == std::memory_order_acquire || order == std::memory_order_acq_rel ||
+            order == std::memory_order_seq_cst) &&
+           Orders::instance().holds(site);
   }
-  static bool releases(std::memory_order order) {
-    return order == std::memory_order_release || order == std::memory_order_acq_rel ||
-           order == std::memory_order_seq_cst;
+  static bool releases(std::memory_order order, const OrderSite& site) {
+    return (order == std::memory_order_release || order == std::memory_order_acq_rel ||
+            order == std::memory_order_seq_cst) &&
+           Orders::instance().holds(site);
   }
 
   template <class Function>
-  T modify(std::memory_order order, Function change) {
+  T modify(bool acquired, bool released, Function change) {
     Explorer& explorer = Explorer::instance();
     explorer.yield();
     const Entry last = history_.back();
-    if (acquires(order) && !Fault::kRelaxedLoads) explorer.learn(last.released);
-    if (Fault::kSplitExchange) explorer.yield();
-    append(change(last.value), order, last.released);
+    if (acquired) explorer.learn(last.released);
+    if (kSplits) explorer.yield();
+    append(change(last.value), released, last.released, false);
     return last.value;
   }
 
-  void append(T value, std::memory_order order, Clock released) {
+  void append(T value, bool release, Clock released, bool stored) {
     Explorer& explorer = Explorer::instance();
+    // Two threads that store one word plainly are a fault in all types here, and load() relies on it.
+    const Entry& last = history_.back();
+    if (last.stored && last.writer != kOutside && explorer.current() != kOutside &&
+        last.writer != explorer.current())
+      explorer.fail();
     explorer.step();
     const Clock now = explorer.current() == kOutside ? Clock{} : explorer.clock();
-    if (releases(order) && !Fault::kRelaxedStores) join(released, now);
-    history_.push_back({value, now, released, explorer.current()});
+    if (release) join(released, now);
+    history_.push_back({value, now, released, explorer.current(), stored});
     remember(history_.size() - 1);
   }
 
@@ -122,13 +148,9 @@ class ModelAtomic {
 };
 
 template <class T>
-using Modelled = ModelAtomic<T, Faithful>;
+using Modelled = ModelAtomic<T, false>;
 template <class T>
-using RelaxedStores = ModelAtomic<T, StoresAreRelaxed>;
-template <class T>
-using RelaxedLoads = ModelAtomic<T, LoadsAreRelaxed>;
-template <class T>
-using SplitExchange = ModelAtomic<T, ExchangeIsLoadThenStore>;
+using SplitExchange = ModelAtomic<T, true>;
 
 /// Plain data that reports a data race: two accesses, one of them a write, neither of which happens before
 /// the other.

@@ -14,7 +14,7 @@ namespace sortie::firmware {
 
 /// The run time of every job of the tasks that count, the shortest of all repetitions: each does the same
 /// work again, so what it took longer was the machine. Memory: 4 bytes a job and task.
-class JobTimes {
+class ShortestTimes {
  public:
   /// Before each replay of the same log with the same profile; `tasks`: names of those that count.
   void begin_replay(const std::vector<std::string>& tasks) {

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a job was told to do stands in its log: verdict, level, tasks left out, cuts, units, ranges. A log in
+// which one of these is altered is refused, and the place is named.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "drivers/channels.hpp"
+#include "drivers/wire_records.hpp"
+#include "firmware_like/replay.hpp"
+#include "tests/firmware_like/ladder_vehicle.hpp"
+#include "tests/firmware_like/run_support.hpp"
+
+using namespace sortie;
+using namespace sortie::firmware;
+using namespace sortie::testing;
+
+namespace {
+
+std::vector<drivers::TickRecord> ticks_of(const std::string& path) {
+  const LogFile log(path);
+  std::vector<drivers::TickRecord> records;
+  for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTick))) {
+    records.emplace_back();
+    REQUIRE(drivers::decode(event.message, records.back()) == Status::ok);
+  }
+  return records;
+}
+
+std::optional<Divergence> difference(const std::string& path, bool threaded = false) {
+  ReplayOptions options;
+  options.threaded = threaded;
+  return replay(LogFile(path), ladder_vehicles(), options).divergence;
+}
+
+// Indices of the vehicle's groups and tasks.
+constexpr int kWork = 0;
+constexpr int kPlan = 1;
+constexpr int kShown = 2;
+constexpr std::size_t kRefine = 1;
+constexpr std::int16_t kRefineBit = 2;
+
+bool ran(const drivers::TickRecord& job, std::size_t task) { return ((job.shed >> task) & 1) == 0; }
+
+}  // namespace
+
+TEST_CASE("the log says of each job what the executive decided, and its replay decides the same") {
+  const TempFolder folder;
+  LadderRun run(folder);
+  const std::vector<drivers::TickRecord> logged = ticks_of(run.log);
+  REQUIRE(logged.size() == run.jobs.size());
+  int levels[rt::kLevels]{};
+  int cuts = 0;
+  int missed = 0;
+  for (std::size_t i = 0; i < logged.size(); ++i) {
+    const rt::JobRecord& job = run.jobs[i];
+    INFO("tick " << job.tick << ", group " << job.group);
+    CHECK(logged[i].tick == static_cast<std::int64_t>(job.tick));
+    CHECK(logged[i].group == job.group);
+    CHECK(logged[i].verdict == static_cast<int>(job.verdict));
+    CHECK(logged[i].level == job.level);
+    CHECK(logged[i].shed == job.shed);
+    CHECK(logged[i].cut == job.cut);
+    REQUIRE(logged[i].streams.size() == job.streams);
+    for (std::uint32_t k = 0; k < job.streams; ++k) {
+      CHECK(logged[i].streams[k].first_seq == static_cast<std::int64_t>(job.stream[k].first));
+      CHECK(logged[i].streams[k].count == static_cast<std::int32_t>(job.stream[k].count));
+    }
+    REQUIRE(logged[i].channels.size() == job.inputs);
+    for (std::uint32_t k = 0; k < job.inputs; ++k) {
+      CHECK(logged[i].channels[k].first == job.input[k].first);
+      CHECK(logged[i].channels[k].last == job.input[k].last);
+    }
+    REQUIRE(logged[i].tasks.size() == job.tasks);
+    for (std::uint32_t k = 0; k < job.tasks; ++k)
+      CHECK(logged[i].tasks[k].units == static_cast<std::int32_t>(job.units[k]));
+    ++levels[job.level];
+    cuts += job.cut != 0 ? 1 : 0;
+    missed += job.verdict == rt::Verdict::missed ? 1 : 0;
+  }
+  for (const int level : levels) CHECK(level > 50);
+  CHECK(cuts > 30);
+  CHECK(missed > 40);
+  for (const bool threaded : {false, true}) {
+    INFO((threaded ? "threaded" : "one thread"));
+    ReplayOptions options;
+    options.threaded = threaded;
+    const ReplayOutcome outcome = replay(LogFile(run.log), ladder_vehicles(), options);
+    CHECK(complaint_of(outcome) == "");
+    CHECK(outcome.compared_jobs == run.jobs.size());
+    CHECK(outcome.results.digest == hex(run.digest));
+  }
+}
+
+TEST_CASE("a log with one altered field is refused, whatever the field, and the place is named") {
+  struct Case {
+    const char* what;
+    std::function<bool(const drivers::TickRecord&)> picks;
+    std::function<void(drivers::TickRecord&)> alters;
+    const char* field;   // of the difference, how it begins
+    const char* was_is;  // "was X, is Y" as it is told, or how it begins; empty: as it comes
+    int ticks_later{};   // most ticks until it shows
+  };
+  using Tick = drivers::TickRecord;
+  const auto work = [](const Tick& job) { return job.group == kWork && job.tick > 300; };
+  const std::vector<Case> cases{
+      {"level up", [&](const Tick& j) { return work(j) && j.level == 0 && j.job % 2 == 1; },
+       [](Tick& j) { j.level = 1; }, "tasks left out at level 1", "was none, is extra"},
+      {"level down", [&](const Tick& j) { return work(j) && j.level == 4; }, [](Tick& j) { j.level = 2; },
+       "tasks left out at level 2", "was refine, extra, is extra"},
+      {"level to zero, the tasks left out too", [&](const Tick& j) { return work(j) && j.level == 4; },
+       [](Tick& j) { j.level = 0, j.shed = 0; }, "units", "was 0, is "},
+      {"shed", [&](const Tick& j) { return work(j) && j.level == 0; }, [](Tick& j) { j.shed = 4; },
+       "tasks left out at level 0", "was extra, is none"},
+      {"a cut is gone", [&](const Tick& j) { return work(j) && (j.cut & kRefineBit) != 0 && j.level == 0; },
+       [](Tick& j) { j.cut = 0; }, "units", "was 15, is "},
+      {"a cut where none was, in a job that had enough",
+       [&](const Tick& j) { return work(j) && j.cut == 0 && j.job % 3 == 0 && ran(j, kRefine); },
+       [](Tick& j) { j.cut = kRefineBit; }, "cut", "was after 12 units, is none, 12 units"},
+      {"a cut where none was, in a job that used all its units",
+       [&](const Tick& j) { return work(j) && j.cut == 0 && j.job % 3 == 1 && j.level == 0; },
+       [](Tick& j) { j.cut = kRefineBit; }, "cut", "was after 40 units, is none, 40 units"},
+      {"a cut of a task without units", [&](const Tick& j) { return work(j); },
+       [](Tick& j) { j.cut = static_cast<std::int16_t>(j.cut | 1); }, "cut", "was after 0 units, is none"},
+      {"units", [&](const Tick& j) { return work(j) && j.cut == 0 && j.level == 0; },
+       [](Tick& j) { j.tasks[kRefine].units += 1; }, "units", ""},
+      {"units of a cut", [&](const Tick& j) { return work(j) && (j.cut & kRefineBit) != 0; },
+       [](Tick& j) { j.tasks[kRefine].units -= 1; }, "", ""},
+      {"samples", [&](const Tick& j) { return work(j) && j.streams[0].count > 0; },
+       [](Tick& j) { j.streams[0].count -= 1; }, "", ""},
+      {"first sample", [&](const Tick& j) { return work(j) && j.streams[0].count > 0; },
+       [](Tick& j) { j.streams[0].first_seq -= 1; }, "samples of stream", ""},
+      {"last job taken, less", [](const Tick& j) { return j.group == kPlan && j.channels[0].last > 300; },
+       [](Tick& j) { j.channels[0].last -= 1; }, "", ""},
+      {"last job taken, more", [](const Tick& j) { return j.group == kPlan && j.channels[0].last > 300; },
+       [](Tick& j) { j.channels[0].last += 100; }, "jobs taken of task steer", ""},
+      {"first job taken", [](const Tick& j) { return j.group == kPlan && j.channels[0].last > 300; },
+       [](Tick& j) { j.channels[0].first -= 100; }, "jobs taken of task steer", ""},
+      {"done that others took becomes missed",
+       [&](const Tick& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::done); },
+       [](Tick& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "", "", 15},
+      {"missed becomes done",
+       [&](const Tick& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::missed); },
+       [](Tick& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::done); }, "verdict",
+       "was done, is missed by its times: it ended "},
+      {"done that nobody takes becomes missed",
+       [](const Tick& j) { return j.group == kShown && j.verdict == static_cast<int>(rt::Verdict::done); },
+       [](Tick& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "verdict",
+       "was missed, is done by its times: it ended "},
+      {"digest", [&](const Tick& j) { return work(j); }, [](Tick& j) { j.tasks[0].digest ^= 1; }, "", ""},
+  };
+  const TempFolder folder;
+  const LadderRun run(folder);
+  const std::string path = folder.file("altered.lcm");
+  for (const Case& item : cases) {
+    INFO(item.what);
+    std::int64_t altered = -1;
+    rewrite_log(run.log, path, [&](EditableEvent& event, std::size_t) {
+      if (event.channel != drivers::kChannelTick || altered >= 0) return true;
+      Tick record;
+      REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
+      if (!item.picks(record)) return true;
+      altered = record.tick;
+      item.alters(record);
+      std::size_t size = 0;
+      REQUIRE(drivers::encode(record.view(), event.bytes, size) == Status::ok);
+      return true;
+    });
+    REQUIRE(altered >= 0);
+    for (const bool threaded : {false, true}) {
+      const std::optional<Divergence> found = difference(path, threaded);
+      REQUIRE(found.has_value());
+      INFO(describe(*found));
+      CHECK(static_cast<std::int64_t>(found->tick) >= altered);
+      CHECK(static_cast<std::int64_t>(found->tick) <= altered + item.ticks_later);
+      CHECK(found->field.rfind(item.field, 0) == 0);
+      CHECK(mentions(describe(*found), item.was_is));
+    }
+  }
+}
+
+TEST_CASE(
+    "a missed job in a log of simulated time is refused, also where nobody would have taken its output") {
+  const TempFolder folder;
+  const std::string path = folder.file("altered.lcm");
+  for (const int group : {0, 1}) {
+    rewrite_log(two_seconds().log, path, [&](EditableEvent& event, std::size_t) {
+      drivers::TickRecord record;
+      if (event.channel != drivers::kChannelTick) return true;
+      REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
+      if (record.group != group || record.tick < 1000 || record.tick >= 1100) return true;
+      record.verdict = static_cast<std::int8_t>(rt::Verdict::missed);
+      std::size_t size = 0;
+      REQUIRE(drivers::encode(record.view(), event.bytes, size) == Status::ok);
+      return true;
+    });
+    const ReplayOutcome outcome = replay_log(path);
+    REQUIRE(outcome.divergence.has_value());
+    CHECK(mentions(describe(*outcome.divergence), "verdict: was missed, is done"));
+  }
+}
