@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drivers/wire.hpp"
+#include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "drivers/wire_fly.hpp"
@@ -244,6 +245,15 @@ Status read_change(Message message, Values& values) {
   return status;
 }
 
+Status read_answers(Message message, Values& values) {
+  drivers::AnswersMessage answers;
+  const Status status = drivers::decode(message, nullptr, answers);
+  add(values, "counter", answers.counter);
+  add(values, "keyed", answers.keyed ? 1 : 0);
+  for (drivers::NamedValue& value : answers.state) values.push_back(std::move(value));
+  return status;
+}
+
 struct Reader {
   std::uint64_t fingerprint;
   Status (*read)(Message, Values&);
@@ -274,6 +284,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintParameter, read_change},
     {drivers::kFingerprintDriveRequest, read_drive_request},
     {drivers::kFingerprintFlyRequest, read_fly_request},
+    {drivers::kFingerprintRequestAnswers, read_answers},
 };
 static_assert(std::size(kReaders) == drivers::kMessageTypes.size(), "a message type has no reader");
 
