@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <ctime>
 
+#include "drivers/stop_filter.hpp"
+
 namespace sortie::firmware {
 
 namespace {
@@ -54,6 +56,11 @@ std::string ParameterDesk::open(const std::string& url) {
   } catch (const std::exception& error) {
     return std::string("no requests are taken: ") + error.what();
   }
+  try {
+    if (drives) stops_ = std::make_unique<drivers::LcmReceiver>(url, drivers::stop_filter());
+  } catch (const std::exception&) {
+    // Stops then come by the common queue alone.
+  }
   if (!key_) return "anybody who reaches " + url + " can " + what + "; [parameters] secret_file closes that";
   return {};
 }
@@ -85,13 +92,18 @@ void ParameterDesk::run_script(rt::Nanoseconds now_ns) {
 }
 
 void ParameterDesk::poll(rt::Nanoseconds now_ns) {
-  constexpr int kMostDatagrams = 256;  // a flood must not keep the script waiting
   run_script(now_ns);
   drive_.hand_in(now_ns);
   fly_.hand_in(now_ns);
+  if (stops_) drain(*stops_, now_ns);
+  if (receiver_) drain(*receiver_, now_ns);
+}
+
+void ParameterDesk::drain(drivers::LcmReceiver& receiver, rt::Nanoseconds now_ns) {
+  constexpr int kMostDatagrams = 256;  // a flood must not keep the script waiting
   drivers::ReceivedMessage received;
-  for (int i = 0; receiver_ && i < kMostDatagrams; ++i) {
-    const Status status = receiver_->receive(received, 0);
+  for (int i = 0; i < kMostDatagrams; ++i) {
+    const Status status = receiver.receive(received, 0);
     if (status == Status::empty || status == Status::disconnected) return;
     if (status != Status::ok) continue;
     const RequestContext context{

@@ -94,11 +94,15 @@ class ParameterDesk {
  private:
   static constexpr std::size_t kAnswers = 16;
 
+  void drain(drivers::LcmReceiver& receiver, rt::Nanoseconds now_ns);
   void take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns, const RequestAge& age);
 
   Runtime& runtime_;
   std::size_t next_line_{};
   std::unique_ptr<drivers::LcmReceiver> receiver_;
+  // A queue of its own in the kernel, of stops alone: whatever fills the other hides none. A stop comes by
+  // both, and one that is taken twice stops as before. Null where the kernel has no filters.
+  std::unique_ptr<drivers::LcmReceiver> stops_;
   std::optional<drivers::SipKey> key_;
   std::int64_t session_{};
   std::string robot_;
