@@ -85,15 +85,15 @@ class Air:
         self.inward.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self.inward.bind(GROUP)
         self.inward.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP[0]) + bytes(4))
-        self.said, self.raw, self.fields = {}, {}, None
+        self.said, self.raw, self.forges = {}, {}, False
         threading.Thread(target=self.listen, daemon=True).start()
 
     def listen(self):
         while True:
             bytes_ = self.inward.recv(65536)
             channel, _, payload = bytes_[8:].partition(b"\0")
-            if channel == b"SORTIE_FIELDS_drive":
-                self.fields = bytes_
+            if channel == b"SORTIE_DRIVE" and self.forges:
+                self.forge(payload)
             if not channel.startswith(b"SORTIE_ANSWERS_"):
                 continue
             if struct.unpack(">Q", payload[-8:])[0] != siphash(KEY, payload[:-8]):
@@ -101,6 +101,17 @@ class Air:
             answers = read_answers(payload)
             self.said[answers["robot"]] = answers
             self.raw.setdefault(answers["robot"], []).append(bytes_)
+
+    def forge(self, asked):
+        """Whoever hears a request can say that it was admitted and that the robot stands, but not under the tag."""
+        _, _, session, sender, counter = struct.unpack_from(">Qqqqq", asked)
+        text = lambda word: struct.pack(">i", len(word) + 1) + word.encode() + b"\0"
+        values = {"stop": 2.0, "speed_m_s": 0.0, "turn_rad_s": 0.0, "source": 3.0}
+        body = struct.pack(">Qqq", 0x054BF8BA8BEE8ABE, int(time.time() * 1e6), session) + text("otter") + text("drive")
+        body += struct.pack(">bqiqqi", 1, counter, 1, sender, counter, 0) + struct.pack(">i", len(values))
+        body += b"".join(map(text, values)) + b"".join(struct.pack(">d", v) for v in values.values())
+        assert read_answers(body)["asked"] == [counter]
+        self.send(b"SORTIE_ANSWERS_drive", body + struct.pack(">Q", siphash(bytes(16), body)))
 
     def send(self, channel, payload):
         self.out.sendto(b"LC02" + bytes(4) + channel + b"\0" + payload, GROUP)
@@ -268,7 +279,9 @@ def racing_halts(air, halts=8):
     process.send_signal(signal.SIGSTOP)
     player = threading.Thread(target=lambda: [(air.out.sendto(old, GROUP), time.sleep(0.1)) for old in recorded * 2], daemon=True)
     player.start()
+    air.forges = True
     sortie("drive", "halt", "--secret", "secret", "--seconds", "2", code=1, says=["not halted"])
+    air.forges = False
     player.join()
     process.send_signal(signal.SIGCONT)
     counters = end(process)
