@@ -42,7 +42,8 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
       group, "drive", 50, [this](rt::JobContext& context, planner::UgvDriveOutput& output) {
         if (requests_ != nullptr) {
           // A refusal is counted in the output, by its reason.
-          for (const rt::DriveRequest& request : *requests_) static_cast<void>(drive_->request(request, context.release_ns));
+          for (const rt::DriveRequest& request : *requests_)
+            static_cast<void>(drive_->request(request, context.release_ns));
         }
         // Whatever cannot be used makes the robot stop, and the output says why.
         static_cast<void>(

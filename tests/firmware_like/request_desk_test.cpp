@@ -133,7 +133,7 @@ TEST_CASE("a request that finds room only when it is old is not handed in") {
   CHECK(robot.lone.stream.waiting() == 0);
 }
 
-TEST_CASE("a halt needs no counter, no clock and nothing beside its mode; a release needs all of them") {
+TEST_CASE("a halt needs no counter, no clock and nothing beside its mode, and a release needs all of them") {
   LoneDrive robot;
   DriveDesk& desk = robot.lone.desk;
   put(desk, numbered(LoneDrive::move(), 1000, 0), taken(0, 0));
