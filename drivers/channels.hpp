@@ -21,6 +21,8 @@ inline constexpr std::string_view kChannelParameters =
 inline constexpr std::string_view kChannelSet = "SORTIE_SET";  ///< set_parameter_t, requests to a run
 inline constexpr std::string_view kChannelDrive = "SORTIE_DRIVE";  ///< drive_request_t, requests to a run
 inline constexpr std::string_view kChannelFly = "SORTIE_FLY";      ///< fly_request_t, requests to a run
+inline constexpr std::string_view kChannelAnswers =
+    "SORTIE_ANSWERS";  ///< request_answers_t, prefix: "_" and the task that obeys follow
 inline constexpr std::string_view kChannelChange =
     "PARAMETER";  ///< parameter_t, prefix: "_" and the group follow
 inline constexpr std::string_view kChannelFields =
@@ -65,6 +67,7 @@ inline constexpr std::uint64_t kFingerprintSetParameter = 0xd7d4ae612974e7bcu;
 inline constexpr std::uint64_t kFingerprintParameters = 0x9314a8c6309c452eu;
 inline constexpr std::uint64_t kFingerprintDriveRequest = 0xd10ac911ffc49358u;
 inline constexpr std::uint64_t kFingerprintFlyRequest = 0xc27e3e5b1c4ad42bu;
+inline constexpr std::uint64_t kFingerprintRequestAnswers = 0x54bf8ba8bee8abeu;
 inline constexpr std::uint64_t kFingerprintSslCommand = 0xf91359d55a24fbfdu;
 inline constexpr std::uint64_t kFingerprintSslReturns = 0x5462a43ba8317072u;
 inline constexpr std::uint64_t kFingerprintPose = 0x2e16efb052b0105eu;
@@ -77,7 +80,7 @@ struct MessageType {
 };
 
 /// Every message type. Order is the order in which tables show them.
-inline constexpr std::array<MessageType, 24> kMessageTypes{{
+inline constexpr std::array<MessageType, 25> kMessageTypes{{
     {"header_t", kFingerprintHeader, kChannelHeader},
     {"tick_t", kFingerprintTick, kChannelTick},
     {"timing_t", kFingerprintTiming, kChannelTiming},
@@ -101,6 +104,7 @@ inline constexpr std::array<MessageType, 24> kMessageTypes{{
     {"parameter_t", kFingerprintParameter, kChannelChange},
     {"drive_request_t", kFingerprintDriveRequest, kChannelDrive},
     {"fly_request_t", kFingerprintFlyRequest, kChannelFly},
+    {"request_answers_t", kFingerprintRequestAnswers, kChannelAnswers},
     {"pose_t", kFingerprintPose, kChannelPose},
 }};
 

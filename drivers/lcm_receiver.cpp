@@ -43,7 +43,10 @@ rt::Nanoseconds arrival(msghdr& header) {
 
 }  // namespace
 
-LcmReceiver::LcmReceiver(const std::string& url) : buffer_(std::make_unique<std::uint8_t[]>(kMaxDatagram)) {
+LcmReceiver::LcmReceiver(const std::string& url) : LcmReceiver(url, {}) {}
+
+LcmReceiver::LcmReceiver(const std::string& url, std::span<const FilterRule> any_of)
+    : buffer_(std::make_unique<std::uint8_t[]>(kMaxDatagram)) {
   const MulticastAddress address = parse_udpm_url(url);
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) refuse(fd, url, "open a socket", "this system must allow UDP");
@@ -55,6 +58,8 @@ LcmReceiver::LcmReceiver(const std::string& url) : buffer_(std::make_unique<std:
     static_cast<void>(set(fd, SOL_SOCKET, SO_RCVBUF, static_cast<int>(address.receive_buffer)));
   }
   static_cast<void>(set(fd, SOL_SOCKET, SO_TIMESTAMPNS, on));
+  if (!any_of.empty() && !set_filter(fd, any_of))
+    refuse(fd, url, "choose datagrams", "this kernel has no socket filters (CONFIG_NET)");
   // Bound to the group, the socket takes no datagram that was sent to this computer directly.
   sockaddr_in name{};
   name.sin_family = AF_INET;

@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
+#include "drivers/datagram_filter.hpp"
 #include "drivers/lc02.hpp"
 #include "drivers/lcm_url.hpp"
 #include "rt/status.hpp"
@@ -35,6 +37,9 @@ class LcmReceiver {
  public:
   /// Joins the group. Throws std::runtime_error (address, system's reason, cure).
   explicit LcmReceiver(const std::string& url);
+  /// The same, and the kernel puts only what fits to one of the rules into this socket's queue. Throws also
+  /// where the kernel has no filters.
+  LcmReceiver(const std::string& url, std::span<const FilterRule> any_of);
   ~LcmReceiver();
   LcmReceiver(const LcmReceiver&) = delete;
   LcmReceiver& operator=(const LcmReceiver&) = delete;

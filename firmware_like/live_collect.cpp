@@ -2,6 +2,7 @@
 // The last step of a live run: what came out, for people and for files.
 #include <cmath>
 
+#include "firmware_like/add_counters.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/live_session.hpp"

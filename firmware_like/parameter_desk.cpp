@@ -1,9 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/parameter_desk.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <ctime>
+
+#include "drivers/stop_filter.hpp"
 
 namespace sortie::firmware {
+
+namespace {
+
+// A request for a parameter may have waited so long in the kernel's queue.
+constexpr rt::Nanoseconds kMostWait_ns = 2 * rt::kNanosecondsPerSecond;
+
+// Of the clock that stamps datagrams.
+rt::Nanoseconds utc_now() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t{now.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{now.tv_nsec};
+}
+
+std::string computer_name() {
+  char name[65] = {};  // HOST_NAME_MAX and its end
+  return ::gethostname(name, sizeof name - 1) == 0 && *name != '\0' ? name : "robot";
+}
+
+}  // namespace
 
 std::string ParameterDesk::open(const std::string& url) {
   const ParameterAccess& access = runtime_.parameter_access();
@@ -18,6 +42,7 @@ std::string ParameterDesk::open(const std::string& url) {
                        : fly_.wanted() ? "[flight]"
                                        : "[drive]") +
            " remote has no effect without an LCM address";
+  robot_ = access.robot.empty() ? computer_name() : access.robot;
   if (!access.secret_file.empty()) key_ = read_secret(access.secret_file);
   if (!key_ && !access.without_secret)
     return "no requests are taken, for there is no secret: head -c 16 /dev/urandom | xxd -p > robot.secret "
@@ -25,11 +50,16 @@ std::string ParameterDesk::open(const std::string& url) {
            "chmod 600 robot.secret, then [parameters] secret_file = \"robot.secret\"; on a bench of your own "
            "without_secret = true lets anybody " +
            what;
-  session_ = unguessable_number();
   try {
     receiver_ = std::make_unique<drivers::LcmReceiver>(url);
+    session_ = unguessable_number();
   } catch (const std::exception& error) {
     return std::string("no requests are taken: ") + error.what();
+  }
+  try {
+    if (drives) stops_ = std::make_unique<drivers::LcmReceiver>(url, drivers::stop_filter());
+  } catch (const std::exception&) {
+    // Stops then come by the common queue alone.
   }
   if (!key_) return "anybody who reaches " + url + " can " + what + "; [parameters] secret_file closes that";
   return {};
@@ -62,20 +92,29 @@ void ParameterDesk::run_script(rt::Nanoseconds now_ns) {
 }
 
 void ParameterDesk::poll(rt::Nanoseconds now_ns) {
-  constexpr int kMostDatagrams = 64;  // a flood must not keep the script waiting
   run_script(now_ns);
+  drive_.hand_in(now_ns);
+  fly_.hand_in(now_ns);
+  if (stops_) drain(*stops_, now_ns);
+  if (receiver_) drain(*receiver_, now_ns);
+}
+
+void ParameterDesk::drain(drivers::LcmReceiver& receiver, rt::Nanoseconds now_ns) {
+  constexpr int kMostDatagrams = 256;  // a flood must not keep the script waiting
   drivers::ReceivedMessage received;
-  for (int i = 0; receiver_ && i < kMostDatagrams; ++i) {
-    const Status status = receiver_->receive(received, 0);
+  for (int i = 0; i < kMostDatagrams; ++i) {
+    const Status status = receiver.receive(received, 0);
     if (status == Status::empty || status == Status::disconnected) return;
     if (status != Status::ok) continue;
-    const RequestAge age{received.stamp_ns, key_ ? runtime_.parameter_access().most_age_ns : 0};
+    const RequestContext context{
+        key(),
+        session_,
+        now_ns,
+        {received.stamp_ns, utc_now(), key_ ? runtime_.parameter_access().most_age_ns : 0}};
     if (received.message.channel == drivers::kChannelSet && runtime_.parameter_access().remote)
-      take(received.message.payload, now_ns, age);
-    if (received.message.channel == drivers::kChannelDrive)
-      drive_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns, age);
-    if (received.message.channel == drivers::kChannelFly)
-      fly_.take(received.message.payload, key_ ? &*key_ : nullptr, session_, now_ns, age);
+      take(received.message.payload, now_ns, context.age);
+    if (received.message.channel == drivers::kChannelDrive) drive_.take(received.message.payload, context);
+    if (received.message.channel == drivers::kChannelFly) fly_.take(received.message.payload, context);
   }
 }
 
@@ -94,7 +133,7 @@ void ParameterDesk::take(std::span<const std::uint8_t> message, rt::Nanoseconds 
       reason = &counters_.malformed;
     } else if (request.session != session_) {
       reason = &counters_.wrong_session;
-    } else if (!age.fits(request.utime)) {
+    } else if (!age.fits(request.utime) || age.waited_ns() > kMostWait_ns) {
       reason = &counters_.wrong_time;
     } else if (request.counter <= newest_) {
       reason = &counters_.stale;

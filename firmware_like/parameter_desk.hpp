@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where changes of run-time parameters are asked for: the profile's script and, if the profile allows it,
-// requests over LCM; requests to the drive come by the same door. A refusal happens here, before anything is
-// recorded, and is counted by its reason.
+// requests over LCM; requests to drive and to fly come by the same door. A refusal happens here, before
+// anything is recorded, and is counted by its reason.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "drivers/lcm_receiver.hpp"
+#include "drivers/wire_answers.hpp"
 #include "drivers/wire_parameters.hpp"
-#include "firmware_like/drive_desk.hpp"
-#include "firmware_like/fly_desk.hpp"
+#include "firmware_like/request_desk.hpp"
 #include "firmware_like/runtime.hpp"
 #include "firmware_like/secret.hpp"
 
@@ -55,13 +55,33 @@ class ParameterDesk {
 
   /// Hands in what the script holds up to `now_ns` of the run's clock.
   void run_script(rt::Nanoseconds now_ns);
-  /// The same, and takes the requests that have come in; at most 64 of them, without waiting.
+  /// The same, and takes the requests that have come in; at most 256 of them, without waiting. What has
+  /// waited in the kernel's queue is judged by its age now.
   void poll(rt::Nanoseconds now_ns);
 
   ParameterDeskCounters counters() const;
-  /// Requests to the drive, which come in by the same door.
-  const DriveDesk& drive() const { return drive_; }
-  const FlyDesk& fly() const { return fly_; }
+  /// Requests to drive and to fly, which come in by the same door.
+  const RequestDesk<drivers::DriveRequestMessage>& drive() const { return drive_; }
+  const RequestDesk<drivers::FlyRequestMessage>& fly() const { return fly_; }
+  /// Calls `use(message)` with what is answered to requests, once for each task that obeys any; the caller
+  /// adds the date and that task's state. Session 0 says that none are taken, for want of a secret or of a
+  /// network.
+  template <class Use>
+  void for_each_answer(Use use) const {
+    const auto one = [&](const auto& desk) {
+      if (!desk.wanted()) return;
+      drivers::AnswersMessage message;
+      message.session = session_;
+      message.robot = robot_;
+      message.keyed = key_.has_value();
+      desk.describe(message);
+      use(std::move(message));
+    };
+    one(drive_);
+    one(fly_);
+  }
+  /// Of the run; null where there is none.
+  const drivers::SipKey* key() const { return key_ ? &*key_ : nullptr; }
   /// What came in by the network; null where nothing is listened to. For the thread that polls, or after it.
   const drivers::LcmReceiverCounters* network() const {
     return receiver_ == nullptr ? nullptr : &receiver_->counters();
@@ -74,15 +94,20 @@ class ParameterDesk {
  private:
   static constexpr std::size_t kAnswers = 16;
 
+  void drain(drivers::LcmReceiver& receiver, rt::Nanoseconds now_ns);
   void take(std::span<const std::uint8_t> message, rt::Nanoseconds now_ns, const RequestAge& age);
 
   Runtime& runtime_;
   std::size_t next_line_{};
   std::unique_ptr<drivers::LcmReceiver> receiver_;
+  // A queue of its own in the kernel, of stops alone: whatever fills the other hides none. A stop comes by
+  // both, and one that is taken twice stops as before. Null where the kernel has no filters.
+  std::unique_ptr<drivers::LcmReceiver> stops_;
   std::optional<drivers::SipKey> key_;
   std::int64_t session_{};
-  DriveDesk drive_;
-  FlyDesk fly_;
+  std::string robot_;
+  RequestDesk<drivers::DriveRequestMessage> drive_;
+  RequestDesk<drivers::FlyRequestMessage> fly_;
 
   mutable std::mutex mutex_;  // of all below
   ParameterDeskCounters counters_;

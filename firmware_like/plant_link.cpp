@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cstdio>
 
-#include "firmware_like/drive_desk.hpp"
+#include "firmware_like/add_counters.hpp"
 #include "firmware_like/profile.hpp"
 #include "firmware_like/secret.hpp"
 

@@ -9,7 +9,7 @@
 #include "drivers/lcm_log.hpp"
 #include "drivers/scan_datagram.hpp"
 #include "drivers/ssl_datagram.hpp"
-#include "firmware_like/drive_desk.hpp"
+#include "firmware_like/add_counters.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/log_clock.hpp"
 #include "firmware_like/secret.hpp"

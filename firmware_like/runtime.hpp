@@ -32,6 +32,7 @@ struct ParameterAccess {
   std::string secret_file;        ///< only from those who know the secret
   bool without_secret{};          ///< from everybody, where there is no secret
   rt::Nanoseconds most_age_ns{};  ///< and whose clock is so near; 0: not judged
+  std::string robot;              ///< the name that the run answers by; empty: the computer's
 };
 
 /// A sealed executive with its vehicle. The vehicle is built twice: once to measure its memory, once into a

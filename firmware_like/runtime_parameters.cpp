@@ -10,6 +10,8 @@ namespace sortie::firmware {
 void Runtime::read_parameter_keys() {
   access_.remote =
       profile_.flag("parameters.remote", false, "`sortie set` may change parameters of a live run");
+  access_.robot = profile_.text("robot.name", "",
+                                "what the run calls itself to who commands it; empty: the computer's name");
   access_.secret_file = profile_.text(
       "parameters.secret_file", "", "32 hexadecimal digits; only who knows them may set parameters or drive");
   if (access_.secret_file.empty()) {

@@ -9,8 +9,8 @@
 
 namespace sortie::firmware {
 
-/// Reads a secret: 32 hexadecimal digits in a file that nobody but its owner may read. Throws ProfileError
-/// (file, fault, cure).
+/// Reads a secret: 32 hexadecimal digits in a regular file of this user or of root, that nobody else may
+/// read, write or run; never a link. Never waits. Throws ProfileError (file, fault, cure).
 drivers::SipKey read_secret(const std::string& path);
 
 /// A number above 0 that nobody can guess. Throws std::runtime_error when the system gives none.

@@ -59,6 +59,7 @@ void Telemetry::publish_outputs(std::int64_t utime) {
           return drivers::encode_fields(utime, task.name(), values, out, size);
         }));
     note_parameters(task);
+    note_state(task, values);
     if (&task == runtime_.vehicle().pose_task()) {
       rt::PoseEstimate pose;
       rt::decode_canonical(canonical_.data(), pose);
@@ -98,6 +99,37 @@ void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
   static_cast<void>(publisher_.publish_encoded(
       drivers::kChannelParameters,
       [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(message, out, size); }));
+}
+
+// Without the state, which must be read after them: of a task that puts nothing out there is none to tell.
+void Telemetry::read_answers() {
+  answers_.clear();
+  desk_.for_each_answer([this](drivers::AnswersMessage message) { answers_.push_back(std::move(message)); });
+}
+
+// What those who command want to hear of the task that obeys: all of it would be too long for one datagram.
+void Telemetry::note_state(const rt::TaskBase& task, const std::vector<drivers::NamedValue>& values) {
+  static constexpr std::string_view kTold[] = {
+      "source",  "stop",          "speed_m_s",     "turn_rad_s",    "step",    "remote",
+      "reached", "setpoint_m[0]", "setpoint_m[1]", "setpoint_m[2]", "error_m", "request_counter"};
+  for (drivers::AnswersMessage& message : answers_) {
+    if (message.task != task.name()) continue;
+    for (const drivers::NamedValue& value : values) {
+      if (std::find(std::begin(kTold), std::end(kTold), value.name) != std::end(kTold))
+        message.state.push_back(value);
+    }
+  }
+}
+
+void Telemetry::publish_answers(std::int64_t utime) {
+  for (drivers::AnswersMessage& message : answers_) {
+    message.utime = utime;
+    const std::string channel = std::string(drivers::kChannelAnswers) + "_" + message.task;
+    static_cast<void>(
+        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode(message, desk_.key(), out, size);
+        }));
+  }
 }
 
 void Telemetry::publish_statistics(std::int64_t utime) {
@@ -155,7 +187,10 @@ void Telemetry::start() {
     for (std::uint64_t round = 0; !stop_.load(std::memory_order_relaxed); ++round) {
       const std::int64_t utime =
           (runtime_.executive().now() + utc_minus_run_ns_) / rt::kNanosecondsPerMicrosecond;
+      // Answers first, then the state: "admitted" and "halted" in one message were true in that order.
+      read_answers();
       publish_outputs(utime);
+      publish_answers(utime);
       publish_events();
       publish_segments();
       if (round % 10 == 9) publish_statistics(utime);

@@ -18,8 +18,8 @@ namespace sortie::firmware {
 
 /// Publishes from a thread of its own: outputs as fields_t on SORTIE_FIELDS_<task> ten times a second,
 /// the map's segments after each scan, statistics and the run-time parameters once a second (parameters also
-/// as soon as one changes), the pose as bot_core.pose_t on POSE_BODY. The real-time workers never wait for
-/// it: it reads their mailboxes.
+/// as soon as one changes), answers to requests ten times a second where a task obeys any, the pose as
+/// bot_core.pose_t on POSE_BODY. The real-time workers never wait for it: it reads their mailboxes.
 ///
 /// One offset dates everything that a run tells, on every channel, in its log and in its events: UTC at the
 /// run's time 0, read once and added to the run's clock. Nothing here asks for the date again, so setting the
@@ -57,6 +57,9 @@ class Telemetry {
   void publish_segments();
   void note_parameters(const rt::TaskBase& task);
   void publish_parameters(std::int64_t utime, bool anyway);
+  void read_answers();
+  void note_state(const rt::TaskBase& task, const std::vector<drivers::NamedValue>& values);
+  void publish_answers(std::int64_t utime);
 
   Runtime& runtime_;
   const FlightRecorder& recorder_;
@@ -66,7 +69,8 @@ class Telemetry {
   std::vector<std::uint8_t> canonical_;
   std::mutex events_mutex_;
   std::vector<drivers::EventRecord> events_;
-  std::vector<rt::ParameterState> in_force_;  // by group of parameters
+  std::vector<rt::ParameterState> in_force_;      // by group of parameters
+  std::vector<drivers::AnswersMessage> answers_;  // of this round
   bool parameters_moved_{};
   std::uint64_t desk_version_{};
   rt::SegmentList segments_;

@@ -18,6 +18,7 @@
 #include "firmware_like/profile.hpp"
 #include "firmware_like/report_queue.hpp"
 #include "mapping/occupancy_view.hpp"
+#include "planner/request_gate.hpp"
 #include "rt/archive.hpp"
 #include "rt/executive.hpp"
 #include "rt/segment_list.hpp"
@@ -238,10 +239,11 @@ struct Devices {
   rt::Nanoseconds device_epoch_ns{};
 };
 
-/// Where requests to a vehicle's drive go in.
-struct DriveRequests {
-  InputPort<rt::DriveRequest>* port{};  ///< null: the vehicle takes none
-  std::int32_t postures{};              ///< of the flippers, that a request may ask for
+/// Where requests to a vehicle go in, and what it allows.
+template <class Request>
+struct RequestEntry {
+  InputPort<Request>* port{};  ///< null: the vehicle takes none
+  planner::RequestRules rules;
 };
 
 /// A voxel of a vehicle's map.
@@ -263,9 +265,9 @@ class Vehicle {
     static_cast<void>(now_ns);
   }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
-  virtual DriveRequests drive_requests() { return {}; }
-  /// The same for a vehicle that flies (drivers/wire_fly.hpp), or null.
-  virtual InputPort<rt::FlyRequest>* fly_requests() { return nullptr; }
+  virtual RequestEntry<rt::DriveRequest> drive_requests() { return {}; }
+  /// The same for a vehicle that flies (drivers/wire_fly.hpp).
+  virtual RequestEntry<rt::FlyRequest> fly_requests() { return {}; }
   /// Where a lidar driver delivers, or null.
   virtual drivers::ScanSink* scan_sink() { return nullptr; }
   /// The task whose output is the robot's pose, or null: errors and trajectories come from it.

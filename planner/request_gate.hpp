@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the drive takes from somebody outside, and what it refuses.
+// What a drive or a pilot takes from somebody outside, and what it refuses: order, age, content.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
+#include "planner/request_content.hpp"
 #include "rt/describe.hpp"
-#include "rt/samples.hpp"
 #include "rt/status.hpp"
+#include "rt/time.hpp"
 
 namespace sortie::planner {
 
-/// Beyond these a request is no request: what a tracked robot cannot mean. Below them the drive's own limits
-/// shorten what does not fit.
-inline constexpr double kMostAskedSpeed_m_s = 10.0;
-inline constexpr double kMostAskedTurn_rad_s = 20.0;
 /// A counter further ahead of the newest one is damaged, or meant to shut everybody else out.
 inline constexpr std::int64_t kMostCounterStep = 1'000'000;
 
@@ -22,45 +18,76 @@ inline constexpr std::int64_t kMostCounterStep = 1'000'000;
 struct RequestCounters {
   std::uint32_t taken{};
   std::uint32_t not_finite{};
-  std::uint32_t out_of_range{};  ///< speed, turn rate, mode, posture or flags that nobody can mean
+  std::uint32_t out_of_range{};  ///< speed, place, mode, posture or flags that nobody can mean
   std::uint32_t repeated{};      ///< counter not above the newest: played again, or overtaken
   std::uint32_t jumped{};        ///< counter too far above the newest
-  SORTIE_FIELDS(taken, not_finite, out_of_range, repeated, jumped)
+  std::uint32_t held_back{};     ///< too old when it was to be taken: the process did not run, or was late
+  SORTIE_FIELDS(taken, not_finite, out_of_range, repeated, jumped, held_back)
 };
 
-/// Judges requests by content and counter. Used twice: where they come in, so that what is refused is in no
-/// log, and by the drive itself, which trusts nobody. 32 bytes.
-struct RequestGate {
-  std::int64_t newest{};  ///< counter of the last request that was taken
-  RequestCounters counters;
-  SORTIE_FIELDS(newest, counters)
+/// What one robot allows.
+struct RequestRules {
+  std::int32_t postures{};        ///< of the flippers, that a request may ask for
+  rt::Nanoseconds most_age_ns{};  ///< from receipt until it is taken; 0: not judged
+};
 
-  /// Takes or refuses, and counts. `postures`: how many there are. Status: ok, not_finite, out_of_range,
-  /// time_repeated (the counter does not rise), malformed (it jumps). A refused request changes nothing, so
-  /// its counter can be used again.
-  Status take(const rt::DriveRequest& request, std::int32_t postures) {
-    const Status status = judge(request, postures);
-    std::uint32_t& reason = status == Status::ok              ? counters.taken
-                            : status == Status::not_finite    ? counters.not_finite
-                            : status == Status::time_repeated ? counters.repeated
-                            : status == Status::malformed     ? counters.jumped
-                                                              : counters.out_of_range;
-    ++reason;
-    if (status == Status::ok) newest = request.counter;
+/// Whether a stop needs its counter.
+enum class StopOrder : std::uint8_t {
+  any,     ///< taken out of turn: somebody vouches that it is of now, or standing still is always right
+  rising,  ///< as every other request
+};
+
+/// Judges requests by order, age and content. Used twice: where they come in, so that what is refused is in
+/// no log, and by whoever obeys, who trusts nobody. 48 bytes.
+///
+/// The rule for stops, here and wherever one passes: nothing that another sender does may cost a stop. So a
+/// stop needs no rising counter (unless a more final one was the last that was taken), has no age once it is
+/// in, and nothing it carries beside its mode is looked at. Played again it stops again; it releases nothing.
+struct RequestGate {
+  std::int64_t newest{};  ///< highest counter that was taken
+  std::uint32_t rank{};   ///< stop_rank() of the last request that was taken
+  RequestCounters counters;
+  SORTIE_FIELDS(newest, rank, counters)
+
+  /// Takes or refuses, and counts. Status: ok, not_finite, out_of_range, time_repeated (the counter does not
+  /// rise), malformed (it jumps), stale (it waited too long before `now_ns`). A refused request changes
+  /// nothing, so its counter can be used again. A stop out of order leaves `newest` as it is.
+  template <class Request>
+  Status take(const Request& request, const RequestRules& rules, rt::Nanoseconds now_ns,
+              StopOrder order = StopOrder::any) {
+    const Status status = judge(request, rules, now_ns, order);
+    count(status);
+    if (status != Status::ok) return status;
+    if (in_order(request.counter) == Status::ok) newest = request.counter;
+    rank = stop_rank(request);
     return status;
   }
 
  private:
-  Status judge(const rt::DriveRequest& request, std::int32_t postures) const {
-    if (request.counter <= newest) return Status::time_repeated;
-    if (newest < 0 || request.counter - newest > kMostCounterStep) return Status::malformed;
-    if (!std::isfinite(request.speed_m_s) || !std::isfinite(request.turn_rad_s)) return Status::not_finite;
-    const bool fits = std::fabs(request.speed_m_s) <= kMostAskedSpeed_m_s &&
-                      std::fabs(request.turn_rad_s) <= kMostAskedTurn_rad_s &&
-                      request.mode <= static_cast<std::uint32_t>(rt::DriveMode::halt) &&
-                      request.posture >= -1 && request.posture < postures &&
-                      (request.flags & ~std::uint32_t{rt::kDriveThoughTilted}) == 0;
-    return fits ? Status::ok : Status::out_of_range;
+  Status in_order(std::int64_t counter) const {
+    if (counter <= newest) return Status::time_repeated;
+    return newest < 0 || counter - newest > kMostCounterStep ? Status::malformed : Status::ok;
+  }
+
+  template <class Request>
+  Status judge(const Request& request, const RequestRules& rules, rt::Nanoseconds now_ns,
+               StopOrder order) const {
+    const std::uint32_t stops = stop_rank(request);
+    const bool out_of_turn = stops != 0 && stops >= rank && order == StopOrder::any;
+    if (const Status turn = in_order(request.counter); turn != Status::ok && !out_of_turn) return turn;
+    if (stops != 0) return Status::ok;
+    if (rules.most_age_ns != 0 && now_ns - request.stamp_ns > rules.most_age_ns) return Status::stale;
+    return check_content(request, rules.postures);
+  }
+
+  void count(Status status) {
+    std::uint32_t& reason = status == Status::ok              ? counters.taken
+                            : status == Status::not_finite    ? counters.not_finite
+                            : status == Status::time_repeated ? counters.repeated
+                            : status == Status::malformed     ? counters.jumped
+                            : status == Status::stale         ? counters.held_back
+                                                              : counters.out_of_range;
+    ++reason;
   }
 };
 

@@ -45,10 +45,13 @@ Status UavPilot::set_mission(std::span<const UavGoal> goals) {
   return Status::ok;
 }
 
-Status UavPilot::request(const rt::FlyRequest& request) {
-  const Status status = gate_.take(request);
+Status UavPilot::request(const rt::FlyRequest& request, rt::Nanoseconds now_ns) {
+  const Status status = gate_.take(request, {0, config_.max_command_age_ns}, now_ns);
   if (status != Status::ok) return status;
   const auto mode = static_cast<rt::FlyMode>(request.mode);
+  // Only a release ends a stop: whoever still sends goals must not start the rotors again.
+  const bool stopped = step_ == PilotStep::stopped && remote_;
+  if (stopped && mode == rt::FlyMode::go) return Status::ok;
   remote_ = mode != rt::FlyMode::release;
   held_ = remote_;
   if (mode == rt::FlyMode::go) {

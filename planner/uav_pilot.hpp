@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "planner/fly_gate.hpp"
+#include "planner/request_gate.hpp"
 #include "planner/uav_control/uav_control.hpp"
 #include "planner/uav_way.hpp"
 #include "rt/archive.hpp"
@@ -29,6 +29,9 @@ enum class PilotStep : std::uint32_t {
   stopped,  ///< rotors stand by request, wherever the vehicle was
 };
 
+/// How long a request to fly may have waited when it is taken, unless a setting says otherwise.
+inline constexpr rt::Nanoseconds kMostFlyRequestAge_ns = rt::kNanosecondsPerSecond;
+
 /// Settings of the pilot.
 struct UavPilotConfig {
   UavControlConfig control;
@@ -37,7 +40,8 @@ struct UavPilotConfig {
   double reach_m{0.05};  ///< so near to a goal counts as there
   rt::Nanoseconds start_wait_ns{};
   rt::Nanoseconds ask_again_ns{rt::kNanosecondsPerSecond};
-  bool lands{};  ///< after the mission's last goal
+  bool lands{};                                               ///< after the mission's last goal
+  rt::Nanoseconds max_command_age_ns{kMostFlyRequestAge_ns};  ///< a request that waited longer is refused
 };
 
 /// What the pilot decides. For telemetry, digest, the rotors and the planner.
@@ -117,8 +121,10 @@ class UavPilot {
   /// From the next update on. out_of_range: not above 0.
   Status set_reach(double m);
 
-  /// Takes or refuses what somebody outside asks (FlyGate); refusals are counted in the output.
-  Status request(const rt::FlyRequest& request);
+  /// Takes or refuses what somebody outside asks, at `now_ns` (RequestGate); refusals are counted in the
+  /// output. A request to stop the rotors holds until a release: a stream of goals that goes on does not end
+  /// it.
+  Status request(const rt::FlyRequest& request, rt::Nanoseconds now_ns);
 
   /// One period. `way`: newest answer of the planner, or null.
   void update(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
@@ -150,7 +156,7 @@ class UavPilot {
   double reach_m_;
   std::array<UavGoal, kMostGoals> mission_{};
   std::uint32_t goals_{};
-  FlyGate gate_;
+  RequestGate gate_;
   PilotStep step_{PilotStep::waiting};
   bool started_{};
   bool has_goal_{};

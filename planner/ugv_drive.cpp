@@ -41,16 +41,16 @@ Status UgvDrive::set_track_width(double m) {
   return Status::ok;
 }
 
-Status UgvDrive::request(const rt::DriveRequest& request) {
-  const Status status = gate_.take(request, config_.postures);
+Status UgvDrive::request(const rt::DriveRequest& request, rt::Nanoseconds now_ns) {
+  const Status status = gate_.take(request, {config_.postures, config_.max_command_age_ns}, now_ns);
   if (status != Status::ok) return status;
-  request_ = request;
-  const auto mode = static_cast<rt::DriveMode>(request.mode);
+  request_ = plain(request);
+  const auto mode = static_cast<rt::DriveMode>(request_.mode);
   remote_ = mode != rt::DriveMode::release;
   // Only a release ends a halt: a stream of speeds that goes on in the background must not.
   if (mode != rt::DriveMode::drive) halted_ = mode == rt::DriveMode::halt;
   if (mode == rt::DriveMode::release) follower_.encourage();
-  if (request.posture >= 0) posture_ = request.posture;
+  if (request_.posture >= 0) posture_ = request_.posture;
   return status;
 }
 

@@ -122,8 +122,10 @@ class UgvDrive {
   /// Distance of the tracks' turning centres: the tracks' distance / steering efficiency.
   Status set_track_width(double m);
 
-  /// Takes or refuses what somebody outside asks (RequestGate); refusals are counted in the output.
-  Status request(const rt::DriveRequest& request);
+  /// Takes or refuses what somebody outside asks, at `now_ns` (RequestGate); refusals are counted in the
+  /// output. A request that waited longer than max_command_age_ns is refused, also a release; a halt never
+  /// is.
+  Status request(const rt::DriveRequest& request, rt::Nanoseconds now_ns);
 
   /// Decides for `now_ns`. Status: ok; time_repeated or time_backwards (nothing changes).
   Status update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns);

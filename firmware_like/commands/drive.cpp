@@ -7,8 +7,7 @@
 #include <memory>
 
 #include "firmware_like/commands/commands.hpp"
-#include "firmware_like/commands/drive_client.hpp"
-#include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/commands/request_client.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/profile.hpp"
 #include "firmware_like/program.hpp"
@@ -37,6 +36,7 @@ struct DriveOptions {
   bool though_tilted{};
   std::string url{drivers::kDefaultLcmUrl};
   std::string secret;
+  std::string robot;
   double seconds{5};
   bool json{};
 };
@@ -69,11 +69,37 @@ std::chrono::milliseconds ms_of(double seconds) {
   return std::chrono::milliseconds(std::lround(1e3 * seconds));
 }
 
-// Repeats a request until `enough(taken)`, at most so long. `taken`: the drive has taken one of them. Returns
+// What the robot says of itself, from one message under its tag.
+struct DriveWords {
+  std::uint32_t source{};
+  std::uint32_t stop{};
+  double speed_m_s{};
+  double turn_rad_s{};
+  bool stands() const { return speed_m_s == 0 && turn_rad_s == 0; }
+};
+
+DriveWords words_of(const RequestClient& client) {
+  return {static_cast<std::uint32_t>(client.value("source")),
+          static_cast<std::uint32_t>(client.value("stop")), client.value("speed_m_s"),
+          client.value("turn_rad_s")};
+}
+
+bool is_halted(const RequestClient& client) {
+  return client.has_state() && (words_of(client).stop & planner::kStopHalt) != 0;
+}
+
+// True when the robot itself says that what was asked is so: admitted, and done.
+bool is_done(const RequestClient& client, const std::string& what, std::int64_t first) {
+  if (!client.is_admitted(first) || !client.has_state()) return false;
+  if (what == "halt") return is_halted(client) && words_of(client).stands();
+  return what == "go" || !is_halted(client);
+}
+
+// Repeats a request until `enough(first)`, at most so long; `first`: counter of the first of them. Returns
 // that.
 template <class Enough>
-bool repeat(DriveClient& client, const drivers::DriveRequestMessage& request, std::chrono::milliseconds most,
-            Enough enough) {
+std::int64_t repeat(RequestClient& client, const drivers::DriveRequestMessage& request,
+                    std::chrono::milliseconds most, Enough enough) {
   const auto end = Clock::now() + most;
   const std::int64_t first = client.ask(request);
   while (true) {
@@ -81,59 +107,53 @@ bool repeat(DriveClient& client, const drivers::DriveRequestMessage& request, st
     while (Clock::now() < next) {
       static_cast<void>(
           client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now())));
-      if (enough(client.has_taken(first))) return client.has_taken(first);
+      if (enough(first)) return first;
     }
-    if (Clock::now() >= end) return client.has_taken(first);
+    if (Clock::now() >= end) return first;
     client.ask(request);
   }
 }
 
-// Finds the run; throws ProfileError when it cannot be the right one.
-std::int64_t find_session(const DriveOptions& options, const std::optional<drivers::SipKey>& key) {
-  ParameterClient finder(options.url, key);
-  const std::vector<std::int64_t> heard = finder.find_runs(0, ms_of(options.seconds));
-  if (heard.empty()) return 0;
-  if (heard.size() > 1)
-    throw ProfileError(std::to_string(heard.size()) + " runs were heard on " + options.url +
-                       "; their drives cannot be told apart: give each an address of its own");
-  finder.choose(heard.front());
-  if (finder.run().keyed && !key)
-    throw ProfileError("the run takes requests only from those who know its secret; give --secret FILE");
-  return heard.front();
-}
-
-void show(const DriveOptions& options, const DriveClient& client, bool taken) {
-  const DriveState& state = client.state();
+void show(const DriveOptions& options, const RequestClient& client, bool done) {
+  const DriveWords words = words_of(client);
   if (options.json) {
-    std::cout << Json{{"asked", options.what},
-                      {"sent", client.sent()},
-                      {"taken", taken},
-                      {"in_control", source_name(state.source)},
-                      {"stop", stop_names(state.stop)},
-                      {"speed_m_s", state.speed_m_s},
-                      {"turn_rad_s", state.turn_rad_s}}
+    std::cout << Json{{"asked", options.what},          {"robot", client.robot()},
+                      {"sent", client.sent()},          {"taken", done},
+                      {"halted", is_halted(client)},    {"in_control", source_name(words.source)},
+                      {"stop", stop_names(words.stop)}, {"speed_m_s", words.speed_m_s},
+                      {"turn_rad_s", words.turn_rad_s}}
                      .dump(2)
               << "\n";
     return;
   }
-  const std::string stops = stop_names(state.stop);
-  std::printf("%s; in control: %s; %.2f m/s, %.2f rad/s%s%s\n", taken ? "taken" : "not taken",
-              source_name(state.source), state.speed_m_s, state.turn_rad_s,
+  const std::string stops = stop_names(words.stop);
+  const std::string word = options.what == "halt" ? "halted" : "taken";
+  std::printf("%s%s; in control: %s; %.2f m/s, %.2f rad/s%s%s\n", done ? "" : "not ", word.c_str(),
+              source_name(words.source), words.speed_m_s, words.turn_rad_s,
               stops.empty() ? "" : "; stopped: ", stops.c_str());
   std::fflush(stdout);  // whoever reads it hears at once that the robot drives
+}
+
+// Why it is not done, from what the robot answered and what it says of itself.
+std::string why_not(const RequestClient& client, const std::string& what, std::int64_t first) {
+  const std::optional<Status> answer = client.answer(first);
+  const std::string whose = client.robot() + ": ";
+  if (!answer && what == "halt" && is_halted(client))
+    return whose + "it says that it is halted, but not that it has this request";
+  if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
+  if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
+  if (!client.has_state()) return whose + "the request was admitted, but the drive does not say what it does";
+  if (what != "halt") return whose + "the request was admitted, but the robot is still halted";
+  return whose + (is_halted(client) ? "it is halted, but still brakes"
+                                    : "the halt was admitted, but the drive does not say that it is halted");
 }
 
 int run_drive(const CommandContext& context, const DriveOptions& options) {
   std::optional<drivers::SipKey> key;
   if (!options.secret.empty()) key = read_secret(options.secret);
-  const std::int64_t session = find_session(options, key);
-  if (session == 0) {
-    std::cerr << context.parts.name << ": " << unheard(options.url) << "\n";
-    return kUnheard;
-  }
-  DriveClient client(options.url, key, session);
-  if (!client.listen(ms_of(options.seconds))) {
-    std::cerr << context.parts.name << ": the run has no task named drive\n";
+  RequestClient client(options.url, key, {"drive", "drive.remote", "drive"});
+  if (const std::string missing = client.find(options.robot, ms_of(options.seconds)); !missing.empty()) {
+    std::cerr << context.parts.name << ": " << missing << "\n";
     return kUnheard;
   }
   const StopSignals stop;  // a session that is gone stops the robot as Ctrl-C does
@@ -144,34 +164,36 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
   request.turn_rad_s = options.turn_rad_s;
   request.posture = options.posture;
   request.flags = options.though_tilted ? static_cast<std::int32_t>(rt::kDriveThoughTilted) : 0;
-  bool taken = false;
+  bool done = false;
+  std::int64_t first = 0;
   if (options.what == "go") {
     const auto patience = Clock::now() + ms_of(options.seconds);
-    taken = repeat(client, request, options.for_s == 0 ? kForEver : ms_of(options.for_s),
-                   [&](bool heard) { return interrupted.load() || (!heard && Clock::now() > patience); });
-    if (!options.json && taken) show(options, client, taken);
-    // The robot is never left driving: a request may have been taken although the drive's word of it was not
-    // heard.
+    first =
+        repeat(client, request, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
+          done = done || is_done(client, options.what, from);
+          return interrupted.load() || (!done && Clock::now() > patience);
+        });
+    if (!options.json && done) show(options, client, done);
+    // The robot is never left driving: a request may have been taken although its answer was not heard.
     request.speed_m_s = request.turn_rad_s = 0;
-    const bool stopped = repeat(
-        client, request, taken ? ms_of(options.seconds) : 5 * kRepeat,
-        [&](bool heard) { return heard && client.state().speed_m_s == 0 && client.state().turn_rad_s == 0; });
-    taken = taken || stopped;
+    const bool was_done = done;
+    repeat(client, request, done ? ms_of(options.seconds) : 5 * kRepeat, [&](std::int64_t from) {
+      done = done || is_done(client, options.what, from);
+      return is_done(client, options.what, from) && words_of(client).stands();
+    });
+    done = done || was_done;
   } else {
     request.speed_m_s = request.turn_rad_s = 0;
     request.mode =
         static_cast<std::int32_t>(options.what == "halt" ? rt::DriveMode::halt : rt::DriveMode::release);
-    taken = repeat(client, request, ms_of(options.seconds),
-                   [&](bool heard) { return heard || interrupted.load(); });
+    first = repeat(client, request, ms_of(options.seconds), [&](std::int64_t from) {
+      done = is_done(client, options.what, from);
+      return done || interrupted.load();
+    });
   }
-  if (!taken) {
-    std::cerr << context.parts.name
-              << ": no request was taken; start the run with --set drive.remote=true and --set "
-                 "parameters.secret_file=FILE"
-              << (key ? ", and is it the secret of that run?" : "") << "\n";
-  }
-  show(options, client, taken);
-  return taken ? kGood : kNotTaken;
+  if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
+  show(options, client, done);
+  return done ? kGood : kNotTaken;
 }
 
 }  // namespace
@@ -180,9 +202,10 @@ void add_drive(Command& app, CommandContext& context) {
   auto options = std::make_shared<DriveOptions>();
   Command* command = app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release");
   command->footer(
-      "go asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release; "
-      "release hands\n"
-      "control back to the mission.\n"
+      "go asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release, and "
+      "ends "
+      "with 0\n"
+      "only when the robot says that it is halted and stands; release hands control back to the mission.\n"
       "Examples:\n"
       "  sortie drive go --speed 0.3 --turn 0.2 --for 5\n"
       "  sortie drive halt --secret robot.secret\n"
@@ -204,6 +227,8 @@ void add_drive(Command& app, CommandContext& context) {
   command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
   command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
       ->type_name("FILE");
+  command->add_option("--robot", options->robot, "Its name (robot.name), where several are heard")
+      ->type_name("NAME");
   command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
       ->in_range(0.1, 3600.0)
       ->capture_default_str();

@@ -8,13 +8,13 @@
 #include <memory>
 
 #include "firmware_like/commands/commands.hpp"
-#include "firmware_like/commands/fly_client.hpp"
-#include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/commands/request_client.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/profile.hpp"
 #include "firmware_like/program.hpp"
 #include "firmware_like/secret.hpp"
 #include "firmware_like/vehicles/units.hpp"
+#include "planner/uav_pilot.hpp"
 #include "rt/uav_samples.hpp"
 
 namespace sortie::firmware {
@@ -30,6 +30,7 @@ struct FlyOptions {
   double wait_s{};
   std::string url{drivers::kDefaultLcmUrl};
   std::string secret;
+  std::string robot;
   double seconds{5};
   bool json{};
 };
@@ -47,20 +48,6 @@ const char* step_name(std::uint32_t step) {
   return step < std::size(kNames) ? kNames[step] : "doing something new";
 }
 
-// The run, or 0; throws ProfileError when it cannot be the right one.
-std::int64_t find_pilot(const FlyOptions& options, const std::optional<drivers::SipKey>& key) {
-  ParameterClient finder(options.url, key);
-  const std::vector<std::int64_t> heard = finder.find_runs(0, fly_ms(options.seconds));
-  if (heard.empty()) return 0;
-  if (heard.size() > 1)
-    throw ProfileError(std::to_string(heard.size()) + " runs were heard on " + options.url +
-                       "; their pilots cannot be told apart: give each an address of its own");
-  finder.choose(heard.front());
-  if (finder.run().keyed && !key)
-    throw ProfileError("the run takes requests only from those who know its secret; give --secret FILE");
-  return heard.front();
-}
-
 rt::FlyMode mode_of(const std::string& what) {
   return what == "go"      ? rt::FlyMode::go
          : what == "hover" ? rt::FlyMode::hover
@@ -69,24 +56,57 @@ rt::FlyMode mode_of(const std::string& what) {
                            : rt::FlyMode::release;
 }
 
-void show_pilot(const FlyOptions& options, const FlyClient& client, bool taken, bool reached) {
-  const FlyState& state = client.state();
+planner::PilotStep step_of(const RequestClient& client) {
+  return static_cast<planner::PilotStep>(client.value("step"));
+}
+
+// True when the vehicle itself says that what was asked is so: admitted, and the pilot is at it.
+bool is_flown(const RequestClient& client, const std::string& what, std::int64_t first) {
+  using Step = planner::PilotStep;
+  if (!client.is_admitted(first) || !client.has_state()) return false;
+  const Step step = step_of(client);
+  const bool rotors_stand = step == Step::waiting || step == Step::landed || step == Step::stopped;
+  const bool remote = client.value("remote") != 0;
+  if (what == "stop") return step == Step::stopped;
+  if (what == "land") return step == Step::landing || rotors_stand;
+  if (what == "hover") return remote && (step == Step::arrived || rotors_stand);
+  if (what == "release") return !remote;
+  return remote && step != Step::stopped;
+}
+
+std::string why_not_flown(const RequestClient& client, std::int64_t first) {
+  const std::optional<Status> answer = client.answer(first);
+  const std::string whose = client.robot() + ": ";
+  if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
+  if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
+  if (!client.has_state()) return whose + "the request was admitted, but the pilot does not say what it does";
+  const auto step = static_cast<std::uint32_t>(step_of(client));
+  return whose + "the request was admitted, but the vehicle is " + step_name(step) +
+         (step_of(client) == planner::PilotStep::stopped ? ", which a release ends" : "");
+}
+
+void show_pilot(const FlyOptions& options, const RequestClient& client, bool done, bool reached) {
+  const auto step = static_cast<std::uint32_t>(step_of(client));
+  const bool remote = client.value("remote") != 0;
+  const double at_m[] = {client.value("setpoint_m[0]"), client.value("setpoint_m[1]"),
+                         client.value("setpoint_m[2]")};
   if (options.json) {
     std::cout << Json{{"asked", options.what},
+                      {"robot", client.robot()},
                       {"sent", client.sent()},
-                      {"taken", taken},
+                      {"taken", done},
                       {"reached", reached},
-                      {"step", step_name(state.step)},
-                      {"in_control", state.remote ? "requests" : "mission"},
-                      {"setpoint_m", {state.setpoint_m[0], state.setpoint_m[1], state.setpoint_m[2]}},
-                      {"error_m", state.error_m}}
+                      {"step", step_name(step)},
+                      {"in_control", remote ? "requests" : "mission"},
+                      {"setpoint_m", {at_m[0], at_m[1], at_m[2]}},
+                      {"error_m", client.value("error_m")}}
                      .dump(2)
               << "\n";
     return;
   }
-  std::printf("%s; %s; in control: %s; at %.2f %.2f %.2f m, %.3f m off\n", taken ? "taken" : "not taken",
-              step_name(state.step), state.remote ? "requests" : "the mission", state.setpoint_m[0],
-              state.setpoint_m[1], state.setpoint_m[2], state.error_m);
+  std::printf("%s; %s; in control: %s; at %.2f %.2f %.2f m, %.3f m off\n", done ? "taken" : "not taken",
+              step_name(step), remote ? "requests" : "the mission", at_m[0], at_m[1], at_m[2],
+              client.value("error_m"));
 }
 
 int run_fly(const CommandContext& context, FlyOptions options) {
@@ -95,14 +115,9 @@ int run_fly(const CommandContext& context, FlyOptions options) {
     throw ProfileError("go needs a place: --x, --y and --z");
   std::optional<drivers::SipKey> key;
   if (!options.secret.empty()) key = read_secret(options.secret);
-  const std::int64_t session = find_pilot(options, key);
-  if (session == 0) {
-    std::cerr << context.parts.name << ": " << unheard(options.url) << "\n";
-    return kFlyUnheard;
-  }
-  FlyClient client(options.url, key, session);
-  if (!client.listen(fly_ms(options.seconds))) {
-    std::cerr << context.parts.name << ": the run has no task named pilot\n";
+  RequestClient client(options.url, key, {"pilot", "flight.remote", "fly"});
+  if (const std::string missing = client.find(options.robot, fly_ms(options.seconds)); !missing.empty()) {
+    std::cerr << context.parts.name << ": " << missing << "\n";
     return kFlyUnheard;
   }
   drivers::FlyRequestMessage request;
@@ -111,28 +126,24 @@ int run_fly(const CommandContext& context, FlyOptions options) {
   request.z_m = options.z_m;
   request.yaw_rad = kDegree * options.yaw_deg;
   request.mode = static_cast<std::int32_t>(mode_of(options.what));
-  const std::uint32_t before = client.state().reached;
+  const double before = client.value("reached");
   const std::int64_t first = client.ask(request);
+  bool done = false;
   auto end = std::chrono::steady_clock::now() + fly_ms(options.seconds);
-  while (!client.has_taken(first) && std::chrono::steady_clock::now() < end) {
+  while (!done && std::chrono::steady_clock::now() < end) {
     static_cast<void>(client.listen(std::chrono::milliseconds(200)));
-    if (!client.has_taken(first)) client.ask(request);  // a datagram may be lost
+    done = is_flown(client, options.what, first);
+    if (!done) client.ask(request);  // a datagram may be lost, another sender may have come between
   }
-  const bool taken = client.has_taken(first);
   bool reached = false;
   end = std::chrono::steady_clock::now() + fly_ms(options.wait_s);
-  while (taken && !reached && options.what == "go" && std::chrono::steady_clock::now() < end) {
+  while (done && !reached && options.what == "go" && std::chrono::steady_clock::now() < end) {
     static_cast<void>(client.listen(std::chrono::milliseconds(200)));
-    reached = client.state().reached > before;
+    reached = client.has_state() && client.value("reached") > before;
   }
-  if (!taken) {
-    std::cerr << context.parts.name
-              << ": no request was taken; start the run with --set flight.remote=true and --set "
-                 "parameters.secret_file=FILE"
-              << (key ? ", and is it the secret of that run?" : "") << "\n";
-  }
-  show_pilot(options, client, taken, reached);
-  return taken && (reached || options.wait_s == 0 || options.what != "go") ? kFlown : kFlyNotTaken;
+  if (!done) std::cerr << context.parts.name << ": " << why_not_flown(client, first) << "\n";
+  show_pilot(options, client, done, reached);
+  return done && (reached || options.wait_s == 0 || options.what != "go") ? kFlown : kFlyNotTaken;
 }
 
 }  // namespace
@@ -144,7 +155,9 @@ void add_fly(Command& app, CommandContext& context) {
   command->footer(
       "go flies to a place, on a planned way where the scene plans; hover stops where it can; land sinks; "
       "stop\n"
-      "lets the rotors stand at once, also in the air; release hands control back to the mission.\n"
+      "lets the rotors stand at once, also in the air, until release, which hands control back to the "
+      "mission.\n"
+      "Each ends with 0 only when the vehicle says that it is so.\n"
       "Examples:\n"
       "  sortie fly go --x 3 --y 0.5 --z 1.5 --yaw 90 --wait 30\n"
       "  sortie fly land --secret robot.secret");
@@ -161,6 +174,8 @@ void add_fly(Command& app, CommandContext& context) {
   command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
   command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
       ->type_name("FILE");
+  command->add_option("--robot", options->robot, "Its name (robot.name), where several are heard")
+      ->type_name("NAME");
   command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
       ->in_range(0.1, 3600.0)
       ->capture_default_str();

@@ -7,12 +7,11 @@
 #include "drivers/wire.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
-#include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
-#include "drivers/wire_requests.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_timing.hpp"
+#include "firmware_like/commands/spy_requests.hpp"
 #include "firmware_like/commands/spy_segments.hpp"
 #include "rt/fields.hpp"
 
@@ -210,30 +209,6 @@ Status read_request(Message message, Values& values) {
   return status;
 }
 
-Status read_drive_request(Message message, Values& values) {
-  drivers::DriveRequestMessage request;
-  const Status status = drivers::decode(message, nullptr, request);
-  add(values, "counter", request.counter);
-  add(values, "speed_m_s", request.speed_m_s);
-  add(values, "turn_rad_s", request.turn_rad_s);
-  add(values, "mode", request.mode);
-  add(values, "posture", request.posture);
-  add(values, "flags", request.flags);
-  return status;
-}
-
-Status read_fly_request(Message message, Values& values) {
-  drivers::FlyRequestMessage request;
-  const Status status = drivers::decode(message, nullptr, request);
-  add(values, "counter", request.counter);
-  add(values, "x_m", request.x_m);
-  add(values, "y_m", request.y_m);
-  add(values, "z_m", request.z_m);
-  add(values, "yaw_rad", request.yaw_rad);
-  add(values, "mode", request.mode);
-  return status;
-}
-
 Status read_change(Message message, Values& values) {
   rt::ParameterChange change;
   std::int64_t seq = 0;
@@ -274,6 +249,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintParameter, read_change},
     {drivers::kFingerprintDriveRequest, read_drive_request},
     {drivers::kFingerprintFlyRequest, read_fly_request},
+    {drivers::kFingerprintRequestAnswers, read_answers},
 };
 static_assert(std::size(kReaders) == drivers::kMessageTypes.size(), "a message type has no reader");
 

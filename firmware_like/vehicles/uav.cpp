@@ -129,7 +129,8 @@ void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
       group, "pilot", 50, [this](rt::JobContext& context, planner::UavPilotOutput& output) {
         if (requests_ != nullptr) {
           // A refusal is counted in the output, by its reason.
-          for (const rt::FlyRequest& request : *requests_) static_cast<void>(pilot_->request(request));
+          for (const rt::FlyRequest& request : *requests_)
+            static_cast<void>(pilot_->request(request, context.release_ns));
         }
         const planner::UavWay* way = way_input_ != nullptr ? way_input_->latest() : nullptr;
         pilot_->update(estimator_->state(), way, context.release_ns);

@@ -25,7 +25,9 @@ class Uav final : public Vehicle {
   explicit Uav(VehicleBuilder& builder);
 
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
-  InputPort<rt::FlyRequest>* fly_requests() override { return request_port_; }
+  RequestEntry<rt::FlyRequest> fly_requests() override {
+    return {request_port_, {0, planner::kMostFlyRequestAge_ns}};
+  }
   drivers::ScanSink* scan_sink() override {
     return rt::kBuilt<rt::Part::sensed_map> && sensing_ ? sensing_->scan_sink() : nullptr;
   }

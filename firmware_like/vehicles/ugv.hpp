@@ -34,7 +34,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   UnitTrial try_units() const override {
     return rt::kBuilt<rt::Part::ssl> && ssl_ ? ssl_->try_units() : UnitTrial{};
   }
-  DriveRequests drive_requests() override { return {request_port_, postures_}; }
+  RequestEntry<rt::DriveRequest> drive_requests() override { return {request_port_, request_rules_}; }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return odometry_task_; }
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override { return attitude_task_; }
   std::optional<mapping::OccupancyView> occupancy() const override {
@@ -88,7 +88,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   rt::Input<rt::PoseEstimate>* pose_input_{};  // of the group `mapping`; null without odometry
   rt::CommandOutlet<rt::DriveCommand>* drive_outlet_{};
   rt::CommandOutlet<rt::FlipperCommand>* flipper_outlet_{};
-  std::int32_t postures_{};
+  planner::RequestRules request_rules_;
   // Every attitude of the present job, for the odometry that runs behind it.
   rt::AttitudeEstimate job_attitudes_[kImuBatch]{};
   const rt::ImuSample* job_samples_[kImuBatch]{};  // that led to them

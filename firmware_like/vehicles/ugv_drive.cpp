@@ -27,7 +27,8 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
     if (flippers_->set_up(flippers.postures, flippers.config) != Status::ok)
       profile.fail("flippers.postures", "cannot be used");
   }
-  postures_ = setup.config.postures = static_cast<std::int32_t>(postures.size());
+  setup.config.postures = static_cast<std::int32_t>(postures.size());
+  request_rules_ = {setup.config.postures, setup.config.max_command_age_ns};
   drive_ = std::make_unique<planner::UgvDrive>(setup.config);
   if (drive_->set_route(read_route(builder)) != Status::ok)
     profile.fail("mission.waypoints", "every waypoint must lie within 1000 km of the origin");
@@ -41,7 +42,8 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
       group, "drive", 50, [this](rt::JobContext& context, planner::UgvDriveOutput& output) {
         if (requests_ != nullptr) {
           // A refusal is counted in the output, by its reason.
-          for (const rt::DriveRequest& request : *requests_) static_cast<void>(drive_->request(request));
+          for (const rt::DriveRequest& request : *requests_)
+            static_cast<void>(drive_->request(request, context.release_ns));
         }
         // Whatever cannot be used makes the robot stop, and the output says why.
         static_cast<void>(

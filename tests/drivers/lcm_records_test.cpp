@@ -22,6 +22,7 @@
 #include "sortie/parameters_t.hpp"
 #include "sortie/pool_stats_t.hpp"
 #include "sortie/pose_t.hpp"
+#include "sortie/request_answers_t.hpp"
 #include "sortie/scan_t.hpp"
 #include "sortie/segments_t.hpp"
 #include "sortie/set_parameter_t.hpp"
@@ -82,6 +83,7 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintSetParameter, set_parameter_t::getHash()},
       {kFingerprintDriveRequest, drive_request_t::getHash()},
       {kFingerprintFlyRequest, fly_request_t::getHash()},
+      {kFingerprintRequestAnswers, request_answers_t::getHash()},
       {kFingerprintParameters, parameters_t::getHash()}};
   CHECK(std::size(pairs) == kMessageTypes.size());
   for (const auto& [ours, generated] : pairs) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Run-time parameters of a vehicle: scripts, the desk where changes are asked for, and logs with changes.
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <limits>
 #include <random>
@@ -272,6 +275,21 @@ TEST_CASE("a secret must be whole and private") {
                                std::filesystem::perms::owner_read | std::filesystem::perms::others_read);
   CHECK(problem(open).find("chmod 600") != std::string::npos);
   CHECK(problem(folder.file("none")).find("cannot be read") != std::string::npos);
+  // A FIFO that nobody writes to, a folder, a device and a link: refused at once, and never waited for.
+  const std::string fifo = folder.file("fifo");
+  REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
+  CHECK(problem(fifo).find("no regular file") != std::string::npos);
+  const std::string drawer = folder.file("drawer");
+  REQUIRE(::mkdir(drawer.c_str(), 0700) == 0);
+  CHECK(problem(drawer).find("no regular file") != std::string::npos);
+  CHECK(problem("/dev/zero").find("no regular file") != std::string::npos);
+  std::filesystem::create_symlink(good, folder.file("link"));
+  CHECK(problem(folder.file("link")).find("is a link") != std::string::npos);
+  // Somebody else's: only root can make one here.
+  const std::string theirs = folder.write("theirs", std::string(32, '0'));
+  REQUIRE(::chmod(theirs.c_str(), 0600) == 0);
+  if (::chown(theirs.c_str(), 12345, static_cast<gid_t>(-1)) == 0)
+    CHECK(problem(theirs).find("belongs to user 12345") != std::string::npos);
   CHECK(unguessable_number() != unguessable_number());
   CHECK(unguessable_number() > 0);
 }

@@ -47,8 +47,6 @@ struct NotifyRig {
   }
 };
 
-constexpr sortie::rt::Nanoseconds kSecond = 1'000'000'000;
-
 }  // namespace
 
 TEST_CASE("a supervisor hears ready, four signs of life in its time, and the end") {
@@ -61,7 +59,8 @@ TEST_CASE("a supervisor hears ready, four signs of life in its time, and the end
     service.ready();
     CHECK(rig.heard() == "READY=1");
     int signs = 0;
-    for (sortie::rt::Nanoseconds now = 0; now < 4 * kSecond; now += kSecond / 20) {
+    for (sortie::rt::Nanoseconds now = 0; now < 4 * sortie::rt::kNanosecondsPerSecond;
+         now += sortie::rt::kNanosecondsPerSecond / 20) {
       service.alive(now);
       const std::string said = rig.heard();
       CHECK((said.empty() || said == "WATCHDOG=1"));

@@ -13,7 +13,6 @@
 #include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_requests.hpp"
-#include "planner/fly_gate.hpp"
 #include "planner/request_gate.hpp"
 
 using namespace sortie;
@@ -67,7 +66,8 @@ T take(const std::uint8_t*& at) {
 void try_gates(Message bytes) {
   constexpr std::size_t kRow = 1 + 8 + 4 * 8 + 4 + 4;
   planner::RequestGate drive;
-  planner::FlyGate fly;
+  planner::RequestGate fly;
+  const planner::RequestRules rules{3, 1000};
   for (std::size_t row = 0; row + kRow <= bytes.size(); row += kRow) {
     const std::uint8_t* at = bytes.data() + row + 1;
     const auto counter = take<std::int64_t>(at);
@@ -85,21 +85,30 @@ void try_gates(Message bytes) {
     for (int i = 0; i < 3; ++i) flight.p_world_m[i] = numbers[i];
     flight.yaw_rad = numbers[3];
     const auto newest = drive.newest;
-    if (drive.take(request, 3) == Status::ok) {
+    // The first row's bits say how old it is, and whether a stop needs its counter.
+    const rt::Nanoseconds now_ns = (bytes[row] & 2) != 0 ? 1001 : 1000;
+    const auto order = (bytes[row] & 4) != 0 ? planner::StopOrder::any : planner::StopOrder::rising;
+    if (planner::stop_rank(request) != 0) {  // nothing but its mode counts, and it is never refused
+      require(drive.take(request, rules, now_ns) == Status::ok);
+      require(drive.newest >= newest);
+    } else if (drive.take(request, rules, now_ns) == Status::ok) {
       require(request.counter > newest && request.counter - newest <= planner::kMostCounterStep);
-      require(drive.newest == request.counter);
+      require(drive.newest == request.counter && now_ns == 1000);
       require(std::fabs(request.speed_m_s) <= planner::kMostAskedSpeed_m_s);
       require(request.posture >= -1 && request.posture < 3);
-      require(drive.take(request, 3) != Status::ok);  // played again
+      require(drive.take(request, rules, now_ns) != Status::ok);  // played again
     } else {
       require(drive.newest == newest);
     }
     const auto before = fly.newest;
-    if (fly.take(flight) == Status::ok) {
-      require(flight.counter > before && fly.newest == flight.counter);
+    const bool stops = planner::stop_rank(flight) != 0;
+    if (fly.take(flight, rules, now_ns, order) == Status::ok && stops) {
+      require(flight.counter > before || (order == planner::StopOrder::any && fly.newest == before));
+    } else if (fly.newest != before) {
+      require(flight.counter > before && fly.newest == flight.counter && now_ns == 1000);
       for (const double p : flight.p_world_m) require(std::isfinite(p));
       require(std::isfinite(flight.yaw_rad));
-      require(fly.take(flight) != Status::ok);
+      require(fly.take(flight, rules, now_ns, order) != Status::ok);
     } else {
       require(fly.newest == before);
     }

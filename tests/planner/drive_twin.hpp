@@ -110,7 +110,7 @@ struct Bench {
     for (int i = 0; i < std::lround(seconds / 0.05); ++i) {
       request.counter = drive.output().request_counter + 1;
       request.stamp_ns = now_ns;
-      REQUIRE(drive.request(request) == Status::ok);
+      REQUIRE(drive.request(request, now_ns) == Status::ok);
       run(0.05);
     }
   }

@@ -33,7 +33,7 @@ TEST_CASE("The drive and the flippers make no heap call after construction") {
       request.counter = i;
       request.speed_m_s = 0.3;
       request.mode = static_cast<std::uint32_t>(i % 3);
-      good = good && (i < 800 || drive.request(request) == Status::ok);
+      good = good && (i < 800 || drive.request(request, request.stamp_ns) == Status::ok);
       good = good && drive.update(pose, {i % 100 == 0, false}, pose.stamp_ns) == Status::ok;
       good = good && flippers.update(i % 2, false, pose.stamp_ns) == Status::ok;
     }

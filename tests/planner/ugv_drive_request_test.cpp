@@ -82,7 +82,7 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
   const auto offer = [&](rt::DriveRequest request, std::int64_t counter) {
     request.counter = counter;
     request.stamp_ns = bench.now_ns;
-    return bench.drive.request(request);
+    return bench.drive.request(request, bench.now_ns);
   };
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(offer(request_of(kNan), newest + 1) == Status::not_finite);
@@ -130,13 +130,14 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
     request.mode = static_cast<std::uint32_t>(random() % 4);
     request.posture = static_cast<std::int32_t>(random() % 7) - 2;
     request.flags = static_cast<std::uint32_t>(random() % 3);
-    request.stamp_ns = (i + 1) * kStep_ns;
-    static_cast<void>(drive.request(request));
-    REQUIRE(drive.update(Robot{}.pose(request.stamp_ns), {}, request.stamp_ns) == Status::ok);
+    const rt::Nanoseconds now_ns = (i + 1) * kStep_ns;
+    request.stamp_ns = now_ns - static_cast<rt::Nanoseconds>(random() % 3) * 200'000'000;
+    static_cast<void>(drive.request(request, now_ns));
+    REQUIRE(drive.update(Robot{}.pose(now_ns), {}, now_ns) == Status::ok);
     REQUIRE(std::fabs(drive.output().left_m_s) <= 0.6 + 1e-8);
   }
   const RequestCounters& r = drive.output().requests;
-  CHECK(r.taken + r.not_finite + r.out_of_range + r.repeated + r.jumped == 100'000);
+  CHECK(r.taken + r.not_finite + r.out_of_range + r.repeated + r.jumped + r.held_back == 100'000);
   rt::for_each_scalar(r, [](const char* name, int, std::uint32_t count) {
     INFO(name);
     CHECK(count > 0);

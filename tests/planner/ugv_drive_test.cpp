@@ -65,13 +65,15 @@ TEST_CASE(
        {},
        [](Bench& b) {
          rt::DriveRequest halt = request_of(0, 0, rt::DriveMode::halt);
+         halt.stamp_ns = b.now_ns;
          halt.counter = b.drive.output().request_counter + 1;
-         REQUIRE(b.drive.request(halt) == Status::ok);
+         REQUIRE(b.drive.request(halt, b.now_ns) == Status::ok);
        },
        [](Bench& b) {
          rt::DriveRequest release = request_of(0, 0, rt::DriveMode::release);
+         release.stamp_ns = b.now_ns;
          release.counter = b.drive.output().request_counter + 1;
-         REQUIRE(b.drive.request(release) == Status::ok);
+         REQUIRE(b.drive.request(release, b.now_ns) == Status::ok);
        },
        &DriveStopCounters::halt,
        "halt"},

@@ -2,12 +2,13 @@
 // A live run that is driven over LCM, in a network of the test's own: by a friend, and not by a stranger.
 #include <catch2/catch.hpp>
 
-#include "firmware_like/commands/drive_client.hpp"
 #include "firmware_like/commands/parameter_client.hpp"
+#include "firmware_like/commands/request_client.hpp"
 #include "firmware_like/secret.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
 #include "tests/drivers/own_network.hpp"
+#include "tests/firmware_like/request_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
@@ -19,20 +20,48 @@ namespace {
 
 const std::string kAddress{drivers::kDefaultLcmUrl};
 
-// Repeats a request every 50 ms until the drive says what is waited for.
+const RequestTopic kTopic{"drive", "drive.remote", "drive"};
+
+// Repeats a request every 50 ms until the robot has admitted one and says what is waited for.
 template <class Said>
-bool repeat_until(DriveClient& client, const drivers::DriveRequestMessage& request, Said said) {
+bool repeat_until(RequestClient& client, const drivers::DriveRequestMessage& request, Said said) {
+  const std::int64_t first = client.ask(request);
   for (int i = 0; i < 400; ++i) {
-    client.ask(request);
     static_cast<void>(client.listen(milliseconds(50)));
-    if (said(client.state())) return true;
+    if (client.is_admitted(first) && client.has_state() && said()) return true;
+    client.ask(request);
   }
   return false;
 }
 
-bool from_outside(const DriveState& state) {
-  return state.source == static_cast<std::uint32_t>(planner::DriveSource::remote);
+// What the run says of itself, without the secret.
+bool hear_answers(drivers::AnswersMessage& told) {
+  drivers::LcmReceiver receiver(kAddress);
+  for (int i = 0; i < 200; ++i) {
+    drivers::ReceivedMessage received;
+    if (receiver.receive(received, 100) == Status::ok && received.message.channel == "SORTIE_ANSWERS_drive" &&
+        drivers::decode(received.message.payload, nullptr, told) == Status::ok)
+      return true;
+  }
+  return false;
 }
+
+// Sends without the tag.
+class Forger {
+ public:
+  explicit Forger(std::int64_t session) : session_(session) { REQUIRE(publisher_.active()); }
+  void ask(drivers::DriveRequestMessage request, std::int64_t counter) {
+    request.session = session_;
+    request.counter = counter;
+    request.utime = utc_us();
+    const std::vector<std::uint8_t> bytes = bytes_of(request, nullptr);
+    REQUIRE(publisher_.publish(drivers::kChannelDrive, bytes) == Status::ok);
+  }
+
+ private:
+  std::int64_t session_;
+  drivers::LcmPublisher publisher_{request_publisher(kAddress)};
+};
 
 }  // namespace
 
@@ -46,37 +75,45 @@ TEST_CASE("a live run is driven by who knows its secret, and its log replays to 
   std::filesystem::permissions(secret,
                                std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   const std::string log = folder.file("live.lcm");
-  HallOverLcm hall(log, {"drive.remote=true",
+  HallOverLcm hall(log, {"drive.remote=true", "robot.name=hall",
                          "drive.max_command_age_ms=5000",  // the machine's mood is not what is tested
                          "parameters.secret_file=" + secret});
   const drivers::SipKey key = read_secret(secret);
-  ParameterClient finder(kAddress, key);
-  const auto heard = finder.find_runs(0, milliseconds(20'000));
-  REQUIRE(heard.size() == 1);
-  finder.choose(heard[0]);
-  CHECK(finder.run().keyed);
-
   drivers::DriveRequestMessage go;
   go.speed_m_s = 0.2;
-  DriveClient stranger(kAddress, std::nullopt, heard[0]);
-  REQUIRE(stranger.listen(milliseconds(20'000)));
-  const std::int64_t first = stranger.ask(go);
-  for (int i = 0; i < 4; ++i) stranger.ask(go);
-  REQUIRE(stranger.listen(milliseconds(20'000)));
-  CHECK_FALSE(stranger.has_taken(first));
+  RequestClient stranger(kAddress, std::nullopt, kTopic);
+  CHECK_THROWS_AS(stranger.find("", milliseconds(20'000)), ProfileError);  // it needs the secret
+  drivers::SipKey wrong = key;
+  wrong[0] ^= 1u;
+  RequestClient liar(kAddress, wrong, kTopic);
+  CHECK_THROWS_AS(liar.find("", milliseconds(20'000)), ProfileError);
 
-  DriveClient friendly(kAddress, key, heard[0]);
-  REQUIRE(friendly.listen(milliseconds(20'000)));
-  CHECK(repeat_until(friendly, go, [](const DriveState& s) { return from_outside(s) && s.speed_m_s > 0.1; }));
-  CHECK(friendly.has_taken(first));  // both began to count where the drive was
+  RequestClient friendly(kAddress, key, kTopic);
+  REQUIRE(friendly.find("", milliseconds(20'000)).empty());
+  CHECK(friendly.robot() == "hall");
+  RequestClient other(kAddress, key, kTopic);
+  CHECK_THROWS_WITH(other.find("attic", milliseconds(20'000)), Catch::Contains("hall"));
+  REQUIRE(other.find("hall", milliseconds(20'000)).empty());
+  // Who has the run's number but not its secret asks in vain.
+  drivers::AnswersMessage told;
+  REQUIRE(hear_answers(told));
+  Forger forger(told.session);
+  for (int i = 0; i < 5; ++i) forger.ask(go, told.counter + 1 + i);
+  const auto source = [&friendly] {
+    return static_cast<planner::DriveSource>(static_cast<std::uint32_t>(friendly.value("source")));
+  };
+  const auto stop = [&friendly] { return static_cast<std::uint32_t>(friendly.value("stop")); };
+  CHECK(repeat_until(friendly, go, [&] {
+    return source() == planner::DriveSource::remote && friendly.value("speed_m_s") > 0.1;
+  }));
   drivers::DriveRequestMessage halt;
   halt.mode = static_cast<std::int32_t>(rt::DriveMode::halt);
-  CHECK(repeat_until(friendly, halt, [](const DriveState& s) {
-    return (s.stop & planner::kStopHalt) != 0 && s.speed_m_s == 0.0;
+  CHECK(repeat_until(friendly, halt, [&] {
+    return (stop() & planner::kStopHalt) != 0 && friendly.value("speed_m_s") == 0.0;
   }));
   drivers::DriveRequestMessage release;
   release.mode = static_cast<std::int32_t>(rt::DriveMode::release);
-  CHECK(repeat_until(friendly, release, [](const DriveState& s) { return !from_outside(s); }));
+  CHECK(repeat_until(friendly, release, [&] { return source() != planner::DriveSource::remote; }));
   const LiveRunOutcome& run = hall.end();
   CHECK(run.results.counters.at("requests_admitted") > 2);
   CHECK(run.results.counters.at("requests_bad_tag") == 5);
