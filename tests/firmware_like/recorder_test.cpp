@@ -85,6 +85,25 @@ TEST_CASE("jobs that the recorder loses become a gap, and the part before it rep
   CHECK(outcome.recorded.jobs > 100);
 }
 
+TEST_CASE("a gap begins where the first of the groups is no longer whole, not the last") {
+  const TempFolder folder;
+  const std::string scene = stall_scene(folder);
+  const std::string path = folder.file("gap.lcm");
+  RecorderOptions options;
+  options.jobs_per_group = 8;
+  // At tick 205 the slow group is known up to its release at 220; of the fast one 213..229 are lost.
+  std::vector<rt::Tick> drains;
+  for (rt::Tick tick = 5; tick <= 205; tick += 5) drains.push_back(tick);
+  for (rt::Tick tick = 230; tick < 300; tick += 5) drains.push_back(tick);
+  REQUIRE(record(scene, path, options, drains, 300).lost_jobs == 17);
+  const LogFile log(path);
+  CHECK(log.whole_until() <= 213);
+  CHECK(log.whole_until() >= 200);
+  const ReplayOutcome outcome = replay(log, stall_vehicles(), {});
+  CHECK(complaint_of(outcome) == "");
+  CHECK(counter(outcome, "skipped_releases") == 0);
+}
+
 TEST_CASE("samples that the recorder loses become a gap before the job that took the first of them") {
   const TempFolder folder;
   const std::string scene = stall_scene(folder);
