@@ -278,3 +278,38 @@ TEST_CASE("with one worker a group and random delays the chains measure the same
     REQUIRE(same(alone.meter->age(), crowd.meter->age()));
   }
 }
+
+TEST_CASE("samples that a job took whose first task was left out are known to nobody") {
+  std::vector<std::byte> memory(1u << 20);
+  Arena arena(memory);
+  Executive executive(arena, kTick, 0);
+  const GroupId group = executive.add_group({"group", 1, 1, -1});
+  auto* const stream = executive.add_stream<Newest>(group, "S", 8, 8);
+  executive.add_task<Newest>(group, "a", 10, [stream](JobContext&, Newest& out) {
+    for (const Newest& sample : *stream) out = sample;
+  });
+  REQUIRE(executive.seal() == Status::ok);
+  const char* const steps[] = {"S", "a"};
+  const FoundPath found = find_chain(executive, steps, 2);
+  REQUIRE(found.fault == PathFault::none);
+  Arrivals arrivals(16);
+  arrivals.note(0, 0);
+  arrivals.note(1, kTick);
+  ChainMeter meter(executive, found.chain, &arrivals, false);
+  auto record = std::make_unique<JobRecord>();
+  const auto job = [&](std::uint64_t number, std::uint64_t first, std::uint32_t count, std::uint16_t shed) {
+    record->job = number;
+    record->tick = number;
+    record->verdict = Verdict::done;
+    record->streams = record->tasks = 1;
+    record->stream[0].first = first;
+    record->stream[0].count = count;
+    record->shed = shed;
+    meter.job(*record);
+  };
+  job(0, 0, 1, 1);
+  job(1, 1, 0, 0);
+  CHECK(meter.reaction().count() == 0);
+  job(2, 1, 1, 0);
+  CHECK(meter.reaction().count() == 2);  // the one that was lost was waited for in vain until then
+}

@@ -196,7 +196,7 @@ TEST_CASE("atan2 is the angle of a direction, however far away the point is", "[
   INFO("seed " << kSeed);
   std::mt19937 random(kSeed);
   const auto part = [&random] {
-    return (random() % 2 == 0 ? 0.5 : -0.5) * (1.0 + static_cast<double>(random()) * 0x1p-32);
+    return (random() % 2 == 0 ? 1.0 : -1.0) * (1.0 + static_cast<double>(random()) * 0x1p-32);
   };
   for (int i = 0; i < 2000; ++i) {
     const double y = part();

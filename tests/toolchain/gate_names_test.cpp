@@ -116,6 +116,14 @@ TEST_CASE("every name that the page offers a gate can fail and can pass, live an
     CHECK(results.live.known);
     CHECK(results.live.why_no_causes.empty());
     const GateFigures figures = gate_figures(results);
+    double latest = 0;
+    double slowest = 0;
+    for (const GroupResult& group : results.groups) {
+      latest = std::max(latest, group.late_max_us);
+      slowest = std::max(slowest, group.response_max_us);
+    }
+    CHECK(figures.known.at("all.late_max_us") == latest);
+    CHECK(figures.known.at("all.response_max_us") == slowest);
     std::set<std::string> planted;
     for (const std::string& name : offered) {
       std::size_t found = 0;
