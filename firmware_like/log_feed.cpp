@@ -144,7 +144,10 @@ bool LogFeed::prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt:
     PortCursor& port = *cursor.ports[i];
     const std::uint64_t end = cursor.current->stream[i].first + cursor.current->stream[i].count;
     while (port.next < end && port.next < port.events->size()) push(port);
-    if (port.next < end) missing_samples_ += end - port.next;
+    if (port.next < end && end > port.asked) {
+      missing_samples_ += end - std::max<std::uint64_t>(port.next, port.asked);
+      port.asked = end;
+    }
   }
   order.recorded = cursor.current.get();
   return true;

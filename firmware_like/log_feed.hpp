@@ -66,6 +66,7 @@ class LogFeed final : public rt::JobFeed {
     InputPortBase* port{};
     const std::vector<StoredEvent>* events{};
     std::size_t next{};
+    std::uint64_t asked{};  // samples before this one are there or counted as missing, each once
     StreamUse use;
   };
   struct GroupCursor {

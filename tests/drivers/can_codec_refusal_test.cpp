@@ -146,7 +146,17 @@ TEST_CASE("a drive command comes back, and what is not one is refused") {
   CHECK(back.flags == 1);
   CHECK(counter == 200);
 
+  command.flags = 0;  // not enabled, whatever the speeds say
+  CanFrame idle;
+  REQUIRE(encode_drive(command, 201, idle) == Status::ok);
+  REQUIRE(decode_drive(idle, back, counter) == Status::ok);
+  CHECK(back.flags == 0);
+  REQUIRE(decode_drive(frame, back, counter) == Status::ok);
+
   command.left_m_s = 32.768;
+  CHECK(encode_drive(command, 0, frame) == Status::out_of_range);
+  command.left_m_s = 0;
+  command.right_m_s = -32.768;
   CHECK(encode_drive(command, 0, frame) == Status::out_of_range);
   CanFrame bad = frame;
   bad.size = 5;

@@ -34,6 +34,19 @@ TEST_CASE("A gap is bridged with a held rate for half a second at most, and coun
   CHECK(filter.counters().gaps == 1);
   CHECK((filter.estimate().flags & estimators::kAttitudeCoasted) != 0);
   CHECK((filter.estimate().flags & estimators::kAttitudeHeadingInvalid) != 0);
+  REQUIRE(filter.set_heading(0.3, 0.01) == Status::ok);
+  CHECK((filter.estimate().flags & estimators::kAttitudeHeadingInvalid) == 0);
+  CHECK(filter.update(sample_of(2500 * kMs, rate, {}, rt::kImuGyr)) == Status::ok);
+  CHECK((filter.estimate().flags & estimators::kAttitudeHeadingInvalid) == 0);
+}
+
+TEST_CASE("Six exact zeros are no sample: no living sensor reads them") {
+  Attitude filter{AttitudeConfig{}};
+  CHECK(filter.update(sample_of(0, {}, {}, kBoth)) == Status::out_of_range);
+  (void)filter.update(sample_of(5 * kMs, {}, kGravity, kBoth));
+  CHECK(filter.update(sample_of(10 * kMs, {}, {}, kBoth)) == Status::out_of_range);
+  CHECK(filter.counters().out_of_range == 2);
+  CHECK(filter.counters().used == 1);
 }
 
 TEST_CASE("A clipped sample is used, counted, and marks the heading") {

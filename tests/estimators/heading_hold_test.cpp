@@ -52,3 +52,34 @@ TEST_CASE("A lesson counts by the drift since the last rest against the noise of
   CHECK(share(160, 60, 1.0) > 0.9);
   CHECK(share(40, 2, 3.0) < 0.5 * share(40, 2, 1.0));
 }
+
+TEST_CASE("A robot that rests does not turn, and what was withheld while it was doubted is not owed") {
+  const AttitudeConfig config;
+  HeadingHold<double> hold(1e-6);
+  for (int i = 0; i < 5; ++i) CHECK(hold.close(config, HeadingBlock::stands, 1e-4, kBlock_s).now == -1e-4);
+  CHECK(hold.doubted_s() == Approx(5 * kBlock_s));
+  CHECK(hold.close(config, HeadingBlock::rests, 2e-4, kBlock_s).now == -2e-4);
+  CHECK(hold.doubted_s() == 0.0);
+  static_cast<void>(hold.close(config, HeadingBlock::moves, 0.0, kBlock_s));
+  CHECK(hold.owed() == 0.0);
+}
+
+TEST_CASE(
+    "What was withheld and turned out to be motion is paid in motion, no faster than it may be, and whole") {
+  const AttitudeConfig config;
+  const double most = config.heading_payment_rad_s * kBlock_s;
+  for (const double turned : {0.4 * most, -3.3 * most}) {
+    HeadingHold<double> hold(1e-6);
+    CHECK(hold.close(config, HeadingBlock::stands, turned, kBlock_s).now == -turned);
+    CHECK(hold.close(config, HeadingBlock::quiet, 0.0, kBlock_s).now == 0.0);
+    CHECK(hold.owed() == turned);
+    double paid = 0;
+    for (int i = 0; i < 6; ++i) {
+      const double now = hold.close(config, HeadingBlock::moves, 0.0, kBlock_s).now;
+      CHECK(std::fabs(now) <= most);
+      paid += now;
+    }
+    CHECK(paid == Approx(turned));
+    CHECK(hold.owed() == Approx(0.0).margin(1e-15));
+  }
+}

@@ -66,6 +66,23 @@ TEST_CASE("A turn that looked like standing is not lost: it is owed as soon as t
   CHECK(filter.estimate().delta_heading_rad == Approx(truth).margin(2e-3));
 }
 
+TEST_CASE("A heading that is set owes nothing of what was turned before") {
+  Attitude filter{AttitudeConfig{}};
+  rt::Nanoseconds now = 0;
+  const auto run = [&](double lasts_s, bool moving, double rate) {
+    for (int i = 0; i < static_cast<int>(100 * lasts_s); ++i) {
+      now += 10 * kMs;
+      filter.set_moving(moving);
+      static_cast<void>(filter.update(sample_of(now, {0, 0, rate}, kGravity, kBoth | rt::kImuMeanRate)));
+    }
+  };
+  run(4, true, 0.2);
+  run(1.0, false, 0.02);  // withheld: it may have stood
+  REQUIRE(filter.set_heading(1.0, 0.01) == Status::ok);
+  run(6, true, 0.2);
+  CHECK(rt::yaw_of(rt::to_quaternion(filter.estimate().q_world_body)) == Approx(2.2).margin(2e-3));
+}
+
 TEST_CASE(
     "A blow in the first second costs 2 deg at most, and nothing a tenth of a second later, from the first "
     "sample on") {

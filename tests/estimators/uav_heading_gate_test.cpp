@@ -42,6 +42,35 @@ void fly_on(UavEstimator& estimator, SimulatedFlight& flight, std::int64_t from,
 constexpr std::uint32_t kPlaceAndHeading = rt::kFixPosition | rt::kFixYaw;
 }  // namespace
 
+TEST_CASE("A flight is the same in whatever direction it heads, half a turn and its wrap included") {
+  const double turns[] = {0.0, 3.14159265358979323846 - 0.4, -3.0, 1.7};
+  rt::Vector3 first;
+  for (const double turn : turns) {
+    CAPTURE(turn);
+    const rt::Quaternion about = rt::from_yaw_pitch_roll(turn, 0, 0);
+    UavEstimator estimator(matched_config());
+    SimulatedFlight flight(41);
+    bool wrapped = false;
+    double before = 0;
+    for (std::int64_t i = 1; i <= 2000; ++i) {
+      REQUIRE(estimator.imu(flight.imu(i * kStepNs), 9.81) == Status::ok);
+      if (i % 10 != 0) continue;
+      rt::UavFix fix = flight.fix(i * kStepNs);
+      rt::store(rt::rotate(about, rt::to_vector(fix.p_world_m)), fix.p_world_m);
+      fix.yaw_rad = rt::wrap_angle(fix.yaw_rad + turn);
+      wrapped = wrapped || fix.yaw_rad * before < -1.0;
+      before = fix.yaw_rad;
+      const Status status = estimator.fix(fix);
+      if (i > 200) REQUIRE(status == Status::ok);  // levelled by then
+    }
+    CHECK(wrapped == (turn == turns[1]));
+    CHECK(estimator.counters().yaws_gated == 0);
+    const rt::Vector3 place = rt::rotate_back(about, estimator.now().p_world_m);
+    if (turn == 0.0) first = place;
+    CHECK(rt::norm(place - first) < 1e-6);
+  }
+}
+
 TEST_CASE("Headings that agree are given in to, alone or with a place, and the motion stays") {
   for (const std::uint32_t flags : {+rt::kFixYaw, kPlaceAndHeading}) {
     for (const double off : {1.0, -2.5, 3.14159}) {

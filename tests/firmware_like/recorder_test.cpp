@@ -85,6 +85,25 @@ TEST_CASE("jobs that the recorder loses become a gap, and the part before it rep
   CHECK(outcome.recorded.jobs > 100);
 }
 
+TEST_CASE("a gap begins where the first of the groups is no longer whole, not the last") {
+  const TempFolder folder;
+  const std::string scene = stall_scene(folder);
+  const std::string path = folder.file("gap.lcm");
+  RecorderOptions options;
+  options.jobs_per_group = 8;
+  // At tick 205 the slow group is known up to its release at 220; of the fast one 213..229 are lost.
+  std::vector<rt::Tick> drains;
+  for (rt::Tick tick = 5; tick <= 205; tick += 5) drains.push_back(tick);
+  for (rt::Tick tick = 230; tick < 300; tick += 5) drains.push_back(tick);
+  REQUIRE(record(scene, path, options, drains, 300).lost_jobs == 17);
+  const LogFile log(path);
+  CHECK(log.whole_until() <= 213);
+  CHECK(log.whole_until() >= 200);
+  const ReplayOutcome outcome = replay(log, stall_vehicles(), {});
+  CHECK(complaint_of(outcome) == "");
+  CHECK(counter(outcome, "skipped_releases") == 0);
+}
+
 TEST_CASE("samples that the recorder loses become a gap before the job that took the first of them") {
   const TempFolder folder;
   const std::string scene = stall_scene(folder);
@@ -232,9 +251,9 @@ TEST_CASE("a log that says how far its run came is replayed so far, and what no 
   const std::string path = folder.file("ended.lcm");
   record(scene, whole, {}, {100, 200}, 300);
   const Runtime runtime(load_scene(scene), stall_vehicles(), RuntimeStart{});
-  const auto with_end = [&](rt::Tick ticks) {
+  const auto with_end = [&](rt::Tick ticks, const std::string& from) {
     {
-      drivers::LcmLogReader reader(whole);
+      drivers::LcmLogReader reader(from);
       drivers::LcmLogWriter writer(path);
       drivers::LogEvent event;
       while (reader.next(event) == Status::ok)
@@ -244,16 +263,24 @@ TEST_CASE("a log that says how far its run came is replayed so far, and what no 
     }
     return replay(LogFile(path), stall_vehicles(), {});
   };
-  const ReplayOutcome longer = with_end(360);
+  const ReplayOutcome longer = with_end(360, whole);
   CHECK(longer.results.ticks == 360);
   CHECK(counter(longer, "skipped_releases") == 63);  // of every tick, and of every twentieth
   CHECK(complaint_of(longer) == "");
   // Less than its jobs say, or longer than anybody waits: then the jobs count.
   for (const rt::Tick wrong : {rt::Tick{100}, rt::Tick{1} << 40}) {
-    const ReplayOutcome same = with_end(wrong);
+    const ReplayOutcome same = with_end(wrong, whole);
     CHECK(same.results.ticks == 300);
     CHECK(counter(same, "skipped_releases") == 0);
   }
+  // Behind a gap nobody knows what was run: the end of the run is not the end of the replay.
+  const std::string gapped = folder.file("gapped.lcm");
+  RecorderOptions options;
+  options.jobs_per_group = 64;
+  REQUIRE(record(scene, gapped, options, {50, 100, 150, 230, 280}, 300).lost_jobs == 16);
+  const ReplayOutcome cut = with_end(360, gapped);
+  CHECK(cut.results.ticks <= 214);
+  CHECK(counter(cut, "skipped_releases") == 0);
 }
 
 TEST_CASE("a log takes the place of the one before with its first job, and never without") {

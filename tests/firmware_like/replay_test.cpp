@@ -140,6 +140,20 @@ TEST_CASE("another scene or other parameters replay the samples and are not comp
   CHECK(mentions(outdoor.results.warnings, "SCAN"));
 }
 
+TEST_CASE("samples that a log has lost without a word are counted when its jobs ask for them") {
+  const TempFolder folder;
+  const std::string thin = folder.file("thin.lcm");
+  std::uint64_t dropped = 0;
+  rewrite_log(two_seconds().log, thin, [&dropped](EditableEvent& event, std::size_t index) {
+    const bool drops = event.channel == drivers::kChannelImu && index % 40 == 13;
+    dropped += drops ? 1 : 0;
+    return !drops;
+  });
+  REQUIRE(dropped == 10);
+  CHECK(counter(replay_log(thin), "samples_missing") == dropped);
+  CHECK(counter(replay_log(two_seconds().log), "samples_missing") == 0);
+}
+
 TEST_CASE("what a replay writes is a log that replays to the same digest") {
   const TempFolder folder;
   ReplayOptions options;

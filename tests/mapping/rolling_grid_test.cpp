@@ -140,6 +140,11 @@ TEST_CASE("After the grid was moved a point that moved along falls into its old 
   REQUIRE(owned.grid.move_grid({{5, 6, 7}, turn}) == Status::ok);
   (void)put(owned, points, {{5, 6, 7}, turn}, 2);
   CHECK(owned.grid.output().voxels == 2);
+  // Moved again, about another axis: what moved along with both still falls into its old voxel.
+  const rt::Quaternion again = rt::exp_rotation({-0.7, 0.4, 0.2});
+  REQUIRE(owned.grid.move_grid({{-1, 2, 0.5}, again}) == Status::ok);
+  (void)put(owned, points, {rt::rotate(again, {5, 6, 7}) + rt::Vector3{-1, 2, 0.5}, again * turn}, 3);
+  CHECK(owned.grid.output().voxels == 2);
   CHECK(owned.grid.move_grid({{std::nan(""), 0, 0}, {}}) == Status::not_finite);
   CHECK(owned.grid.move_grid({{}, {0, 0, 0, 0}}) == Status::out_of_range);
 }

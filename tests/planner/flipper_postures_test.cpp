@@ -72,6 +72,15 @@ TEST_CASE("Told to hold they stand still, and then go on, -1 keeps what was aske
   CHECK(flippers.output().posture == 1);
 }
 
+TEST_CASE("After a pause they go on as if it had been a fifth of a second, and do not jump") {
+  for (const rt::Nanoseconds pause : {100 * rt::kNanosecondsPerMillisecond, 10 * rt::kNanosecondsPerSecond}) {
+    FlipperPostures flippers = usual_postures();
+    REQUIRE(flippers.update(1, false, kTick_ns) == Status::ok);
+    REQUIRE(flippers.update(1, false, kTick_ns + pause) == Status::ok);
+    CHECK(flippers.output().angle_rad[0] == Approx(2.0 - 0.8 * std::min(0.2, rt::to_seconds(pause))));
+  }
+}
+
 TEST_CASE("They start from where they say they are, and are there when the measurement says so") {
   FlipperPostures flippers = usual_postures();
   rt::FlipperSample sample;

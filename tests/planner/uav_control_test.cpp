@@ -188,6 +188,36 @@ TEST_CASE("Allocation: what fits is met, what does not is met where it matters, 
   }
 }
 
+TEST_CASE("Allocation: what cannot be met is told") {
+  const planner::UavModel model = some_hexacopter();
+  const planner::Allocation allocation(model);
+  const double weight = model.mass_kg * 9.81;
+  const double most = 6 * model.max_thrust_n();
+  CHECK_FALSE(allocation.share({weight, {0.1, -0.1, 0.01}}).limited);
+  CHECK(allocation.share({1.5 * most, {0, 0, 0}}).limited);
+  CHECK(allocation.share({-weight, {0, 0, 0}}).limited);
+  CHECK(allocation.share({weight, {100, 0, 0}}).limited);
+  CHECK(allocation.share({weight, {0, -100, 0}}).limited);
+}
+
+TEST_CASE("Allocation: a rotor that is lost makes nothing, whatever it is told, and four are needed") {
+  const planner::UavModel model = some_hexacopter();
+  planner::Allocation whole(model);
+  planner::Allocation allocation(model);
+  double told[6] = {1, 2, 3, 4, 5, 6};
+  REQUIRE(allocation.lose(2));
+  CHECK_FALSE(allocation.lose(2));
+  CHECK_FALSE(allocation.lose(6));
+  const planner::RotorWrench made = allocation.wrench(told);
+  told[2] = 0;
+  const planner::RotorWrench expected = whole.wrench(told);
+  CHECK(made.thrust_n == expected.thrust_n);
+  CHECK(rt::norm(made.torque_n_m - expected.torque_n_m) == 0);
+  CHECK(made.thrust_n == 18);
+  REQUIRE(allocation.lose(4));
+  CHECK_FALSE(allocation.lose(0));
+}
+
 TEST_CASE("Whatever the state and the goals, commands are finite and in range, and nothing takes the heap") {
   if (!rt::posix::kHeapTrapAvailable) {
     WARN("skipped: no heap trap under a sanitizer");
@@ -235,6 +265,34 @@ TEST_CASE("Whatever the state and the goals, commands are finite and in range, a
   CHECK(calls == 0);
   CHECK(control->counters().states_refused > 100);
   CHECK(control->counters().goals_refused > 100);
+}
+
+TEST_CASE("A state is flown by once, and a lost one is no place: it sinks level and lands when found again") {
+  planner::UavControlConfig config;
+  config.model = some_hexacopter();
+  const auto control = std::make_unique<planner::UavControl>(config);
+  rt::UavState state;
+  state.stamp_ns = 10'000'000;
+  state.p_world_m[2] = 5;
+  state.verdict = rt::UavVerdict::good;
+  REQUIRE(control->start(state) == Status::ok);
+  rt::RotorCommand command;
+  REQUIRE(control->update(state, command) == Status::ok);
+  CHECK(control->phase() == planner::UavPhase::hold);
+  CHECK(control->update(state, command) == Status::time_repeated);
+  state.stamp_ns -= 1;
+  CHECK(control->update(state, command) == Status::time_backwards);
+  CHECK(control->counters().states_refused == 2);
+  state.stamp_ns += 10'000'001;
+  state.verdict = rt::UavVerdict::lost;
+  REQUIRE(control->update(state, command) == Status::ok);
+  CHECK(control->phase() == planner::UavPhase::blind);
+  CHECK(control->reference().v_m_s.z == -config.sink_m_s);
+  for (std::uint32_t i = 1; i < 6; ++i) CHECK(command.speed_rad_s[i] > 0);
+  state.stamp_ns += 10'000'000;
+  state.verdict = rt::UavVerdict::good;
+  REQUIRE(control->update(state, command) == Status::ok);
+  CHECK(control->phase() == planner::UavPhase::land);
 }
 
 TEST_CASE("A vehicle that cannot fly is told so and never gets a command") {

@@ -121,6 +121,22 @@ TEST_CASE("a merged histogram equals one that saw everything") {
   for (double q = 0.0; q <= 1.0; q += 0.01) CHECK(first.percentile(q) == both.percentile(q));
 }
 
+TEST_CASE("a duration that came many times counts as if each had been recorded by itself") {
+  LatencyHistogram at_once;
+  LatencyHistogram one_by_one;
+  std::uint64_t times = 0;  // none at all, the first time
+  for (const std::uint64_t ns : durations(7, 40)) {
+    at_once.record_many(ns, times);
+    for (std::uint64_t i = 0; i < times; ++i) one_by_one.record(ns);
+    times = (times + 3) % 11;
+    REQUIRE(at_once.count() == one_by_one.count());
+    REQUIRE(at_once.sum() == one_by_one.sum());
+    REQUIRE(at_once.min() == one_by_one.min());
+    REQUIRE(at_once.max() == one_by_one.max());
+    for (double q = 0.0; q <= 1.0; q += 0.05) REQUIRE(at_once.percentile(q) == one_by_one.percentile(q));
+  }
+}
+
 TEST_CASE("a merge takes over the other's minimum and maximum") {
   LatencyHistogram first;
   first.record(50);

@@ -92,6 +92,23 @@ TEST_CASE("a missed criticality-A job climbs at once, whatever the load says, an
   CHECK(other.level() == kTopLevel);
 }
 
+TEST_CASE("each level is held for its own calm windows before the next lower one is tried") {
+  LadderConfig config;
+  config.calm_windows = 3;
+  // By these declarations each level is one fifth of the one below: only one step down is ever foreseen to
+  // fit.
+  Ladder ladder(config, {0.625, 0.125, 0.025, 0.005, 0.001});
+  for (int i = 0; i < 10; ++i) ladder.update(1.0, true);
+  REQUIRE(ladder.level() == kTopLevel);
+  for (int next = kTopLevel - 1; next >= 0; --next) {
+    for (int window = 0; window < config.calm_windows; ++window) {
+      REQUIRE(int{ladder.level()} == next + 1);
+      ladder.update(0.14, false);  // five times of it fit below return_load, twenty-five times do not
+    }
+    REQUIRE(int{ladder.level()} == next);
+  }
+}
+
 TEST_CASE("what is C's fault alone is tried again rarely, and never forgotten") {
   const LadderConfig config;
   const std::array<double, 3> parts{0.2, 0.2, 0.2};

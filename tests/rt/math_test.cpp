@@ -191,6 +191,22 @@ TEST_CASE("arc functions keep their promises at the edges", "[math]") {
   CHECK(same(atan(kSmallest), kSmallest));
 }
 
+TEST_CASE("atan2 is the angle of a direction, however far away the point is", "[math]") {
+  constexpr std::uint32_t kSeed = 29;
+  INFO("seed " << kSeed);
+  std::mt19937 random(kSeed);
+  const auto part = [&random] {
+    return (random() % 2 == 0 ? 1.0 : -1.0) * (1.0 + static_cast<double>(random()) * 0x1p-32);
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const double y = part();
+    const double x = part() * (i % 3 == 0 ? 0x1p-3 : 1.0);
+    const double near = atan2(y, x);
+    for (const double scale : {0x1p1023, 0x1p1000, 0x1p501, 0x1p-401, 0x1p-1000})
+      REQUIRE(same(atan2(y * scale, x * scale), near));
+  }
+}
+
 TEST_CASE("atan2 treats zeros and infinities as directions with signs", "[math]") {
   CHECK(same(atan2(0.0, 0.0), 0.0));
   CHECK(same(atan2(-0.0, 0.0), -0.0));

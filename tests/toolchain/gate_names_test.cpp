@@ -116,6 +116,14 @@ TEST_CASE("every name that the page offers a gate can fail and can pass, live an
     CHECK(results.live.known);
     CHECK(results.live.why_no_causes.empty());
     const GateFigures figures = gate_figures(results);
+    double latest = 0;
+    double slowest = 0;
+    for (const GroupResult& group : results.groups) {
+      latest = std::max(latest, group.late_max_us);
+      slowest = std::max(slowest, group.response_max_us);
+    }
+    CHECK(figures.known.at("all.late_max_us") == latest);
+    CHECK(figures.known.at("all.response_max_us") == slowest);
     std::set<std::string> planted;
     for (const std::string& name : offered) {
       std::size_t found = 0;
@@ -257,4 +265,33 @@ TEST_CASE("what the log does not hold of the robot is refused with the cure") {
   CHECK(half.live.known);
   CHECK(half.live.tasks.at(0).count < live_hall().checked.live.tasks.at(0).count);
   CHECK(mentions(refusal("groups.control.margin_us", half), "leave out --from and --to"));
+}
+
+TEST_CASE("a task that the ladder left out has no time in the result, whatever the log notes for it") {
+  const TempFolder folder;
+  const std::string shed = folder.file("shed.lcm");
+  rewrite_log(live_hall().log, shed, [](EditableEvent& event, std::size_t) {
+    drivers::TickRecord tick;
+    if (event.channel != drivers::kChannelTick) return true;
+    REQUIRE(drivers::decode(event.bytes, tick) == Status::ok);
+    tick.level = rt::kTopLevel;
+    const drivers::TickView view{tick.tick, tick.job,     tick.group,    tick.verdict, tick.level, tick.shed,
+                                 tick.cut,  tick.streams, tick.channels, tick.tasks,   tick.fields};
+    std::size_t size = 0;
+    event.bytes.resize(drivers::encoded_bytes(view));
+    REQUIRE(drivers::encode(view, event.bytes, size) == Status::ok);
+    return true;
+  });
+  const Results& whole = live_hall().checked;
+  const Results left = replay_log(shed).results;
+  REQUIRE(left.live.known);
+  REQUIRE(left.live.tasks.size() == whole.live.tasks.size());
+  int without = 0;
+  for (std::size_t i = 0; i < whole.live.tasks.size(); ++i) {
+    CAPTURE(left.live.tasks[i].name);
+    const bool ran = left.tasks[i].count != 0;  // of the replay itself
+    CHECK(left.live.tasks[i].count == (ran ? whole.live.tasks[i].count : 0));
+    without += ran ? 0 : 1;
+  }
+  CHECK(without >= 1);
 }

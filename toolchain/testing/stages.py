@@ -64,6 +64,8 @@ STAGES = [
           builds=[("aarch64", SHORT_OF_ALL, [])], tests=[("aarch64", ["-LE", "long|timing"])], long=True),
     Stage("long release", "thousands of draws, months of ticks, boards that boot, programs of one scene, a cluster of one node, gates beside peers",
           builds=[("release", EVERYTHING, ["all", "sortie_benchmarks"])], tests=[("release", ["-L", "long|size", "-LE", "timing"])], long=True),
+    Stage("faults", "faults of one line, one at a time, each caught by a case",
+          builds=[("release", EVERYTHING, [])], commands=[("mutants/each fault of one line is caught", ["tests/mutants/run.py"])], long=True),
     Stage("all of address", "the desk as well, and what takes long there",
           builds=[("debug", SHORT_OF_ALL, [])], tests=[("debug", ["-LE", "long|timing"])], long=True),
     Stage("all of thread", "all tests", builds=[("tsan", SHORT_OF_ALL, [])], tests=[("tsan", ["-LE", "long|timing"])], long=True),
