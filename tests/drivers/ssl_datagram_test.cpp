@@ -297,9 +297,11 @@ TEST_CASE("a device fires a list of rays once, in order, and only for a pose tha
   command(5, -2'000'000'000);
   CHECK(seen.out_of_time == 2);
   post(test::Datagram(40, 0xff));
-  rt::SslCommand wild = numbered_rays(5, 10, rt::posix::monotonic_now());
-  wild.direction[9] = rt::kSslDirections;
-  post(message_of_rays(wild));
+  // A direction that there is not: the encoder refuses it, so the last one is written over.
+  test::Datagram wild = message_of_rays(numbered_rays(5, 10, rt::posix::monotonic_now()));
+  wild[wild.size() - 2] = static_cast<std::uint8_t>(rt::kSslDirections >> 8);
+  wild[wild.size() - 1] = static_cast<std::uint8_t>(rt::kSslDirections & 0xff);
+  post(wild);
   post(message_of_rays(answer_to(taken, 0)));
   CHECK(seen.malformed == 3);
   CHECK(device.take(taken) == Status::empty);

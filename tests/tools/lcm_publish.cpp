@@ -11,6 +11,7 @@
 
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/wire.hpp"
+#include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
@@ -116,6 +117,13 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   parameters.scene = "hall";
   parameters.parameters = {{"drive.max_speed_m_s", "m/s", 0.5, 0, 2}};
   send(publisher, kChannelParameters, [&](auto out, auto& size) { return encode(parameters, out, size); });
+  AnswersMessage answers;
+  answers.robot = "blue";
+  answers.task = "drive";
+  answers.answers = {{7, step + 1, 0}};
+  answers.state = {{"speed_m_s", 0.25}};
+  send(publisher, "SORTIE_ANSWERS_drive",
+       [&](auto out, auto& size) { return encode(answers, nullptr, out, size); });
   rt::SslCommand rays;
   rays.stamp_ns = robot.stamp_ns;
   rays.number = static_cast<std::uint32_t>(step);
