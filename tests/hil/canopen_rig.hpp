@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bus in memory with a master and simulated drives whose motors follow a ramp.
+// A bus in memory with a master and simulated drives that turn axes with inertia, friction and a slope.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include "drivers/can_stub.hpp"
 #include "drivers/canopen/master.hpp"
 #include "hil/canopen/node.hpp"
+#include "hil/drive_axis.hpp"
 
 namespace sortie::hil::test {
 
@@ -31,7 +33,8 @@ class CanopenRig {
       ports_.push_back(&stub_.attach("drive " + std::to_string(number)));
       nodes_.push_back(std::make_unique<CanopenNode>(number, *ports_.back()));
     }
-    motors_.resize(nodes_.size());
+    // 10,000 increments a metre: 6 m/s^2 of the motor, 0.5 m/s^2 of friction.
+    motors_.assign(nodes_.size(), DriveAxis({.motor_s2 = 60'000.0, .friction_s2 = 5'000.0}));
     restart_master(config);
   }
 
@@ -52,8 +55,8 @@ class CanopenRig {
         master_->poll(now_, *port_);
       }
       for (std::size_t k = 0; k < nodes_.size(); ++k) {
-        move(motors_[k], nodes_[k]->command());
-        nodes_[k]->show(motors_[k]);
+        motors_[k].advance(nodes_[k]->wish(), 1e-3);
+        nodes_[k]->show(motor(k));
         drivers::CanFrame frame;
         while (ports_[k]->receive(frame) == Status::ok) nodes_[k]->hear(frame, now_);
         nodes_[k]->step(now_);
@@ -75,12 +78,17 @@ class CanopenRig {
            });
   }
   bool all_still() const {
-    return std::all_of(motors_.begin(), motors_.end(), [](const MotorState& m) { return m.velocity == 0; });
+    return std::all_of(motors_.begin(), motors_.end(),
+                       [](const DriveAxis& m) { return std::fabs(m.speed()) < 1.0; });
   }
 
   drivers::canopen::Master& master() { return *master_; }
   CanopenNode& node(std::size_t i) { return *nodes_[i]; }
-  const MotorState& motor(std::size_t i) const { return motors_[i]; }
+  MotorState motor(std::size_t i) const {
+    const auto whole = [](double value) { return static_cast<std::int32_t>(std::lround(value)); };
+    return {whole(motors_[i].position()), whole(motors_[i].speed()), 0};
+  }
+  DriveAxis& axis(std::size_t i) { return motors_[i]; }
   drivers::CanStub& stub() { return stub_; }
   drivers::CanBus& listener() { return *listener_; }
   drivers::CanBus& master_port() { return *port_; }
@@ -93,23 +101,13 @@ class CanopenRig {
   bool commands_{true};
 
  private:
-  // A ramp of 100,000 increments/s^2, four times as steep in a quick stop.
-  static void move(MotorState& motor, const MotorCommand& command) {
-    std::int32_t wanted = command.on && !command.quick_stop && command.mode == 3 ? command.velocity : 0;
-    if (command.on && !command.quick_stop && command.mode == 8)
-      wanted = std::clamp((command.position - motor.position) * 100, -20'000, 20'000);
-    const std::int32_t step = command.mode == 8 ? 20'000 : command.on && !command.quick_stop ? 100 : 400;
-    motor.velocity += std::clamp(wanted - motor.velocity, -step, step);
-    motor.position += motor.velocity / 1000;
-  }
-
   drivers::CanStub stub_;
   drivers::CanBus* port_;
   drivers::CanBus* listener_;
   std::vector<drivers::CanBus*> ports_;
   std::vector<drivers::canopen::DriveConfig> configs_;
   std::vector<std::unique_ptr<CanopenNode>> nodes_;
-  std::vector<MotorState> motors_;
+  std::vector<DriveAxis> motors_;
   std::unique_ptr<drivers::canopen::Master> master_;
   std::vector<drivers::CanFrame> seen_;
   rt::Nanoseconds now_{};

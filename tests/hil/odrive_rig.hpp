@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bus in memory with a group of axes and simulated ones whose motors follow a ramp.
+// A bus in memory with a group of axes and simulated ones that turn inertia against friction and a slope.
 #pragma once
 
 #include <algorithm>
@@ -35,8 +35,9 @@ class OdriveRig {
       ports_.push_back(&stub_.attach("axis " + std::to_string(number)));
       nodes_.push_back(std::make_unique<AxisNode>(made, *ports_.back()));
     }
-    motors_.resize(kAxes);
-    motors_[2].turns = 3.0;
+    // 20 turns a metre: 5 m/s^2 of the motor, 0.5 m/s^2 of friction.
+    for (std::size_t k = 0; k < kAxes; ++k)
+      motors_.emplace_back(DriveAxisConfig{.motor_s2 = 100.0, .friction_s2 = 10.0}, k == 2 ? 3.0 : 0.0);
     restart_group(config);
   }
 
@@ -57,11 +58,11 @@ class OdriveRig {
         group_->poll(now_, *port_);
       }
       for (std::size_t k = 0; k < kAxes; ++k) {
-        move(motors_[k], nodes_[k]->command());
-        nodes_[k]->show(motors_[k]);
+        motors_[k].advance(nodes_[k]->wish(), 1e-3);
+        nodes_[k]->show(motor(k));
         while (ports_[k]->receive(frame) == Status::ok) nodes_[k]->hear(frame, now_);
         nodes_[k]->step(now_);
-        fastest_ = std::max(fastest_, std::fabs(motors_[k].turns_s));
+        fastest_ = std::max(fastest_, std::fabs(motors_[k].speed()));
       }
       stub_.advance(now_);
       while (listener_->receive(frame) == Status::ok) seen_.push_back(frame);
@@ -85,7 +86,8 @@ class OdriveRig {
 
   drivers::odrive::AxisGroup& group() { return *group_; }
   AxisNode& node(std::size_t i) { return *nodes_[i]; }
-  const AxisMotorState& motor(std::size_t i) const { return motors_[i]; }
+  AxisMotorState motor(std::size_t i) const { return {motors_[i].position(), motors_[i].speed(), 0.0}; }
+  DriveAxis& axis(std::size_t i) { return motors_[i]; }
   drivers::CanStub& stub() { return stub_; }
   drivers::CanBus& listener() { return *listener_; }
   drivers::CanBus& group_port() { return *port_; }
@@ -99,23 +101,13 @@ class OdriveRig {
   bool commands_{true};
 
  private:
-  // 50 turns/s^2; without torque it rolls out at a tenth of that.
-  static void move(AxisMotorState& motor, const AxisMotorCommand& command) {
-    double wanted = command.on && !command.by_position ? command.turns_s : 0.0;
-    if (command.on && command.by_position)
-      wanted = std::clamp(20.0 * (command.turns - motor.turns), -5.0, 5.0);
-    const double step = command.on ? 0.05 : 0.005;
-    motor.turns_s += std::clamp(wanted - motor.turns_s, -step, step);
-    motor.turns += 1e-3 * motor.turns_s;
-  }
-
   drivers::CanStub stub_{drivers::CanStubConfig{}};
   drivers::CanBus* port_;
   drivers::CanBus* listener_;
   std::vector<drivers::CanBus*> ports_;
   std::vector<drivers::odrive::AxisConfig> configs_;
   std::vector<std::unique_ptr<AxisNode>> nodes_;
-  std::vector<AxisMotorState> motors_;
+  std::vector<DriveAxis> motors_;
   std::unique_ptr<drivers::odrive::AxisGroup> group_;
   std::vector<drivers::CanFrame> seen_;
   rt::Nanoseconds now_{};
