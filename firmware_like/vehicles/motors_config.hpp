@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "drivers/canopen/ugv_drives.hpp"
+#include "drivers/canopen/ugv_nodes.hpp"
 #include "drivers/odrive/ugv_axes.hpp"
 #include "firmware_like/profile.hpp"
 
@@ -12,7 +12,7 @@ namespace sortie::firmware {
 
 /// One of them, or neither: then the motors speak the robot's own frames.
 struct MotorsConfig {
-  std::optional<drivers::canopen::UgvDrivesConfig> canopen;
+  std::optional<drivers::canopen::UgvNodesConfig> canopen;
   std::optional<drivers::odrive::UgvAxesConfig> odrive;
 };
 
