@@ -48,7 +48,7 @@ Status DriveGroup::say(std::size_t which, SourceSays says, rt::Nanoseconds stamp
   // A request is the step from off to on. One that comes while a stop is going on was made before its maker
   // could know of it.
   const bool hears = state_ == GroupState::off || reason_ == StopReason::disarmed;
-  if (on && !source.on && hears && !pressed_) asked_ = true;
+  if (on && !source.on && hears && !pressed_) ask();
   source.on = on;
   source.heard = true;
   source.stamp_ns = stamp_ns;
@@ -64,6 +64,11 @@ bool DriveGroup::obeys(std::size_t source, rt::Nanoseconds now_ns) const noexcep
   return running() && sources_[source].on && fresh(sources_[source], now_ns);
 }
 
+void DriveGroup::ask() noexcept {
+  asked_ = true;
+  for (std::size_t i = 0; i < count_; ++i) drives_[i]->begin();
+}
+
 // Silence is no "off": a source that asked for the drives and ends without a word stops them.
 StopReason DriveGroup::judge_sources(rt::Nanoseconds now_ns) const noexcept {
   bool wanted = false;
@@ -75,14 +80,13 @@ StopReason DriveGroup::judge_sources(rt::Nanoseconds now_ns) const noexcept {
   return wanted ? StopReason::none : StopReason::disarmed;
 }
 
+// While a request waits a drive may be lost and found, but what fails then was not known to who asked.
 StopReason DriveGroup::judge_drives(rt::Nanoseconds now_ns) const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
-    const MotorDrive& drive = *drives_[i];
-    if (state_ == GroupState::running) {
-      if (const StopReason trouble = drive.trouble(now_ns); trouble != StopReason::none) return trouble;
-    } else if (!drive.ready(now_ns)) {
-      return StopReason::drive_lost;
-    }
+    const StopReason trouble = drives_[i]->trouble(now_ns);
+    const bool failed = trouble == StopReason::drive_fault || trouble == StopReason::drive_emergency;
+    const bool runs = state_ == GroupState::starting || state_ == GroupState::running;
+    if (failed || (runs && trouble != StopReason::none)) return trouble;
   }
   return StopReason::none;
 }
@@ -90,9 +94,8 @@ StopReason DriveGroup::judge_drives(rt::Nanoseconds now_ns) const noexcept {
 StopReason DriveGroup::judge(bool bus_works, rt::Nanoseconds now_ns) const noexcept {
   if (pressed_) return StopReason::emergency_stop;
   if (const StopReason reason = judge_sources(now_ns); reason != StopReason::none) return reason;
-  // Who waits for bus and drives knows that they are not there.
-  if (state_ == GroupState::waiting) return StopReason::none;
-  return bus_works ? judge_drives(now_ns) : StopReason::bus_refuses;
+  if (!bus_works && state_ != GroupState::waiting) return StopReason::bus_refuses;
+  return judge_drives(now_ns);
 }
 
 void DriveGroup::enter(GroupState state, rt::Nanoseconds now_ns) noexcept {
@@ -124,6 +127,7 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
     case GroupState::off:
       if (pressed_) reason_ = StopReason::emergency_stop;
       if (pressed_ || (!asked_ && !rearms)) break;
+      if (!asked_) ask();
       asked_ = false;
       if (judge_sources(now_ns) != StopReason::none) break;  // asked, and took it back
       reason_ = StopReason::not_ready;
@@ -134,7 +138,6 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
         stop(reason, now_ns);
       } else if (bus_works && all([now_ns](const MotorDrive& drive) { return drive.ready(now_ns); })) {
         ++starts_;
-        for (std::size_t i = 0; i < count_; ++i) drives_[i]->begin();
         enter(GroupState::starting, now_ns);
       } else if (age_ns > config_.ready_timeout_ns) {
         stop(StopReason::start_failed, now_ns);
@@ -156,6 +159,10 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
       break;
     case GroupState::stopping:
       if (pressed_) reason_ = StopReason::emergency_stop;
+      if (asked_ && judge_drives(now_ns) != StopReason::none) {
+        asked_ = false;
+        reason_ = judge_drives(now_ns);
+      }
       if (age_ns > config_.stop_timeout_ns ||
           all([now_ns](const MotorDrive& drive) { return drive.free(now_ns); }))
         enter(GroupState::off, now_ns);

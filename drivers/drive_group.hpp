@@ -67,6 +67,8 @@ class DriveGroup {
   void decide(bool bus_works, std::span<const double> targets, rt::Nanoseconds now_ns) noexcept;
 
   GroupState state() const noexcept { return state_; }
+  /// How long it has stood there.
+  rt::Nanoseconds age_ns(rt::Nanoseconds now_ns) const noexcept { return now_ns - since_ns_; }
   bool running() const noexcept { return state_ == GroupState::running; }
   /// Torque may be on, or be asked for.
   bool torque() const noexcept { return state_ >= GroupState::starting; }
@@ -89,6 +91,7 @@ class DriveGroup {
   StopReason judge(bool bus_works, rt::Nanoseconds now_ns) const noexcept;
   StopReason judge_drives(rt::Nanoseconds now_ns) const noexcept;
   StopReason judge_sources(rt::Nanoseconds now_ns) const noexcept;
+  void ask() noexcept;
   void enter(GroupState state, rt::Nanoseconds now_ns) noexcept;
   void stop(StopReason reason, rt::Nanoseconds now_ns) noexcept;
   bool may_rearm(rt::Nanoseconds now_ns) noexcept;

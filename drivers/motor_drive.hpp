@@ -39,10 +39,11 @@ class MotorDrive {
   virtual bool running(rt::Nanoseconds now_ns) const noexcept = 0;
   /// It says of itself that it has no torque. What is not heard of is not free.
   virtual bool free(rt::Nanoseconds now_ns) const noexcept = 0;
-  /// Of a drive that ran since begin(): why it does not; none while it does.
+  /// Since begin(): why it cannot run any more; none while it comes up, and while it runs. What was wrong
+  /// before is no trouble, what goes wrong on the way is.
   virtual StopReason trouble(rt::Nanoseconds now_ns) const noexcept = 0;
 
-  /// A start begins: what happened before does not count any more, and faults may be forgotten.
+  /// A start is asked for: what happened before does not count any more, and faults may be forgotten.
   virtual void begin() noexcept = 0;
 
   /// No torque.

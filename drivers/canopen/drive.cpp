@@ -31,7 +31,7 @@ bool Drive::free(rt::Nanoseconds now_ns) const noexcept { return ready(now_ns) &
 StopReason Drive::trouble(rt::Nanoseconds now_ns) const noexcept {
   if (!ready(now_ns)) return StopReason::drive_lost;
   if (counters_.emergencies != emergencies_) return StopReason::drive_emergency;
-  if (running(now_ns)) return StopReason::none;
+  if (!ran_ || running(now_ns)) return StopReason::none;
   const DriveState now = state();
   const bool faulty =
       now == DriveState::fault || now == DriveState::fault_reaction || now == DriveState::unknown;
@@ -127,8 +127,7 @@ void Drive::take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept
   if (now == DriveState::fault && !faulty) ++counters_.faults;
   suspect_ = may_have_torque(now);
   if (now == DriveState::operation_enabled) {
-    if (!ran_) emergencies_ = counters_.emergencies;
-    ran_ = true;
+    ran_ = ran_ || order_ == Order::hold || order_ == Order::follow;
   } else {
     hold_ = reading_.position;
   }

@@ -137,7 +137,7 @@ class Drive final : public MotorDrive {
   bool loss_{};
   std::size_t step_{};
   std::uint32_t settling_{};     // readings of a drive that still has torque
-  std::uint64_t emergencies_{};  // known when it came under torque
+  std::uint64_t emergencies_{};  // known at begin()
   std::int32_t target_{};
   std::int32_t hold_{};  // where it stands
   rt::Nanoseconds next_try_ns_{};

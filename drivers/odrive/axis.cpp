@@ -69,6 +69,7 @@ void Axis::take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcep
   const auto error = static_cast<std::uint32_t>(read_can_field(frame, kHeartbeatSignals[0]));
   if (error != 0 && error_ == 0 && phase_ == AxisPhase::ready) ++counters_.faults;
   error_ = error;
+  known_ &= error;  // what comes back is new
   state_ = static_cast<AxisState>(read_can_field(frame, kHeartbeatSignals[1]));
   // Only a heartbeat that was sent after it was told to be idle says that it is.
   const bool answers = idle_ns_ >= 0 && now_ns - idle_ns_ >= kUnderWay;
@@ -166,12 +167,14 @@ bool Axis::free(rt::Nanoseconds now_ns) const noexcept { return fresh(now_ns) &&
 
 StopReason Axis::trouble(rt::Nanoseconds now_ns) const noexcept {
   if (!ready(now_ns)) return StopReason::drive_lost;
-  if (error_ != 0) return StopReason::drive_fault;
+  if ((error_ & ~known_) != 0) return StopReason::drive_fault;
+  if (!ran_) return StopReason::none;
   return state_ == AxisState::closed_loop ? StopReason::none : StopReason::drive_left;
 }
 
 void Axis::begin() noexcept {
   ran_ = false;
+  known_ = error_;
   start_ = 0;
   asked_ns_ -= kAskEvery;
 }

@@ -144,9 +144,10 @@ class Axis final : public MotorDrive {
   Order told_{Order::rest};  // at the cycle before
   Asks asks_{Asks::nothing};
   std::uint32_t error_{};
-  std::uint8_t step_{};   // of the set-up: the next frame
-  std::uint8_t start_{};  // of a start: the next frame
-  bool proved_{};         // since it was found
+  std::uint32_t known_{};  // of it: what was there at begin(), and has not been away since
+  std::uint8_t step_{};    // of the set-up: the next frame
+  std::uint8_t start_{};   // of a start: the next frame
+  bool proved_{};          // since it was found
   bool may_prove_{true};
   bool ran_{};      // since begin()
   bool suspect_{};  // told to have torque, or seen with it, and not seen without since
