@@ -64,6 +64,15 @@ bool DriveGroup::obeys(std::size_t source, rt::Nanoseconds now_ns) const noexcep
   return running() && sources_[source].on && fresh(sources_[source], now_ns);
 }
 
+// A request that waits for the end of a stop does not outlive what would end a run.
+void DriveGroup::spoil_request(rt::Nanoseconds now_ns) noexcept {
+  StopReason reason = judge_sources(now_ns);
+  if (reason == StopReason::none) reason = judge_drives(now_ns);
+  if (reason == StopReason::none) return;
+  asked_ = false;
+  reason_ = reason;
+}
+
 void DriveGroup::ask() noexcept {
   asked_ = true;
   for (std::size_t i = 0; i < count_; ++i) drives_[i]->begin();
@@ -159,10 +168,7 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
       break;
     case GroupState::stopping:
       if (pressed_) reason_ = StopReason::emergency_stop;
-      if (asked_ && judge_drives(now_ns) != StopReason::none) {
-        asked_ = false;
-        reason_ = judge_drives(now_ns);
-      }
+      if (asked_) spoil_request(now_ns);
       if (age_ns > config_.stop_timeout_ns ||
           all([now_ns](const MotorDrive& drive) { return drive.free(now_ns); }))
         enter(GroupState::off, now_ns);

@@ -92,6 +92,7 @@ class DriveGroup {
   StopReason judge_drives(rt::Nanoseconds now_ns) const noexcept;
   StopReason judge_sources(rt::Nanoseconds now_ns) const noexcept;
   void ask() noexcept;
+  void spoil_request(rt::Nanoseconds now_ns) noexcept;
   void enter(GroupState state, rt::Nanoseconds now_ns) noexcept;
   void stop(StopReason reason, rt::Nanoseconds now_ns) noexcept;
   bool may_rearm(rt::Nanoseconds now_ns) noexcept;
