@@ -19,13 +19,14 @@ void DriveAxis::advance(const AxisWish& wish, double dt_s) noexcept {
   // Without friction: what gravity, damping and the motor make of the speed.
   double push_s2 = config_.slope_s2 - config_.damping_1_s * speed_;
   const double grip_s2 = config_.friction_s2 + (braked ? config_.brake_s2 : 0.0);
-  effort_s2_ = 0.0;
   if (wish.deed == AxisDeed::coast) {
     demand_ = speed_;
+    effort_s2_ = 0.0;
   } else {
     double goal = wish.target;
     if (wish.deed == AxisDeed::position)
-      goal = std::clamp(kGain_1_s * (wish.target - position_), -wish.fastest, wish.fastest);
+      goal = std::clamp(kGain_1_s * (wish.target - config_.sag_s2 * effort_s2_ - position_), -wish.fastest,
+                        wish.fastest);
     const double ramp = wish.deed == AxisDeed::speed && wish.ramp_s2 > 0.0 ? wish.ramp_s2 * dt_s : 1e300;
     demand_ = towards(demand_, goal, ramp);
     // The servo knows its axis: it gives what friction and slope take, as far as it can.

@@ -13,6 +13,7 @@ struct DriveAxisConfig {
   double damping_1_s{0.1};  ///< and of each unit of speed
   double slope_s2{0.0};     ///< what gravity pushes, in the positive direction
   double brake_s2{0.0};     ///< friction of a closed brake; 0: there is none
+  double sag_s2{0.0};       ///< how far a position servo gives way to an effort of 1/s^2
 };
 
 /// What a drive does with the axis.

@@ -140,7 +140,7 @@ void CanopenNode::fail(std::uint16_t code, int stubborn) noexcept {
 void CanopenNode::take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   canopen::NmtCommand nmt{};
   std::uint8_t node = 0;
-  if (canopen::decode_nmt(frame, nmt, node) == Status::ok) {
+  if (!heartbeats_alone_ && canopen::decode_nmt(frame, nmt, node) == Status::ok) {
     if (node == 0 || node == node_) take_nmt(nmt, now_ns);
     return;
   }
@@ -153,6 +153,7 @@ void CanopenNode::take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) n
     }
     return;
   }
+  if (heartbeats_alone_) return;
   canopen::Sdo request;
   if (canopen::decode_sdo_request(frame, node, request) == Status::ok) {
     if (node == node_ && nmt_ != NmtState::stopped) take_sdo(request, now_ns);

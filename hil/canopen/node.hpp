@@ -90,6 +90,8 @@ class CanopenNode {
   void set_power(bool on) noexcept;                    ///< off: silent, forgets all; on: boots
   void set_mute(bool mute) noexcept { mute_ = mute; }  ///< hears, but sends nothing
   void set_deaf(bool deaf) noexcept { deaf_ = deaf; }  ///< sends, but hears nothing
+  /// Hears heartbeats and nothing else: filters that were set wrong.
+  void set_hears_heartbeats_alone(bool on) noexcept { heartbeats_alone_ = on; }
   /// Heartbeats go on, readings do not: mute for those who count heartbeats alone.
   void set_no_readings(bool on) noexcept { no_readings_ = on; }
   void set_block(EnableBlock block) noexcept { block_ = block; }
@@ -146,6 +148,7 @@ class CanopenNode {
   bool booted_{};
   bool mute_{};
   bool deaf_{};
+  bool heartbeats_alone_{};
   bool no_readings_{};
   std::uint8_t node_;
 };

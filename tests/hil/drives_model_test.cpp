@@ -41,7 +41,7 @@ std::string told(const SearchResult& result) {
 
 TEMPLATE_TEST_CASE("drives model: every order of four deeds keeps the promise", "[model]", CanopenKind,
                    OdriveKind) {
-  for (const int dwell_ms : {9, 100, 400}) {
+  for (const int dwell_ms : {9, 100}) {
     CAPTURE(dwell_ms);
     const SearchResult result = searched<TestType>(4, dwell_ms, false);
     CAPTURE(told(result));
@@ -51,15 +51,13 @@ TEMPLATE_TEST_CASE("drives model: every order of four deeds keeps the promise", 
   }
 }
 
-TEMPLATE_TEST_CASE("drives model: and of six where what is alike is gone on from once, also with re-arming",
+TEMPLATE_TEST_CASE("drives model: and of five where what is alike is gone on from once, also with re-arming",
                    "[model]", CanopenKind, OdriveKind) {
   for (const int rearm_ms : {0, 300}) {
     CAPTURE(rearm_ms);
-    const SearchResult result = searched<TestType>(6, 120, true, rearm_ms * rt::kNanosecondsPerMillisecond);
+    const SearchResult result = searched<TestType>(5, 120, true, rearm_ms * rt::kNanosecondsPerMillisecond);
     CAPTURE(told(result));
     CHECK(result.found.empty());
     CHECK(result.states > 1000);
-    WARN(result.states << " states, " << result.alike << " alike");
   }
 }
-

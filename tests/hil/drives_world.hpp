@@ -99,6 +99,8 @@ struct OdriveKind {
 /// The world. One call of step() is a millisecond.
 template <class Kind>
 class DrivesWorld {
+  using Runtime = typename Kind::Runtime;
+
  public:
   static constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
   static constexpr int kFramesPerMs = 4;  ///< of ours, at 500 kbit/s
@@ -153,6 +155,12 @@ class DrivesWorld {
     collect();
   }
 
+  /// The process is killed, and another begins.
+  void restart(typename Kind::Config config = {}) {
+    runtime_.~Runtime();
+    new (&runtime_) Runtime(with(config, flippers_));
+    inbox_.clear();
+  }
   /// A request as an operator makes one: off, then on.
   void request() {
     ask(false);
