@@ -20,8 +20,9 @@ void node(Profile& profile, const char* path, std::uint8_t& number) {
       profile.integer(path, {static_cast<double>(number), 1, 127, "", "number of this drive on the bus"}));
 }
 
-void ms(Profile& profile, const char* path, rt::Nanoseconds& value, double high, const char* meaning) {
-  value = milliseconds(profile.number(path, {in_ms(value), 1, high, "ms", meaning}));
+void ms(Profile& profile, const char* path, rt::Nanoseconds& value, double high, const char* meaning,
+        double low = 1) {
+  value = milliseconds(profile.number(path, {in_ms(value), low, high, "ms", meaning}));
 }
 
 Shared read_shared(Profile& profile) {
@@ -104,6 +105,22 @@ MotorsConfig read_motors(Profile& profile, bool flippers) {
   } else {
     config.odrive = read_odrive(profile, shared, flippers);
   }
+  return config;
+}
+
+EmergencyConfig read_emergency(Profile& profile) {
+  EmergencyConfig config;
+  ms(profile, "emergency.button_timeout_ms", config.button.silence_ns, 10'000,
+     "silence of the emergency stop's button on the bus that counts as pressed; 0: there need not be one", 0);
+  const std::string chip =
+      profile.text("emergency.gpio_chip", "", "a board's chip of lines, such as /dev/gpiochip0; empty: none");
+  drivers::GpioLineConfig line;
+  line.chip = chip;
+  line.line = static_cast<std::uint32_t>(profile.integer(
+      "emergency.gpio_line", {0, 0, 1023, "", "line of the emergency stop's contact on that chip"}));
+  line.active_low = profile.flag("emergency.gpio_active_low", true,
+                                 "pressed is the low level, as where a broken wire counts as pressed");
+  if (!chip.empty()) config.gpio = line;
   return config;
 }
 
