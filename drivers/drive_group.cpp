@@ -57,7 +57,7 @@ Status DriveGroup::say(std::size_t which, SourceSays says, rt::Nanoseconds stamp
 
 void DriveGroup::press(bool pressed) noexcept {
   pressed_ = pressed;
-  if (pressed) asked_ = false;
+  if (pressed) asked_ = rearms_ = false;
 }
 
 bool DriveGroup::obeys(std::size_t source, rt::Nanoseconds now_ns) const noexcept {
@@ -115,16 +115,16 @@ void DriveGroup::enter(GroupState state, rt::Nanoseconds now_ns) noexcept {
 void DriveGroup::stop(StopReason reason, rt::Nanoseconds now_ns) noexcept {
   reason_ = reason;
   asked_ = false;
+  // What a person stopped, and what did not come up, is not tried again by itself.
+  rearms_ =
+      state_ == GroupState::running && reason != StopReason::disarmed && reason != StopReason::emergency_stop;
   if (reason != StopReason::disarmed) ++stops_;
   enter(torque() ? GroupState::stopping : GroupState::off, now_ns);
 }
 
-// What a person stopped, or what did not come up, is not tried again by itself.
 bool DriveGroup::may_rearm(rt::Nanoseconds now_ns) noexcept {
-  const bool by_itself = reason_ != StopReason::disarmed && reason_ != StopReason::emergency_stop &&
-                         reason_ != StopReason::start_failed;
   const bool well = all([now_ns](const MotorDrive& drive) { return drive.ready(now_ns); });
-  if (!by_itself || !well || pressed_) ill_ns_ = now_ns;
+  if (!rearms_ || !well) ill_ns_ = now_ns;
   return config_.rearm_ns > 0 && now_ns - ill_ns_ >= config_.rearm_ns;
 }
 

@@ -113,6 +113,7 @@ class DriveGroup {
   GroupState state_{GroupState::off};
   StopReason reason_{StopReason::disarmed};
   bool asked_{};
+  bool rearms_{};  // after this stop it may
   bool pressed_{};
   rt::Nanoseconds since_ns_{};  // of the state
   rt::Nanoseconds ill_ns_{};    // when last not all were ready

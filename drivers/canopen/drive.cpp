@@ -31,6 +31,7 @@ bool Drive::free(rt::Nanoseconds now_ns) const noexcept { return ready(now_ns) &
 StopReason Drive::trouble(rt::Nanoseconds now_ns) const noexcept {
   if (!ready(now_ns)) return StopReason::drive_lost;
   if (counters_.emergencies != emergencies_) return StopReason::drive_emergency;
+  if (new_fault_) return StopReason::drive_fault;
   if (!ran_ || running(now_ns)) return StopReason::none;
   const DriveState now = state();
   const bool faulty =
@@ -39,7 +40,8 @@ StopReason Drive::trouble(rt::Nanoseconds now_ns) const noexcept {
 }
 
 void Drive::begin() noexcept {
-  ran_ = false;
+  ran_ = new_fault_ = false;
+  known_fault_ = state() == DriveState::fault;
   emergencies_ = counters_.emergencies;
 }
 
@@ -126,6 +128,9 @@ void Drive::take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept
   const DriveState now = state();
   if (now == DriveState::fault && !faulty) ++counters_.faults;
   suspect_ = may_have_torque(now);
+  // Its emergency may have been lost.
+  new_fault_ = new_fault_ || (now == DriveState::fault && !known_fault_);
+  known_fault_ = known_fault_ && now == DriveState::fault;
   if (now == DriveState::operation_enabled) {
     ran_ = ran_ || order_ == Order::hold || order_ == Order::follow;
   } else {

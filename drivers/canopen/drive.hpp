@@ -132,7 +132,9 @@ class Drive final : public MotorDrive {
   bool offered_nmt_{};
   bool read_{};
   bool reset_low_{true};
-  bool ran_{};  // since begin()
+  bool ran_{};          // since begin()
+  bool known_fault_{};  // it had one at begin(), and has had it since
+  bool new_fault_{};    // since begin()
   bool suspect_{};
   bool loss_{};
   std::size_t step_{};

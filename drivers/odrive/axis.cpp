@@ -70,6 +70,10 @@ void Axis::take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcep
   if (error != 0 && error_ == 0 && phase_ == AxisPhase::ready) ++counters_.faults;
   error_ = error;
   known_ &= error;  // what comes back is new
+  // Errors are forgotten by the set-up, but not that there was one. The watchdog's, at the proof, is no
+  // fault.
+  if (phase_ == AxisPhase::left_alone) known_ |= error;
+  if ((error & ~known_) != 0) new_fault_ = true;
   state_ = static_cast<AxisState>(read_can_field(frame, kHeartbeatSignals[1]));
   // Only a heartbeat that was sent after it was told to be idle says that it is.
   const bool answers = idle_ns_ >= 0 && now_ns - idle_ns_ >= kUnderWay;
@@ -166,14 +170,14 @@ bool Axis::running(rt::Nanoseconds now_ns) const noexcept {
 bool Axis::free(rt::Nanoseconds now_ns) const noexcept { return fresh(now_ns) && !suspect_; }
 
 StopReason Axis::trouble(rt::Nanoseconds now_ns) const noexcept {
+  if (new_fault_) return StopReason::drive_fault;
   if (!ready(now_ns)) return StopReason::drive_lost;
-  if ((error_ & ~known_) != 0) return StopReason::drive_fault;
   if (!ran_) return StopReason::none;
   return state_ == AxisState::closed_loop ? StopReason::none : StopReason::drive_left;
 }
 
 void Axis::begin() noexcept {
-  ran_ = false;
+  ran_ = new_fault_ = false;
   known_ = error_;
   start_ = 0;
   asked_ns_ -= kAskEvery;

@@ -149,8 +149,9 @@ class Axis final : public MotorDrive {
   std::uint8_t start_{};   // of a start: the next frame
   bool proved_{};          // since it was found
   bool may_prove_{true};
-  bool ran_{};      // since begin()
-  bool suspect_{};  // told to have torque, or seen with it, and not seen without since
+  bool new_fault_{};  // an error since begin() that was not there
+  bool ran_{};        // since begin()
+  bool suspect_{};    // told to have torque, or seen with it, and not seen without since
   double target_{};
   double hold_turns_{};  // where a position axis stands
   AxisReading reading_{};

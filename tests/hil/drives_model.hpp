@@ -61,7 +61,8 @@ struct DrivesModel {
         break;
       case Deed::fault:
         // The same fault on top of itself is no other.
-        if (!Kind::has_fault(world.node(0))) oracle.note_fault(world.now());
+        if (!Kind::has_fault(world.node(0)) && !Kind::in_set_up(world.runtime()))
+          oracle.note_fault(world.now());
         Kind::fault(world.node(0));
         break;
       case Deed::bus_off:

@@ -61,6 +61,7 @@ struct CanopenKind {
                  : std::fabs(node.command().position - axis.position()) > 400.0;
   }
   static void fault(CanopenNode& node) { node.fail(0x2310); }
+  static bool in_set_up(const Runtime&) { return false; }
   static bool has_fault(const CanopenNode& node) {
     return node.state() == drivers::canopen::DriveState::fault;
   }
@@ -91,6 +92,11 @@ struct OdriveKind {
                  : std::fabs(node.command().turns - axis.position()) > 0.64;
   }
   static void fault(AxisNode& node) { node.fail(0x40); }
+  /// An error that comes up then may be forgotten by the set-up before a heartbeat tells of it, or looks like
+  /// the watchdog's: docs/odrive.md says so.
+  static bool in_set_up(const Runtime& runtime) {
+    return runtime.line().axis(0).phase() != drivers::odrive::AxisPhase::ready;
+  }
   static bool has_fault(const AxisNode& node) { return (node.error() & 0x40u) != 0; }
   static void mute(AxisNode& node, bool on) { node.set_mute(on); }
   static void block(AxisNode& node, bool on) { node.set_calibrated(!on); }
