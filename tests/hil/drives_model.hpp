@@ -60,7 +60,7 @@ struct DrivesModel {
         Kind::mute(world.node(1), muted);
         break;
       case Deed::fault:
-        // The same fault on top of itself is no other.
+        // A fault on top of a fault is forgotten with it.
         if (!Kind::has_fault(world.node(0)) && !Kind::in_set_up(world.runtime()))
           oracle.note_fault(world.now());
         Kind::fault(world.node(0));

@@ -97,7 +97,7 @@ struct OdriveKind {
   static bool in_set_up(const Runtime& runtime) {
     return runtime.line().axis(0).phase() != drivers::odrive::AxisPhase::ready;
   }
-  static bool has_fault(const AxisNode& node) { return (node.error() & 0x40u) != 0; }
+  static bool has_fault(const AxisNode& node) { return node.error() != 0; }
   static void mute(AxisNode& node, bool on) { node.set_mute(on); }
   static void block(AxisNode& node, bool on) { node.set_calibrated(!on); }
 };
