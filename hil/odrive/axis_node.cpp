@@ -10,6 +10,9 @@
 namespace sortie::hil {
 
 namespace odrive = drivers::odrive;
+
+// Of a step of a millisecond: what its own estimate of speed takes over of what is true.
+constexpr double kEstimateShare = 0.1;
 using odrive::AxisState;
 
 AxisNode::AxisNode(const AxisNodeConfig& config, drivers::CanBus& port) : config_(config), port_(&port) {
@@ -22,6 +25,7 @@ void AxisNode::show(const AxisMotorState& motor) noexcept {
   regenerates_too_much_ =
       slows && config_.bus_trip_turn_s2 > 0.0 && slowing_turn_s2 > config_.bus_trip_turn_s2;
   motor_ = motor;
+  estimate_turn_s_ += kEstimateShare * (motor.turns_s - estimate_turn_s_);
 }
 
 AxisWish AxisNode::wish() const noexcept {
@@ -147,7 +151,7 @@ void AxisNode::watch(rt::Nanoseconds now_ns) noexcept {
   if (!voltage_ && (error_ & kBusVoltage) == 0) fail(kBusVoltage);
   if (!command_.on) return;
   const bool fast =
-      config_.overspeed > 0.0 && std::fabs(motor_.turns_s) > config_.overspeed * velocity_limit_;
+      config_.overspeed > 0.0 && std::fabs(estimate_turn_s_) > config_.overspeed * velocity_limit_;
   if (!fast && !regenerates_too_much_) return;
   ++counters_.trips;
   fail(fast ? kOverspeed : kBusVoltage);

@@ -111,7 +111,8 @@ class AxisNode {
   drivers::CanBus* port_;
   AxisMotorCommand command_{};
   AxisMotorState motor_{};
-  double origin_turns_{};  // where the motor was at power-on
+  double estimate_turn_s_{};  // its own, filtered
+  double origin_turns_{};     // where the motor was at power-on
   drivers::odrive::AxisState state_{drivers::odrive::AxisState::idle};
   std::uint32_t error_{};
   double velocity_limit_{2.0};
