@@ -62,7 +62,8 @@ void stop_once(std::uint64_t seed, StopCause cause, bool slope, StopFigures& fig
     return;
   }
   // It came from the flat: without torque nothing would have held it here.
-  for (std::size_t i = 0; i < 2; ++i) world.axis(i).config().slope_s2 = slope ? kSlope_m_s2 * Kind::kPerM : 0.0;
+  for (std::size_t i = 0; i < 2; ++i)
+    world.axis(i).config().slope_s2 = slope ? kSlope_m_s2 * Kind::kPerM : 0.0;
   world.run(100 + static_cast<int>(between(0.0, 120.0)));
   switch (cause) {
     case StopCause::silence:
