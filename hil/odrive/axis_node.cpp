@@ -97,6 +97,7 @@ void AxisNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noex
     return id == message.id && frame.size == message.size;
   };
   if (!config_.targets_alone_feed || is(odrive::kSetInputVel) || is(odrive::kSetInputPos)) fed_ns_ = now_ns;
+  if (disobeys_) return;
   if (is(odrive::kSetAxisState)) {
     ask(static_cast<AxisState>(drivers::read_can_field(frame, odrive::kSetAxisStateSignals[0])), now_ns);
   } else if (is(odrive::kSetControllerMode)) {

@@ -90,6 +90,8 @@ class AxisNode {
   void set_power(bool on) noexcept;                    ///< off: silent, forgets all; on: boots
   void set_mute(bool mute) noexcept { mute_ = mute; }  ///< hears, but sends nothing
   void set_deaf(bool deaf) noexcept { deaf_ = deaf; }  ///< sends, but hears nothing
+  /// Every frame feeds its watchdog, and none is obeyed.
+  void set_disobeys(bool on) noexcept { disobeys_ = on; }
   /// Closed loop is refused with an error, again and again.
   void set_calibrated(bool on) noexcept { calibrated_ = on; }
   /// Without: idle with an error that comes back as long as it lasts.
@@ -127,6 +129,7 @@ class AxisNode {
   bool booted_{};
   bool mute_{};
   bool deaf_{};
+  bool disobeys_{};
   bool calibrated_{true};
   bool voltage_{true};
   bool regenerates_too_much_{};

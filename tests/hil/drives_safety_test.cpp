@@ -72,6 +72,33 @@ TEST_CASE("drives: one that hears heartbeats and nothing else is stopped by thei
   CHECK(world.runtime().line().counters().cuts >= 1);
 }
 
+TEST_CASE("drives: an axis that is fed and does not obey is stopped by its watchdog, mute or not") {
+  const bool mute = GENERATE(false, true);
+  DrivesWorld<OdriveKind> world;
+  REQUIRE(world.bring_up());
+  world.node(1).set_disobeys(true);
+  world.node(1).set_mute(mute);
+  if (!mute) world.ask(false);
+  world.run(200 + 500 + 300 + 150 + 100);  // its loss, a stop, idle, its watchdog
+  CHECK_FALSE(world.torque());
+}
+
+TEST_CASE("drives: a fault that is forgotten in a start and comes back is a new one") {
+  DrivesWorld<OdriveKind> world;
+  REQUIRE(world.bring_up());
+  OdriveKind::fault(world.node(0));
+  world.run(2000);
+  world.ask(false);
+  world.run(20);
+  world.ask(true);
+  while (world.node(0).error() != 0) world.step();
+  world.run(60);  // a heartbeat says so
+  OdriveKind::fault(world.node(0));
+  world.run(1000);
+  CHECK(world.runtime().stop_reason() == StopReason::drive_fault);
+  CHECK(still(world));
+}
+
 TEMPLATE_TEST_CASE("drives: every source renews its own age alone", "", CanopenKind, OdriveKind) {
   DrivesWorld<TestType> world(true);
   REQUIRE(world.bring_up());
