@@ -210,6 +210,14 @@ def kill_runtime(kind, *drives):
     return run.get("counters", {}), sim.get("counters", {})
 
 
+# An emergency stop that cannot be read is pressed: a button that never spoke, a line that is not there.
+for protocol in ("own", "canopen", "odrive"):
+    for key in ("emergency.button_timeout_ms=100", "emergency.gpio_chip=/dev/none"):
+        run = answer("run", *SCENE, *MISSION, "--seconds", "3", "--virtual", "--lcm-url", "none", "--set", f"drives.protocol={protocol}",
+                     "--set", key)
+        counters = run.get("counters", {})
+        check(counters.get("emergency_pressed") == 1 and counters.get(f"{protocol}_stop_reason", 9) == 9, "pressed", protocol, key, counters)
+        check(run.get("errors", {}).get("distance_m", 0) < 1e-3, "nothing moves while it is pressed", protocol, key, run.get("errors"))
 run, sim = kill_runtime("own")
 check(sim.get("bench_drive_stale_ms", 0) > 500, "the silence rule was at work", sim)
 # Drives whose process has died end without torque: on the pallet the robot would roll, so these drive away from it.
