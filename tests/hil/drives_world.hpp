@@ -95,7 +95,8 @@ struct OdriveKind {
   /// An error that comes up then may be forgotten by the set-up before a heartbeat tells of it, or looks like
   /// the watchdog's: docs/odrive.md says so.
   static bool in_set_up(const Runtime& runtime) {
-    return runtime.line().axis(0).phase() != drivers::odrive::AxisPhase::ready;
+    return runtime.line().axis(0).phase() != drivers::odrive::AxisPhase::ready ||
+           runtime.line().axis(0).error() != 0;
   }
   static bool has_fault(const AxisNode& node) { return node.error() != 0; }
   static void mute(AxisNode& node, bool on) { node.set_mute(on); }
