@@ -41,6 +41,8 @@ struct CanCounters {
   std::uint64_t tx_refused{};  ///< send() with a full transmit queue
   std::uint64_t rx_overrun{};  ///< frames lost because nobody took them
   std::uint64_t error_frames{};
+  std::uint64_t bus_off{};   ///< times the controller left the bus
+  std::uint64_t reopened{};  ///< times the interface had gone, and was opened again
 };
 
 /// A node's port on a bus. Neither call blocks, allocates or throws. One thread may use a port at a time.

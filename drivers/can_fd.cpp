@@ -5,11 +5,7 @@
 
 #if defined(__linux__)
 #include <linux/can.h>
-#include <linux/can/error.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cstring>
 
 #include "drivers/can_socket_open.hpp"
@@ -44,15 +40,6 @@ Status narrowed(const CanFdFrame& frame, CanFrame& out) noexcept {
   out.flags = frame.flags;
   std::copy_n(frame.data, sizeof out.data, out.data);
   return Status::ok;
-}
-
-void CanFdSocket::adopt(int descriptor, rt::Nanoseconds epoch_ns) {
-  close();
-  descriptor_ = descriptor;
-  epoch_ns_ = epoch_ns;
-  bus_off_ = false;
-  kernel_overruns_ = 0;
-  counters_ = {};
 }
 
 #if defined(__linux__)
@@ -101,52 +88,38 @@ Status CanFdSocket::open(const SocketCanConfig& config, std::string& problem) {
   close();
   int descriptor = -1;
   const Status status = open_can_socket(config, CanSocketKind::fd, descriptor, problem);
-  if (status == Status::ok) adopt(descriptor, config.epoch_ns);
-  return status;
-}
-
-void CanFdSocket::close() noexcept {
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
+  if (status != Status::ok) return status;
+  config_ = config;
+  const auto again = [](void* self) {
+    return reopen_can_socket(static_cast<CanFdSocket*>(self)->config_, CanSocketKind::fd);
+  };
+  path_.use(descriptor, config.epoch_ns, again, this);
+  return Status::ok;
 }
 
 Status CanFdSocket::send(const CanFdFrame& frame) noexcept {
   if (!can_fd_frame_valid(frame)) return Status::malformed;
-  if (descriptor_ < 0 || bus_off_) return Status::disconnected;
   const canfd_frame k = to_kernel(frame);
   // The beginning of an FD frame is a classical one: the length of the packet tells the kernel which it is.
-  const std::size_t size = (frame.flags & kCanFd) != 0 ? CANFD_MTU : CAN_MTU;
-  if (::send(descriptor_, &k, size, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(size)) {
-    ++counters_.sent;
-    return Status::ok;
-  }
-  const Status status = meaning_of_can_error(errno, Status::full);
-  if (status == Status::full) ++counters_.tx_refused;
-  return status;
+  return path_.send(&k, (frame.flags & kCanFd) != 0 ? CANFD_MTU : CAN_MTU);
 }
 
 Status CanFdSocket::receive(CanFdFrame& frame) noexcept {
-  if (descriptor_ < 0) return Status::disconnected;
   canfd_frame k{};
-  const CanPacket packet = take_can_packet(descriptor_, &k, sizeof k);
-  if (packet.status != Status::ok) return packet.status;
-  const bool is_fd = packet.bytes == CANFD_MTU;
-  if ((!is_fd && packet.bytes != CAN_MTU) || k.len > (is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN))
+  std::size_t bytes = 0;
+  rt::Nanoseconds stamp_ns = 0;
+  const Status status = path_.receive(&k, sizeof k, bytes, stamp_ns);
+  if (status != Status::ok) return status;
+  const bool is_fd = bytes == CANFD_MTU;
+  if ((!is_fd && bytes != CAN_MTU) || k.len > (is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN))
     return Status::malformed;
-  const KernelNote& note = packet.note;
-  if (note.counts_overruns) {
-    counters_.rx_overrun += static_cast<std::uint32_t>(note.overruns - kernel_overruns_);  // the total wraps
-    kernel_overruns_ = note.overruns;
-  }
   frame = from_kernel(k, is_fd);
-  frame.stamp_ns = note.stamp_ns - epoch_ns_;
-  if ((frame.flags & kCanError) == 0) {
-    ++counters_.received;
-    return Status::ok;
+  frame.stamp_ns = stamp_ns;
+  if ((frame.flags & kCanError) != 0) {
+    path_.note_error(frame.id, frame.data[1]);
+  } else {
+    path_.note_frame();
   }
-  ++counters_.error_frames;
-  if ((frame.id & CAN_ERR_BUSOFF) != 0) bus_off_ = true;
-  if ((frame.id & CAN_ERR_RESTARTED) != 0) bus_off_ = false;
   return Status::ok;
 }
 
@@ -156,7 +129,6 @@ Status CanFdSocket::open(const SocketCanConfig&, std::string& problem) {
   problem = "SocketCAN: only Linux has it; run against the simulated bus";
   return Status::not_supported;
 }
-void CanFdSocket::close() noexcept { descriptor_ = -1; }
 Status CanFdSocket::send(const CanFdFrame&) noexcept { return Status::not_supported; }
 Status CanFdSocket::receive(CanFdFrame&) noexcept { return Status::not_supported; }
 

@@ -49,7 +49,6 @@ constexpr std::uint8_t can_fd_size(std::uint8_t bytes) {
 class CanFdSocket {
  public:
   CanFdSocket() = default;
-  ~CanFdSocket() { close(); }
   CanFdSocket(const CanFdSocket&) = delete;
   CanFdSocket& operator=(const CanFdSocket&) = delete;
 
@@ -57,8 +56,11 @@ class CanFdSocket {
   [[nodiscard]] Status open(const SocketCanConfig& config, std::string& problem);
   /// Uses a datagram socket that carries Linux `struct can_frame`s and `struct canfd_frame`s. Takes
   /// ownership.
-  void adopt(int descriptor, rt::Nanoseconds epoch_ns = 0);
-  void close() noexcept;
+  void adopt(int descriptor, rt::Nanoseconds epoch_ns = 0, CanSocketPath::Opener opener = nullptr,
+             void* context = nullptr) {
+    path_.use(descriptor, epoch_ns, opener, context);
+  }
+  void close() noexcept { path_.close(); }
 
   /// Status: ok, full (nothing sent, counted), malformed (see can_fd_frame_valid), disconnected (also while
   /// bus-off).
@@ -66,16 +68,13 @@ class CanFdSocket {
   /// The oldest frame of either kind. Status: ok, empty, malformed (a packet that is no frame, passed over),
   /// disconnected.
   [[nodiscard]] Status receive(CanFdFrame& frame) noexcept;
-  [[nodiscard]] CanCounters counters() const noexcept { return counters_; }
+  [[nodiscard]] CanCounters counters() const noexcept { return path_.counters(); }
   /// The socket, for poll(); -1 when closed.
-  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+  [[nodiscard]] int descriptor() const noexcept { return path_.descriptor(); }
 
  private:
-  int descriptor_{-1};
-  rt::Nanoseconds epoch_ns_{};
-  bool bus_off_{};
-  std::uint32_t kernel_overruns_{};
-  CanCounters counters_{};
+  SocketCanConfig config_;  // to open it again
+  CanSocketPath path_;
 };
 
 }  // namespace sortie::drivers

@@ -26,6 +26,7 @@ inline constexpr rt::Nanoseconds kCanCounterStepNs = 100'000;
 /// A raw axis value at or beyond this is a clipped one.
 inline constexpr std::int64_t kCanAxisLimit = 32767;
 
+inline constexpr std::uint32_t kCanEmergencyId = robot::kEmergencyStop.id;
 inline constexpr std::uint32_t kCanDriveId = robot::kDrive.id;
 inline constexpr std::uint32_t kCanFlipperFrontId = robot::kFlipperFront.id;
 inline constexpr std::uint32_t kCanFlipperRearId = robot::kFlipperRear.id;

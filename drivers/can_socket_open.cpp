@@ -2,6 +2,8 @@
 // Opening a SocketCAN port: start-up code, with a cure for everything that usually goes wrong.
 #include "drivers/can_socket_open.hpp"
 
+#include "drivers/can_socket.hpp"
+
 #if defined(__linux__)
 #include <linux/can.h>
 #include <linux/can/error.h>
@@ -37,83 +39,130 @@ struct Guard {
   }
 };
 
-bool set(int descriptor, int level, int option, const void* value, std::size_t size, const char* name,
-         std::string& problem) {
-  if (::setsockopt(descriptor, level, option, value, static_cast<socklen_t>(size)) == 0) return true;
-  problem = std::string("SocketCAN: the kernel refuses ") + name + " (" + reason(errno) + ")";
-  return false;
+constexpr std::size_t kMostFilters = 32;
+
+/// How far opening came. Where it failed, the system's error.
+enum class OpenStep : std::uint8_t {
+  done,
+  socket,
+  stamps,
+  overruns,
+  buffer,
+  error_frames,
+  filters,
+  name,
+  find,
+  number,
+  bind,
+  down,
+  fd_width,
+  fd,
+};
+struct Opened {
+  OpenStep step{};
+  int error{};
+  int descriptor{-1};
+};
+
+template <class Value>
+bool set(int descriptor, int level, int option, const Value& value) noexcept {
+  return ::setsockopt(descriptor, level, option, &value, sizeof value) == 0;
 }
 
-bool set_options(int descriptor, const SocketCanConfig& config, std::string& problem) {
+OpenStep set_options(int descriptor, const SocketCanConfig& config) noexcept {
   const int on = 1;
-  if (!set(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on, "time stamps", problem)) return false;
-  if (!set(descriptor, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on, "the overrun count", problem)) return false;
-  if (config.receive_buffer_bytes > 0 &&
-      !set(descriptor, SOL_SOCKET, SO_RCVBUF, &config.receive_buffer_bytes,
-           sizeof config.receive_buffer_bytes, "this receive buffer", problem)) {
-    return false;
-  }
+  if (!set(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, on)) return OpenStep::stamps;
+  if (!set(descriptor, SOL_SOCKET, SO_RXQ_OVFL, on)) return OpenStep::overruns;
+  if (config.receive_buffer_bytes > 0 && !set(descriptor, SOL_SOCKET, SO_RCVBUF, config.receive_buffer_bytes))
+    return OpenStep::buffer;
   // Lost arbitration is daily life on a bus and would flood the queue.
   const can_err_mask_t errors = config.error_frames ? CAN_ERR_MASK & ~CAN_ERR_LOSTARB : 0;
-  if (!set(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors, "error frames", problem)) {
-    return false;
-  }
-  if (config.filters.empty()) return true;
-  std::vector<can_filter> filters;
+  if (!set(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors)) return OpenStep::error_frames;
+  if (config.filters.empty()) return OpenStep::done;
+  can_filter filters[kMostFilters];
+  std::size_t count = 0;
   for (const SocketCanFilter& f : config.filters) {
-    filters.push_back({f.extended ? f.id | CAN_EFF_FLAG : f.id, f.mask | CAN_EFF_FLAG});
+    if (count == kMostFilters) return OpenStep::filters;
+    filters[count++] = {f.extended ? f.id | CAN_EFF_FLAG : f.id, f.mask | CAN_EFF_FLAG};
   }
-  return set(descriptor, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), filters.size() * sizeof(can_filter),
-             "these filters", problem);
+  const auto bytes = static_cast<socklen_t>(count * sizeof(can_filter));
+  return ::setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_FILTER, filters, bytes) == 0 ? OpenStep::done
+                                                                                    : OpenStep::filters;
 }
 
-Status bind_to(int descriptor, const std::string& name, std::string& problem) {
+OpenStep bind_to(int descriptor, const std::string& name, CanSocketKind kind) noexcept {
   ifreq request{};
-  if (name.empty() || name.size() >= sizeof request.ifr_name) {
-    problem = "SocketCAN: '" + name + "' is no interface name; it has 1 to 15 characters, such as can0";
-    return Status::disconnected;
-  }
+  if (name.empty() || name.size() >= sizeof request.ifr_name) return OpenStep::name;
   std::memcpy(request.ifr_name, name.c_str(), name.size() + 1);
-  if (::ioctl(descriptor, SIOCGIFFLAGS, &request) != 0) {
-    problem = "SocketCAN: there is no interface '" + name + "' (" + reason(errno) +
-              "); see 'ip -br link', or make a virtual one: ip link add dev " + name + " type vcan";
-    return Status::disconnected;
-  }
+  if (::ioctl(descriptor, SIOCGIFFLAGS, &request) != 0) return OpenStep::find;
   const bool up = (request.ifr_flags & IFF_UP) != 0;
-  if (::ioctl(descriptor, SIOCGIFINDEX, &request) != 0) {
-    problem = "SocketCAN: interface '" + name + "' went away (" + reason(errno) + ")";
-    return Status::disconnected;
-  }
+  if (::ioctl(descriptor, SIOCGIFINDEX, &request) != 0) return OpenStep::number;
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = request.ifr_ifindex;
-  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    problem = "SocketCAN: interface '" + name + "' cannot be used (" + reason(errno) +
-              "); is it a CAN interface? see 'ip -d link show " + name + "'";
-    return Status::disconnected;
-  }
-  if (!up) {
-    problem =
-        "SocketCAN: interface '" + name + "' is down; ip link set " + name + " up type can bitrate 500000";
-    return Status::disconnected;
-  }
-  return Status::ok;
+  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    return OpenStep::bind;
+  if (!up) return OpenStep::down;
+  if (kind != CanSocketKind::fd) return OpenStep::done;
+  if (::ioctl(descriptor, SIOCGIFMTU, &request) != 0 || request.ifr_mtu < static_cast<int>(CANFD_MTU))
+    return OpenStep::fd_width;
+  return set(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) ? OpenStep::done : OpenStep::fd;
 }
 
-// Bound sockets only: asks the interface, and tells the socket.
-bool carries_fd(int descriptor, const std::string& name, std::string& problem) {
-  ifreq request{};
-  std::memcpy(request.ifr_name, name.c_str(), name.size() + 1);
-  if (::ioctl(descriptor, SIOCGIFMTU, &request) != 0 || request.ifr_mtu < static_cast<int>(CANFD_MTU)) {
-    problem = "SocketCAN: interface '" + name +
-              "' carries no CAN FD frames; where its controller can, ip link set " + name +
-              " down, then ip link set " + name +
-              " up type can bitrate 500000 dbitrate 2000000 fd on; a virtual one: ip link set " + name +
-              " mtu 72 while it is down";
-    return false;
+Opened try_open(const SocketCanConfig& config, CanSocketKind kind) noexcept {
+  Guard guard{::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)};
+  if (guard.descriptor < 0) return {OpenStep::socket, errno};
+  OpenStep step = set_options(guard.descriptor, config);
+  if (step == OpenStep::done) step = bind_to(guard.descriptor, config.interface, kind);
+  if (step != OpenStep::done) return {step, errno};
+  return {step, 0, guard.release()};
+}
+
+// What is wrong, and the cure.
+std::string explain(const Opened& opened, const std::string& name) {
+  const std::string why = " (" + reason(opened.error) + ")";
+  const std::string the = "SocketCAN: interface '" + name + "' ";
+  const auto refused = [&](const char* what) {
+    return std::string("SocketCAN: the kernel refuses ") + what + why;
+  };
+  switch (opened.step) {
+    case OpenStep::done:
+      return {};
+    case OpenStep::socket:
+      if (opened.error == EAFNOSUPPORT || opened.error == EPROTONOSUPPORT)
+        return "SocketCAN: this kernel has no CAN (AF_CAN); load it (modprobe can_raw), use a kernel with "
+               "CONFIG_CAN, or run against the simulated bus";
+      return "SocketCAN: no socket" + why;
+    case OpenStep::stamps:
+      return refused("time stamps");
+    case OpenStep::overruns:
+      return refused("the overrun count");
+    case OpenStep::buffer:
+      return refused("this receive buffer");
+    case OpenStep::error_frames:
+      return refused("error frames");
+    case OpenStep::filters:
+      return refused("these filters") + "; 32 are the most";
+    case OpenStep::name:
+      return "SocketCAN: '" + name + "' is no interface name; it has 1 to 15 characters, such as can0";
+    case OpenStep::find:
+      return "SocketCAN: there is no interface '" + name + "'" + why +
+             "; see 'ip -br link', or make a virtual one: ip link add dev " + name + " type vcan";
+    case OpenStep::number:
+      return the + "went away" + why;
+    case OpenStep::bind:
+      return the + "cannot be used" + why + "; is it a CAN interface? see 'ip -d link show " + name + "'";
+    case OpenStep::down:
+      return the + "is down; ip link set " + name + " up type can bitrate 500000";
+    case OpenStep::fd_width:
+      return the + "carries no CAN FD frames; where its controller can, ip link set " + name +
+             " down, then ip link set " + name +
+             " up type can bitrate 500000 dbitrate 2000000 fd on; a virtual one: ip link set " + name +
+             " mtu 72 while it is down";
+    case OpenStep::fd:
+      return refused("CAN FD frames");
   }
-  const int on = 1;
-  return set(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on, "CAN FD frames", problem);
+  return {};
 }
 
 }  // namespace
@@ -143,8 +192,10 @@ CanPacket take_can_packet(int descriptor, void* to, std::size_t room) noexcept {
   message.msg_controllen = sizeof control;
   const ssize_t taken = ::recvmsg(descriptor, &message, MSG_DONTWAIT);
   if (taken < 0) {
-    packet.status = meaning_of_can_error(errno, Status::empty);
+    packet.error = errno;
+    packet.status = meaning_of_can_error(packet.error, Status::empty);
   } else if (taken == 0) {
+    packet.error = EPIPE;  // the other end of a local socket
     packet.status = Status::disconnected;
   } else if ((message.msg_flags & MSG_TRUNC) != 0) {
     packet.status = Status::malformed;
@@ -157,33 +208,33 @@ CanPacket take_can_packet(int descriptor, void* to, std::size_t room) noexcept {
 
 Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
                        std::string& problem) {
-  Guard guard{::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)};
-  if (guard.descriptor < 0) {
-    const int error = errno;
-    if (error == EAFNOSUPPORT || error == EPROTONOSUPPORT) {
-      problem =
-          "SocketCAN: this kernel has no CAN (AF_CAN); load it (modprobe can_raw), use a kernel with "
-          "CONFIG_CAN, or run against the simulated bus";
-      return Status::not_supported;
-    }
-    problem = "SocketCAN: no socket (" + reason(error) + ")";
-    return Status::disconnected;
+  const Opened opened = try_open(config, kind);
+  if (opened.step == OpenStep::done) {
+    descriptor = opened.descriptor;
+    return Status::ok;
   }
-  if (!set_options(guard.descriptor, config, problem)) return Status::disconnected;
-  const Status bound = bind_to(guard.descriptor, config.interface, problem);
-  if (bound != Status::ok) return bound;
-  if (kind == CanSocketKind::fd && !carries_fd(guard.descriptor, config.interface, problem))
-    return Status::not_supported;
-  descriptor = guard.release();
-  return Status::ok;
+  problem = explain(opened, config.interface);
+  const bool lacks =
+      opened.step == OpenStep::socket && (opened.error == EAFNOSUPPORT || opened.error == EPROTONOSUPPORT);
+  const bool narrow = opened.step == OpenStep::fd_width || opened.step == OpenStep::fd;
+  return lacks || narrow ? Status::not_supported : Status::disconnected;
+}
+
+int reopen_can_socket(const SocketCanConfig& config, CanSocketKind kind) noexcept {
+  return try_open(config, kind).descriptor;
 }
 
 Status SocketCan::open(const SocketCanConfig& config, std::string& problem) {
   close();
   int descriptor = -1;
   const Status status = open_can_socket(config, CanSocketKind::classical, descriptor, problem);
-  if (status == Status::ok) adopt(descriptor, config.epoch_ns);
-  return status;
+  if (status != Status::ok) return status;
+  config_ = config;
+  const auto again = [](void* self) {
+    return reopen_can_socket(static_cast<SocketCan*>(self)->config_, CanSocketKind::classical);
+  };
+  path_.use(descriptor, config.epoch_ns, again, this);
+  return Status::ok;
 }
 
 #else

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "drivers/can_socket.hpp"
+#include "drivers/can_socket_config.hpp"
 #include "rt/status.hpp"
 #if defined(__linux__)
 #include "drivers/kernel_stamp.hpp"
@@ -20,6 +20,10 @@ enum class CanSocketKind : std::uint8_t { classical, fd };
 [[nodiscard]] Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
                                      std::string& problem);
 
+/// The same again, of a configuration that could be opened once: without memory, and without words. A
+/// descriptor, or -1.
+[[nodiscard]] int reopen_can_socket(const SocketCanConfig& config, CanSocketKind kind) noexcept;
+
 /// What a failed system call means for a port; `when_busy` where it would have to wait.
 [[nodiscard]] Status meaning_of_can_error(int error, Status when_busy) noexcept;
 
@@ -27,6 +31,7 @@ enum class CanSocketKind : std::uint8_t { classical, fd };
 /// What came out of a socket.
 struct CanPacket {
   Status status{};  ///< ok; empty; disconnected; malformed: cut off
+  int error{};      ///< of the system, where it is disconnected
   std::size_t bytes{};
   KernelNote note;
 };

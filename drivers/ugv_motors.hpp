@@ -3,8 +3,8 @@
 // the rest of the program.
 #pragma once
 
-#include "drivers/arming.hpp"
 #include "drivers/can_bus.hpp"
+#include "drivers/motor_drive.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::drivers {
@@ -18,6 +18,11 @@ class UgvMotors {
   /// hold are limited. Status: ok; not_finite (the command before stays, and ages).
   [[nodiscard]] virtual Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept = 0;
   [[nodiscard]] virtual Status set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept = 0;
+
+  /// The emergency stop. While it is pressed all motors stop and then have no torque; what was asked for is
+  /// forgotten, so that nothing runs after its release until it is asked anew.
+  virtual void press(bool pressed) noexcept = 0;
+  virtual bool pressed() const noexcept = 0;
 
   /// Takes a frame; true: it was a motor's.
   virtual bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept = 0;

@@ -19,6 +19,7 @@ const BeltDriveConfig& checked(const BeltDriveConfig& c, rt::Nanoseconds step_ns
           "max_speed_m_s and max_acceleration_m_s2 must be above 0");
   require(c.command_timeout_s > 0.0 && c.command_timeout_s < 3600.0,
           "command_timeout_s must be above 0 and below an hour");
+  require(c.coast_friction_m_s2 > 0.0, "coast_friction_m_s2 must be above 0");
   return c;
 }
 
@@ -28,7 +29,8 @@ BeltDrives::BeltDrives(const BeltDriveConfig& config, rt::Nanoseconds step_ns, c
     : max_speed_m_s_(checked(config, step_ns, owner).max_speed_m_s),
       timeout_ns_(static_cast<rt::Nanoseconds>(config.command_timeout_s * 1e9)),
       left_(config.speed_lag_s, config.max_acceleration_m_s2, rt::to_seconds(step_ns)),
-      right_(left_) {}
+      right_(left_),
+      friction_m_s2_(config.coast_friction_m_s2) {}
 
 Status BeltDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) {
   if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
@@ -39,12 +41,19 @@ Status BeltDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) 
   return Status::ok;
 }
 
-void BeltDrives::advance(rt::Nanoseconds now_ns) {
+void BeltDrives::advance(rt::Nanoseconds now_ns, double push_m_s2) {
   const bool fresh = commanded_ && now_ns - command_ns_ <= timeout_ns_;
   if (commanded_ && !fresh) ++stale_steps_;
   const bool drive = fresh && (command_.flags & 1u) != 0;
-  left_.advance(drive ? std::clamp(command_.left_m_s, -max_speed_m_s_, max_speed_m_s_) : 0.0);
-  right_.advance(drive ? std::clamp(command_.right_m_s, -max_speed_m_s_, max_speed_m_s_) : 0.0);
+  const auto move = [&](TrackDrive& belt, bool free, double wish_m_s) {
+    if (free) {
+      belt.coast(push_m_s2, friction_m_s2_);
+    } else {
+      belt.advance(drive ? std::clamp(wish_m_s, -max_speed_m_s_, max_speed_m_s_) : 0.0);
+    }
+  };
+  move(left_, left_free_, command_.left_m_s);
+  move(right_, right_free_, command_.right_m_s);
 }
 
 }  // namespace sortie::hil

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The drives of both belts: they follow the newest command while it is fresh, and ramp to zero when it is
-// not.
+// not. A belt without torque coasts.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@ struct BeltDriveConfig {
   double max_speed_m_s{0.6};          ///< commands beyond it are limited
   double max_acceleration_m_s2{2.0};  ///< of a belt
   double command_timeout_s{0.2};      ///< without a fresh command the belts ramp to zero
+  double coast_friction_m_s2{0.6};    ///< what slows a belt without torque
 };
 
 /// Both belts. No heap, no clock: the owner tells the time.
@@ -29,8 +30,14 @@ class BeltDrives {
   /// command before stays and ages).
   Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns);
 
-  /// One step that ends at `now_ns`.
-  void advance(rt::Nanoseconds now_ns);
+  /// Which belts have no torque from now on: they coast.
+  void let_go(bool left, bool right) {
+    left_free_ = left;
+    right_free_ = right;
+  }
+
+  /// One step that ends at `now_ns`. `push_m_s2`: of gravity, ahead.
+  void advance(rt::Nanoseconds now_ns, double push_m_s2);
 
   const TrackDrive& left() const { return left_; }
   const TrackDrive& right() const { return right_; }
@@ -45,6 +52,9 @@ class BeltDrives {
   rt::DriveCommand command_{};
   rt::Nanoseconds command_ns_{};
   bool commanded_{};
+  bool left_free_{};
+  bool right_free_{};
+  double friction_m_s2_;
   std::uint64_t commands_{};
   std::uint64_t stale_steps_{};
 };

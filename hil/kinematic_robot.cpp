@@ -66,7 +66,8 @@ void KinematicRobot::step() {
   const TrackDrive& right = drives_.right();
   const double left_before = left.travel_m();
   const double right_before = right.travel_m();
-  drives_.advance(motion_.stamp_ns);
+  constexpr double kGravity_m_s2 = 9.81;
+  drives_.advance(motion_.stamp_ns, kGravity_m_s2 * rt::sin(pitch_.value()));
   const double grip_left = 1.0 - config_.slip_left;
   const double grip_right = 1.0 - config_.slip_right;
   move(grip_left * (left.travel_m() - left_before), grip_right * (right.travel_m() - right_before));

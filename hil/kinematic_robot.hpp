@@ -49,6 +49,8 @@ class KinematicRobot final : public VehicleBody {
     return drives_.set(command, now_ns);
   }
 
+  void let_go(bool left, bool right) override { drives_.let_go(left, right); }
+
   /// Cost: about 0.7 us (18 terrain look-ups).
   void step() override;
 

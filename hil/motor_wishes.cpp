@@ -10,6 +10,7 @@ void tell_body(VehicleBody& body, const MotorWishes& wishes, rt::Nanoseconds now
   drive.right_m_s = wishes.track_m_s[1];
   drive.flags = 1;
   static_cast<void>(body.set_command(drive, now_ns));  // finite by construction
+  body.let_go(!wishes.track_on[0], !wishes.track_on[1]);
   if (!wishes.flippers) return;
   for (std::size_t left = 0; left < rt::kFlippers; left += 2) {
     drivers::FlipperPairCommand flippers;

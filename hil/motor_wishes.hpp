@@ -12,6 +12,7 @@ namespace sortie::hil {
 /// Of one step.
 struct MotorWishes {
   std::array<double, 2> track_m_s{};  ///< left, right
+  std::array<bool, 2> track_on{};     ///< under torque; else it coasts
   bool flippers{};                    ///< the vehicle has such drives
   std::array<double, rt::kFlippers> angle_rad{};
   std::array<bool, rt::kFlippers> moves{};  ///< under torque; else its brake holds it

@@ -31,4 +31,12 @@ void TrackDrive::advance(double target_m_s) {
   speed_m_s_ = target_m_s - rest * decay;
 }
 
+void TrackDrive::coast(double push_m_s2, double friction_m_s2) {
+  const double before = speed_m_s_;
+  const double free = before + push_m_s2 * step_s_;
+  const double most = friction_m_s2 * step_s_;
+  speed_m_s_ = free > most ? free - most : free < -most ? free + most : 0.0;
+  travel_m_ += 0.5 * (before + speed_m_s_) * step_s_;
+}
+
 }  // namespace sortie::hil

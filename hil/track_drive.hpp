@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One track's drive: its belt speed follows a command with a first-order lag and a limit on its acceleration.
+// One track's drive: its belt speed follows a command with a first-order lag and a limit on its acceleration;
+// without torque it coasts.
 #pragma once
 
 namespace sortie::hil {
@@ -13,6 +14,10 @@ class TrackDrive {
 
   /// Advances by one step towards `target_m_s`. Cost: a few operations, one exp when a ramp ends.
   void advance(double target_m_s);
+
+  /// Advances by one step without torque: `push_m_s2` (gravity, along the belt) against friction. Friction
+  /// holds a belt that stands, and no more.
+  void coast(double push_m_s2, double friction_m_s2);
 
   /// Belt speed now.
   double speed_m_s() const { return speed_m_s_; }

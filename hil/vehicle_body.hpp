@@ -28,6 +28,11 @@ class VehicleBody {
   /// A new command for the belts, received at `now_ns`. Status: ok, not_finite (the command before stays and
   /// ages).
   virtual Status set_command(const rt::DriveCommand& command, rt::Nanoseconds now_ns) = 0;
+  /// Which belts have no torque until the next call: they coast.
+  virtual void let_go(bool left, bool right) {
+    static_cast<void>(left);
+    static_cast<void>(right);
+  }
   /// A new command for a pair of flippers. Status: ok, not_finite, not_supported (there are none).
   virtual Status set_flippers(const drivers::FlipperPairCommand& command) {
     static_cast<void>(command);

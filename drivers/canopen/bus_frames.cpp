@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/canopen/ugv_drives.hpp"
+#include "drivers/canopen/ugv_nodes.hpp"
 
 namespace sortie::drivers::canopen {
 
 // Set-up, network management and emergencies come rarely and are left out.
-std::vector<CanStream> bus_frames(const UgvDrivesConfig& config) {
+std::vector<CanStream> bus_frames(const UgvNodesConfig& config) {
   std::vector<CanStream> frames;
   const auto add = [&](std::string name, std::uint32_t id, std::uint8_t size, rt::Nanoseconds period_ns) {
     CanStream frame;
@@ -15,11 +15,11 @@ std::vector<CanStream> bus_frames(const UgvDrivesConfig& config) {
     frames.push_back(std::move(frame));
     return &frames.back();
   };
-  const rt::Nanoseconds sync_ns = config.master.sync_period_ns;
+  const rt::Nanoseconds sync_ns = config.line.sync_period_ns;
   // Ours leave through one interface, SYNC before the commands.
   constexpr int kOurs = 0;
   add("sync", kSyncId, 0, sync_ns)->queue = kOurs;
-  add("heartbeat of the runtime", kHeartbeatId + config.master.node, 1, config.heartbeat_ns)->queue = kOurs;
+  add("heartbeat of the runtime", kHeartbeatId + config.line.node, 1, config.heartbeat_ns)->queue = kOurs;
   const auto drive = [&](std::uint8_t node) {
     const std::string of = " of drive " + std::to_string(node);
     add("command" + of, kRpdo1Id + node, 6, sync_ns)->queue = kOurs;

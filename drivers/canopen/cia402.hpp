@@ -11,12 +11,14 @@ namespace sortie::drivers::canopen {
 inline constexpr std::uint16_t kControlWord = 0x6040;
 inline constexpr std::uint16_t kStatusWord = 0x6041;
 inline constexpr std::uint16_t kAbortOption = 0x6007;
+inline constexpr std::uint16_t kQuickStopOption = 0x605A;
 inline constexpr std::uint16_t kModeWanted = 0x6060;
 inline constexpr std::uint16_t kModeShown = 0x6061;
 inline constexpr std::uint16_t kPositionActual = 0x6064;
 inline constexpr std::uint16_t kVelocityActual = 0x606C;
 inline constexpr std::uint16_t kTorqueActual = 0x6077;
 inline constexpr std::uint16_t kTargetPosition = 0x607A;
+inline constexpr std::uint16_t kQuickStopRate = 0x6085;
 inline constexpr std::uint16_t kTargetVelocity = 0x60FF;
 
 /// Values of kModeWanted that are used here.
@@ -66,6 +68,12 @@ inline constexpr std::uint16_t kShutDown = 0x06;
 inline constexpr std::uint16_t kSwitchOn = 0x07;
 inline constexpr std::uint16_t kEnableOperation = 0x0F;
 inline constexpr std::uint16_t kResetFault = 0x80;  ///< acts when the bit rises
+
+/// Whether a motor may be under torque in this state; where nothing is known, it may.
+constexpr bool may_have_torque(DriveState state) {
+  return state != DriveState::switch_on_disabled && state != DriveState::ready_to_switch_on &&
+         state != DriveState::fault && state != DriveState::not_ready;
+}
 
 /// The control word that leads from `state` towards what is wanted, one transition at a time. A fault is
 /// reset only where `reset` says so; the bit must have been 0 in the word before, so ask with true every

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/canopen/drive.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace sortie::drivers::canopen {
 namespace {
 
 constexpr rt::Nanoseconds kProbeEvery = 500 * rt::kNanosecondsPerMillisecond;
 constexpr rt::Nanoseconds kRetryRefused = 2 * rt::kNanosecondsPerSecond;
+constexpr rt::Nanoseconds kFirstReading = 20 * rt::kNanosecondsPerMillisecond;  // a SYNC, and its answer
+constexpr std::uint32_t kMostSettling = 500;  // reads of a status, a few milliseconds each
 constexpr std::uint8_t kReadingBytes = 8;
 constexpr std::uint8_t kCommandBytes = 6;
 
@@ -13,17 +18,49 @@ constexpr std::uint8_t kCommandBytes = 6;
 
 Drive::Drive(const DriveConfig& config) : config_(config), setup_(config), sdo_(config.node) {}
 
-bool Drive::healthy() const noexcept {
-  if (phase_ != DrivePhase::operational || !read_) return false;
+bool Drive::ready(rt::Nanoseconds now_ns) const noexcept {
+  return phase_ == DrivePhase::operational && read_ && now_ns - read_ns_ <= config_.reading_timeout_ns;
+}
+
+bool Drive::running(rt::Nanoseconds now_ns) const noexcept {
+  return ready(now_ns) && state() == DriveState::operation_enabled;
+}
+
+bool Drive::free(rt::Nanoseconds now_ns) const noexcept { return ready(now_ns) && !may_have_torque(state()); }
+
+StopReason Drive::trouble(rt::Nanoseconds now_ns) const noexcept {
+  if (!ready(now_ns)) return StopReason::drive_lost;
+  if (counters_.emergencies != emergencies_) return StopReason::drive_emergency;
+  if (new_fault_) return StopReason::drive_fault;
+  if (!ran_ || running(now_ns)) return StopReason::none;
   const DriveState now = state();
-  return now != DriveState::fault && now != DriveState::fault_reaction && now != DriveState::unknown;
+  const bool faulty =
+      now == DriveState::fault || now == DriveState::fault_reaction || now == DriveState::unknown;
+  return faulty ? StopReason::drive_fault : StopReason::drive_left;
+}
+
+void Drive::begin() noexcept {
+  ran_ = new_fault_ = false;
+  known_fault_ = state() == DriveState::fault;
+  emergencies_ = counters_.emergencies;
+}
+
+void Drive::tell(Order order) noexcept {
+  // Whoever is to hold stands where it stands now; who is to go on holding, where it stood.
+  if (order != order_) hold_ = reading_.position;
+  order_ = order;
+}
+
+void Drive::follow(double target) noexcept {
+  order_ = Order::follow;
+  target_ = static_cast<std::int32_t>(std::floor(std::clamp(target, -2.1e9, 2.1e9) + 0.5));
 }
 
 bool Drive::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   if (frame.flags != 0) return false;
   const std::uint32_t node = config_.node;
   if (frame.id == kTpdo1Id + node) {
-    take_reading(frame);
+    take_reading(frame, now_ns);
     return true;
   }
   std::uint8_t from = 0;
@@ -60,6 +97,7 @@ void Drive::take_heartbeat(NmtState state, rt::Nanoseconds now_ns) noexcept {
   heard_ns_ = now_ns;
   if (phase_ == DrivePhase::starting && state == NmtState::operational) {
     phase_ = DrivePhase::operational;
+    read_ns_ = now_ns;
     ++counters_.set_ups;
     return;
   }
@@ -72,7 +110,7 @@ void Drive::take_heartbeat(NmtState state, rt::Nanoseconds now_ns) noexcept {
   if (forgot || left || phase_ == DrivePhase::absent) begin_set_up(now_ns);
 }
 
-void Drive::take_reading(const CanFrame& frame) noexcept {
+void Drive::take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   if (frame.size != kReadingBytes) {
     ++counters_.malformed;
     return;
@@ -86,22 +124,42 @@ void Drive::take_reading(const CanFrame& frame) noexcept {
   reading_.torque = static_cast<std::int16_t>(read_le(frame, 6, 2));
   ++reading_.number;
   read_ = true;
-  if (state() == DriveState::fault && !faulty) ++counters_.faults;
+  read_ns_ = now_ns;
+  const DriveState now = state();
+  if (now == DriveState::fault && !faulty) ++counters_.faults;
+  suspect_ = may_have_torque(now);
+  // Its emergency may have been lost.
+  new_fault_ = new_fault_ || (now == DriveState::fault && !known_fault_);
+  known_fault_ = known_fault_ && now == DriveState::fault;
+  if (now == DriveState::operation_enabled) {
+    ran_ = ran_ || order_ == Order::hold || order_ == Order::follow;
+  } else {
+    hold_ = reading_.position;
+  }
 }
 
 void Drive::begin_set_up(rt::Nanoseconds now_ns) noexcept {
   leave(DrivePhase::setting_up, now_ns);
   wanted_ = Wanted::stop_pdos;
   step_ = 0;
+  settling_ = 0;
   next_step();
 }
 
 void Drive::leave(DrivePhase phase, rt::Nanoseconds now_ns) noexcept {
+  // What was operational is gone without a word, and may have torque.
+  if (phase_ == DrivePhase::operational && suspect_) loss_ = true;
   phase_ = phase;
   read_ = false;
   wanted_ = Wanted::nothing;
   emergency_ = {};
   next_try_ns_ = now_ns + (phase == DrivePhase::refused ? kRetryRefused : kProbeEvery);
+}
+
+void Drive::forget(rt::Nanoseconds now_ns) noexcept {
+  leave(DrivePhase::absent, now_ns);
+  loss_ = false;
+  next_try_ns_ = now_ns;
 }
 
 void Drive::next_step() noexcept {
@@ -113,13 +171,23 @@ void Drive::next_step() noexcept {
   }
 }
 
+bool Drive::step_good(const SetupStep& step, const SdoResult& result) noexcept {
+  if (result.progress != SdoProgress::done) return false;
+  if (step.kind == SetupKind::expect) return (result.value & 0xFFFFu) == step.value;
+  if (step.kind == SetupKind::verify) return result.value == step.value;
+  return true;
+}
+
 void Drive::judge_step(rt::Nanoseconds now_ns) noexcept {
   const SdoResult result = sdo_.result();
   if (result.progress == SdoProgress::idle || result.progress == SdoProgress::waiting) return;
   const SetupStep& step = setup_[step_];
-  bool good = result.progress == SdoProgress::done;
-  if (good && step.kind == SetupKind::expect) good = (result.value & 0xFFFFu) == step.value;
-  if (good && step.kind == SetupKind::verify) good = result.value == step.value;
+  bool good = step_good(step, result);
+  if (good && step.kind == SetupKind::settle) {
+    suspect_ = may_have_torque(drive_state(static_cast<std::uint16_t>(result.value)));
+    if (suspect_ && ++settling_ < kMostSettling) return next_step();
+    good = !suspect_;
+  }
   if (!good) {
     // Nobody there is no refusal: the drive is switched off.
     const bool nobody = step_ == 0 && result.progress == SdoProgress::timed_out;
@@ -139,8 +207,11 @@ void Drive::judge_step(rt::Nanoseconds now_ns) noexcept {
 
 void Drive::watch(rt::Nanoseconds now_ns) noexcept {
   const bool waits = phase_ == DrivePhase::starting || phase_ == DrivePhase::operational;
-  if (waits && now_ns - heard_ns_ > config_.heartbeat_timeout_ns) {
+  const bool mute =
+      phase_ == DrivePhase::operational && now_ns - read_ns_ > config_.reading_timeout_ns + kFirstReading;
+  if (mute || (waits && now_ns - heard_ns_ > config_.heartbeat_timeout_ns)) {
     ++counters_.lost;
+    if (mute) ++counters_.mute;
     leave(DrivePhase::absent, now_ns);
   } else if (phase_ == DrivePhase::starting && now_ns - started_ns_ > kProbeEvery) {
     begin_set_up(now_ns);  // it lives, but does not start
@@ -150,7 +221,6 @@ void Drive::watch(rt::Nanoseconds now_ns) noexcept {
 }
 
 bool Drive::poll(rt::Nanoseconds now_ns, CanFrame& frame) noexcept {
-  watch(now_ns);
   offered_nmt_ = false;
   if (wanted_ != Wanted::nothing) {
     frame =
@@ -172,17 +242,35 @@ void Drive::sent(rt::Nanoseconds now_ns) noexcept {
   }
 }
 
-Status Drive::command(DriveWish wish, std::int32_t target, bool reset_fault, CanFrame& frame) noexcept {
+Status Drive::command(CanFrame& frame) noexcept {
   if (phase_ != DrivePhase::operational) return Status::empty;
-  // The bit acts when it rises, so every other word has it low.
-  const bool reset = reset_fault && reset_low_;
+  const bool runs = order_ == Order::hold || order_ == Order::follow;
+  // What turns is stopped, not let go.
+  const bool turns = state() == DriveState::operation_enabled || state() == DriveState::quick_stop;
+  const DriveWish wish = runs                             ? DriveWish::run
+                         : order_ == Order::stop && turns ? DriveWish::quick_stop
+                                                          : DriveWish::rest;
+  // A fault is forgotten by a start alone, not by one that came up and failed later. The bit acts when it
+  // rises, so every other word has it low.
+  const bool reset = runs && !ran_ && reset_low_;
   reset_low_ = !reset;
+  const std::int32_t still = config_.kind == DriveKind::velocity ? 0 : hold_;
+  if (runs) suspect_ = true;
   frame = {};
   frame.id = kRpdo1Id + config_.node;
   frame.size = kCommandBytes;
   write_le(frame, 0, 2, control_word(state(), wish, reset));
-  write_le(frame, 2, 4, static_cast<std::uint32_t>(target));
+  write_le(frame, 2, 4, static_cast<std::uint32_t>(order_ == Order::follow ? target_ : still));
   return Status::ok;
+}
+
+CanFrame Drive::blind_stop() const noexcept {
+  CanFrame frame;
+  frame.id = kRpdo1Id + config_.node;
+  frame.size = kCommandBytes;
+  write_le(frame, 0, 2, kQuickStop);
+  write_le(frame, 2, 4, static_cast<std::uint32_t>(config_.kind == DriveKind::velocity ? 0 : hold_));
+  return frame;
 }
 
 }  // namespace sortie::drivers::canopen

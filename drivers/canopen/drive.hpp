@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "drivers/canopen/drive_setup.hpp"
 #include "drivers/canopen/sdo_client.hpp"
+#include "drivers/motor_drive.hpp"
 
 namespace sortie::drivers::canopen {
 
@@ -39,6 +41,7 @@ struct DriveReading {
 struct DriveCounters {
   std::uint64_t set_ups{};      ///< times the drive became operational
   std::uint64_t lost{};         ///< silences that were too long
+  std::uint64_t mute{};         ///< of those, with heartbeats and no readings
   std::uint64_t restarts{};     ///< boot-ups, and states that nobody asked for
   std::uint64_t emergencies{};  ///< with a code other than 0
   std::uint64_t faults{};       ///< entered
@@ -50,6 +53,7 @@ struct DriveCounters {
   static constexpr void fields(Self& self, Visitor&& visit) {
     visit("set_ups", self.set_ups);
     visit("lost", self.lost);
+    visit("mute", self.mute);
     visit("restarts", self.restarts);
     visit("emergencies", self.emergencies);
     visit("faults", self.faults);
@@ -60,7 +64,7 @@ struct DriveCounters {
 };
 
 /// One drive. 1 kB, no heap after construction, no clock of its own; about 100 ns a call. One thread.
-class Drive {
+class Drive final : public MotorDrive {
  public:
   /// Throws std::runtime_error where a setting cannot be used.
   explicit Drive(const DriveConfig& config);
@@ -68,21 +72,34 @@ class Drive {
   /// Takes a frame; false: it is not this drive's.
   bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
 
-  /// Watches the drive's heartbeat and says what life-cycle frame to send next. True: `frame` is set; call
-  /// sent() when it went out, otherwise it is offered again.
+  /// Watches heartbeat and readings.
+  void watch(rt::Nanoseconds now_ns) noexcept;
+  /// The life-cycle frame to send next. True: `frame` is set; call sent() when it went out, otherwise it is
+  /// offered again.
   bool poll(rt::Nanoseconds now_ns, CanFrame& frame) noexcept;
   void sent(rt::Nanoseconds now_ns) noexcept;
-
   /// The command for this cycle: control word and target in the drive's increments (a second, for velocity).
   /// Status: ok; empty: the drive is not operational, nothing is to be sent.
-  [[nodiscard]] Status command(DriveWish wish, std::int32_t target, bool reset_fault,
-                               CanFrame& frame) noexcept;
+  [[nodiscard]] Status command(CanFrame& frame) noexcept;
+  /// A quick stop for a drive that nothing is known of.
+  CanFrame blind_stop() const noexcept;
+  /// Forgets all about it: it is to be found and set up again.
+  void forget(rt::Nanoseconds now_ns) noexcept;
 
-  /// Operational, read, and without a fault. An emergency alone is no fault: the master stops for it, and the
-  /// drive may run again when it is asked anew.
-  bool healthy() const noexcept;
-  /// Healthy and turning as it is told.
-  bool running() const noexcept { return healthy() && state() == DriveState::operation_enabled; }
+  bool ready(rt::Nanoseconds now_ns) const noexcept override;
+  bool running(rt::Nanoseconds now_ns) const noexcept override;
+  bool free(rt::Nanoseconds now_ns) const noexcept override;
+  StopReason trouble(rt::Nanoseconds now_ns) const noexcept override;
+  void begin() noexcept override;
+  void rest() noexcept override { tell(Order::rest); }
+  void hold() noexcept override { tell(Order::hold); }
+  void follow(double target) noexcept override;
+  void stop() noexcept override { tell(Order::stop); }
+
+  /// It was told to have torque, or found with it, and has not said since that it has none.
+  bool suspect() const noexcept { return suspect_; }
+  /// A suspect was lost since the last call.
+  bool take_loss() noexcept { return std::exchange(loss_, false); }
 
   const DriveConfig& config() const noexcept { return config_; }
   DrivePhase phase() const noexcept { return phase_; }
@@ -95,13 +112,15 @@ class Drive {
 
  private:
   enum class Wanted : std::uint8_t { nothing, stop_pdos, start };  // network management to be sent
+  enum class Order : std::uint8_t { rest, hold, follow, stop };
 
+  void tell(Order order) noexcept;
   void begin_set_up(rt::Nanoseconds now_ns) noexcept;
   void next_step() noexcept;
   void judge_step(rt::Nanoseconds now_ns) noexcept;
-  void watch(rt::Nanoseconds now_ns) noexcept;
+  bool step_good(const SetupStep& step, const SdoResult& result) noexcept;
   void take_heartbeat(NmtState state, rt::Nanoseconds now_ns) noexcept;
-  void take_reading(const CanFrame& frame) noexcept;
+  void take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
   void leave(DrivePhase phase, rt::Nanoseconds now_ns) noexcept;
 
   DriveConfig config_;
@@ -109,12 +128,23 @@ class Drive {
   SdoClient sdo_;
   DrivePhase phase_{DrivePhase::absent};
   Wanted wanted_{Wanted::nothing};
+  Order order_{Order::rest};
   bool offered_nmt_{};
   bool read_{};
   bool reset_low_{true};
+  bool ran_{};          // since begin()
+  bool known_fault_{};  // it had one at begin(), and has had it since
+  bool new_fault_{};    // since begin()
+  bool suspect_{};
+  bool loss_{};
   std::size_t step_{};
+  std::uint32_t settling_{};     // readings of a drive that still has torque
+  std::uint64_t emergencies_{};  // known at begin()
+  std::int32_t target_{};
+  std::int32_t hold_{};  // where it stands
   rt::Nanoseconds next_try_ns_{};
   rt::Nanoseconds heard_ns_{};
+  rt::Nanoseconds read_ns_{};
   rt::Nanoseconds started_ns_{};
   DriveReading reading_{};
   SetupFailure failure_{};

@@ -32,7 +32,17 @@ DriveSetup::DriveSetup(const DriveConfig& config) {
   const std::uint32_t timeout = milliseconds(config.heartbeat_timeout_ns, "heartbeat_timeout");
   const std::uint32_t sync = milliseconds(config.sync_period_ns, "sync period");
 
+  if (config.reading_timeout_ns < 3 * config.sync_period_ns)
+    throw std::runtime_error("canopen: readings must be good for three SYNC periods at least");
+  if (config.quick_stop_s2 == 0) throw std::runtime_error("canopen: a quick stop needs a deceleration");
+
   add(SetupKind::expect, 0x1000, 0, kDriveProfile, 4);
+  add(SetupKind::write, kQuickStopOption, 0, kQuickStopRamp, 2);
+  add(SetupKind::verify, kQuickStopOption, 0, kQuickStopRamp, 2);
+  add(SetupKind::write, kQuickStopRate, 0, config.quick_stop_s2, 4);
+  add(SetupKind::verify, kQuickStopRate, 0, config.quick_stop_s2, 4);
+  add(SetupKind::write, kControlWord, 0, kQuickStop, 2);
+  add(SetupKind::settle, kStatusWord, 0, 0, 2);
   const std::uint32_t consumer = static_cast<std::uint32_t>(config.master) << 16u | timeout;
   add(SetupKind::write, 0x1016, 1, consumer, 4);
   add(SetupKind::verify, 0x1016, 1, consumer, 4);

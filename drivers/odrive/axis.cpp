@@ -5,34 +5,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "drivers/odrive/axis_times.hpp"
 #include "drivers/odrive_dbc.hpp"
 
 namespace sortie::drivers::odrive {
 namespace {
 
-constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
-constexpr rt::Nanoseconds kAskEvery = 50 * kMs;       // a state, until the heartbeat shows it
 constexpr rt::Nanoseconds kPhaseTimeout = 500 * kMs;  // for what a heartbeat must show
 constexpr rt::Nanoseconds kRefusedFor = 2'000 * kMs;
-constexpr rt::Nanoseconds kRestWithin = 500 * kMs;  // then it is let go, at rest or not
-constexpr double kAtRest = 0.05;                    // turns a second
 constexpr double kJump = 0.5;  // turns beyond what an axis can do: it has begun to count anew
-constexpr std::uint8_t kSetUpFrames = 4;
-constexpr std::int64_t kVelocityControl = 2;
-constexpr std::int64_t kPositionControl = 3;
-constexpr std::int64_t kPassThrough = 1;
-
-CanFrame to_axis(const CanMessage& message, std::uint8_t node) {
-  CanFrame frame;
-  frame.id = message.id | static_cast<std::uint32_t>(node) << 5u;
-  frame.size = message.size;
-  return frame;
-}
-
-// Values are finite and limited before they come here.
-void put(CanFrame& frame, const CanSignal& signal, double value) {
-  static_cast<void>(set_can_field(frame, signal, value));
-}
 
 }  // namespace
 
@@ -66,14 +47,28 @@ void Axis::take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcep
   const auto error = static_cast<std::uint32_t>(read_can_field(frame, kHeartbeatSignals[0]));
   if (error != 0 && error_ == 0 && phase_ == AxisPhase::ready) ++counters_.faults;
   error_ = error;
+  known_ &= error;  // what comes back is new
+  // Errors are forgotten by the set-up, but not that there was one. The watchdog's, at the proof, is no
+  // fault.
+  if (phase_ == AxisPhase::left_alone) known_ |= error;
+  if ((error & ~known_) != 0) new_fault_ = true;
   state_ = static_cast<AxisState>(read_can_field(frame, kHeartbeatSignals[1]));
+  // Only a heartbeat that was sent after it was told to be idle says that it is.
+  const bool answers = idle_ns_ >= 0 && now_ns - idle_ns_ >= kUnderWay;
+  if (state_ == AxisState::closed_loop) {
+    suspect_ = true;
+  } else if (answers) {
+    suspect_ = false;
+    idle_since_ns_ = -1;
+  }
+  ran_ = ran_ || (error_ == 0 && state_ == AxisState::closed_loop && torque_wanted());
   switch (phase_) {
     case AxisPhase::setting_up:
       // A heartbeat that was under way with the last frame does not count.
-      if (step_ < kSetUpFrames || now_ns - since_ns_ < 2 * kMs) break;
+      if (step_ < kSetUpFrames || now_ns - since_ns_ < kUnderWay) break;
       if (error_ != 0 || state_ != AxisState::idle) break;
       if (!proved_ && config_.prove_watchdog) {
-        enter(AxisPhase::starting, now_ns);
+        if (may_prove_) enter(AxisPhase::starting, now_ns);
       } else {
         ++counters_.set_ups;
         enter(AxisPhase::ready, now_ns);
@@ -125,7 +120,8 @@ void Axis::take_current(const CanFrame& frame) noexcept {
 void Axis::enter(AxisPhase phase, rt::Nanoseconds now_ns) noexcept {
   phase_ = phase;
   since_ns_ = now_ns;
-  step_ = 0;
+  step_ = start_ = 0;
+  ran_ = false;
   asked_ns_ = now_ns - kAskEvery;
 }
 
@@ -134,22 +130,21 @@ void Axis::refuse(rt::Nanoseconds now_ns) noexcept {
   enter(AxisPhase::refused, now_ns);
 }
 
-bool Axis::fresh(rt::Nanoseconds heard_ns, rt::Nanoseconds now_ns) const noexcept {
-  return heard_ns >= 0 && now_ns - heard_ns <= config_.silence_ns;
-}
-
-void Axis::watch(rt::Nanoseconds now_ns) noexcept {
-  const bool heard = fresh(heartbeat_ns_, now_ns) && fresh(estimate_ns_, now_ns);
+void Axis::watch(bool torque, rt::Nanoseconds now_ns) noexcept {
+  may_prove_ = torque;
   if (phase_ == AxisPhase::absent) {
     proved_ = false;
-    if (heard) enter(AxisPhase::setting_up, now_ns);
+    if (fresh(now_ns) && now_ns - since_ns_ > (suspect_ ? kRestWithin + kIdleWithin : 0))
+      enter(AxisPhase::setting_up, now_ns);
     return;
   }
-  if (!heard) {
+  if (!fresh(now_ns)) {
     ++counters_.lost;
     enter(AxisPhase::absent, now_ns);
     return;
   }
+  const bool proves = phase_ == AxisPhase::starting || phase_ == AxisPhase::left_alone;
+  if (proves && !torque) return enter(AxisPhase::setting_up, now_ns);
   const rt::Nanoseconds age = now_ns - since_ns_;
   if (phase_ == AxisPhase::refused) {
     if (age >= kRefusedFor) enter(AxisPhase::setting_up, now_ns);
@@ -158,90 +153,11 @@ void Axis::watch(rt::Nanoseconds now_ns) noexcept {
     if (age <= 2 * config_.silence_ns) return;
     ++counters_.unguarded;
     refuse(now_ns);
+  } else if (phase_ == AxisPhase::setting_up && step_ == kSetUpFrames && !proved_ && !torque) {
+    since_ns_ = now_ns - kUnderWay;  // waits for the proof, which waits for the emergency stop's release
   } else if (phase_ != AxisPhase::ready && age > kPhaseTimeout) {
     refuse(now_ns);
   }
-}
-
-std::size_t Axis::cycle(bool run, double target, rt::Nanoseconds now_ns,
-                        CanFrame (&out)[kMaxFrames]) noexcept {
-  watch(now_ns);
-  asks_state_ = false;
-  if (run != run_) {
-    wish_ns_ = now_ns;
-    ran_ = false;
-    hold_turns_ = reading_.turns;
-  }
-  run_ = run;
-  if (state_ != AxisState::closed_loop) hold_turns_ = reading_.turns;
-  if (phase_ == AxisPhase::absent || phase_ == AxisPhase::left_alone) return 0;
-  std::size_t count = 0;
-  if (phase_ == AxisPhase::setting_up && step_ < kSetUpFrames) {
-    out[count++] = set_up_frame();
-  } else {
-    const bool wanted = phase_ == AxisPhase::starting || (phase_ == AxisPhase::ready && run);
-    ran_ = ran_ || (wanted && running());
-    const bool closed = state_ == AxisState::closed_loop;
-    const bool rests = config_.kind == AxisKind::velocity && std::fabs(reading_.turns_s) < kAtRest;
-    const bool let_go = !wanted && closed && (rests || now_ns - wish_ns_ > kRestWithin);
-    asks_state_ = now_ns - asked_ns_ >= kAskEvery && ((wanted && !closed && !ran_) || let_go);
-    if (asks_state_ && wanted && error_ != 0) {
-      out[count++] = to_axis(kClearErrors, config_.node);
-    } else if (asks_state_) {
-      out[count++] = state_frame(wanted ? AxisState::closed_loop : AxisState::idle);
-    }
-  }
-  // Sent to idle axes as well: some firmwares' watchdogs watch those too.
-  const bool follows = phase_ == AxisPhase::ready && run;
-  const double still = config_.kind == AxisKind::velocity ? 0.0 : hold_turns_;
-  out[count++] = target_frame(follows ? target : still);
-  return count;
-}
-
-void Axis::sent(rt::Nanoseconds now_ns) noexcept {
-  last_sent_ns_ = now_ns;
-  if (phase_ == AxisPhase::setting_up && step_ < kSetUpFrames && ++step_ == kSetUpFrames) since_ns_ = now_ns;
-  if (asks_state_) asked_ns_ = now_ns;
-}
-
-CanFrame Axis::set_up_frame() const noexcept {
-  CanFrame frame;
-  switch (step_) {
-    case 0:
-      return state_frame(AxisState::idle);
-    case 1:
-      frame = to_axis(kSetControllerMode, config_.node);
-      write_can_field(frame, kSetControllerModeSignals[0],
-                      config_.kind == AxisKind::velocity ? kVelocityControl : kPositionControl);
-      write_can_field(frame, kSetControllerModeSignals[1], kPassThrough);
-      return frame;
-    case 2:
-      frame = to_axis(kSetLimits, config_.node);
-      put(frame, kSetLimitsSignals[0], config_.velocity_limit_turn_s);
-      put(frame, kSetLimitsSignals[1], config_.current_limit_a);
-      return frame;
-    default:
-      return to_axis(kClearErrors, config_.node);
-  }
-}
-
-CanFrame Axis::target_frame(double target) const noexcept {
-  const double limit = config_.velocity_limit_turn_s;
-  CanFrame frame;
-  if (config_.kind == AxisKind::velocity) {
-    frame = to_axis(kSetInputVel, config_.node);
-    put(frame, kSetInputVelSignals[0], std::clamp(target, -limit, limit));
-  } else {
-    frame = to_axis(kSetInputPos, config_.node);
-    put(frame, kSetInputPosSignals[0], std::clamp(target, -1e6, 1e6));
-  }
-  return frame;
-}
-
-CanFrame Axis::state_frame(AxisState state) const noexcept {
-  CanFrame frame = to_axis(kSetAxisState, config_.node);
-  write_can_field(frame, kSetAxisStateSignals[0], static_cast<std::int64_t>(state));
-  return frame;
 }
 
 }  // namespace sortie::drivers::odrive

@@ -5,8 +5,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "drivers/can_bus.hpp"
+#include "drivers/motor_drive.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers::odrive {
@@ -76,8 +78,13 @@ struct AxisCounters {
 };
 
 /// One axis. CANSimple answers nothing: that a frame was obeyed shows in the heartbeats alone, and mode and
-/// limits not even there. No heap, no clock of its own, about 100 ns a call. One thread.
-class Axis {
+/// limits not even there, so both are sent anew in every start. No heap, no clock of its own, about 100 ns a
+/// call. One thread.
+///
+/// An axis that is lost under torque is told to stand and then to be idle, for half a second; after that
+/// nothing is sent to it, for every frame feeds its watchdog, and that is what stops an axis that does not
+/// obey. The same is done with one that is told to be idle and is not.
+class Axis final : public MotorDrive {
  public:
   /// Throws std::runtime_error where a setting cannot be used.
   explicit Axis(const AxisConfig& config);
@@ -85,16 +92,22 @@ class Axis {
   /// Takes a frame; false: it is not this axis'.
   bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
 
-  /// What to send in this cycle: at most kMaxFrames frames, whose number it returns. `run`: under torque, to
-  /// `target` (turns a second, or turns); otherwise it is brought to rest and let go. Call sent() when all
+  /// Watches heartbeats and estimates. `torque`: whether a proof may put the axis under torque.
+  void watch(bool torque, rt::Nanoseconds now_ns) noexcept;
+  /// What to send in this cycle: at most kMaxFrames frames, whose number it returns. Call sent() when all
   /// went out; otherwise the same step comes again.
-  std::size_t cycle(bool run, double target, rt::Nanoseconds now_ns, CanFrame (&out)[kMaxFrames]) noexcept;
+  std::size_t cycle(rt::Nanoseconds now_ns, CanFrame (&out)[kMaxFrames]) noexcept;
   void sent(rt::Nanoseconds now_ns) noexcept;
 
-  /// Ready, and without error.
-  bool healthy() const noexcept { return phase_ == AxisPhase::ready && error_ == 0; }
-  /// Healthy and under torque.
-  bool running() const noexcept { return healthy() && state_ == AxisState::closed_loop; }
+  bool ready(rt::Nanoseconds now_ns) const noexcept override;
+  bool running(rt::Nanoseconds now_ns) const noexcept override;
+  bool free(rt::Nanoseconds now_ns) const noexcept override;
+  StopReason trouble(rt::Nanoseconds now_ns) const noexcept override;
+  void begin() noexcept override;
+  void rest() noexcept override { tell(Order::rest); }
+  void hold() noexcept override { tell(Order::hold); }
+  void follow(double target) noexcept override;
+  void stop() noexcept override { tell(Order::stop); }
 
   const AxisConfig& config() const noexcept { return config_; }
   AxisPhase phase() const noexcept { return phase_; }
@@ -107,35 +120,50 @@ class Axis {
   const AxisCounters& counters() const noexcept { return counters_; }
 
  private:
+  enum class Order : std::uint8_t { rest, hold, follow, stop };
+  enum class Asks : std::uint8_t { nothing, start_step, idle };  // what the cycle's first frame is for
+
   void take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
   void take_estimate(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
   void take_current(const CanFrame& frame) noexcept;
-  void watch(rt::Nanoseconds now_ns) noexcept;
+  void tell(Order order) noexcept;
   void enter(AxisPhase phase, rt::Nanoseconds now_ns) noexcept;
   void refuse(rt::Nanoseconds now_ns) noexcept;
-  bool fresh(rt::Nanoseconds heard_ns, rt::Nanoseconds now_ns) const noexcept;
-  CanFrame set_up_frame() const noexcept;
-  CanFrame target_frame(double target) const noexcept;
+  bool fresh(rt::Nanoseconds now_ns) const noexcept;
+  bool torque_wanted() const noexcept;
+  bool is_left_to_its_watchdog(rt::Nanoseconds now_ns) const noexcept;
+  bool wants_idle(rt::Nanoseconds now_ns) const noexcept;
+  CanFrame set_up_frame(std::uint8_t step) const noexcept;
+  CanFrame target_frame() const noexcept;
   CanFrame state_frame(AxisState state) const noexcept;
 
   AxisConfig config_;
   AxisPhase phase_{AxisPhase::absent};
   AxisState state_{AxisState::undefined};
+  Order order_{Order::rest};
+  Order told_{Order::rest};  // at the cycle before
+  Asks asks_{Asks::nothing};
   std::uint32_t error_{};
-  std::uint8_t step_{};         // of the set-up: the next frame
-  bool proved_{};               // since it was found
-  bool ran_{};                  // without error since `run` became true
-  bool run_{};                  // the newest wish
-  bool asks_state_{};           // this cycle's frames ask for a state
-  double hold_turns_{};         // where an axis of a position is kept while nothing moves it
-  rt::Nanoseconds since_ns_{};  // of the phase
-  rt::Nanoseconds wish_ns_{};   // when the wish changed
-  rt::Nanoseconds asked_ns_{};  // when a state was last asked for
-  rt::Nanoseconds last_sent_ns_{};
+  std::uint32_t known_{};  // of it: what was there at begin(), and has not been away since
+  std::uint8_t step_{};    // of the set-up: the next frame
+  std::uint8_t start_{};   // of a start: the next frame
+  bool proved_{};          // since it was found
+  bool may_prove_{true};
+  bool new_fault_{};  // an error since begin() that was not there
+  bool ran_{};        // since begin()
+  bool suspect_{};    // told to have torque, or seen with it, and not seen without since
+  double target_{};
+  double hold_turns_{};  // where a position axis stands
+  AxisReading reading_{};
   rt::Nanoseconds heartbeat_ns_{-1};
   rt::Nanoseconds estimate_ns_{-1};
+  rt::Nanoseconds since_ns_{};         // in this phase; of the last set-up frame
+  rt::Nanoseconds order_ns_{};         // since when it is told the same
+  rt::Nanoseconds asked_ns_{};         // when a state was asked for last
+  rt::Nanoseconds idle_ns_{-1};        // when idle was asked for last, since torque was
+  rt::Nanoseconds idle_since_ns_{-1};  // and first
+  rt::Nanoseconds last_sent_ns_{};
   rt::Nanoseconds watchdog_ns_{-1};
-  AxisReading reading_{};
   AxisCounters counters_{};
 };
 

@@ -18,7 +18,7 @@ std::vector<CanStream> bus_frames(const UgvAxesConfig& config) {
     frames.push_back(std::move(frame));
   };
   const auto axis = [&](std::uint8_t node, bool flipper) {
-    add("command", node, flipper ? kSetInputPos : kSetInputVel, config.group.period_ns);
+    add("command", node, flipper ? kSetInputPos : kSetInputVel, config.line.period_ns);
     frames.back().queue = 0;  // ours leave through one interface
     add("estimates", node, kEncoderEstimates, kEstimates);
     if (flipper) add("current", node, kIq, kEstimates);

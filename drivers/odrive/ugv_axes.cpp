@@ -11,8 +11,6 @@
 namespace sortie::drivers::odrive {
 namespace {
 
-// Tracks come first among the axes, flippers behind them.
-constexpr std::size_t kTracks = 2;
 constexpr rt::Nanoseconds kFarthest = 20 * rt::kNanosecondsPerMillisecond;  // that an estimate is moved on
 
 // An axis owns 32 identifiers; the robot's own frames must not lie among them.
@@ -49,57 +47,64 @@ std::vector<AxisConfig> axes_of(const UgvAxesConfig& config) {
   return axes;
 }
 
+drivers::UgvDrivesConfig shared_of(const UgvAxesConfig& config) {
+  return {.group = config.group,
+          .flippers = config.flippers,
+          .per_m = config.turns_per_m,
+          .per_rad = config.turns_per_rad};
+}
+
 }  // namespace
 
-UgvAxes::UgvAxes(const UgvAxesConfig& config) : config_(config), group_(config.group, axes_of(config)) {}
-
-Status UgvAxes::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept {
-  if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
-  drive_on_ = (command.flags & 1u) != 0;
-  targets_[0] = drive_on_ ? command.left_m_s * config_.turns_per_m : 0.0;
-  targets_[1] = drive_on_ ? command.right_m_s * config_.turns_per_m : 0.0;
-  pass_on(now_ns);
-  return Status::ok;
+UgvAxes::UgvAxes(const UgvAxesConfig& config)
+    : UgvDrives(shared_of(config)), config_(config), line_(config.line, axes_of(config)) {
+  attach_all();
 }
 
-Status UgvAxes::set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept {
-  for (const double angle : command.angle_rad) {
-    if (!std::isfinite(angle)) return Status::not_finite;
-  }
-  flippers_on_ = (command.flags & 1u) != 0;
-  for (std::size_t i = 0; flippers_on_ && i < rt::kFlippers; ++i)
-    targets_[kTracks + i] = command.angle_rad[i] * config_.turns_per_rad;
-  pass_on(now_ns);
-  return Status::ok;
+UgvAxes::UgvAxes(const UgvAxes& other)
+    : UgvDrives(other),
+      config_(other.config_),
+      line_(other.line_),
+      used_(other.used_),
+      set_ups_(other.set_ups_),
+      origin_(other.origin_),
+      travel_(other.travel_),
+      tracks_ns_(other.tracks_ns_),
+      flippers_ns_(other.flippers_ns_) {
+  attach_all();
 }
 
-void UgvAxes::pass_on(rt::Nanoseconds now_ns) noexcept {
-  // Flippers that nobody moves stay where they were let go: a target that followed them would sink with them.
-  const bool let_go = !flippers_on_ && (flippers_moved_ || !group_.running());
-  flippers_moved_ = flippers_on_;
-  if (let_go && config_.flippers) {
-    for (std::size_t i = kTracks; i < group_.size(); ++i) targets_[i] = group_.axis(i).reading().turns;
-  }
-  group_.set({targets_.data(), group_.size()}, drive_on_ || flippers_on_, now_ns);
+void UgvAxes::attach_all() {
+  std::array<MotorDrive*, kMaxDrives> axes{};
+  for (std::size_t i = 0; i < line_.size(); ++i) axes[i] = &line_.axis(i);
+  attach({axes.data(), line_.size()});
+}
+
+void UgvAxes::poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept {
+  line_.watch(!pressed(), now_ns);
+  std::array<double, kMaxDrives> standing{};
+  for (std::size_t i = 0; i < line_.size(); ++i) standing[i] = line_.axis(i).reading().turns;
+  decide(line_.works(now_ns), {standing.data(), line_.size()}, now_ns);
+  line_.send(now_ns, bus);
 }
 
 // New readings of all these axes, near enough to each other; `stamp_ns`: of the last.
 bool UgvAxes::together(std::size_t first, std::size_t count, rt::Nanoseconds& stamp_ns) noexcept {
-  rt::Nanoseconds oldest = group_.axis(first).reading().stamp_ns;
+  rt::Nanoseconds oldest = line_.axis(first).reading().stamp_ns;
   stamp_ns = oldest;
   for (std::size_t i = first; i < first + count; ++i) {
-    const Axis& axis = group_.axis(i);
+    const Axis& axis = line_.axis(i);
     if (axis.phase() != AxisPhase::ready || axis.reading().number == used_[i]) return false;
     oldest = std::min(oldest, axis.reading().stamp_ns);
     stamp_ns = std::max(stamp_ns, axis.reading().stamp_ns);
   }
   if (stamp_ns - oldest > kFarthest) return false;
-  for (std::size_t i = first; i < first + count; ++i) used_[i] = group_.axis(i).reading().number;
+  for (std::size_t i = first; i < first + count; ++i) used_[i] = line_.axis(i).reading().number;
   return true;
 }
 
 double UgvAxes::turns_at(std::size_t i, rt::Nanoseconds stamp_ns) const noexcept {
-  const AxisReading& reading = group_.axis(i).reading();
+  const AxisReading& reading = line_.axis(i).reading();
   return reading.turns + reading.turns_s * 1e-9 * static_cast<double>(stamp_ns - reading.stamp_ns);
 }
 
@@ -110,8 +115,8 @@ Status UgvAxes::read(rt::TrackSample& sample) noexcept {
   for (std::size_t i = 0; i < kTracks; ++i) {
     const double turns = turns_at(i, stamp_ns);
     // An axis that came back may count from zero again: travel goes on from where it was.
-    if (set_ups_[i] != group_.axis(i).counters().set_ups) origin_[i] = turns - travel_[i];
-    set_ups_[i] = group_.axis(i).counters().set_ups;
+    if (set_ups_[i] != line_.axis(i).counters().set_ups) origin_[i] = turns - travel_[i];
+    set_ups_[i] = line_.axis(i).counters().set_ups;
     travel_[i] = turns - origin_[i];
   }
   sample = {};
@@ -130,7 +135,7 @@ Status UgvAxes::read(rt::FlipperSample& sample) noexcept {
   sample.stamp_ns = stamp_ns;
   for (std::size_t i = 0; i < rt::kFlippers; ++i) {
     sample.angle_rad[i] = turns_at(kTracks + i, stamp_ns) / config_.turns_per_rad;
-    sample.torque_n_m[i] = group_.axis(kTracks + i).reading().current_a * config_.torque_per_a_n_m;
+    sample.torque_n_m[i] = line_.axis(kTracks + i).reading().current_a * config_.torque_per_a_n_m;
   }
   return Status::ok;
 }

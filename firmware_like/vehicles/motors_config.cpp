@@ -12,7 +12,7 @@ struct Shared {
   std::array<std::uint8_t, rt::kFlippers> flipper_nodes{11, 12, 13, 14};
   rt::Nanoseconds period_ns = 10 * rt::kNanosecondsPerMillisecond;
   rt::Nanoseconds silence_ns = 150 * rt::kNanosecondsPerMillisecond;
-  drivers::ArmingConfig arming{};
+  drivers::DriveGroupConfig group{};
 };
 
 void node(Profile& profile, const char* path, std::uint8_t& number) {
@@ -20,8 +20,9 @@ void node(Profile& profile, const char* path, std::uint8_t& number) {
       profile.integer(path, {static_cast<double>(number), 1, 127, "", "number of this drive on the bus"}));
 }
 
-void ms(Profile& profile, const char* path, rt::Nanoseconds& value, double high, const char* meaning) {
-  value = milliseconds(profile.number(path, {in_ms(value), 1, high, "ms", meaning}));
+void ms(Profile& profile, const char* path, rt::Nanoseconds& value, double high, const char* meaning,
+        double low = 1) {
+  value = milliseconds(profile.number(path, {in_ms(value), low, high, "ms", meaning}));
 }
 
 Shared read_shared(Profile& profile) {
@@ -35,24 +36,24 @@ Shared read_shared(Profile& profile) {
   ms(profile, "drives.sync_ms", shared.period_ns, 255, "between commands, whole ms");
   ms(profile, "drives.heartbeat_timeout_ms", shared.silence_ns, 60'000,
      "silence after which a drive stops by itself, or counts as lost, whole ms");
-  ms(profile, "drives.command_timeout_ms", shared.arming.command_timeout_ns, 10'000,
+  ms(profile, "drives.command_timeout_ms", shared.group.command_timeout_ns, 10'000,
      "without a new command for so long all drives stop");
-  shared.arming.rearm_ns = milliseconds(
-      1e3 * profile.number("drives.rearm_s", {1, 0, 3600, "s",
+  shared.group.rearm_ns = milliseconds(
+      1e3 * profile.number("drives.rearm_s", {0, 0, 3600, "s",
                                               "after a stop the drives run again when all have been well for "
                                               "so long; 0: when the command was off in between"}));
   return shared;
 }
 
-drivers::canopen::UgvDrivesConfig read_canopen(Profile& profile, const Shared& shared, bool flippers) {
-  drivers::canopen::UgvDrivesConfig config;
+drivers::canopen::UgvNodesConfig read_canopen(Profile& profile, const Shared& shared, bool flippers) {
+  drivers::canopen::UgvNodesConfig config;
   config.flippers = flippers;
   config.track_nodes = shared.track_nodes;
   config.flipper_nodes = shared.flipper_nodes;
   config.heartbeat_timeout_ns = shared.silence_ns;
-  config.master.sync_period_ns = shared.period_ns;
-  config.master.arming = shared.arming;
-  node(profile, "drives.node_master", config.master.node);
+  config.line.sync_period_ns = shared.period_ns;
+  config.group = shared.group;
+  node(profile, "drives.node_master", config.line.node);
   config.increments_per_m = profile.number(
       "drives.increments_per_m", {config.increments_per_m, 1, 1e8, "1/m", "canopen: of a track's encoder"});
   config.increments_per_rad =
@@ -63,7 +64,7 @@ drivers::canopen::UgvDrivesConfig read_canopen(Profile& profile, const Shared& s
                      {config.rated_torque_n_m, 0.001, 1e6, "N m", "canopen: of a flipper, for its torque"});
   ms(profile, "drives.heartbeat_ms", config.heartbeat_ns, 10'000,
      "canopen: of each drive and of the runtime, whole ms");
-  config.master.heartbeat_ns = config.heartbeat_ns;
+  config.line.heartbeat_ns = config.heartbeat_ns;
   return config;
 }
 
@@ -73,8 +74,8 @@ drivers::odrive::UgvAxesConfig read_odrive(Profile& profile, const Shared& share
   config.track_nodes = shared.track_nodes;
   config.flipper_nodes = shared.flipper_nodes;
   config.silence_ns = shared.silence_ns;
-  config.group.period_ns = shared.period_ns;
-  config.group.arming = shared.arming;
+  config.line.period_ns = shared.period_ns;
+  config.group = shared.group;
   const auto number = [&](const char* path, double& value, double low, double high, const char* unit,
                           const char* meaning) {
     value = profile.number(path, {value, low, high, unit, meaning});
@@ -104,6 +105,22 @@ MotorsConfig read_motors(Profile& profile, bool flippers) {
   } else {
     config.odrive = read_odrive(profile, shared, flippers);
   }
+  return config;
+}
+
+EmergencyConfig read_emergency(Profile& profile) {
+  EmergencyConfig config;
+  ms(profile, "emergency.button_timeout_ms", config.button.silence_ns, 10'000,
+     "silence of the emergency stop's button on the bus that counts as pressed; 0: there need not be one", 0);
+  const std::string chip =
+      profile.text("emergency.gpio_chip", "", "a board's chip of lines, such as /dev/gpiochip0; empty: none");
+  drivers::GpioLineConfig line;
+  line.chip = chip;
+  line.line = static_cast<std::uint32_t>(profile.integer(
+      "emergency.gpio_line", {0, 0, 1023, "", "line of the emergency stop's contact on that chip"}));
+  line.active_low = profile.flag("emergency.gpio_active_low", true,
+                                 "pressed is the low level, as where a broken wire counts as pressed");
+  if (!chip.empty()) config.gpio = line;
   return config;
 }
 

@@ -4,7 +4,9 @@
 
 #include <optional>
 
-#include "drivers/canopen/ugv_drives.hpp"
+#include "drivers/canopen/ugv_nodes.hpp"
+#include "drivers/emergency_button.hpp"
+#include "drivers/gpio_line.hpp"
 #include "drivers/odrive/ugv_axes.hpp"
 #include "firmware_like/profile.hpp"
 
@@ -12,9 +14,18 @@ namespace sortie::firmware {
 
 /// One of them, or neither: then the motors speak the robot's own frames.
 struct MotorsConfig {
-  std::optional<drivers::canopen::UgvDrivesConfig> canopen;
+  std::optional<drivers::canopen::UgvNodesConfig> canopen;
   std::optional<drivers::odrive::UgvAxesConfig> odrive;
 };
+
+/// Where an emergency stop is read: [emergency].
+struct EmergencyConfig {
+  drivers::EmergencyButtonConfig button;
+  std::optional<drivers::GpioLineConfig> gpio;
+};
+
+/// What [emergency] says. Throws ProfileError.
+EmergencyConfig read_emergency(Profile& profile);
 
 /// What [drives] says. `flippers`: the robot has such motors. Throws ProfileError.
 MotorsConfig read_motors(Profile& profile, bool flippers);

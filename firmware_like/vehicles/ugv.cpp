@@ -119,6 +119,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
       devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
     }
   }
+  if (rt::kBuilt<rt::Part::drive> && drive_ && button_.take(frame, now_ns)) return;
   if (motors_ && motors_->take(frame, now_ns)) return;
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason

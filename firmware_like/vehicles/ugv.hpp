@@ -4,8 +4,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "drivers/can_codec.hpp"
+#include "drivers/emergency_button.hpp"
+#include "drivers/gpio_line.hpp"
 #include "drivers/ugv_motors.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/owned_part.hpp"
@@ -56,6 +59,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
   void add_motors(VehicleBuilder& builder);
+  void add_emergency(VehicleBuilder& builder);
+  bool emergency(rt::Nanoseconds now_ns) noexcept;
   void add_bus_frames(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
   void send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
@@ -96,6 +101,13 @@ class Ugv final : public Vehicle, public UnitTryer {
   // Devices.
   drivers::CanSampleDecoder decoder_;
   std::unique_ptr<drivers::UgvMotors> motors_;  ///< null: they speak the robot's own frames
+  drivers::EmergencyButton button_;
+  drivers::GpioLine emergency_line_;
+  std::optional<drivers::GpioLineConfig> emergency_config_;
+  bool emergency_asked_{};
+  bool emergency_{};
+  bool own_stopped_{};  // an emergency stop, and not asked anew since
+  std::uint64_t emergency_stops_{};
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};

@@ -55,6 +55,32 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   add_drive_counters(builder);
   if (rt::kBuilt<rt::Part::flippers> && flippers_) add_flippers(builder, group);
   add_motors(builder);
+  add_emergency(builder);
+}
+
+void Ugv::add_emergency(VehicleBuilder& builder) {
+  const EmergencyConfig config = read_emergency(builder.profile());
+  button_ = drivers::EmergencyButton(config.button);
+  builder.counter("emergency_pressed", [this] { return std::uint64_t{emergency_ ? 1u : 0u}; });
+  builder.counter("emergency_stops", [this] { return emergency_stops_; });
+  builder.counter("emergency_malformed", [this] { return button_.malformed(); });
+  emergency_config_ = config.gpio;
+}
+
+// Pressed by any of its inputs; one that cannot be read counts as pressed.
+bool Ugv::emergency(rt::Nanoseconds now_ns) noexcept {
+  bool line = false;
+  if (emergency_config_) {
+    // At the first call: a replay has no lines.
+    std::string problem;
+    if (!emergency_asked_) static_cast<void>(emergency_line_.open(*emergency_config_, problem));
+    emergency_asked_ = true;
+    if (emergency_line_.read(line) != Status::ok) line = true;
+  }
+  const bool pressed = line || button_.pressed(now_ns);
+  if (pressed && !emergency_) ++emergency_stops_;
+  emergency_ = pressed;
+  return pressed;
 }
 
 void Ugv::add_motors(VehicleBuilder& builder) {
@@ -152,9 +178,18 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
   rt::FlipperCommand flippers;
   const bool has_flippers = flipper_outlet_ != nullptr && (!paced || now_ns >= next_flippers_ns_) &&
                             flipper_outlet_->take(now_ns, flippers);
+  const bool pressed = emergency(now_ns);
   if (motors_) {
+    motors_->press(pressed);
     send_to_motors(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
     return;
+  }
+  // As DriveGroup has it: what was asked for before the release does not run after it.
+  if (pressed) own_stopped_ = true;
+  if (!pressed && has_command && (command.flags & 1u) == 0) own_stopped_ = false;
+  if (own_stopped_) {
+    command.left_m_s = command.right_m_s = 0.0;
+    command.flags = flippers.flags = 0;
   }
   if (has_command) {
     drivers::CanFrame frame;

@@ -31,23 +31,26 @@ void add_counts(VehicleBuilder& builder, const std::string& prefix, const Counte
   });
 }
 
-void add_state(VehicleBuilder& builder, const std::string& prefix, const drivers::UgvMotors& motors) {
-  const drivers::UgvMotors* const all = &motors;
+void add_state(VehicleBuilder& builder, const std::string& prefix, const drivers::UgvDrives& motors) {
+  const drivers::UgvDrives* const all = &motors;
   builder.counter(prefix + "running", [all] { return std::uint64_t{all->running() ? 1u : 0u}; });
   builder.counter(prefix + "stop_reason", [all] { return static_cast<std::uint64_t>(all->stop_reason()); });
+  builder.counter(prefix + "stops", [all] { return all->group().stops(); });
+  builder.counter(prefix + "starts", [all] { return all->group().starts(); });
+  builder.counter(prefix + "emergency_stop", [all] { return std::uint64_t{all->pressed() ? 1u : 0u}; });
 }
 
 }  // namespace
 
 std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
-                                                 const drivers::canopen::UgvDrivesConfig& config) {
-  auto drives = std::make_unique<drivers::canopen::UgvDrives>(config);
-  const drivers::canopen::Master* const master = &drives->master();
+                                                 const drivers::canopen::UgvNodesConfig& config) {
+  auto drives = std::make_unique<drivers::canopen::UgvNodes>(config);
+  const drivers::canopen::NodeLine* const line = &drives->line();
   builder.bus_frames(drivers::canopen::bus_frames(config));
-  add_counts(builder, "canopen_", master->counters());
+  add_counts(builder, "canopen_", line->counters());
   add_sums<drivers::canopen::DriveCounters>(
       builder, "canopen_drives_",
-      master->size(), [master](std::size_t i) -> const auto& { return master->drive(i).counters(); });
+      line->size(), [line](std::size_t i) -> const auto& { return line->drive(i).counters(); });
   add_state(builder, "canopen_", *drives);
   return drives;
 }
@@ -55,16 +58,15 @@ std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
 std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
                                                 const drivers::odrive::UgvAxesConfig& config) {
   auto axes = std::make_unique<drivers::odrive::UgvAxes>(config);
-  const drivers::odrive::AxisGroup* const group = &axes->group();
+  const drivers::odrive::AxisLine* const line = &axes->line();
   builder.bus_frames(drivers::odrive::bus_frames(config));
-  add_counts(builder, "odrive_", group->counters());
+  add_counts(builder, "odrive_", line->counters());
   add_sums<drivers::odrive::AxisCounters>(
       builder, "odrive_axes_",
-      group->size(), [group](std::size_t i) -> const auto& { return group->axis(i).counters(); });
-  builder.counter("odrive_watchdog_us", [group] {
+      line->size(), [line](std::size_t i) -> const auto& { return line->axis(i).counters(); });
+  builder.counter("odrive_watchdog_us", [line] {
     rt::Nanoseconds worst_ns = 0;
-    for (std::size_t i = 0; i < group->size(); ++i)
-      worst_ns = std::max(worst_ns, group->axis(i).watchdog_ns());
+    for (std::size_t i = 0; i < line->size(); ++i) worst_ns = std::max(worst_ns, line->axis(i).watchdog_ns());
     return static_cast<std::uint64_t>(worst_ns / 1000);
   });
   add_state(builder, "odrive_", *axes);

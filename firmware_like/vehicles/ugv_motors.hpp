@@ -12,7 +12,7 @@ namespace sortie::firmware {
 
 /// Throw std::runtime_error where a setting cannot be used. Set-up only.
 std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
-                                                 const drivers::canopen::UgvDrivesConfig& config);
+                                                 const drivers::canopen::UgvNodesConfig& config);
 std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
                                                 const drivers::odrive::UgvAxesConfig& config);
 

@@ -17,7 +17,9 @@ void CanopenDictionary::reset() noexcept {
   add(0x1016, 1, 4, true, false, 0);
   add(0x1017, 0, 2, true, false, 0);
   add(0x1400, 1, 4, true, false, canopen::kRpdo1Id + node_);
+  add(0x1029, 1, 1, true, false, 0);  // a lost connection leads to pre-operational
   add(0x1400, 2, 1, true, false, canopen::kPdoAtOnce);
+  add(0x1400, 5, 2, true, false, 0);  // ms without a command: a fault
   add(0x1600, 0, 1, true, false, 1);
   for (std::uint8_t i = 1; i <= 4; ++i) add(0x1600, i, 4, true, false, i == 1 ? 0x6040'0010u : 0u);
   add(0x1800, 1, 4, true, false, canopen::kPdoNoRemote | (canopen::kTpdo1Id + node_));
@@ -25,6 +27,13 @@ void CanopenDictionary::reset() noexcept {
   add(0x1A00, 0, 1, true, false, 1);
   for (std::uint8_t i = 1; i <= 4; ++i) add(0x1A00, i, 4, true, false, i == 1 ? 0x6041'0010u : 0u);
   add(canopen::kAbortOption, 0, 2, true, false, 1);
+  add(0x605A, 0, 2, true, false, 1);  // a quick stop is a slow one until somebody asks for another
+  add(0x605E, 0, 2, true, false, 2);
+  add(0x6065, 0, 4, true, false, 0);
+  add(0x6066, 0, 2, true, false, 0);
+  add(0x6083, 0, 4, true, false, kUsualRamp);
+  add(0x6084, 0, 4, true, false, kUsualRamp / 4);
+  add(0x6085, 0, 4, true, false, kUsualRamp / 4);
   add(canopen::kControlWord, 0, 2, true, true, 0);
   add(canopen::kStatusWord, 0, 2, false, true, 0);
   add(canopen::kModeWanted, 0, 1, true, true, 0);

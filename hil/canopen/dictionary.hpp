@@ -18,6 +18,9 @@ struct CanopenObject {
   std::uint32_t value{};
 };
 
+/// Ramps that a drive has until it is given others, increments/s^2.
+inline constexpr std::uint32_t kUsualRamp = 40'000;
+
 /// All objects of one drive. No heap.
 class CanopenDictionary {
  public:
@@ -45,7 +48,7 @@ class CanopenDictionary {
   std::uint8_t unpack(std::uint16_t mapping, const drivers::CanFrame& frame) noexcept;
 
  private:
-  static constexpr std::size_t kMost = 40;
+  static constexpr std::size_t kMost = 50;
   CanopenObject* find(drivers::canopen::ObjectKey key) noexcept;
   const CanopenObject* find(drivers::canopen::ObjectKey key) const noexcept;
   void add(std::uint16_t index, std::uint8_t sub, std::uint8_t bytes, bool writable, bool mappable,

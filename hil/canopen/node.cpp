@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hil/canopen/node.hpp"
 
+#include <cstdlib>
 #include <stdexcept>
 
 #include "drivers/canopen/drive_setup.hpp"
@@ -15,56 +16,67 @@ namespace {
 
 constexpr std::uint16_t kHeartbeatError = 0x8130;  // emergency: life guard or heartbeat
 constexpr std::uint16_t kPdoLength = 0x8210;       // emergency: a PDO was too short
-constexpr std::uint16_t kAbortVoltage = 2;         // of kAbortOption: no torque at once
+constexpr std::uint16_t kPdoTimeout = 0x8250;
+constexpr std::uint16_t kSyncTimeout = 0x8700;
+constexpr std::uint16_t kFollowingError = 0x8611;
 
-// Status words: the state's bits, voltage enabled, remote.
-std::uint16_t status_word(DriveState state) {
-  constexpr std::uint16_t kBase = 0x0210;
-  constexpr std::uint16_t kBits[] = {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08, 0x00};
-  return static_cast<std::uint16_t>(kBase | kBits[static_cast<unsigned>(state)]);
+rt::Nanoseconds ms(std::uint32_t value) {
+  return static_cast<rt::Nanoseconds>(value) * rt::kNanosecondsPerMillisecond;
 }
 
 }  // namespace
 
-CanopenNode::CanopenNode(std::uint8_t node, drivers::CanBus& port)
-    : port_(&port), objects_(node), node_(node) {
+CanopenNode::CanopenNode(std::uint8_t node, drivers::CanBus& port, const CanopenNodeConfig& config)
+    : port_(&port), config_(config), objects_(node), node_(node) {
   if (node < 1 || node > canopen::kMaxNode)
     throw std::runtime_error("hil canopen: a node's number lies in 1 to 127");
 }
 
-void CanopenNode::show(const MotorState& motor) noexcept {
-  objects_.set(canopen::kPositionActual, 0, static_cast<std::uint32_t>(motor.position));
-  objects_.set(canopen::kVelocityActual, 0, static_cast<std::uint32_t>(motor.velocity));
-  objects_.set(canopen::kTorqueActual, 0, static_cast<std::uint16_t>(motor.torque));
-  if (state_ == DriveState::quick_stop && motor.velocity == 0) enter(DriveState::switch_on_disabled);
-}
-
 void CanopenNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
-  if (!powered_ || !booted_) return;
+  if (!powered_ || !booted_ || deaf_) return;
   ++counters_.received;
   take(frame, now_ns);
 }
 
 void CanopenNode::step(rt::Nanoseconds now_ns) noexcept {
+  now_ns_ = now_ns;
   if (!powered_) return;
-  if (!booted_) boot();
+  if (power_ns_ < 0) power_ns_ = now_ns;
+  if (!booted_) {
+    if (now_ns - power_ns_ < config_.boot_ns) return;
+    boot(now_ns);
+  }
+  if (block_ == EnableBlock::safe_torque_off || block_ == EnableBlock::no_voltage) {
+    wanted_ = DriveState::switch_on_disabled;
+    if (state_ != DriveState::fault && state_ != DriveState::switch_on_disabled) enter(wanted_);
+  }
+  take_steps(now_ns);
   watch_master(now_ns);
-  const auto period = static_cast<rt::Nanoseconds>(objects_.value(0x1017)) * rt::kNanosecondsPerMillisecond;
+  watch_motor(now_ns);
+  if (sdo_waits_ && now_ns >= sdo_due_ns_) answer_sdo();
+  const rt::Nanoseconds period = ms(objects_.value(0x1017));
   if (period > 0 && now_ns >= next_heartbeat_ns_) {
     send(canopen::encode_heartbeat(node_, nmt_));
     next_heartbeat_ns_ = now_ns + period;
   }
 }
 
-void CanopenNode::boot() noexcept {
+void CanopenNode::boot(rt::Nanoseconds now_ns) noexcept {
   booted_ = true;
   ++counters_.boots;
+  follows_ns_ = sync_ns_ = rpdo_ns_ = now_ns;
+  reset();
+}
+
+// Reset of node or communication alike: all is forgotten.
+void CanopenNode::reset() noexcept {
   objects_.reset();
   command_ = {};
   last_control_ = 0;
-  master_known_ = false;
+  master_known_ = sdo_waits_ = false;
   next_heartbeat_ns_ = 0;
-  enter(DriveState::switch_on_disabled);
+  wanted_ = DriveState::switch_on_disabled;
+  enter(wanted_);
   send(canopen::encode_heartbeat(node_, NmtState::boot_up));
   nmt_ = NmtState::pre_operational;
 }
@@ -72,20 +84,28 @@ void CanopenNode::boot() noexcept {
 void CanopenNode::set_power(bool on) noexcept {
   powered_ = on;
   booted_ = false;
-  enter(DriveState::switch_on_disabled);
+  power_ns_ = -1;
+  stubborn_ = 0;
+  wanted_ = DriveState::switch_on_disabled;
+  enter(wanted_);
 }
 
 void CanopenNode::fail(std::uint16_t code, int stubborn) noexcept {
+  if (!powered_ || !booted_) return;
   stubborn_ = stubborn;
-  enter(DriveState::fault);
+  ++counters_.faults;
+  // What can still be steered is stopped on its ramp where the drive was told to; what cannot, coasts.
+  const bool can_stop = command_.on && code >= 0x8000 && objects_.value(0x605E) != 0;
+  wanted_ = DriveState::fault;
+  enter(can_stop ? DriveState::fault_reaction : DriveState::fault);
   emergency(code);
 }
 
 void CanopenNode::take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   canopen::NmtCommand nmt{};
   std::uint8_t node = 0;
-  if (canopen::decode_nmt(frame, nmt, node) == Status::ok) {
-    if (node == 0 || node == node_) take_nmt(nmt);
+  if (!heartbeats_alone_ && canopen::decode_nmt(frame, nmt, node) == Status::ok) {
+    if (node == 0 || node == node_) take_nmt(nmt, now_ns);
     return;
   }
   NmtState state{};
@@ -97,56 +117,69 @@ void CanopenNode::take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) n
     }
     return;
   }
+  if (heartbeats_alone_) return;
   canopen::Sdo request;
   if (canopen::decode_sdo_request(frame, node, request) == Status::ok) {
-    if (node == node_ && nmt_ != NmtState::stopped) take_sdo(request);
+    if (node == node_ && nmt_ != NmtState::stopped) take_sdo(request, now_ns);
     return;
   }
   if (nmt_ != NmtState::operational) return;
   if (canopen::is_sync(frame)) {
+    sync_ns_ = now_ns;
     if (objects_.value(0x1800, 2) == canopen::kPdoEverySync) send_tpdo();
   } else if (frame.flags == 0 && frame.id == (objects_.value(0x1400, 1) & 0x7FFu) &&
              (objects_.value(0x1400, 1) & canopen::kPdoOff) == 0) {
+    rpdo_ns_ = now_ns;
     take_rpdo(frame);
   }
 }
 
-void CanopenNode::take_nmt(canopen::NmtCommand command) noexcept {
+void CanopenNode::take_nmt(canopen::NmtCommand command, rt::Nanoseconds now_ns) noexcept {
   switch (command) {
     case canopen::NmtCommand::start:
+      if (nmt_ != NmtState::operational) sync_ns_ = rpdo_ns_ = now_ns;
       nmt_ = NmtState::operational;
       break;
     case canopen::NmtCommand::stop:
+      if (nmt_ != NmtState::stopped && config_.stopped_matters) lose_connection();
       nmt_ = NmtState::stopped;
       break;
+    // Its state machine does not care: an enabled drive stays enabled, on its last target.
     case canopen::NmtCommand::pre_operational:
       nmt_ = NmtState::pre_operational;
       break;
     case canopen::NmtCommand::reset_node:
     case canopen::NmtCommand::reset_communication:
-      boot();
+      reset();
       return;
   }
-  // Whoever leaves Operational gets no commands any more.
-  if (nmt_ != NmtState::operational && state_ == DriveState::operation_enabled) enter(DriveState::quick_stop);
 }
 
-void CanopenNode::take_sdo(const canopen::Sdo& request) noexcept {
+void CanopenNode::take_sdo(const canopen::Sdo& request, rt::Nanoseconds now_ns) noexcept {
   if (request.kind == canopen::SdoKind::abort) return;
+  request_ = request;
+  sdo_waits_ = true;
+  sdo_due_ns_ = now_ns + config_.sdo_ns;
+}
+
+void CanopenNode::answer_sdo() noexcept {
+  sdo_waits_ = false;
   canopen::Sdo reply;
-  reply.key = request.key;
+  reply.key = request_.key;
   std::uint32_t code = 0;
-  if (request.kind == canopen::SdoKind::read) {
+  if (request_.kind == canopen::SdoKind::read) {
     reply.kind = canopen::SdoKind::value;
-    code = objects_.read(request.key, reply.value, reply.bytes);
+    code = objects_.read(request_.key, reply.value, reply.bytes);
   } else {
     reply.kind = canopen::SdoKind::written;
-    code = objects_.write(request.key, request.value, request.bytes, nmt_ == NmtState::operational);
-    if (code == 0 && request.key.index == 0x1016) master_known_ = false;
-    if (code == 0 && request.key.index == canopen::kModeWanted)
-      objects_.set(canopen::kModeShown, 0, request.value);
-    if (code == 0 && request.key.index == canopen::kControlWord)
-      obey(static_cast<std::uint16_t>(request.value));
+    code = objects_.write(request_.key, request_.value, request_.bytes, nmt_ == NmtState::operational);
+    if (code == 0 && request_.key.index == 0x1016) master_known_ = false;
+    if (code == 0 && request_.key.index == canopen::kModeWanted) {
+      objects_.set(canopen::kModeShown, 0, request_.value);
+      command_.mode = static_cast<std::int8_t>(request_.value);
+    }
+    if (code == 0 && request_.key.index == canopen::kControlWord)
+      obey(static_cast<std::uint16_t>(request_.value));
   }
   if (code != 0) {
     reply.kind = canopen::SdoKind::abort;
@@ -160,68 +193,41 @@ void CanopenNode::take_rpdo(const drivers::CanFrame& frame) noexcept {
     emergency(kPdoLength);
     return;
   }
-  obey(static_cast<std::uint16_t>(objects_.value(canopen::kControlWord)));
   command_.mode = static_cast<std::int8_t>(objects_.value(canopen::kModeWanted));
   command_.velocity = static_cast<std::int32_t>(objects_.value(canopen::kTargetVelocity));
   command_.position = static_cast<std::int32_t>(objects_.value(canopen::kTargetPosition));
+  obey(static_cast<std::uint16_t>(objects_.value(canopen::kControlWord)));
 }
 
 // The consumer is armed by the first heartbeat that it hears (CiA 301, 7.5.2.14).
 void CanopenNode::watch_master(rt::Nanoseconds now_ns) noexcept {
-  const auto timeout =
-      static_cast<rt::Nanoseconds>(objects_.value(0x1016, 1) & 0xFFFFu) * rt::kNanosecondsPerMillisecond;
-  if (!master_known_ || timeout == 0 || now_ns - master_heard_ns_ <= timeout) return;
-  master_known_ = false;
-  ++counters_.heartbeat_lost;
-  emergency(kHeartbeatError);
-  const std::uint32_t option = objects_.value(canopen::kAbortOption);
-  if (state_ != DriveState::operation_enabled) return;
-  if (option == canopen::kAbortQuickStop) enter(DriveState::quick_stop);
-  if (option == kAbortVoltage) enter(DriveState::switch_on_disabled);
-  if (option == 1) enter(DriveState::fault);
+  const rt::Nanoseconds timeout = ms(objects_.value(0x1016, 1) & 0xFFFFu);
+  if (master_known_ && timeout != 0 && now_ns - master_heard_ns_ > timeout) {
+    master_known_ = false;
+    ++counters_.heartbeat_lost;
+    emergency(kHeartbeatError);
+    lose_connection();
+    if (nmt_ == NmtState::operational && objects_.value(0x1029, 1) == 0) nmt_ = NmtState::pre_operational;
+  }
+  if (nmt_ != NmtState::operational || state_ != DriveState::operation_enabled) return;
+  const rt::Nanoseconds rpdo_ns = ms(objects_.value(0x1400, 5));
+  if (rpdo_ns > 0 && now_ns - rpdo_ns_ > rpdo_ns) fail(kPdoTimeout);
+  if (config_.sync_timeout_ns > 0 && now_ns - sync_ns_ > config_.sync_timeout_ns) fail(kSyncTimeout);
 }
 
-// Transitions of CiA 402 by the control word's bits.
-void CanopenNode::obey(std::uint16_t control) noexcept {
-  const bool reset = (control & 0x80u) != 0 && (last_control_ & 0x80u) == 0;
-  last_control_ = control;
-  if (state_ == DriveState::fault) {
-    if (!reset || stubborn_-- > 0) return;
-    enter(DriveState::switch_on_disabled);
-    emergency(0);
-    return;
-  }
-  if ((control & 0x02u) == 0) {  // disable voltage
-    enter(DriveState::switch_on_disabled);
-  } else if ((control & 0x04u) == 0) {  // quick stop
-    if (state_ == DriveState::operation_enabled) {
-      enter(DriveState::quick_stop);
-    } else if (state_ != DriveState::quick_stop) {
-      enter(DriveState::switch_on_disabled);
-    }
-  } else if (state_ == DriveState::switch_on_disabled) {
-    if ((control & 0x07u) == 0x06u) enter(DriveState::ready_to_switch_on);
-  } else if (state_ == DriveState::ready_to_switch_on) {
-    if ((control & 0x07u) == 0x07u) enter(DriveState::switched_on);
-  } else if (state_ == DriveState::switched_on) {
-    if ((control & 0x0Fu) == 0x0Fu) enter(DriveState::operation_enabled);
-    if ((control & 0x07u) == 0x06u) enter(DriveState::ready_to_switch_on);
-  } else if (state_ == DriveState::operation_enabled) {
-    if ((control & 0x0Fu) == 0x07u) enter(DriveState::switched_on);
-    if ((control & 0x07u) == 0x06u) enter(DriveState::ready_to_switch_on);
-  }
-}
-
-void CanopenNode::enter(DriveState state) noexcept {
-  state_ = state;
-  objects_.set(canopen::kStatusWord, 0, status_word(state));
-  command_.quick_stop = state == DriveState::quick_stop;
-  command_.on = state == DriveState::operation_enabled || command_.quick_stop;
+void CanopenNode::watch_motor(rt::Nanoseconds now_ns) noexcept {
+  const std::uint32_t window = objects_.value(0x6065);
+  const bool by_position = command_.mode == static_cast<std::int8_t>(canopen::DriveKind::cyclic_position);
+  const bool follows =
+      state_ != DriveState::operation_enabled || !by_position || window == 0 ||
+      std::abs(static_cast<std::int64_t>(command_.position) - motor_.position) <= std::int64_t{window};
+  if (follows) follows_ns_ = now_ns;
+  if (now_ns - follows_ns_ > ms(objects_.value(0x6066))) fail(kFollowingError);
 }
 
 void CanopenNode::send_tpdo() noexcept {
   const std::uint32_t id = objects_.value(0x1800, 1);
-  if ((id & canopen::kPdoOff) != 0) return;
+  if ((id & canopen::kPdoOff) != 0 || no_readings_) return;
   drivers::CanFrame frame;
   frame.id = id & 0x7FFu;
   frame.size = objects_.pack(0x1A00, frame);

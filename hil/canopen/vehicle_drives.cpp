@@ -31,17 +31,18 @@ void VehicleDrives::show(const VehicleBody& body) noexcept {
   static_cast<void>(body.read_flippers(flippers));  // without flippers there are no nodes for them
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     MotorState motor;
+    double increments = 0.0;
     if (i < kTracks) {
-      motor.position =
-          wrapped((i == 0 ? body.motion().left_m : body.motion().right_m) * config_.increments_per_m);
+      increments = (i == 0 ? body.motion().left_m : body.motion().right_m) * config_.increments_per_m;
     } else {
-      motor.position = wrapped(flippers.angle_rad[i - kTracks] * config_.increments_per_rad);
+      increments = flippers.angle_rad[i - kTracks] * config_.increments_per_rad;
       const double share = 1000.0 * flippers.torque_n_m[i - kTracks] / config_.rated_torque_n_m;
       motor.torque = static_cast<std::int16_t>(std::clamp(share, -32767.0, 32767.0));
     }
-    motor.velocity = static_cast<std::int32_t>(static_cast<std::uint32_t>(motor.position) -
-                                               static_cast<std::uint32_t>(shown_[i]));
-    shown_[i] = motor.position;
+    motor.position = wrapped(increments);
+    // Steps are of a millisecond (hil/ugv_plant.hpp).
+    motor.velocity = static_cast<std::int32_t>(std::clamp(1e3 * (increments - shown_[i]), -1e9, 1e9));
+    shown_[i] = increments;
     nodes_[i].show(motor);
   }
 }
@@ -59,6 +60,7 @@ void VehicleDrives::step(VehicleBody& body, rt::Nanoseconds now_ns) noexcept {
     const MotorCommand& command = nodes_[i].command();
     const bool on = command.on && !command.quick_stop;
     if (i < kTracks) {
+      wishes.track_on[i] = command.on;
       wishes.track_m_s[i] = on && command.mode == 3 ? command.velocity / config_.increments_per_m : 0.0;
     } else {
       wishes.moves[i - kTracks] = on && command.mode == 8;

@@ -41,7 +41,7 @@ class VehicleDrives {
  private:
   VehicleDrivesConfig config_;
   std::vector<CanopenNode> nodes_;
-  std::array<std::int32_t, 2 + rt::kFlippers> shown_{};
+  std::array<double, 2 + rt::kFlippers> shown_{};
 };
 
 }  // namespace sortie::hil

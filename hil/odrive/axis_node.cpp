@@ -2,6 +2,7 @@
 #include "hil/odrive/axis_node.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "drivers/odrive_dbc.hpp"
@@ -9,17 +10,39 @@
 namespace sortie::hil {
 
 namespace odrive = drivers::odrive;
+
+// Of a step of a millisecond: what its own estimate of speed takes over of what is true.
+constexpr double kEstimateShare = 0.1;
 using odrive::AxisState;
 
 AxisNode::AxisNode(const AxisNodeConfig& config, drivers::CanBus& port) : config_(config), port_(&port) {
   if (config.node > odrive::kMaxNode) throw std::runtime_error("hil odrive: an axis has a number of 0 to 63");
 }
 
+void AxisNode::show(const AxisMotorState& motor) noexcept {
+  const bool slows = command_.on && motor.turns_s * (motor.turns_s - motor_.turns_s) < 0.0;
+  const double slowing_turn_s2 = 1e3 * std::fabs(motor.turns_s - motor_.turns_s);
+  regenerates_too_much_ =
+      slows && config_.bus_trip_turn_s2 > 0.0 && slowing_turn_s2 > config_.bus_trip_turn_s2;
+  motor_ = motor;
+  estimate_turn_s_ += kEstimateShare * (motor.turns_s - estimate_turn_s_);
+}
+
+AxisWish AxisNode::wish() const noexcept {
+  AxisWish wish;
+  if (!command_.on) return wish;
+  wish.deed = command_.by_position ? AxisDeed::position : AxisDeed::speed;
+  wish.target = command_.by_position ? command_.turns : command_.turns_s;
+  wish.ramp_s2 = config_.fastest_turn_s2;
+  wish.fastest = velocity_limit_;
+  return wish;
+}
+
 void AxisNode::boot() noexcept {
   booted_ = true;
   ++counters_.boots;
   command_ = {};
-  error_ = 0;
+  error_ = config_.boot_error;
   velocity_limit_ = 2.0;
   current_limit_ = 10.0;
   origin_turns_ = config_.absolute ? 0.0 : motor_.turns;
@@ -30,6 +53,8 @@ void AxisNode::boot() noexcept {
 void AxisNode::set_power(bool on) noexcept {
   powered_ = on;
   booted_ = false;
+  power_ns_ = -1;
+  stubborn_ = 0;
   enter(AxisState::idle);
 }
 
@@ -39,12 +64,27 @@ void AxisNode::fail(std::uint32_t error, int stubborn) noexcept {
   enter(AxisState::idle);
 }
 
+void AxisNode::ask(AxisState state, rt::Nanoseconds now_ns) noexcept {
+  if (state == AxisState::idle) {
+    enter(state);
+  } else if (state != AxisState::closed_loop) {
+    fail(kInvalidState);
+  } else if (error_ == 0 && state_ != state && closed_ns_ < 0) {
+    if (calibrated_) {
+      closed_ns_ = now_ns + config_.enter_ns;
+    } else {
+      fail(kNotCalibrated);
+    }
+  }
+}
+
 // An axis that comes under torque starts from rest where it is.
 void AxisNode::enter(AxisState state) noexcept {
   if (state == AxisState::closed_loop && state_ != state) {
     command_.turns_s = 0.0;
     command_.turns = motor_.turns;
   }
+  closed_ns_ = -1;
   state_ = state;
   command_.on = state == AxisState::closed_loop;
 }
@@ -52,21 +92,17 @@ void AxisNode::enter(AxisState state) noexcept {
 void AxisNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   if (!powered_ || !booted_ || deaf_ || frame.flags != 0 || frame.id >> 5u != config_.node) return;
   ++counters_.received;
-  fed_ns_ = now_ns;  // whatever it says
   const std::uint32_t id = frame.id & 0x1Fu;
   const auto is = [&](const drivers::CanMessage& message) {
     return id == message.id && frame.size == message.size;
   };
+  if (!config_.targets_alone_feed || is(odrive::kSetInputVel) || is(odrive::kSetInputPos)) fed_ns_ = now_ns;
+  if (disobeys_) return;
   if (is(odrive::kSetAxisState)) {
-    const auto state =
-        static_cast<AxisState>(drivers::read_can_field(frame, odrive::kSetAxisStateSignals[0]));
-    if (state != AxisState::idle && state != AxisState::closed_loop) {
-      fail(kInvalidState);
-    } else if (state == AxisState::idle || error_ == 0) {
-      enter(state);
-    }
+    ask(static_cast<AxisState>(drivers::read_can_field(frame, odrive::kSetAxisStateSignals[0])), now_ns);
   } else if (is(odrive::kSetControllerMode)) {
     command_.by_position = drivers::read_can_field(frame, odrive::kSetControllerModeSignals[0]) == 3;
+    command_.turns = motor_.turns;  // a mode begins where the axis is
   } else if (is(odrive::kSetLimits)) {
     velocity_limit_ = drivers::physical_can_field(frame, odrive::kSetLimitsSignals[0]);
     current_limit_ = drivers::physical_can_field(frame, odrive::kSetLimitsSignals[1]);
@@ -86,12 +122,13 @@ void AxisNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noex
 
 void AxisNode::step(rt::Nanoseconds now_ns) noexcept {
   if (!powered_) return;
-  if (!booted_) boot();
-  const bool fed = config_.watchdog_ns == 0 || fed_ns_ < 0 || now_ns - fed_ns_ <= config_.watchdog_ns;
-  if (!fed && (error_ & kWatchdogExpired) == 0) {
-    ++counters_.watchdog;
-    fail(kWatchdogExpired);
+  if (power_ns_ < 0) power_ns_ = now_ns;
+  if (!booted_) {
+    if (now_ns - power_ns_ < config_.boot_ns) return;
+    boot();
   }
+  if (closed_ns_ >= 0 && now_ns >= closed_ns_) enter(AxisState::closed_loop);
+  watch(now_ns);
   if (now_ns >= next_heartbeat_ns_) {
     drivers::CanFrame frame;
     frame.id = odrive::kHeartbeat.id;
@@ -104,6 +141,21 @@ void AxisNode::step(rt::Nanoseconds now_ns) noexcept {
     send_estimates();
     next_estimates_ns_ = now_ns + config_.estimates_ns;
   }
+}
+
+void AxisNode::watch(rt::Nanoseconds now_ns) noexcept {
+  const bool watched = config_.watchdog_ns != 0 && fed_ns_ >= 0 && (command_.on || config_.watched_when_idle);
+  if (watched && now_ns - fed_ns_ > config_.watchdog_ns && (error_ & kWatchdogExpired) == 0) {
+    ++counters_.watchdog;
+    fail(kWatchdogExpired);
+  }
+  if (!voltage_ && (error_ & kBusVoltage) == 0) fail(kBusVoltage);
+  if (!command_.on) return;
+  const bool fast =
+      config_.overspeed > 0.0 && std::fabs(estimate_turn_s_) > config_.overspeed * velocity_limit_;
+  if (!fast && !regenerates_too_much_) return;
+  ++counters_.trips;
+  fail(fast ? kOverspeed : kBusVoltage);
 }
 
 void AxisNode::send_estimates() noexcept {

@@ -58,6 +58,7 @@ void VehicleAxes::step(VehicleBody& body, rt::Nanoseconds now_ns) noexcept {
     nodes_[i].step(now_ns);
     const AxisMotorCommand& command = nodes_[i].command();
     if (i < kTracks) {
+      wishes.track_on[i] = command.on;
       wishes.track_m_s[i] = command.on && !command.by_position ? command.turns_s / config_.turns_per_m : 0.0;
     } else {
       wishes.moves[i - kTracks] = command.on && command.by_position;

@@ -23,7 +23,8 @@ TrackedBody::TrackedBody(const TrackedBodyConfig& config, const PlantScene& scen
     : step_ns_(checked(step_ns)),
       height_m_(config.height_m),
       drives_(config.drives, step_ns, "hil plant"),
-      plant_(config.plant, scene) {
+      plant_(config.plant, scene),
+      gravity_m_s2_(config.plant.gravity_m_s2) {
   if (!std::isfinite(config.height_m)) throw std::runtime_error("hil plant: height_m must be finite");
   for (int i = 0; i < kFlippers; ++i) command_.flipper_rad[i] = config.plant.start_flipper_rad[i];
   motion_.stamp_ns = start_ns;
@@ -42,7 +43,8 @@ Status TrackedBody::set_flippers(const drivers::FlipperPairCommand& command) {
 
 void TrackedBody::step() {
   motion_.stamp_ns += step_ns_;
-  drives_.advance(motion_.stamp_ns);
+  const Vec3 gravity_body = rotate(conjugate(motion_.q_world_body), Vec3{0, 0, -gravity_m_s2_});
+  drives_.advance(motion_.stamp_ns, gravity_body.x);
   command_.left_m_s = drives_.left().speed_m_s();
   command_.right_m_s = drives_.right().speed_m_s();
   // Speeds and angles were checked when they came, and the step at the start; what does not stay finite the

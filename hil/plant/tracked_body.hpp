@@ -30,6 +30,7 @@ class TrackedBody final : public VehicleBody {
     return drives_.set(command, now_ns);
   }
   /// Flippers that are not enabled stay where their servos are.
+  void let_go(bool left, bool right) override { drives_.let_go(left, right); }
   Status set_flippers(const drivers::FlipperPairCommand& command) override;
   /// Cost: that of TrackedPlant::step().
   void step() override;
@@ -50,6 +51,7 @@ class TrackedBody final : public VehicleBody {
   double height_m_;
   BeltDrives drives_;
   TrackedPlant plant_;
+  double gravity_m_s2_;
   PlantCommand command_;
   Motion motion_;
 };

@@ -112,6 +112,68 @@ TEST_CASE("bus-off closes a SocketCAN port for sending until the controller rest
   CHECK(wire.port.counters().received == 0);
 }
 
+TEST_CASE("bus-off ends by any sign of life, when the frame that tells of the restart is lost") {
+  Wire wire;
+  CanFrame f;
+  const auto off = [&] {
+    wire.inject(CAN_ERR_FLAG | CAN_ERR_BUSOFF, 8);
+    REQUIRE(wire.port.receive(f) == Status::ok);
+    REQUIRE(wire.port.send(CanFrame{}) == Status::disconnected);
+  };
+  off();
+  SECTION("a frame of the bus") {
+    wire.inject(0x123, 8);
+    REQUIRE(wire.port.receive(f) == Status::ok);
+    CHECK(wire.port.send(CanFrame{}) == Status::ok);
+  }
+  SECTION("a controller that is active") {
+    wire.inject(CAN_ERR_FLAG | CAN_ERR_CRTL, 8, "\0\100\0\0\0\0\0\0");
+    REQUIRE(wire.port.receive(f) == Status::ok);
+    CHECK(wire.port.send(CanFrame{}) == Status::ok);
+  }
+  SECTION("nothing is heard: a frame is tried now and then") {
+    const std::int64_t from = monotonic_ns();
+    while (wire.port.send(CanFrame{}) != Status::ok) REQUIRE(monotonic_ns() - from < 30'000'000'000);
+    CHECK(monotonic_ns() - from >= 100'000'000);
+    CHECK(wire.port.send(CanFrame{}) == Status::ok);
+    off();
+    CHECK(wire.port.counters().bus_off == 2);
+  }
+}
+
+TEST_CASE("a port whose adapter was unplugged is opened again when it is back") {
+  Wire wire;
+  int pair[2];
+  REQUIRE(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, pair) == 0);
+  struct Shelf {
+    int descriptor;
+    int asked;
+    bool there;
+  } shelf{pair[1], 0, false};
+  const auto take = [](void* context) {
+    auto& from = *static_cast<Shelf*>(context);
+    ++from.asked;
+    return from.there ? from.descriptor : -1;
+  };
+  wire.port.adopt(pair[0], 0, take, &shelf);
+  int back[2];
+  REQUIRE(::socketpair(AF_UNIX, SOCK_SEQPACKET, 0, back) == 0);
+  ::close(pair[1]);
+  shelf.descriptor = back[0];
+  CanFrame f;
+  CHECK(wire.port.receive(f) == Status::disconnected);
+  CHECK(wire.port.send(CanFrame{}) == Status::disconnected);
+  for (int i = 0; i < 100; ++i) CHECK(wire.port.receive(f) == Status::disconnected);
+  CHECK(shelf.asked >= 1);
+  shelf.there = true;
+  const std::int64_t from = monotonic_ns();
+  while (wire.port.send(CanFrame{}) != Status::ok) REQUIRE(monotonic_ns() - from < 30'000'000'000);
+  CHECK(wire.port.counters().reopened == 1);
+  can_frame k{};
+  CHECK(::recv(back[1], &k, sizeof k, 0) == static_cast<ssize_t>(sizeof k));
+  ::close(back[1]);
+}
+
 TEST_CASE("a SocketCAN port that cannot send refuses, counts and stays usable") {
   Wire wire;
   Status status = Status::ok;

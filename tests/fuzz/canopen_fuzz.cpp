@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "drivers/canopen/ugv_drives.hpp"
+#include "drivers/canopen/ugv_nodes.hpp"
 #include "hil/canopen/node.hpp"
 
 using namespace sortie;
@@ -19,7 +19,7 @@ using namespace sortie::drivers::canopen;
 
 namespace {
 
-constexpr int kMostFramesPerPoll = 2 + 2 * static_cast<int>(kMaxDrives);
+constexpr int kMostFramesPerPoll = 4 + 2 * static_cast<int>(kMaxDrives);
 constexpr std::uint8_t kNodes[] = {1, 2, 11, 12, 13, 14};
 
 void require(bool condition) {
@@ -79,13 +79,13 @@ class Robot {
   }
   void press(bool pressed) {
     pressed_ = pressed;
-    master_.master().stop(pressed);
+    master_.press(pressed);
   }
   void lose(std::uint8_t next) { lose_ = next; }
   void change(std::uint8_t bits) { change_ = bits; }
   void refuse(bool on) { master_port_.refuses = on; }
   hil::CanopenNode& node(std::uint8_t i) { return nodes_[i % nodes_.size()]; }
-  bool running() const { return master_.master().running(); }
+  bool running() const { return master_.running(); }
 
   // A millisecond of the bus.
   void step() {
@@ -93,8 +93,8 @@ class Robot {
     for (hil::CanopenNode& node : nodes_) node.show({});
     master_.poll(now_ns_, master_port_);
     // Before new frames come: what they say is decided upon at the next poll.
-    for (std::size_t i = 0; i < master_.master().size(); ++i)
-      require(!running() || master_.master().drive(i).phase() != DrivePhase::setting_up);
+    for (std::size_t i = 0; i < master_.line().size(); ++i)
+      require(!running() || master_.line().drive(i).phase() != DrivePhase::setting_up);
     const int sent = master_port_.drain([this](CanFrame frame) {
       disturb(frame);
       for (hil::CanopenNode& node : nodes_) node.hear(frame, now_ns_);
@@ -120,8 +120,7 @@ class Robot {
     change_ = 0;
   }
   void look() {
-    const Master& master = master_.master();
-    if (pressed_ || !enabled_) require(!master.running());
+    if (pressed_ || !enabled_) require(!master_.running());
     rt::TrackSample track;
     if (master_.read(track) == Status::ok) {
       require(track.stamp_ns > last_track_ns_ && std::isfinite(track.left_m) && std::isfinite(track.right_m));
@@ -134,7 +133,7 @@ class Robot {
   }
   Port master_port_;
   Port drives_port_;
-  UgvDrives master_{UgvDrivesConfig{}};
+  UgvNodes master_{UgvNodesConfig{}};
   std::vector<hil::CanopenNode> nodes_;
   rt::DriveCommand command_;
   rt::Nanoseconds now_ns_{};

@@ -63,7 +63,7 @@ struct FuzzRobot {
   void step() {
     now_ns += rt::kNanosecondsPerMillisecond;
     motors.poll(now_ns, port);
-    require(port.frames.size() <= kMaxFrames * kMaxAxes);
+    require(port.frames.size() <= std::size_t{AxisLine::kBurst + 1});
     for (CanFrame& frame : port.frames) {
       disturb(frame);
       for (hil::AxisNode& axis : axes) axis.hear(frame, now_ns);
@@ -153,7 +153,7 @@ void act(FuzzRobot& robot, const std::uint8_t* in) {
     }
     case 5:
       robot.pressed = on;
-      robot.motors.group().stop(on);
+      robot.motors.press(on);
       break;
     case 6:
       robot.lose = in[2];
@@ -183,7 +183,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   robot.lose = robot.change = 0;
   robot.port.refuses = false;
   robot.pressed = false;
-  robot.motors.group().stop(false);
+  robot.motors.press(false);
   for (hil::AxisNode& axis : robot.axes) {
     axis.set_mute(false);
     axis.set_power(false);

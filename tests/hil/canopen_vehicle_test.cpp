@@ -3,15 +3,14 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "drivers/canopen/ugv_drives.hpp"
+#include "drivers/canopen/ugv_nodes.hpp"
 #include "hil/canopen/vehicle_drives.hpp"
 #include "tests/hil/motors_vehicle.hpp"
 
 using namespace sortie;
 
-using CanopenVehicle =
-    hil::test::MotorsVehicle<drivers::canopen::UgvDrives, drivers::canopen::UgvDrivesConfig,
-                             hil::VehicleDrives, hil::VehicleDrivesConfig>;
+using CanopenVehicle = hil::test::MotorsVehicle<drivers::canopen::UgvNodes, drivers::canopen::UgvNodesConfig,
+                                                hil::VehicleDrives, hil::VehicleDrivesConfig>;
 
 TEST_CASE("canopen vehicle: commands arrive, travel and angles come back with every SYNC") {
   CanopenVehicle v;
@@ -26,7 +25,7 @@ TEST_CASE("canopen vehicle: commands arrive, travel and angles come back with ev
   v.flippers.angle_rad[2] = 0.7;
   v.tracks = v.states = 0;
   v.run(1000);
-  CHECK(v.runtime.master().running());
+  CHECK(v.runtime.running());
   CHECK(v.tracks == Approx(100).margin(1));
   CHECK(v.states == Approx(100).margin(1));
   CHECK(v.body.motion_.left_m > 0.25);
@@ -38,7 +37,7 @@ TEST_CASE("canopen vehicle: commands arrive, travel and angles come back with ev
   v.drive.flags = 0;
   v.run(50);
   CHECK(v.body.drive_.left_m_s == 0.0);  // the flippers go on
-  CHECK(v.runtime.master().running());
+  CHECK(v.runtime.running());
 }
 
 TEST_CASE("canopen vehicle: travel goes on where the encoder's 32 bits end") {

@@ -15,7 +15,7 @@
 
 namespace sortie::hil::test {
 
-/// Tracks do at once what they are told; flippers turn at 2 rad/s.
+/// Tracks do at once what they are told, and roll out at 0.5 m/s^2 without torque; flippers turn at 2 rad/s.
 class MotorsPuppet final : public VehicleBody {
  public:
   Status set_command(const rt::DriveCommand& command, rt::Nanoseconds) override {
@@ -30,9 +30,13 @@ class MotorsPuppet final : public VehicleBody {
     moves_ = true;
     return Status::ok;
   }
+  void let_go(bool left, bool right) override { free_[0] = left, free_[1] = right; }
   void step() override {
-    motion_.left_m += 1e-3 * drive_.left_m_s;
-    motion_.right_m += 1e-3 * drive_.right_m_s;
+    const double wishes[] = {drive_.left_m_s, drive_.right_m_s};
+    for (int i = 0; i < 2; ++i)
+      speed_m_s_[i] = free_[i] ? speed_m_s_[i] - std::clamp(speed_m_s_[i], -5e-4, 5e-4) : wishes[i];
+    motion_.left_m += 1e-3 * speed_m_s_[0];
+    motion_.right_m += 1e-3 * speed_m_s_[1];
     for (std::size_t i = 0; moves_ && i < rt::kFlippers; ++i)
       flippers_.angle_rad[i] += std::clamp(wanted_rad_[i] - flippers_.angle_rad[i], -2e-3, 2e-3);
   }
@@ -49,6 +53,8 @@ class MotorsPuppet final : public VehicleBody {
 
  private:
   double wanted_rad_[rt::kFlippers]{};
+  double speed_m_s_[2]{};
+  bool free_[2]{};
   bool moves_{};
 };
 

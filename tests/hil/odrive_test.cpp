@@ -55,24 +55,24 @@ TEST_CASE("odrive: axes are found, their watchdogs proved, and they run as they 
   CHECK(rig.fastest() == 0.0);  // not even for the proof
   for (std::size_t i = 0; i < OdriveRig::kAxes; ++i) {
     CAPTURE(i);
-    CHECK(rig.group().axis(i).phase() == AxisPhase::ready);
+    CHECK(rig.axis(i).phase() == AxisPhase::ready);
     CHECK(rig.node(i).counters().watchdog >= 1);
     // 100 ms, and what the heartbeat took to tell.
-    CHECK(rig.group().axis(i).watchdog_ns() >= 100 * OdriveRig::kMs);
-    CHECK(rig.group().axis(i).watchdog_ns() <= 162 * OdriveRig::kMs);
-    CHECK(rig.node(i).velocity_limit() == 20.0);
+    CHECK(rig.axis(i).watchdog_ns() >= 100 * OdriveRig::kMs);
+    CHECK(rig.axis(i).watchdog_ns() <= 162 * OdriveRig::kMs);
+    CHECK(rig.node(i).velocity_limit() == 40.0);
     CHECK(rig.node(i).current_limit() == 20.0);
   }
   rig.armed_ = true;
   rig.run(1000);
-  CHECK(rig.group().running());
+  CHECK(rig.axes().running());
   CHECK(rig.motor(0).turns_s == Approx(5.0));
   CHECK(rig.motor(1).turns_s == Approx(-3.0));
   CHECK(rig.motor(2).turns == Approx(4.0).margin(1e-3));
-  CHECK(rig.group().axis(0).reading().turns_s == Approx(5.0));
+  CHECK(rig.axis(0).reading().turns_s == Approx(5.0));
   rig.targets_[0] = 1e300;  // no motor turns faster than its limit
   rig.run(1000);
-  CHECK(rig.motor(0).turns_s == Approx(20.0));
+  CHECK(rig.motor(0).turns_s == Approx(40.0));
 }
 
 TEST_CASE("odrive: an axis whose watchdog does not stop it never runs") {
@@ -81,18 +81,18 @@ TEST_CASE("odrive: an axis whose watchdog does not stop it never runs") {
   OdriveRig rig({}, axis);
   rig.armed_ = true;
   rig.run(5000);
-  CHECK_FALSE(rig.group().running());
+  CHECK_FALSE(rig.axes().running());
   CHECK(rig.fastest() == 0.0);
-  CHECK(rig.group().axis(0).phase() != AxisPhase::ready);
-  CHECK(rig.group().axis(0).counters().unguarded >= 1);
-  CHECK(rig.group().axis(0).counters().set_ups == 0);
+  CHECK(rig.axis(0).phase() != AxisPhase::ready);
+  CHECK(rig.axis(0).counters().unguarded >= 1);
+  CHECK(rig.axis(0).counters().set_ups == 0);
   SECTION("nor does one that is slower than the silence allowed") {
     hil::AxisNodeConfig slow;
     slow.watchdog_ns = 400 * OdriveRig::kMs;
     OdriveRig other({}, slow);
     other.run(2000);
-    CHECK(other.group().axis(0).counters().unguarded >= 1);
-    CHECK(other.group().axis(0).counters().set_ups == 0);
+    CHECK(other.axis(0).counters().unguarded >= 1);
+    CHECK(other.axis(0).counters().set_ups == 0);
   }
 }
 
@@ -100,17 +100,17 @@ TEST_CASE("odrive: when the process dies, every axis stops by its own watchdog")
   OdriveRig rig;
   REQUIRE(rig.bring_up());
   rig.run(100);
-  rig.kill_group();
+  rig.kill();
   rig.run(100 + 12);  // the last frame may be a cycle old
   CHECK(rig.none_under_torque());
   rig.run(kRollMs);
   CHECK(rig.motor(0).turns_s == 0.0);
   // Its successor begins disarmed, sets all up anew, and runs only when it has been asked after that.
-  rig.restart_group();
+  rig.restart();
   rig.armed_ = true;
   rig.fastest();
   rig.run(2000);
-  CHECK_FALSE(rig.group().running());
+  CHECK_FALSE(rig.axes().running());
   CHECK(rig.fastest() < 1e-5);  // turns as floats
   CHECK(rig.bring_up());
 }
@@ -121,24 +121,24 @@ TEST_CASE("odrive: an axis without power stops the others in time, comes back, a
   rig.run(200);
   rig.node(1).set_power(false);
   rig.run(kLostMs);
-  CHECK(rig.group().stop_reason() == StopReason::drive_lost);
+  CHECK(rig.axes().stop_reason() == StopReason::drive_lost);
   rig.run(110);  // the ramp from 5 turns/s
   CHECK(rig.motor(0).turns_s == Approx(0.0).margin(0.06));
   rig.run(100);
   CHECK_FALSE(rig.node(0).command().on);  // let go once at rest
   rig.node(1).set_power(true);
   rig.run(2500);
-  CHECK(rig.group().axis(1).phase() == AxisPhase::ready);
-  CHECK(rig.group().axis(1).counters().lost == 1);
-  CHECK_FALSE(rig.group().running());  // still asked for, but not anew
+  CHECK(rig.axis(1).phase() == AxisPhase::ready);
+  CHECK(rig.axis(1).counters().lost == 1);
+  CHECK_FALSE(rig.axes().running());  // still asked for, but not anew
   CHECK(rig.none_under_torque());
   rig.armed_ = false;
   rig.run(10);
   rig.armed_ = true;
   rig.run(500);
-  CHECK(rig.group().running());
+  CHECK(rig.axes().running());
   CHECK(rig.motor(0).turns_s == Approx(5.0));
-  CHECK(rig.group().counters().stops == 1);
+  CHECK(rig.axes().group().stops() == 1);
 }
 
 TEST_CASE("odrive: a reboot between two heartbeats is noticed, at rest as well") {
@@ -147,16 +147,17 @@ TEST_CASE("odrive: a reboot between two heartbeats is noticed, at rest as well")
   rig.run(500);
   rig.armed_ = false;
   rig.run(1000);
-  REQUIRE(rig.group().axis(0).reading().turns > 1.0);
+  REQUIRE(rig.axis(0).reading().turns > 1.0);
   rig.node(0).set_power(false);
   rig.run(3);
   rig.node(0).set_power(true);
-  rig.run(20);
-  CHECK(rig.group().axis(0).counters().restarts == 1);
-  CHECK(rig.group().axis(0).phase() != AxisPhase::ready);
+  rig.node(0).config().boot_ns = 30 * OdriveRig::kMs;  // between two heartbeats
+  rig.run(50);
+  CHECK(rig.axis(0).counters().restarts == 1);
+  CHECK(rig.axis(0).phase() != AxisPhase::ready);
   rig.run(1500);
-  CHECK(rig.node(0).velocity_limit() == 20.0);  // which it had forgotten
-  CHECK(rig.group().axis(0).phase() == AxisPhase::ready);
+  CHECK(rig.node(0).velocity_limit() == 40.0);  // which it had forgotten
+  CHECK(rig.axis(0).phase() == AxisPhase::ready);
 }
 
 TEST_CASE("odrive: an error stops the others and is forgotten only when asked anew") {
@@ -165,9 +166,9 @@ TEST_CASE("odrive: an error stops the others and is forgotten only when asked an
   rig.run(200);
   rig.node(0).fail(0x40, 2);
   rig.run(50 + 12);  // the next heartbeat, and a cycle
-  CHECK(rig.group().stop_reason() == StopReason::drive_fault);
-  CHECK(rig.group().axis(0).error() == 0x40);
-  CHECK(rig.group().axis(0).counters().faults == 1);
+  CHECK(rig.axes().stop_reason() == StopReason::drive_fault);
+  CHECK(rig.axis(0).error() == 0x40);
+  CHECK(rig.axis(0).counters().faults == 1);
   rig.run(1000);
   CHECK(rig.node(0).error() == 0x40);
   CHECK(rig.none_under_torque());
@@ -175,7 +176,7 @@ TEST_CASE("odrive: an error stops the others and is forgotten only when asked an
   rig.run(10);
   rig.armed_ = true;
   rig.run(500);  // two attempts come too early
-  CHECK(rig.group().running());
+  CHECK(rig.axes().running());
   CHECK(rig.all_under_torque());
 }
 
@@ -185,7 +186,7 @@ TEST_CASE("odrive: an axis that falls idle without a word stops the others") {
   rig.run(200);
   rig.node(1).leave();
   rig.run(50 + 12);
-  CHECK(rig.group().stop_reason() == StopReason::drive_left);
+  CHECK(rig.axes().stop_reason() == StopReason::drive_left);
   rig.run(700);
   CHECK(rig.none_under_torque());
 }
@@ -197,24 +198,24 @@ TEST_CASE("odrive: a deaf axis stops by its watchdog, and the others with it") {
   rig.node(0).set_deaf(true);
   rig.run(100 + 50 + 22);
   CHECK_FALSE(rig.node(0).command().on);
-  CHECK(rig.group().stop_reason() == StopReason::drive_fault);
+  CHECK(rig.axes().stop_reason() == StopReason::drive_fault);
   rig.run(700);
   CHECK(rig.none_under_torque());
 }
 
 TEST_CASE("odrive: without the bus every axis stops, and all come back with it") {
-  drivers::odrive::GroupConfig config;
-  config.arming.rearm_ns = 500 * OdriveRig::kMs;
+  drivers::odrive::UgvAxesConfig config;
+  config.group.rearm_ns = 500 * OdriveRig::kMs;
   OdriveRig rig(config);
   REQUIRE(rig.bring_up());
   rig.run(200);
   rig.stub().set_plugged(rig.group_port(), false);
   rig.run(kLostMs);
   CHECK(rig.none_under_torque());
-  CHECK_FALSE(rig.group().running());
+  CHECK_FALSE(rig.axes().running());
   rig.stub().set_plugged(rig.group_port(), true);
   rig.run(3500);
-  CHECK(rig.group().running());
+  CHECK(rig.axes().running());
   CHECK(rig.motor(0).turns_s == Approx(5.0));
 }
 
@@ -223,55 +224,61 @@ TEST_CASE("odrive: stale targets stop the axes, and so does the emergency stop u
   REQUIRE(rig.bring_up());
   rig.commands_ = false;
   rig.run(200 + 12);
-  CHECK(rig.group().stop_reason() == StopReason::command_stale);
+  CHECK(rig.axes().stop_reason() == StopReason::command_stale);
   rig.run(700);
   CHECK(rig.none_under_torque());
   rig.commands_ = true;
   REQUIRE(rig.bring_up());
-  rig.group().stop(true);
+  rig.axes().press(true);
   rig.run(700);
   CHECK(rig.none_under_torque());
   rig.armed_ = false;
   rig.run(10);
   rig.armed_ = true;
   rig.run(300);
-  CHECK_FALSE(rig.group().running());
-  rig.group().stop(false);
+  CHECK_FALSE(rig.axes().running());
+  CHECK(rig.axes().stop_reason() == StopReason::emergency_stop);
+  rig.axes().press(false);
   rig.run(300);
-  CHECK(rig.group().running());
+  CHECK_FALSE(rig.axes().running());  // asked for, but not since the release
+  rig.armed_ = false;
+  rig.run(20);
+  rig.armed_ = true;
+  rig.run(300);
+  CHECK(rig.axes().running());
 }
 
 TEST_CASE("odrive: what no axis can mean is counted and changes nothing") {
   OdriveRig rig;
   REQUIRE(rig.bring_up());
-  const drivers::odrive::AxisReading before = rig.group().axis(0).reading();
+  const drivers::odrive::AxisReading before = rig.axis(0).reading();
   drivers::CanFrame frame;
   frame.id = 0x029;
   frame.size = 8;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(frame.data, &nan, 4);
-  CHECK(rig.group().take(frame, 0));
+  CHECK(rig.axes().take(frame, 0));
   frame.size = 7;
-  CHECK(rig.group().take(frame, 0));
+  CHECK(rig.axes().take(frame, 0));
   frame.size = 8;
   frame.flags = drivers::kCanRemote;
-  CHECK(rig.group().take(frame, 0));
+  CHECK(rig.axes().take(frame, 0));
   frame.flags = drivers::kCanExtended;
-  CHECK_FALSE(rig.group().take(frame, 0));
+  CHECK_FALSE(rig.axes().take(frame, 0));
   frame.flags = 0;
   frame.id = 0x0C1;  // axis 6
-  CHECK_FALSE(rig.group().take(frame, 0));
-  CHECK(rig.group().axis(0).counters().malformed == 3);
-  CHECK(rig.group().axis(0).reading().number == before.number);
-  CHECK(rig.group().axis(0).reading().turns == before.turns);
-  CHECK(rig.group().counters().other_frames == 2);
+  CHECK_FALSE(rig.axes().take(frame, 0));
+  CHECK(rig.axis(0).counters().malformed == 3);
+  CHECK(rig.axis(0).reading().number == before.number);
+  CHECK(rig.axis(0).reading().turns == before.turns);
+  CHECK(rig.axes().line().counters().other_frames == 2);
 }
 
 TEST_CASE("odrive: settings that cannot be used are refused") {
   using drivers::odrive::AxisConfig;
   const auto group = [](const AxisConfig& a, const AxisConfig& b) {
     const AxisConfig axes[] = {a, b};
-    static_cast<void>(drivers::odrive::AxisGroup({}, axes));
+    static_cast<void>(drivers::odrive::AxisLine({}, axes));
   };
   const AxisConfig good{.node = 2};
   CHECK_NOTHROW(group({.node = 1}, good));

@@ -8,26 +8,29 @@
 #include <vector>
 
 #include "drivers/can_load.hpp"
-#include "drivers/canopen/master.hpp"
-#include "drivers/ugv_motors.hpp"
+#include "drivers/canopen/node_line.hpp"
+#include "drivers/ugv_drives.hpp"
 
 namespace sortie::drivers::canopen {
 
 /// Which nodes these are, and what their increments are worth.
-struct UgvDrivesConfig {
+struct UgvNodesConfig {
   std::array<std::uint8_t, 2> track_nodes{1, 2};                          ///< left, right
   std::array<std::uint8_t, rt::kFlippers> flipper_nodes{11, 12, 13, 14};  ///< in the order of rt::Flipper
   bool flippers = true;
   double increments_per_m = 10'000.0;
   double increments_per_rad = 10'000.0;
   double rated_torque_n_m = 100.0;  ///< of a flipper: torques come in per mille of it
-  MasterConfig master{};
+  double quick_stop_m_s2 = 4.0;     ///< deceleration of a track's quick stop
+  double quick_stop_rad_s2 = 20.0;  ///< of a flipper's
+  NodeLineConfig line{};
+  DriveGroupConfig group{};
   rt::Nanoseconds heartbeat_ns = 50 * rt::kNanosecondsPerMillisecond;
   rt::Nanoseconds heartbeat_timeout_ns = 150 * rt::kNanosecondsPerMillisecond;
 };
 
 /// What these drives and their master put on the bus again and again, for can_load(). Set-up only.
-std::vector<CanStream> bus_frames(const UgvDrivesConfig& config);
+std::vector<CanStream> bus_frames(const UgvNodesConfig& config);
 
 /// An increment counter that wraps at 32 bits, as a number that does not.
 class IncrementCount {
@@ -42,39 +45,34 @@ class IncrementCount {
 };
 
 /// All drives of the robot. One thread, no heap after construction.
-class UgvDrives final : public UgvMotors {
+class UgvNodes final : public UgvDrives {
  public:
   /// Throws std::runtime_error where a setting cannot be used.
-  explicit UgvDrives(const UgvDrivesConfig& config);
+  explicit UgvNodes(const UgvNodesConfig& config);
+  /// A robot of its own in the same state, for tests that try what may come next.
+  UgvNodes(const UgvNodes& other);
+  UgvNodes& operator=(const UgvNodes&) = delete;
 
-  [[nodiscard]] Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept override;
-  [[nodiscard]] Status set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept override;
   bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept override {
-    return master_.take(frame, now_ns);
+    return line_.take(frame, now_ns);
   }
-  void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept override { master_.poll(now_ns, bus); }
+  void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept override;
 
   /// What the drives showed at the same SYNC, stamped with it.
   [[nodiscard]] Status read(rt::TrackSample& sample) noexcept override;
   [[nodiscard]] Status read(rt::FlipperSample& sample) noexcept override;
 
-  bool running() const noexcept override { return master_.running(); }
-  StopReason stop_reason() const noexcept override { return master_.stop_reason(); }
-  Master& master() noexcept { return master_; }
-  const Master& master() const noexcept { return master_; }
+  const NodeLine& line() const noexcept { return line_; }
 
  private:
+  void attach_all();
   bool all_read(std::size_t first, std::size_t count) const noexcept;
-  void pass_on(rt::Nanoseconds now_ns) noexcept;
 
-  UgvDrivesConfig config_;
-  Master master_;
-  std::array<std::int32_t, kMaxDrives> targets_{};
+  UgvNodesConfig config_;
+  NodeLine line_;
   std::array<IncrementCount, 2> travel_{};
   rt::Nanoseconds tracks_ns_{-1};
   rt::Nanoseconds flippers_ns_{-1};
-  bool drive_on_{};
-  bool flippers_on_{};
 };
 
 }  // namespace sortie::drivers::canopen

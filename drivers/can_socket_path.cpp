@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/can_socket_path.hpp"
+
+#if defined(__linux__)
+#include <linux/can/error.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#endif
+
+namespace sortie::drivers {
+
+#if defined(__linux__)
+
+namespace {
+
+constexpr rt::Nanoseconds kProbeEvery = 100 * rt::kNanosecondsPerMillisecond;
+constexpr rt::Nanoseconds kReopenEvery = 250 * rt::kNanosecondsPerMillisecond;
+
+rt::Nanoseconds monotonic_ns() {
+  timespec t{};
+  ::clock_gettime(CLOCK_MONOTONIC, &t);
+  return static_cast<rt::Nanoseconds>(t.tv_sec) * rt::kNanosecondsPerSecond + t.tv_nsec;
+}
+
+// Errors that no waiting ends: the interface was taken away, or the other end of a local socket.
+bool means_gone(int error) {
+  return error == ENODEV || error == ENXIO || error == EBADF || error == EPIPE || error == ECONNRESET ||
+         error == ENOTCONN;
+}
+
+}  // namespace
+
+void CanSocketPath::use(int descriptor, rt::Nanoseconds epoch_ns, Opener opener, void* context) noexcept {
+  close();
+  descriptor_ = descriptor;
+  epoch_ns_ = epoch_ns;
+  opener_ = opener;
+  context_ = context;
+  bus_off_ = gone_ = false;
+  kernel_overruns_ = 0;
+  counters_ = {};
+}
+
+void CanSocketPath::close() noexcept {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+  opener_ = nullptr;
+}
+
+bool CanSocketPath::try_again(rt::Nanoseconds every_ns) noexcept {
+  const rt::Nanoseconds now_ns = monotonic_ns();
+  if (now_ns - tried_ns_ < every_ns) return false;
+  tried_ns_ = now_ns;
+  return true;
+}
+
+// True: there is an interface behind the socket, as far as is known.
+bool CanSocketPath::there() noexcept {
+  if (!gone_) return descriptor_ >= 0;
+  if (opener_ == nullptr || !try_again(kReopenEvery)) return false;
+  const int opened = opener_(context_);
+  if (opened < 0) return false;
+  ::close(descriptor_);
+  descriptor_ = opened;
+  gone_ = bus_off_ = false;
+  kernel_overruns_ = 0;  // each socket counts its own
+  ++counters_.reopened;
+  return true;
+}
+
+Status CanSocketPath::failed(int error, Status when_busy) noexcept {
+  if (means_gone(error) && !gone_) {
+    gone_ = true;
+    tried_ns_ = 0;
+  }
+  return meaning_of_can_error(error, when_busy);
+}
+
+Status CanSocketPath::send(const void* packet, std::size_t bytes) noexcept {
+  if (!there()) return Status::disconnected;
+  if (bus_off_ && !try_again(kProbeEvery)) return Status::disconnected;
+  if (::send(descriptor_, packet, bytes, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(bytes)) {
+    bus_off_ = false;
+    ++counters_.sent;
+    return Status::ok;
+  }
+  const Status status = failed(errno, Status::full);
+  if (status == Status::full) ++counters_.tx_refused;
+  return status;
+}
+
+Status CanSocketPath::receive(void* to, std::size_t room, std::size_t& bytes,
+                              rt::Nanoseconds& stamp_ns) noexcept {
+  if (!there()) return Status::disconnected;
+  const CanPacket packet = take_can_packet(descriptor_, to, room);
+  if (packet.status != Status::ok) {
+    if (packet.status == Status::disconnected) static_cast<void>(failed(packet.error, Status::empty));
+    return packet.status;
+  }
+  bytes = packet.bytes;
+  stamp_ns = packet.note.stamp_ns - epoch_ns_;
+  if (packet.note.counts_overruns) {
+    // The total wraps.
+    counters_.rx_overrun += static_cast<std::uint32_t>(packet.note.overruns - kernel_overruns_);
+    kernel_overruns_ = packet.note.overruns;
+  }
+  return Status::ok;
+}
+
+void CanSocketPath::note_frame() noexcept {
+  ++counters_.received;
+  bus_off_ = false;  // only a controller that is on the bus hears it
+}
+
+void CanSocketPath::note_error(std::uint32_t error_class, std::uint8_t controller) noexcept {
+  ++counters_.error_frames;
+  const bool off = (error_class & CAN_ERR_BUSOFF) != 0;
+  const bool active = (error_class & CAN_ERR_CRTL) != 0 && (controller & CAN_ERR_CRTL_ACTIVE) != 0;
+  if (off && !bus_off_) {
+    ++counters_.bus_off;
+    tried_ns_ = monotonic_ns();
+  }
+  if (off) bus_off_ = true;
+  if ((error_class & CAN_ERR_RESTARTED) != 0 || active) bus_off_ = false;
+}
+
+#else
+
+void CanSocketPath::use(int, rt::Nanoseconds, Opener, void*) noexcept {}
+void CanSocketPath::close() noexcept { descriptor_ = -1; }
+Status CanSocketPath::send(const void*, std::size_t) noexcept { return Status::not_supported; }
+Status CanSocketPath::receive(void*, std::size_t, std::size_t&, rt::Nanoseconds&) noexcept {
+  return Status::not_supported;
+}
+void CanSocketPath::note_frame() noexcept {}
+void CanSocketPath::note_error(std::uint32_t, std::uint8_t) noexcept {}
+
+#endif
+
+}  // namespace sortie::drivers
