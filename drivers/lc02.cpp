@@ -10,14 +10,14 @@
 namespace sortie::drivers {
 
 Status parse_lc02(std::span<const std::uint8_t> datagram, Lc02Message& message) noexcept {
-  constexpr std::uint32_t kWhole = 0x4c433032u;
-  constexpr std::uint32_t kFragment = 0x4c433033u;
+  constexpr std::uint32_t kWholeMessage = 0x4c433032u;
+  constexpr std::uint32_t kFragmentMessage = 0x4c433033u;
   WireReader reader(datagram);
   const auto magic = reader.get<std::uint32_t>();
   const auto sequence = reader.get<std::uint32_t>();
   if (reader.status() != Status::ok) return Status::malformed;
-  if (magic == kFragment) return Status::not_supported;
-  if (magic != kWhole) return Status::malformed;
+  if (magic == kFragmentMessage) return Status::not_supported;
+  if (magic != kWholeMessage) return Status::malformed;
 
   const auto rest = reader.get_bytes(reader.left());
   const std::size_t searched = rest.size() < kMaxChannelLength + 1 ? rest.size() : kMaxChannelLength + 1;

@@ -11,7 +11,7 @@ namespace sortie::drivers::canopen {
 namespace {
 
 constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
-constexpr rt::Nanoseconds kRefusedFor = 50 * kMs;    // a bus that takes no frames for so long does not work
+constexpr rt::Nanoseconds kDeafFor = 50 * kMs;       // a bus that takes no frames for so long does not work
 constexpr rt::Nanoseconds kObeysWithin = 200 * kMs;  // a drive that was told to have no torque
 constexpr rt::Nanoseconds kStopsFirst = 50 * kMs;    // quick stops alone, before network management
 constexpr int kLifeCycleFrames = 2;                  // of a poll
@@ -47,7 +47,7 @@ bool NodeLine::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   return false;
 }
 
-bool NodeLine::works(rt::Nanoseconds now_ns) const noexcept { return now_ns - whole_ns_ <= kRefusedFor; }
+bool NodeLine::works(rt::Nanoseconds now_ns) const noexcept { return now_ns - whole_ns_ <= kDeafFor; }
 
 // Until the last of the drives' consumers has run out, counted from a heartbeat that may be under way.
 rt::Nanoseconds NodeLine::cut_lasts() const noexcept {

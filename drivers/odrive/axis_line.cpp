@@ -10,7 +10,7 @@ namespace sortie::drivers::odrive {
 namespace {
 
 // A bus that takes no frames for so long does not work.
-constexpr rt::Nanoseconds kRefusedFor = 50 * rt::kNanosecondsPerMillisecond;
+constexpr rt::Nanoseconds kDeafFor = 50 * rt::kNanosecondsPerMillisecond;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ bool AxisLine::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   return false;
 }
 
-bool AxisLine::works(rt::Nanoseconds now_ns) const noexcept { return now_ns - whole_ns_ <= kRefusedFor; }
+bool AxisLine::works(rt::Nanoseconds now_ns) const noexcept { return now_ns - whole_ns_ <= kDeafFor; }
 
 void AxisLine::watch(bool torque, rt::Nanoseconds now_ns) noexcept {
   if (!polled_) next_ns_ = whole_ns_ = now_ns;

@@ -14,8 +14,7 @@ using canopen::NmtState;
 
 namespace {
 
-constexpr std::uint16_t kHeartbeatError = 0x8130;  // emergency: life guard or heartbeat
-constexpr std::uint16_t kPdoLength = 0x8210;       // emergency: a PDO was too short
+constexpr std::uint16_t kPdoLength = 0x8210;  // emergency: a PDO was too short
 constexpr std::uint16_t kPdoTimeout = 0x8250;
 constexpr std::uint16_t kSyncTimeout = 0x8700;
 constexpr std::uint16_t kFollowingError = 0x8611;

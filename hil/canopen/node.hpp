@@ -16,6 +16,9 @@
 
 namespace sortie::hil {
 
+/// Code of the emergency that a drive sends when it misses a heartbeat (CiA 301, life guard or heartbeat).
+inline constexpr std::uint16_t kHeartbeatError = 0x8130;
+
 /// What the drive's motor is asked to do, and shows.
 struct MotorCommand {
   bool on{};  ///< torque: operation enabled, on a stopping ramp, or while its brake moves

@@ -12,8 +12,7 @@ using canopen::DriveState;
 
 namespace {
 
-constexpr std::uint16_t kHeartbeatError = 0x8130;  // emergency: life guard or heartbeat
-constexpr std::uint16_t kAbortVoltage = 2;         // of kAbortOption: no torque at once
+constexpr std::uint16_t kAbortVoltage = 2;  // of kAbortOption: no torque at once
 
 // Status words: the state's bits, voltage enabled, remote.
 std::uint16_t status_word(DriveState state, bool voltage) {
