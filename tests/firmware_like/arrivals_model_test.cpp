@@ -39,7 +39,8 @@ Result look_up(std::uint64_t notes, bool stop_at_failure) {
 
 }  // namespace
 
-TEST_CASE("a time of arrival is the sample's own or none, and each memory order of that is needed") {
+TEST_CASE("a time of arrival is the sample's own or none, and each memory order of that is needed",
+          "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order([](bool stop) { return look_up(3, stop); });
   INFO(plants.as_it_is.executions << " executions");

@@ -4,8 +4,8 @@
 
 namespace sortie::testing {
 
-TEST_CASE(
-    "uav_hall is flown there and back on a sensed map: doors, a window, a door that is shut under way") {
+TEST_CASE("uav_hall is flown there and back on a sensed map: doors, a window, a door that is shut under way",
+          "[heavy]") {
   const TempFolder folder;
   const std::string file = folder.file("hall.toml");
   {

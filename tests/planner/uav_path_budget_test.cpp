@@ -98,7 +98,8 @@ TEST_CASE("uav path: a whole way in slices is free when each of its lines is") {
   CHECK(clear < 450);
 }
 
-TEST_CASE("uav path: on a map of 4.2 million cells no slice looks at more than its units and a brick") {
+TEST_CASE("uav path: on a map of 4.2 million cells no slice looks at more than its units and a brick",
+          "[heavy]") {
   const std::uint32_t seed = 43;
   CAPTURE(seed);
   std::mt19937 random(seed);

@@ -33,7 +33,8 @@ Result covered(Nanoseconds adds, bool stop_at_failure) {
 
 }  // namespace
 
-TEST_CASE("no interval before the covered time is missed, and each memory order of that is needed") {
+TEST_CASE("no interval before the covered time is missed, and each memory order of that is needed",
+          "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order([](bool stop) { return covered(2, stop); });
   INFO(plants.as_it_is.executions << " executions");

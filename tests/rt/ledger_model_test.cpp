@@ -119,7 +119,7 @@ Result channel(bool stop_at_failure) { return one_slot(2, {1, 2}, stop_at_failur
 
 }  // namespace
 
-TEST_CASE("one verdict is obeyed in any interleaving, and each memory order of that is needed") {
+TEST_CASE("one verdict is obeyed in any interleaving, and each memory order of that is needed", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order(ledger);
   INFO(plants.as_it_is.executions << " executions");
@@ -139,7 +139,7 @@ TEST_CASE("a value is that of the job that was asked for, whole, or none, in any
   CHECK(result.failures == 0);
 }
 
-TEST_CASE("each memory order of a channel is needed, and its loss is caught") {
+TEST_CASE("each memory order of a channel is needed, and its loss is caught", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order(channel);
   INFO(plants.as_it_is.executions << " executions");

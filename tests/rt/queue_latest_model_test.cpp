@@ -105,7 +105,7 @@ TEST_CASE("each slip in a latest value for many readers is caught") {
   CHECK(many_readers<LatestValue<Tracked, 1, SplitExchange>>(3, {2}, true).failures > 0);
 }
 
-TEST_CASE("each memory order of the latest value is needed, and its loss is caught") {
+TEST_CASE("each memory order of the latest value is needed, and its loss is caught", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order(
       [](bool stop) { return many_readers<LatestValue<Tracked, 1, Modelled>>(4, {3}, stop); });

@@ -275,7 +275,7 @@ TEST_CASE("elements made and used in place keep order and have no race in any in
   CHECK(four.failures == 0);
 }
 
-TEST_CASE("each memory order of the ring is needed, and its loss is caught") {
+TEST_CASE("each memory order of the ring is needed, and its loss is caught", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order([](bool stop) {
     return single_steps<SpscRing<Tracked, 2, Modelled>>(3, 3, 0, stop) +
@@ -309,7 +309,7 @@ TEST_CASE("a mailbox that loads and stores instead of exchanging is caught") {
   CHECK(latest_value<Mailbox<Tracked, SplitExchange>>(3, 3, true).failures > 0);
 }
 
-TEST_CASE("each memory order of the mailbox is needed, and its loss is caught") {
+TEST_CASE("each memory order of the mailbox is needed, and its loss is caught", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants =
       weaken_each_order([](bool stop) { return latest_value<Mailbox<Tracked, Modelled>>(3, 3, stop); });

@@ -213,7 +213,7 @@ TEST_CASE("each slip in an overwriting ring is caught") {
   CHECK(overwriting<RingVariant<2, RingSlip::words_are_relaxed>>(3, 2, 0, true).failures > 0);
 }
 
-TEST_CASE("each memory order of the overwriting ring is needed, and its loss is caught") {
+TEST_CASE("each memory order of the overwriting ring is needed, and its loss is caught", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const OrderPlants plants = weaken_each_order([](bool stop) {
     return overwriting<OverwriteRing<Pair, 2, Modelled>>(3, 2, 0, stop) + newest(3, 2, stop);
