@@ -21,13 +21,17 @@ struct RayKey {
   static std::uint32_t node(std::uint64_t key) { return 0xffffffffu - static_cast<std::uint32_t>(key); }
 };
 
-/// Max-heap. A push to a full heap is refused.
+/// Max-heap. A push to a full heap is refused, and noted.
 class RayHeap {
  public:
   RayHeap() = default;
   explicit RayHeap(std::span<std::uint64_t> keys) : keys_(keys) {}
 
   void clear() { size_ = 0; }
+  /// True when a push was refused since note_none().
+  bool refused() const { return refused_; }
+  void note_refusal() { refused_ = true; }
+  void note_none() { refused_ = false; }
   std::uint32_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   bool has_room(std::uint32_t keys) const { return size_ + keys <= keys_.size(); }
@@ -40,7 +44,10 @@ class RayHeap {
     return second;
   }
   bool push(std::uint64_t key) {
-    if (size_ >= keys_.size()) return false;
+    if (size_ >= keys_.size()) {
+      refused_ = true;
+      return false;
+    }
     std::uint32_t at = size_++;
     while (at > 0 && keys_[(at - 1) / kChildren] < key) {
       keys_[at] = keys_[(at - 1) / kChildren];
@@ -81,6 +88,7 @@ class RayHeap {
 
   std::span<std::uint64_t> keys_;
   std::uint32_t size_{};
+  bool refused_{};
 };
 
 }  // namespace sortie::planner

@@ -42,14 +42,10 @@ std::uint32_t cells_of_a_ray(const RaySchedulerConfig& config) {
   return static_cast<std::uint32_t>(length) + 5;
 }
 
-std::uint32_t per_position(const RaySchedulerConfig& config) {
-  return std::min(config.rays, config.sensor.rays());
-}
-
 // Lines of the table, the one for all other cells included.
 std::uint32_t table_lines(const RaySchedulerConfig& config) {
   if (config.table_lines > 0) return config.table_lines + 1;
-  const std::uint64_t rays = std::uint64_t{per_position(config)} * config.positions;
+  const std::uint64_t rays = std::uint64_t{RaySizes::of(config).per_position} * config.positions;
   const std::uint64_t most = CoverageTable::directory_size(config.map_cells);
   return static_cast<std::uint32_t>(std::min({rays * 52, most, std::uint64_t{32768}})) + 1;
 }
@@ -61,19 +57,17 @@ std::uint32_t path_words(const RaySchedulerConfig& config) {
   return config.positions == 1 ? all * 3 / 2 : all * 7 / 2;
 }
 
-std::uint32_t bit_words(std::uint64_t bits) { return static_cast<std::uint32_t>((bits + 31) / 32); }
-
 }  // namespace
 
 std::uint64_t RayScheduler::memory_bytes(const RaySchedulerConfig& config) {
   if (!is_good(config)) return 0;
   const std::uint64_t all = std::uint64_t{config.positions} * config.sensor.rays();
   const std::uint64_t plans =
-      2 * std::uint64_t{config.positions} * per_position(config) * sizeof(std::uint16_t);
+      2 * std::uint64_t{config.positions} * RaySizes::of(config).per_position * sizeof(std::uint16_t);
   return sizeof(RayAngle) * (config.sensor.columns + config.sensor.rows) +
          sizeof(rt::Vector3) * config.positions * config.sensor.columns +
          all * (sizeof(float) + sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
-         2 * sizeof(std::uint32_t) * bit_words(all) + plans +
+         2 * sizeof(std::uint32_t) * RayBits::words(all) + plans +
          sizeof(RayModel::Passed) * cells_of_a_ray(config) +
          (sizeof(CoverageLine) + sizeof(std::uint32_t)) * table_lines(config) +
          sizeof(std::uint16_t) * CoverageTable::directory_size(config.map_cells) + sizeof(CoverageLine) +
@@ -81,48 +75,46 @@ std::uint64_t RayScheduler::memory_bytes(const RaySchedulerConfig& config) {
 }
 
 RayScheduler::RayScheduler(const RaySchedulerConfig& config, std::span<std::byte> memory)
-    : config_(config), model_(config.model) {
+    : config_(config),
+      looks_(config),
+      exploration_(config_, sizes_, heap_, looks_),
+      selection_(config_, sizes_, heap_, looks_, cover_, use_),
+      weighing_(sizes_, looks_, use_),
+      certificate_(sizes_, heap_, looks_) {
   if (config_.explored == 0) config_.explored = config.positions == 1 ? 4000 : 7000;
   const std::uint64_t needed = memory_bytes(config);
   if (needed == 0 || memory.size() < needed) return;
-  all_rays_ = config.sensor.rays();
-  per_position_ = per_position(config);
-  most_cells_ = cells_of_a_ray(config);
-  const std::uint32_t side = 1u << config.coarse_log2;
-  coarse_columns_ = (config.sensor.columns + side - 1) / side;
-  coarse_rows_ = (config.sensor.rows + side - 1) / side;
-  largest_step_ =
-      ray_units::dearest({most_cells_, per_position_, config.positions, all_rays_, config.coarse_log2});
+  sizes_ = RaySizes::of(config);
+  largest_step_ = ray_units::dearest(
+      {cells_of_a_ray(config), sizes_.per_position, config.positions, sizes_.all_rays, config.coarse_log2});
   lay_out(memory);
-  for (std::uint32_t i = 0; i < config.sensor.columns; ++i)
-    columns_[i] = ray_angle(i, config.sensor.columns, config.sensor.width_rad);
-  for (std::uint32_t i = 0; i < config.sensor.rows; ++i)
-    rows_[i] = ray_angle(i, config.sensor.rows, config.sensor.height_rad);
   usable_ = true;
 }
 
 void RayScheduler::lay_out(std::span<std::byte> memory) {
   rt::Arena arena(memory);
-  const std::size_t all = std::size_t{config_.positions} * all_rays_;
-  const std::size_t plan = std::size_t{config_.positions} * per_position_;
+  const std::size_t all = std::size_t{config_.positions} * sizes_.all_rays;
+  const std::size_t plan = std::size_t{config_.positions} * sizes_.per_position;
   CoverageMemory table;
   table.lines = arena.make_array<CoverageLine>("coverage", table_lines(config_), sizeof(CoverageLine));
   table.owners = arena.make_array<std::uint32_t>("owners", table_lines(config_));
   table.directory = arena.make_array<std::uint16_t>(
       "directory", static_cast<std::size_t>(CoverageTable::directory_size(config_.map_cells)));
-  table_ = CoverageTable(table);
-  columns_ = arena.make_array<RayAngle>("columns", config_.sensor.columns);
-  rows_ = arena.make_array<RayAngle>("rows", config_.sensor.rows);
-  across_ = arena.make_array<rt::Vector3>("across", std::size_t{config_.positions} * config_.sensor.columns);
+  RayLooksMemory looks;
+  looks.columns = arena.make_array<RayAngle>("columns", config_.sensor.columns);
+  looks.rows = arena.make_array<RayAngle>("rows", config_.sensor.rows);
+  looks.across =
+      arena.make_array<rt::Vector3>("across", std::size_t{config_.positions} * config_.sensor.columns);
   heap_ = RayHeap(arena.make_array<std::uint64_t>("heap", all));
-  fresh_ = arena.make_array<float>("fresh worths", all);
-  traced_ = arena.make_array<std::uint32_t>("traced", bit_words(all));
-  chosen_ = arena.make_array<std::uint32_t>("chosen", bit_words(all));
+  looks.fresh = arena.make_array<float>("fresh worths", all);
+  looks.traced = arena.make_array<std::uint32_t>("traced", RayBits::words(all));
+  const auto held = arena.make_array<std::uint32_t>("held", RayBits::words(all));
   best_rays_ = arena.make_array<std::uint16_t>("best plan", plan);
-  work_rays_ = arena.make_array<std::uint16_t>("candidate plan", plan);
-  path_ = arena.make_array<std::uint32_t>("paths of directions", all);
-  paths_ = RayPaths(arena.make_array<std::uint32_t>("paths", path_words(config_)));
-  scratch_ = arena.make_array<RayModel::Passed>("one ray", most_cells_);
+  selection_.lay_out(arena.make_array<std::uint16_t>("candidate plan", plan));
+  looks.path = arena.make_array<std::uint32_t>("paths of directions", all);
+  looks.words = arena.make_array<std::uint32_t>("paths", path_words(config_));
+  looks_.lay_out(looks, cells_of_a_ray(config_));
+  cover_ = RayCover(table, held, arena.make_array<RayModel::Passed>("one ray", cells_of_a_ray(config_)));
 }
 
 Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const mapping::SensorPose> poses,
@@ -135,16 +127,15 @@ Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const ma
       return Status::not_finite;
   }
   const std::uint32_t previous = plan_.positions;
-  map_ = map;
   plan_ = {};
   plan_.positions = static_cast<std::uint32_t>(poses.size());
-  plan_.rays = per_position_;
+  plan_.rays = sizes_.per_position;
   plan_.best_bound = kUnknownBound;
-  make_views(poses);
+  looks_.begin(map, poses);
   make_seed(passed, previous);
-  std::fill(traced_.begin(), traced_.end(), 0u);
-  (void)table_.clear_some(UINT32_MAX);
-  paths_.clear(map.size);
+  (void)cover_.clear_some(UINT32_MAX);
+  heap_.note_none();
+  use_ = {};
   credit_ = 0;
   best_ = {0.0, kUnknownBound, false};
   work_ = {};
@@ -154,7 +145,7 @@ Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const ma
   coarse_ = 0;
   phase_ = Phase::seed_bound;
   stage_ = RayStage::seed;
-  if (per_position_ == 0) {
+  if (sizes_.per_position == 0) {
     phase_ = Phase::done;
     plan_.exact_worth = true;
     plan_.best_bound = 0.0;
@@ -164,46 +155,33 @@ Status RayScheduler::begin(const mapping::OccupancyView& map, std::span<const ma
   return Status::ok;
 }
 
-void RayScheduler::make_views(std::span<const mapping::SensorPose> poses) {
-  for (std::uint32_t p = 0; p < poses.size(); ++p) {
-    const rt::Quaternion q = normalised(poses[p].q_world_sensor);
-    View& view = views_[p];
-    view.u = map_.to_window(poses[p].p_world_sensor_m);
-    view.inside = map_.contains(view.u);
-    if (view.inside) view.cell = make_walk(map_, view.u, {1, 0, 0}, 0.0).index;
-    view.up = rotate(q, {0, 0, 1});
-    const rt::Vector3 forward = rotate(q, {1, 0, 0});
-    const rt::Vector3 left = rotate(q, {0, 1, 0});
-    for (std::uint32_t i = 0; i < config_.sensor.columns; ++i)
-      across_[p * config_.sensor.columns + i] = columns_[i].cos * forward + columns_[i].sin * left;
-  }
-}
-
 // What the previous task planned for a place is the seed for that place; beyond its end, the pattern.
 void RayScheduler::make_seed(std::uint32_t passed, std::uint32_t previous_positions) {
   for (std::uint32_t p = 0; p < plan_.positions; ++p) {
-    const std::span<std::uint16_t> to = best_rays_.subspan(std::size_t{p} * per_position_, per_position_);
+    const std::span<std::uint16_t> to =
+        best_rays_.subspan(std::size_t{p} * sizes_.per_position, sizes_.per_position);
     if (passed < previous_positions && p < previous_positions - passed) {
-      const auto from = best_rays_.subspan(std::size_t{p + passed} * per_position_, per_position_);
+      const auto from =
+          best_rays_.subspan(std::size_t{p + passed} * sizes_.per_position, sizes_.per_position);
       std::copy(from.begin(), from.end(), to.begin());
       continue;
     }
-    for (std::uint32_t i = 0; i < per_position_; ++i) to[i] = static_cast<std::uint16_t>(pattern(i));
+    for (std::uint32_t i = 0; i < sizes_.per_position; ++i) to[i] = static_cast<std::uint16_t>(pattern(i));
   }
-  std::copy(best_rays_.begin(), best_rays_.end(), work_rays_.begin());
-  plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * per_position_ * 2);
+  selection_.begin(best_rays_);
+  plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * sizes_.per_position * 2);
 }
 
 // A permutation of the directions whose beginnings are spread over the field of view: steps of the golden
 // section. The step has no factor in common with the number of directions.
 std::uint32_t RayScheduler::pattern(std::uint32_t i) const {
-  auto step = static_cast<std::uint32_t>(0.6180339887498949 * all_rays_);
+  auto step = static_cast<std::uint32_t>(0.6180339887498949 * sizes_.all_rays);
   const auto common = [](std::uint32_t a, std::uint32_t b) {
     while (b != 0) a = std::exchange(b, a % b);
     return a;
   };
-  while (step > 1 && common(step, all_rays_) != 1) --step;
-  return static_cast<std::uint32_t>(std::uint64_t{i} * (step > 0 ? step : 1u) % all_rays_);
+  while (step > 1 && common(step, sizes_.all_rays) != 1) --step;
+  return static_cast<std::uint32_t>(std::uint64_t{i} * (step > 0 ? step : 1u) % sizes_.all_rays);
 }
 
 // Neither sum nor difference wraps: all the units there are may be given twice, and a step that cost more
@@ -217,34 +195,36 @@ std::uint64_t RayScheduler::step(std::uint64_t units) {
     spent += cost;
   }
   if (phase_ == Phase::done) credit_ = 0;
+  if (spent > 0) note_parts();
   plan_.units += spent;
   plan_.done = phase_ == Phase::done;
   return spent;
 }
 
-std::span<const std::uint16_t> RayScheduler::rays(std::uint32_t position) const {
-  if (position >= plan_.positions) return {};
-  return best_rays_.subspan(std::size_t{position} * per_position_, per_position_);
+// What the parts counted in this task.
+void RayScheduler::note_parts() {
+  plan_.traced = looks_.traced();
+  plan_.evaluations = looks_.evaluations();
+  plan_.table_used = use_.most_lines;
+  plan_.table_full = use_.refused;
+  plan_.heap_full = heap_.refused();
 }
 
-mapping::VoxelWalk RayScheduler::walk(std::uint32_t position, std::uint32_t ray) const {
-  const View& view = views_[position];
-  const std::uint32_t row = ray / config_.sensor.columns;
-  const std::uint32_t column = ray - row * config_.sensor.columns;
-  const rt::Vector3 direction =
-      rows_[row].cos * across_[position * config_.sensor.columns + column] + rows_[row].sin * view.up;
-  return make_walk(map_, view.u, direction, config_.sensor.range_m / map_.voxel_size_m);
+std::span<const std::uint16_t> RayScheduler::rays(std::uint32_t position) const {
+  if (position >= plan_.positions) return {};
+  return best_rays_.subspan(std::size_t{position} * sizes_.per_position, sizes_.per_position);
 }
 
 // The candidate becomes the plan.
 void RayScheduler::adopt() {
-  std::copy(work_rays_.begin(), work_rays_.end(), best_rays_.begin());
+  const std::span<const std::uint16_t> rays = selection_.rays();
+  std::copy(rays.begin(), rays.end(), best_rays_.begin());
   best_ = work_;
   plan_.stage = stage_;
   plan_.planned = std::max(plan_.planned, last_);
   plan_.worth = best_.lower;
-  plan_.exact_worth = !(best_.lower < best_.upper);
-  plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * per_position_ * 2);
+  plan_.exact_worth = best_.is_exact();
+  plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * sizes_.per_position * 2);
   if (std::isfinite(plan_.best_bound)) finish_certificate();
 }
 

@@ -7,38 +7,19 @@
 #include <span>
 
 #include "mapping/occupancy_view.hpp"
-#include "planner/coverage_table.hpp"
+#include "planner/ray_certificate.hpp"
+#include "planner/ray_config.hpp"
+#include "planner/ray_cover.hpp"
+#include "planner/ray_exploration.hpp"
 #include "planner/ray_heap.hpp"
-#include "planner/ray_model.hpp"
-#include "planner/ray_path.hpp"
+#include "planner/ray_looks.hpp"
 #include "planner/ray_plan.hpp"
-#include "planner/ray_sensor.hpp"
+#include "planner/ray_selection.hpp"
+#include "planner/ray_weighing.hpp"
 #include "rt/archive.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
-
-/// Settings of the scheduler.
-struct RaySchedulerConfig {
-  RaySensor sensor;
-  RayModelConfig model;
-  std::uint32_t rays{200};                     ///< K, of each position
-  std::uint32_t positions{5};                  ///< L at most, 1..16
-  double voxel_size_m{0.2};                    ///< of the maps to come, at least
-  std::uint64_t map_cells{320u * 320u * 32u};  ///< of the maps to come, at most; 2^24 at most
-  std::uint32_t table_lines{};                 ///< of coverage, at most 65535; 0: 52 a ray, 32768 at most
-  std::uint32_t path_words{};                  ///< of paths, 16 cells each; 0: 3.5 a direction, 1.5 for L = 1
-  std::uint32_t coarse_log2{2};                ///< first, one direction of each 2^n by 2^n is looked at
-  std::uint32_t explored{};  ///< directions a position for the joint stage; 0: 7000, 4000 for L = 1
-  double optimism{1.0};      ///< what a direction's neighbours may be worth, as its multiple
-  double slack{0.02};        ///< a guided stage takes a ray this near to the best bound
-  std::uint32_t tries{
-      150};  ///< evaluations for one ray of the joint stage, then the best; a sixth for a position
-  bool position_first{true};  ///< stages
-  bool joint{true};
-  bool exact{true};
-  bool certify{true};
-};
 
 /// Plans min(K, N) different rays for each of L positions. At every moment it holds a complete, valid plan:
 /// first the previous one moved on (or a fixed pattern), then position after position (its rays are fired
@@ -46,10 +27,14 @@ struct RaySchedulerConfig {
 /// all directions. A plan is replaced only by one that is surely worth more, so more units never give less.
 /// What it does depends on the input and on the units spent, never on a clock, nor on how units were sliced.
 ///
+/// Its parts: RayLooks knows the directions, RayCover the rays that were entered, RayExploration looks where
+/// the best ones are, RaySelection chooses, RayWeighing says what a plan is worth and RayCertificate what
+/// none can be worth more than. This class has the order of the stages, the budget and the best plan.
+///
 /// Memory is the caller's; no heap. Cost: about 2 to 5 ns a unit.
 class RayScheduler {
  public:
-  static constexpr std::uint32_t kMostPositions = 16;
+  static constexpr std::uint32_t kMostPositions = RaySizes::kMostPositions;
   static constexpr std::uint32_t kNothingPassed = 0xffffffff;
 
   /// Bytes that a config asks for; 0 when it is not usable.
@@ -81,136 +66,85 @@ class RayScheduler {
   const RayPlan& plan() const { return plan_; }
   std::span<const std::uint16_t> rays(std::uint32_t position) const;
 
-  const RayModel& model() const { return model_; }
+  const RayModel& model() const { return looks_.model(); }
   const RaySchedulerConfig& config() const { return config_; }
   /// Between two tasks: the plan to bytes and back, into a scheduler of the same configuration. A task that
   /// was under way is over then.
   void archive(rt::Archive& archive);
   /// The walk of a ray of the present task; for tests and pictures. The pose lies in the window.
-  mapping::VoxelWalk walk(std::uint32_t position, std::uint32_t ray) const;
+  mapping::VoxelWalk walk(std::uint32_t position, std::uint32_t ray) const {
+    return looks_.walk(position, ray);
+  }
 
  private:
   enum class Phase : std::uint8_t {
-    seed_bound,     // trace the seed's rays
-    coarse,         // trace the coarse directions of a position
-    build,          // fill the heap for a selection
-    select,         // choose
-    complete,       // positions with too few rays get more
-    decide,         // is the candidate surely better?
-    weigh,          // the exact worth of the candidate or of the best plan
-    clear,          // empty the table; then what waits for that
-    reload,         // the table again as before weighing
-    next_stage,     // what comes next
-    explore,        // trace directions where the best ones are
-    trace_all,      // every direction
-    certify_build,  // fill the heap for the bound
-    certify,        // the best marginal worths of each position
+    seed_bound,  // trace the seed's rays
+    coarse,      // trace the coarse directions of a position
+    select,      // choose
+    decide,      // is the candidate surely better?
+    weigh,       // the exact worth of the candidate or of the best plan
+    clear,       // empty the cover; then what waits for that
+    reload,      // the cover again as before weighing
+    next_stage,  // what comes next
+    explore,     // trace directions where the best ones are
+    trace_all,   // every direction
+    certify,     // what no plan is worth more than
     done,
-  };
-  // What is known of a plan's worth.
-  struct Bounds {
-    double lower{};
-    double upper{};
-    bool weighed{};
-  };
-  // A position's pose in the window.
-  struct View {
-    rt::Vector3 u;
-    rt::Vector3 up;
-    std::uint32_t cell{};  // where it is
-    bool inside{};
   };
 
   void lay_out(std::span<std::byte> memory);
-  void make_views(std::span<const mapping::SensorPose> poses);
   void make_seed(std::uint32_t passed, std::uint32_t previous_positions);
-  void start_selection(RayStage stage, std::uint32_t first, std::uint32_t last);
+  std::uint32_t pattern(std::uint32_t i) const;
   std::uint32_t advance();
   std::uint32_t trace_coarse();
   std::uint32_t trace_seed();
   std::uint32_t trace_next();
-  std::uint32_t build_next();
-  std::uint32_t select_next();
-  std::uint32_t complete_next();
-  std::uint32_t decide();
-  void clear_table_then(Phase phase);
-  std::uint32_t clear_next();
-  std::uint32_t weigh_next();
-  std::uint32_t reload_next();
-  std::uint32_t next_stage();
-  std::uint32_t certify_build_next();
-  std::uint32_t certify_next();
-  void start_weighing(bool candidate);
-  void finish_certificate();
-  void adopt();
-
-  std::uint32_t trace(std::uint32_t position, std::uint32_t ray, bool beside, float& worth);
-  std::uint32_t evaluate(std::uint32_t node, float& worth);
-  std::uint32_t cover(std::uint32_t position, std::uint32_t ray, RayWorth& worth, bool& entered);
-  std::uint32_t take(std::uint32_t node);
   std::uint32_t explore_next();
-  std::uint32_t refine(std::uint32_t node);
-  std::uint32_t push_cell(std::uint32_t position, std::uint32_t x, std::uint32_t y, std::uint32_t level);
-  std::uint32_t push_ray(std::uint32_t position, std::uint32_t ray, std::uint32_t level, float worth);
-  std::uint32_t pattern(std::uint32_t i) const;
-
-  static bool bit(std::span<const std::uint32_t> bits, std::uint32_t i) {
-    return (bits[i >> 5] >> (i & 31u) & 1u) != 0;
-  }
-  static void set_bit(std::span<std::uint32_t> bits, std::uint32_t i) { bits[i >> 5] |= 1u << (i & 31u); }
-  static void put_bit(std::span<std::uint32_t> bits, std::uint32_t i, bool value) {
-    bits[i >> 5] &= ~(1u << (i & 31u));
-    if (value) set_bit(bits, i);
-  }
+  std::uint32_t select_next();
+  std::uint32_t decide();
+  std::uint32_t weigh_next();
+  std::uint32_t clear_next();
+  std::uint32_t reload_next();
+  std::uint32_t certify_next();
+  std::uint32_t next_stage();
+  void start_selection(RayStage stage, std::uint32_t first, std::uint32_t last);
+  void start_weighing(bool candidate);
+  void clear_cover_then(Phase phase);
+  void adopt();
+  void set_bound(double bound);
+  void finish_certificate();
+  void note_parts();
 
   RaySchedulerConfig config_;
-  RayModel model_;
-  std::uint32_t all_rays_{};
-  std::uint32_t per_position_{};
-  std::uint32_t most_cells_{};
-  std::uint32_t coarse_columns_{};
-  std::uint32_t coarse_rows_{};
-  std::uint64_t largest_step_{};
+  RaySizes sizes_;
   bool usable_{};
+  std::uint64_t largest_step_{};
 
-  std::span<RayAngle> columns_;
-  std::span<RayAngle> rows_;
-  std::span<rt::Vector3> across_;    // by position and column: the horizontal part of directions, turned
-  std::span<float> fresh_;           // worth of each traced direction beside no other
-  std::span<std::uint32_t> traced_;  // bits
-  std::span<std::uint32_t> chosen_;  // bits of the selection under way
-  std::span<std::uint32_t> path_;    // number of the path of each traced direction; 0: it was not kept
-  std::span<std::uint16_t> best_rays_;
-  std::span<std::uint16_t> work_rays_;
-  std::span<RayModel::Passed> scratch_;
+  // What the parts work on.
   RayHeap heap_;
-  CoverageTable table_;
-  RayPaths paths_;
+  RayCover cover_;
+  RayTableUse use_;
+  RayLooks looks_;
+  RayExploration exploration_;
+  RaySelection selection_;
+  RayWeighing weighing_;
+  RayCertificate certificate_;
 
-  mapping::OccupancyView map_;
-  View views_[kMostPositions];
+  std::span<std::uint16_t> best_rays_;
   RayPlan plan_;
   Phase phase_{Phase::done};
   Phase after_clear_{Phase::done};
   std::uint64_t credit_{};
-  Bounds best_;
-  Bounds work_;
+  RayBounds best_;  // of the plan
+  RayBounds work_;  // of the candidate
   double seed_bound_[kMostPositions]{};
-  std::uint32_t counts_[kMostPositions]{};
-  RayStage stage_{};       // of the selection under way
-  std::uint32_t first_{};  // positions of the selection
-  std::uint32_t last_{};
-  std::uint32_t left_{};  // rays that the selection still wants
-  std::uint32_t cursor_{};
+  RayStage stage_{};          // that is under way
+  std::uint32_t last_{};      // positions that it has planned
+  std::uint32_t cursor_{};    // of the phases that trace, and of reload
   std::uint32_t coarse_{};    // positions whose coarse directions were traced
-  std::uint32_t tries_{};     // evaluations for the next ray
-  std::uint64_t tried_{};     // best key of them
-  bool candidate_weighed_{};  // which plan weigh is about
-  bool disturbed_{};          // weighing used the table
+  bool candidate_weighed_{};  // which plan is weighed
+  bool disturbed_{};          // weighing used the cover
   bool all_traced_{};
-  double chosen_worth_{};  // of the rays in the table
-  double marginal_sum_{};
-  double rest_upper_{};  // of the plan that is weighed, without the first position
 };
 
 }  // namespace sortie::planner

@@ -7,14 +7,14 @@ namespace sortie::planner {
 
 // The plan alone: begin() makes everything else anew.
 void RayScheduler::archive(rt::Archive& archive) {
-  archive.expect(usable_ ? all_rays_ : 0, "the scheduler has other directions");
-  archive.expect(per_position_, "the scheduler plans another number of rays");
+  archive.expect(usable_ ? sizes_.all_rays : 0, "the scheduler has other directions");
+  archive.expect(sizes_.per_position, "the scheduler plans another number of rays");
   archive.expect(config_.positions, "the scheduler plans another number of positions");
   RayPlan plan = plan_;
   archive.value(plan);
   for (std::uint16_t& ray : best_rays_) {
     archive.value(ray);
-    if (ray < all_rays_) continue;
+    if (ray < sizes_.all_rays) continue;
     archive.fail(Status::malformed, "a direction that the sensor does not have");
     ray = 0;
   }
