@@ -174,7 +174,8 @@ def finish(rows, options):
         print(f"FAILED {test.name}{': ' + test.why if test.why else ''}")
     if options.keep:
         text = page(rows, tests, "How long a test run takes",
-                    "`toolchain/test --keep` wrote this; a stage that takes a third longer is told at the end of a run.", 10)
+                    "`toolchain/test --keep` wrote this; a stage that takes a third longer is told at the end of a run. Builds begin beside the "
+                    "tests before them: their minutes are what was left to wait for.", 10)
         if options.long:
             text = page(rows, tests, "The long tests", "What `toolchain/test --long` gave; `--keep` wrote this.", 25)
         (KEPT.with_name("long-tests.md") if options.long else KEPT).write_text(text)
