@@ -24,8 +24,8 @@ class DisturbanceObserver {
  public:
   explicit DisturbanceObserver(const DisturbanceConfig& config) : config_(config) {}
 
-  /// As new: nothing is known, and the filters' steps are worked out again.
-  void reset() { *this = DisturbanceObserver(config_); }
+  /// Forgets what was estimated. The filters keep their step as it is: the watch of the rotors is tuned so.
+  void reset() { across_ = along_ = {}; }
 
   /// The world's axes turn: what was taken for one direction was another.
   void turn(const rt::Quaternion& by) {
