@@ -40,7 +40,7 @@ std::optional<Divergence> compare_decisions(const rt::Executive& executive, cons
 
 /// Compares a recorded verdict with the times that a live run measured of the job. Whoever ended behind the
 /// deadline has missed it. Who ended before it may have been called missed by a reader in that moment, unless
-/// nobody reads the group.
+/// nobody reads the group nor takes its commands.
 std::optional<Divergence> compare_with_times(const rt::Executive& executive, const rt::JobRecord& recorded,
                                              const JobTimes& times);
 

@@ -158,6 +158,9 @@ void LiveSession::open_telemetry() {
           std::make_unique<Telemetry>(runtime_, *recorder_, *parameters_, options_.lcm_url, utc_minus_run_);
   }
   if (telemetry_ && !telemetry_->problem().empty()) warnings_.push_back(telemetry_->problem());
+  if (!telemetry_ && parameters_->network() != nullptr)
+    warnings_.push_back(
+        "requests are taken, but nobody can hear which run this is, and so make one; cure: live.telemetry=true");
   warnings_.insert(warnings_.end(), ring_->warnings().begin(), ring_->warnings().end());
   if (!doctor_.warning().empty()) warnings_.push_back(doctor_.warning());
   if (const std::string tight = unit_warning(booted_.trial); !tight.empty()) warnings_.push_back(tight);

@@ -49,8 +49,8 @@ rt::posix::LiveOptions read_live_settings(Profile& profile) {
 RunOutlets read_run_outlets(Profile& profile) {
   RunOutlets outlets;
   outlets.telemetry = profile.flag("live.telemetry", true,
-                                   "a live run tells over LCM what it does, and answers requests; they are "
-                                   "taken without it, too");
+                                   "a live run tells over LCM what it does, and answers requests; without it "
+                                   "nobody can make one");
   outlets.recorder = profile.flag("live.recorder", true, "runs and replays of this scene can be recorded");
   return outlets;
 }

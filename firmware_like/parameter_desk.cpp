@@ -51,18 +51,20 @@ std::string ParameterDesk::open(const std::string& url) {
            "without_secret = true lets anybody " +
            what;
   try {
+    const std::int64_t session = unguessable_number();  // without one nobody could be told from a recording
     receiver_ = std::make_unique<drivers::LcmReceiver>(url);
-    session_ = unguessable_number();
+    session_ = session;
   } catch (const std::exception& error) {
     return std::string("no requests are taken: ") + error.what();
   }
+  std::string note;
+  if (!key_) note = "anybody who reaches " + url + " can " + what + "; [parameters] secret_file closes that";
   try {
     if (drives) stops_ = std::make_unique<drivers::LcmReceiver>(url, drivers::stop_filter());
-  } catch (const std::exception&) {
-    // Stops then come by the common queue alone.
+  } catch (const std::exception& error) {
+    note += (note.empty() ? "" : "; ") + std::string("stops share the queue of all traffic: ") + error.what();
   }
-  if (!key_) return "anybody who reaches " + url + " can " + what + "; [parameters] secret_file closes that";
-  return {};
+  return note;
 }
 
 Status ParameterDesk::set(std::string_view name, double value, rt::Nanoseconds now_ns) {

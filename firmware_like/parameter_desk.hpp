@@ -55,7 +55,7 @@ class ParameterDesk {
 
   /// Hands in what the script holds up to `now_ns` of the run's clock.
   void run_script(rt::Nanoseconds now_ns);
-  /// The same, and takes the requests that have come in; at most 256 of them, without waiting. What has
+  /// The same, and takes the requests that have come in; at most 256 of each queue, without waiting. What has
   /// waited in the kernel's queue is judged by its age now.
   void poll(rt::Nanoseconds now_ns);
 

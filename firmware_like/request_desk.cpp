@@ -102,8 +102,7 @@ void RequestDesk<Message>::hand_in_waiting(rt::Nanoseconds now_ns) {
   if (!waiting_) return;
   const Asked asked = *waiting_;
   Status status = Status::ok;
-  if (planner::stop_rank(asked.request) == 0 && entry_.rules.most_age_ns != 0 &&
-      now_ns - asked.request.stamp_ns > entry_.rules.most_age_ns) {
+  if (planner::stop_rank(asked.request) == 0 && entry_.rules.is_too_old(asked.request.stamp_ns, now_ns)) {
     status = Status::stale;
   } else {
     // Asked first: a stream counts what it refuses, and this one is no loss.
@@ -118,14 +117,9 @@ void RequestDesk<Message>::hand_in_waiting(rt::Nanoseconds now_ns) {
 // Counts what became of a request, and answers it.
 template <class Message>
 void RequestDesk<Message>::end(const Asked& asked, Status status) {
-  std::uint64_t& reason = status == Status::ok              ? counters_.admitted
-                          : status == Status::not_finite    ? counters_.not_finite
-                          : status == Status::full          ? counters_.full
-                          : status == Status::stale         ? counters_.held_back
-                          : status == Status::time_repeated ? counters_.repeated
-                          : status == Status::malformed     ? counters_.jumped
-                                                            : counters_.out_of_range;
-  ++reason;
+  ++(status == Status::ok     ? counters_.admitted
+     : status == Status::full ? counters_.full
+                              : planner::refusal(counters_, status));
   answer(asked, status);
 }
 

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "drivers/siphash.hpp"
 #include "drivers/wire_fly.hpp"

@@ -36,11 +36,9 @@ class RaySelection {
   std::uint32_t step(std::span<const std::uint16_t> best);
   bool done() const { return phase_ == Phase::done; }
 
-  /// The candidate: K rays of each position. Those behind last() are the seed's.
+  /// The candidate: K rays of each position. Behind the positions chosen they are the seed's.
   std::span<const std::uint16_t> rays() const { return rays_; }
-  RayStage stage() const { return stage_; }
-  std::uint32_t last() const { return last_; }
-  /// True when each of the candidate's rays up to last() was chosen, none filled in.
+  /// True when each of the candidate's rays of those positions was chosen, none filled in.
   bool is_whole() const;
 
  private:

@@ -63,17 +63,10 @@ inline Status check_content(const rt::FlyRequest& request, std::int32_t) {
 }
 
 /// The request without what does not count: of a stop nothing but its mode.
-inline rt::DriveRequest plain(const rt::DriveRequest& request) {
+template <class Request>
+Request plain(const Request& request) {
   if (stop_rank(request) == 0) return request;
-  rt::DriveRequest stop;
-  stop.stamp_ns = request.stamp_ns;
-  stop.counter = request.counter;
-  stop.mode = request.mode;
-  return stop;
-}
-inline rt::FlyRequest plain(const rt::FlyRequest& request) {
-  if (stop_rank(request) == 0) return request;
-  rt::FlyRequest stop;
+  Request stop;
   stop.stamp_ns = request.stamp_ns;
   stop.counter = request.counter;
   stop.mode = request.mode;

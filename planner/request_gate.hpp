@@ -29,7 +29,21 @@ struct RequestCounters {
 struct RequestRules {
   std::int32_t postures{};        ///< of the flippers, that a request may ask for
   rt::Nanoseconds most_age_ns{};  ///< from receipt until it is taken; 0: not judged
+
+  bool is_too_old(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) const {
+    return most_age_ns != 0 && now_ns - stamp_ns > most_age_ns;
+  }
 };
+
+/// The counter of a refusal's reason; what has none of its own is out of range.
+template <class Counters>
+auto& refusal(Counters& counters, Status status) {
+  return status == Status::not_finite      ? counters.not_finite
+         : status == Status::time_repeated ? counters.repeated
+         : status == Status::malformed     ? counters.jumped
+         : status == Status::stale         ? counters.held_back
+                                           : counters.out_of_range;
+}
 
 /// Whether a stop needs its counter.
 enum class StopOrder : std::uint8_t {
@@ -38,7 +52,7 @@ enum class StopOrder : std::uint8_t {
 };
 
 /// Judges requests by order, age and content. Used twice: where they come in, so that what is refused is in
-/// no log, and by whoever obeys, who trusts nobody. 48 bytes.
+/// no log, and by whoever obeys, who trusts nobody.
 ///
 /// The rule for stops, here and wherever one passes: nothing that another sender does may cost a stop. So a
 /// stop needs no rising counter (unless a more final one was the last that was taken), has no age once it is
@@ -56,7 +70,7 @@ struct RequestGate {
   Status take(const Request& request, const RequestRules& rules, rt::Nanoseconds now_ns,
               StopOrder order = StopOrder::any) {
     const Status status = judge(request, rules, now_ns, order);
-    count(status);
+    ++(status == Status::ok ? counters.taken : refusal(counters, status));
     if (status != Status::ok) return status;
     if (in_order(request.counter) == Status::ok) newest = request.counter;
     rank = stop_rank(request);
@@ -76,18 +90,8 @@ struct RequestGate {
     const bool out_of_turn = stops != 0 && stops >= rank && order == StopOrder::any;
     if (const Status turn = in_order(request.counter); turn != Status::ok && !out_of_turn) return turn;
     if (stops != 0) return Status::ok;
-    if (rules.most_age_ns != 0 && now_ns - request.stamp_ns > rules.most_age_ns) return Status::stale;
+    if (rules.is_too_old(request.stamp_ns, now_ns)) return Status::stale;
     return check_content(request, rules.postures);
-  }
-
-  void count(Status status) {
-    std::uint32_t& reason = status == Status::ok              ? counters.taken
-                            : status == Status::not_finite    ? counters.not_finite
-                            : status == Status::time_repeated ? counters.repeated
-                            : status == Status::malformed     ? counters.jumped
-                            : status == Status::stale         ? counters.held_back
-                                                              : counters.out_of_range;
-    ++reason;
   }
 };
 

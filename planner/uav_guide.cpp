@@ -149,7 +149,8 @@ void UavGuide::archive(rt::Archive& archive) {
   if (hope_ != nullptr) archive.value(*hope_);
   if (archive.is_reading() && !is_consistent()) archive.fail(Status::malformed, "a hoped way");
   if (!archive.is_reading() || archive.status() != Status::ok) return;
-  if (way_.points > UavWay::kMostPoints) archive.fail(Status::malformed, "a way of too many points");
+  if (way_.points > UavWay::kMostPoints || (checking_ && way_.points == 0))
+    archive.fail(Status::malformed, "a way of too many points, or none");
   if (!searching_ || search_ == Search::backing) return;
   // A search in a map that has changed since begins anew anyway, once the change is worked in.
   PathState state = begin_path();

@@ -89,6 +89,7 @@ bool UavGuide::goes_on(PathState state) {
 // lines go nowhere and tell that room.
 void UavGuide::begin_backing() {
   search_ = Search::backing;
+  way_.state = static_cast<std::uint32_t>(PathState::running);
   searching_ = true;
   aims_ = WayAims{};
   std::copy(std::begin(question_.from_m), std::end(question_.from_m), std::begin(aims_.p_world_m[0]));
@@ -127,22 +128,12 @@ void UavGuide::back_off() {
 // The nearest free voxel beyond those that were tried.
 void UavGuide::try_next_place() {
   constexpr std::int32_t kReach = 4;
-  constexpr std::int32_t kSide = 2 * kReach + 1;
-  constexpr std::uint32_t kMostTries = 64;
   const rt::Vector3 start = rt::to_vector(question_.from_m);
   const double tried = aims_.next == 0 ? -1.0 : rt::norm(rt::to_vector(aims_.p_world_m[0]) - start);
-  const Voxel3 middle = map_->voxel_at(start);
-  double nearest = HUGE_VAL;
-  rt::Vector3 place;
-  for (std::int32_t i = 0; i < kSide * kSide * kSide; ++i) {
-    const Voxel3 v{middle.x + i % kSide - kReach, middle.y + i / kSide % kSide - kReach,
-                   middle.z + i / (kSide * kSide) - kReach};
-    const double d = rt::norm(map_->middle_m(v) - start);
-    if (d <= tried || d >= nearest || !map_->is_free(v)) continue;
-    nearest = d;
-    place = map_->middle_m(v);
-  }
-  if (nearest == HUGE_VAL || aims_.next == kMostTries) return give_up_backing();
+  Voxel3 voxel;
+  if (aims_.next == UavPath::kMostStarts || !map_->nearest_free(start, tried, kReach, voxel))
+    return give_up_backing();
+  const rt::Vector3 place = map_->middle_m(voxel);
   ++aims_.next;
   aims_.p_world_m[0][0] = place.x;
   aims_.p_world_m[0][1] = place.y;
@@ -163,7 +154,9 @@ void UavGuide::take_aims() {
   aims_ = WayAims{};
   const double voxel_m = map_->config().voxel_m;
   const std::span<const rt::Vector3> points = path_->waypoints();
-  bool free = true;  // who stands in the goal's stretch cannot be met there: the goal could not
+  // Who stands in the goal's stretch cannot be met there: the goal could not. A way of too many corners ends
+  // before the goal.
+  bool free = path_->is_whole();
   for (std::size_t i = points.size() - 1; i > 0; --i) {
     const rt::Vector3 way = points[i - 1] - points[i];
     const double steps = std::ceil(4.0 * rt::norm(way) / voxel_m);

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <new>
 
+#include "rt/archive.hpp"
 #include "rt/let_channel.hpp"
 #include "rt/mailbox.hpp"
 #include "rt/time.hpp"
@@ -46,6 +47,12 @@ class CommandOutletBase {
   virtual void close(std::uint64_t job) = 0;
   /// Executive: the job's verdict.
   virtual void settle(std::uint64_t job, Verdict verdict) = 0;
+
+  /// The counts to bytes and back. What waits is not state: a replay commands nothing.
+  void archive(Archive& archive) {
+    archive.value(late_);
+    archive.value(late_stops_);
+  }
 
  protected:
   std::uint64_t late_{};

@@ -26,6 +26,7 @@ void Executive::archive(Archive& archive, Tick tick) {
         .state(group.jobs, group.missed, group.skipped, group.misses);
     archive.value(group.misses);
     for (InputBase* input : group.inputs) input->archive(archive);
+    for (CommandOutletBase* outlet : group.outlets) outlet->archive(archive);
     group.ledger->archive(archive);
   }
   // Of a channel only what a reader may still take. The inputs and verdicts that decide it are in place by

@@ -259,6 +259,11 @@ def racing_halts(air, halts=8):
     pathlib.Path("wrong").write_text("0" * 32)
     pathlib.Path("wrong").chmod(0o600)
     sortie("drive", "halt", "--secret", "wrong", code=2, says=["another secret"])
+    # Taken is what the robot does: one that is halted takes no go, whatever its desk admits.
+    sortie("drive", "go", "--speed", "0.2", "--for", "0.6", "--secret", "secret", code=0, says=["taken", "requests"])
+    sortie("drive", "go", "--speed", "99", "--for", "0.6", "--seconds", "1", "--secret", "secret", code=1, says=["refused", "not taken"])
+    sortie("drive", "halt", "--secret", "secret", code=0, says=["halted"])
+    sortie("drive", "go", "--speed", "0.2", "--for", "0.6", "--seconds", "1", "--secret", "secret", code=1, says=["not taken", "drive release"])
     racers = [Racer(air, "otter", b"SORTIE_DRIVE", 100), Liar(air, "otter")]
     for racer in racers:
         racer.start()
@@ -355,7 +360,8 @@ def flight(air, stops=3):
     racer.start()
     for number in range(stops):
         sortie("fly", "release", "--secret", "secret")  # the racer takes over again at once
-        air.until("heron", lambda said: said["state"]["step"] != 10, 5)
+        released = air.until("heron", lambda said: said["state"]["step"] != 10, 5)
+        check(released is not None and released["state"]["step"] != 10, f"stop {number}: the vehicle was released before it")
         sortie("fly", "stop", "--secret", "secret", code=0, says=["stopped"])
         time.sleep(0.5)
         check(air.said["heron"]["state"]["step"] == 10, f"stop {number}: goals that go on start no rotor")

@@ -92,7 +92,8 @@ bool is_halted(const RequestClient& client) {
 bool is_done(const RequestClient& client, const std::string& what, std::int64_t first) {
   if (!client.is_admitted(first) || !client.has_state()) return false;
   if (what == "halt") return is_halted(client) && words_of(client).stands();
-  return what == "go" || !is_halted(client);
+  if (is_halted(client)) return false;
+  return what == "release" || words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::remote);
 }
 
 // Repeats a request until `enough(first)`, at most so long; `first`: counter of the first of them. Returns
@@ -143,7 +144,11 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
   if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
   if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
   if (!client.has_state()) return whose + "the request was admitted, but the drive does not say what it does";
-  if (what != "halt") return whose + "the request was admitted, but the robot is still halted";
+  if (what != "halt" && is_halted(client))
+    return whose + "the request was admitted, but the robot is " +
+           (what == "go" ? "halted; sortie drive release ends that" : "still halted");
+  if (what == "go")
+    return whose + "the request was admitted, but in control is " + source_name(words_of(client).source);
   return whose + (is_halted(client) ? "it is halted, but still brakes"
                                     : "the halt was admitted, but the drive does not say that it is halted");
 }
@@ -174,14 +179,13 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
           return interrupted.load() || (!done && Clock::now() > patience);
         });
     if (!options.json && done) show(options, client, done);
-    // The robot is never left driving: a request may have been taken although its answer was not heard.
+    if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
+    // The robot is never left driving: a request may have been taken although its answer was not heard. That
+    // these are taken says nothing of those before.
     request.speed_m_s = request.turn_rad_s = 0;
-    const bool was_done = done;
     repeat(client, request, done ? ms_of(options.seconds) : 5 * kRepeat, [&](std::int64_t from) {
-      done = done || is_done(client, options.what, from);
       return is_done(client, options.what, from) && words_of(client).stands();
     });
-    done = done || was_done;
   } else {
     request.speed_m_s = request.turn_rad_s = 0;
     request.mode =
@@ -190,8 +194,8 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
       done = is_done(client, options.what, from);
       return done || interrupted.load();
     });
+    if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
   }
-  if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
   show(options, client, done);
   return done ? kGood : kNotTaken;
 }

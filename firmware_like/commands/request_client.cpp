@@ -2,6 +2,7 @@
 #include "firmware_like/commands/request_client.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "firmware_like/commands/parameter_client.hpp"
@@ -21,6 +22,11 @@ constexpr std::size_t kMostRobots = 64;   // strangers must not fill the memory
 constexpr std::int64_t kOld_us = 5'000'000;
 constexpr std::int64_t kOvertake =
     1000;  // beside a sender of 1 kHz whom the robot tells of ten times a second
+
+// Counted on from by adding: what nobody ever reached is no counter.
+bool is_believable(const drivers::AnswersMessage& said) {
+  return said.counter >= 0 && said.counter <= std::numeric_limits<std::int64_t>::max() / 2;
+}
 
 milliseconds until(Clock::time_point end) {
   return std::chrono::duration_cast<milliseconds>(end - Clock::now());
@@ -55,6 +61,7 @@ RequestClient::RequestClient(const std::string& url, std::optional<drivers::SipK
 void RequestClient::note(std::span<const std::uint8_t> payload, Search& search) const {
   drivers::AnswersMessage said;
   if (drivers::decode(payload, nullptr, said) != Status::ok || said.task != topic_.task) return;
+  if (!is_believable(said)) return;
   if (said.session == 0) {
     search.closed = said.robot;
   } else if (!key_ && said.keyed) {
@@ -63,7 +70,13 @@ void RequestClient::note(std::span<const std::uint8_t> payload, Search& search) 
     search.has_none = true;
   } else if (key_ && drivers::decode(payload, &*key_, said) != Status::ok) {
     search.other_secret = true;
-  } else if (search.robots.size() < kMostRobots || search.robots.count(said.session) != 0) {
+  } else {
+    // Recordings of former runs must not keep the present one out: the oldest makes room.
+    if (search.robots.size() >= kMostRobots && search.robots.count(said.session) == 0)
+      search.robots.erase(
+          std::min_element(search.robots.begin(), search.robots.end(), [](const auto& a, const auto& b) {
+            return a.second.utime < b.second.utime;
+          }));
     drivers::AnswersMessage& known = search.robots[said.session];
     if (known.utime <= said.utime) known = std::move(said);
   }
@@ -150,6 +163,7 @@ bool RequestClient::listen(milliseconds most) {
     if (drivers::decode(received.message.payload, key_ ? &*key_ : nullptr, said) != Status::ok) continue;
     // Of another run, or played again.
     if (said.session != heard_.session || said.task != topic_.task || said.utime <= heard_.utime) continue;
+    if (!is_believable(said)) continue;
     heard_ = std::move(said);
     return true;
   }

@@ -44,9 +44,6 @@ class Corners {
   std::uint32_t rounds() const { return rounds_; }
   /// Length in voxels.
   float length() const;
-  /// True at the end of a round: points() is whole. In between, points() still is the way of the round
-  /// before.
-  bool between_rounds() const { return source_ == 0; }
 
   /// State to bytes and back, into memory of the same size.
   void archive(rt::Archive& archive);

@@ -94,7 +94,6 @@ Status FlightMap::set_blocked(const Voxel3& voxel, bool blocked) {
 
 bool FlightMap::refresh(std::uint32_t most_bricks) {
   const auto words = static_cast<std::uint32_t>(dirty_.size());
-  bool changed = false;
   std::uint32_t done = 0;
   std::uint32_t clean = 0;
   while (clean < words && done < most_bricks) {
@@ -108,13 +107,28 @@ bool FlightMap::refresh(std::uint32_t most_bricks) {
     const std::uint32_t b = hand_ * 64 + static_cast<std::uint32_t>(std::countr_zero(word));
     word &= word - 1;
     const auto n = static_cast<std::int32_t>(b);
-    const BrickMask now = free_voxels(n % bx_, n / bx_ % by_, n / (bx_ * by_));
-    changed |= now != free_[b];
-    free_[b] = now;
+    free_[b] = free_voxels(n % bx_, n / bx_ % by_, n / (bx_ * by_));
     ++done;
   }
-  if (changed) ++version_;
+  if (done != 0) ++version_;  // also where no free voxel changed: exact checks ask the blocked ones
   return clean == words;
+}
+
+bool FlightMap::nearest_free(const rt::Vector3& from_m, double beyond_m, std::int32_t reach,
+                             Voxel3& found) const {
+  const Voxel3 middle = voxel_at(from_m);
+  double nearest = HUGE_VAL;
+  for (std::int32_t z = middle.z - reach; z <= middle.z + reach; ++z) {
+    for (std::int32_t y = middle.y - reach; y <= middle.y + reach; ++y) {
+      for (std::int32_t x = middle.x - reach; x <= middle.x + reach; ++x) {
+        const double d = rt::norm(middle_m({x, y, z}) - from_m);
+        if (d <= beyond_m || d >= nearest || !is_free({x, y, z})) continue;
+        nearest = d;
+        found = {x, y, z};
+      }
+    }
+  }
+  return nearest < HUGE_VAL;
 }
 
 // One brick anew.

@@ -62,7 +62,11 @@ class FlightMap {
   }
   bool is_free(const Voxel3& v) const { return is_inside(v) && (free_[brick_of(v)] & brick_bit(v)) != 0; }
 
-  /// Rises with each refresh() that changed a free voxel: plans made before may be worth a look.
+  /// The free voxel nearest to a place of those more than `beyond_m` away, within `reach` voxels along each
+  /// axis. False without one; `found` is then as before. Cost: (2 reach + 1)^3 looks.
+  bool nearest_free(const rt::Vector3& from_m, double beyond_m, std::int32_t reach, Voxel3& found) const;
+
+  /// Rises with each refresh() that had something to work in: plans made before may be worth a look.
   std::uint32_t version() const { return version_; }
 
   /// The bricks: free voxels of each for searches, blocked ones of one for exact checks.

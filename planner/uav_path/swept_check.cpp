@@ -9,6 +9,9 @@
 namespace sortie::planner {
 namespace {
 
+constexpr std::int32_t kMostBricks = 256;  // along an axis of the largest map
+constexpr std::uint32_t kMostLines = 64;   // of a way
+
 struct Bounds {
   rt::Vector3 low;
   rt::Vector3 high;
@@ -192,10 +195,17 @@ bool WayWalk::run(const FlightMap& map, std::span<const rt::Vector3> way_m, std:
 
 void SweptWalk::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "swept walk").state(a_m_, b_m_, share_, next_, result_);
+  if (!archive.is_reading()) return;
+  bool fits = share_ > 0.0 && share_ <= 1.0;
+  for (const std::int32_t next : next_) fits = fits && next >= 0 && next <= kMostBricks;
+  if (!fits) archive.fail(Status::malformed, "a line that is half judged");
 }
 
 void WayWalk::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "way walk").state(walk_, share_, line_, begun_, is_free_);
+  rt::Members(archive, *this, "way walk").by_hand(line_).state(walk_, share_, begun_, is_free_);
+  archive.bounded(line_, kMostLines);
+  if (archive.is_reading() && !(share_ > 0.0 && share_ <= 1.0))
+    archive.fail(Status::malformed, "a share of the robot's size");
 }
 
 SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {

@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::int32_t kStartReach = 3;  // voxels that a start may lie from the next free one
 constexpr std::uint64_t kStartVoxels = (2 * kStartReach + 1) * (2 * kStartReach + 1) * (2 * kStartReach + 1);
-constexpr std::uint32_t kMostTries = 64;
 
 std::uint64_t steps_of(std::uint64_t units) {
   return std::min(units, UINT64_MAX / UavPath::kStepsPerUnit) * UavPath::kStepsPerUnit;
@@ -22,7 +21,6 @@ PathState UavPath::begin(const FlightMap& map, const rt::Vector3& start_m, const
   whole_ = shortest_ = walking_ = false;
   published_rounds_ = 0;
   tries_ = 0;
-  tried_m_ = -1.0;
   start_m_ = start_m;
   goal_m_ = goal_m;
   map_version_ = map.version();
@@ -33,25 +31,6 @@ PathState UavPath::begin(const FlightMap& map, const rt::Vector3& start_m, const
   phase_ = map.is_free(start_) ? Phase::coarse : Phase::lead_in;
   if (phase_ == Phase::coarse) coarse_.begin(map, start_, goal_);
   return state_ = PathState::running;
-}
-
-// The free voxel nearest to the start, beyond those that were tried.
-bool UavPath::find_next_start(const FlightMap& map) {
-  const Voxel3 middle = map.voxel_at(start_m_);
-  double nearest = HUGE_VAL;
-  for (std::int32_t z = -kStartReach; z <= kStartReach; ++z) {
-    for (std::int32_t y = -kStartReach; y <= kStartReach; ++y) {
-      for (std::int32_t x = -kStartReach; x <= kStartReach; ++x) {
-        const Voxel3 v{middle.x + x, middle.y + y, middle.z + z};
-        const double d = rt::norm(map.middle_m(v) - start_m_);
-        if (d <= tried_m_ || d >= nearest || !map.is_free(v)) continue;
-        nearest = d;
-        start_ = v;
-      }
-    }
-  }
-  tried_m_ = nearest;
-  return nearest < HUGE_VAL;
 }
 
 bool UavPath::walk_on(const FlightMap& map, std::uint64_t& steps) {
@@ -67,7 +46,8 @@ bool UavPath::walk_on(const FlightMap& map, std::uint64_t& steps) {
 void UavPath::lead_in(const FlightMap& map, std::uint64_t& steps) {
   while (steps > 0) {
     if (!walking_) {
-      if (tries_++ == kMostTries || !find_next_start(map)) {
+      const double tried_m = tries_ == 0 ? -1.0 : rt::norm(map.middle_m(start_) - start_m_);
+      if (tries_++ == kMostStarts || !map.nearest_free(start_m_, tried_m, kStartReach, start_)) {
         state_ = PathState::bad_start;
         return;
       }

@@ -53,6 +53,8 @@ struct UavPathWork {
 class UavPath {
  public:
   static constexpr std::uint32_t kMostWaypoints = 64;
+  /// Places that are tried from a start that is not free.
+  static constexpr std::uint32_t kMostStarts = 64;
   /// Voxels of a line of sight, or steps of an exact check (SweptWalk), that are one unit.
   static constexpr std::uint64_t kStepsPerUnit = 16;
 
@@ -64,9 +66,10 @@ class UavPath {
   PathState begin(const FlightMap& map, const rt::Vector3& start_m, const rt::Vector3& goal_m);
 
   /// Works on for at most `units`: a part of a brick, a voxel of the fine search, 16 voxels of a line of
-  /// sight, a pair of the exact check and 16 bricks along its line are one each; beyond them by
-  /// one point's lines of sight, a round's new points, or one brick of the exact check, at the most. Nothing
-  /// is left out of the units: whoever adds work adds it there.
+  /// sight, a pair of the exact check and 16 bricks along its line are one each; beyond them by one point's
+  /// lines of sight, a round's new points, one brick of the exact check (65 units), or one look around a
+  /// start that is not free (22), at the most. Nothing is left out of the units: whoever adds work adds it
+  /// there.
   PathState step(const FlightMap& map, std::uint64_t units);
 
   /// The way as it is now, from start to goal, world; empty before `found`. A way with more corners than room
@@ -89,7 +92,6 @@ class UavPath {
   enum class Phase : std::uint8_t { lead_in, coarse, fine, judge, shorten };
   // Which of the fresh way's lines is judged.
   enum class Line : std::uint8_t { without_first, without_last, each };
-  bool find_next_start(const FlightMap& map);
   void lead_in(const FlightMap& map, std::uint64_t& steps);
   void search(const FlightMap& map, std::uint64_t& units);
   void begin_judging(const FlightMap& map);
@@ -114,8 +116,7 @@ class UavPath {
   std::uint32_t waypoint_count_{};
   bool whole_{};
   bool shortest_{};  ///< the corners get no shorter
-  // A start that is not free: how far from it the last voxel was that was tried, and how many there were.
-  double tried_m_{};
+  // From a start that is not free: places that were tried; start_ is the last of them.
   std::uint32_t tries_{};
   // The way that is judged before it is shown.
   rt::Vector3 fresh_[kMostWaypoints]{};

@@ -138,7 +138,7 @@ void UavPath::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav path")
       .by_hand(fine_, state_, phase_, start_, goal_, waypoint_count_, fresh_count_, line_, point_)
       .state(coarse_, corners_, map_version_, published_rounds_, start_m_, goal_m_, waypoints_, whole_,
-             shortest_, tried_m_, tries_, fresh_, fresh_whole_, walking_, walk_, work_);
+             shortest_, tries_, fresh_, fresh_whole_, walking_, walk_, work_);
   place(archive, start_);
   place(archive, goal_);
   fine_.archive(archive, coarse_.size());

@@ -39,7 +39,7 @@ const char* const kMission =
 
 TEST_CASE("A request to the drive is admitted once, and everything else is counted by its reason") {
   Runtime runtime(load_scene("ugv_hall", with({"drive.remote=true"})), own_vehicles(), RuntimeStart{});
-  DriveDesk desk(runtime.vehicle().drive_requests());
+  DriveRequestDesk desk(runtime.vehicle().drive_requests());
   drivers::DriveRequestMessage request;
   request.counter = 1;
   request.speed_m_s = 0.2;
@@ -82,7 +82,7 @@ TEST_CASE("A request to the drive is admitted once, and everything else is count
 TEST_CASE("A scene that does not want requests has no way in for them") {
   Runtime runtime(load_scene("ugv_hall", kSmall), own_vehicles(), RuntimeStart{});
   CHECK(runtime.vehicle().drive_requests().port == nullptr);
-  DriveDesk desk(runtime.vehicle().drive_requests());
+  DriveRequestDesk desk(runtime.vehicle().drive_requests());
   drivers::DriveRequestMessage request;
   request.counter = 1;
   desk.take(bytes_of(request, nullptr), at(1));
@@ -95,7 +95,7 @@ TEST_CASE("A scene that does not want requests has no way in for them") {
 
 TEST_CASE("Where there is a secret, only a request with its tag is taken") {
   Runtime runtime(load_scene("ugv_hall", with({"drive.remote=true"})), own_vehicles(), RuntimeStart{});
-  DriveDesk desk(runtime.vehicle().drive_requests());
+  DriveRequestDesk desk(runtime.vehicle().drive_requests());
   const drivers::SipKey secret{1, 2};
   const drivers::SipKey other{1, 3};
   drivers::DriveRequestMessage request;
@@ -109,7 +109,7 @@ TEST_CASE("Where there is a secret, only a request with its tag is taken") {
 
 TEST_CASE("A request that was held back is refused, however good its tag and counter") {
   Runtime runtime(load_scene("ugv_hall", with({"drive.remote=true"})), own_vehicles(), RuntimeStart{});
-  DriveDesk desk(runtime.vehicle().drive_requests());
+  DriveRequestDesk desk(runtime.vehicle().drive_requests());
   const drivers::SipKey secret{1, 2};
   const rt::Nanoseconds arrived = 1'790'000'000 * rt::kNanosecondsPerSecond;
   const RequestAge age{arrived, arrived, 2 * rt::kNanosecondsPerSecond};

@@ -25,7 +25,7 @@ drivers::FlyRequestMessage fly_to(double x_m, std::int64_t counter) {
 
 TEST_CASE("A request to fly is admitted once, with the right tag, and everything else is counted") {
   Runtime runtime(load_scene("uav_neo11", {"flight.remote=true"}), own_vehicles(), RuntimeStart{});
-  FlyDesk desk(runtime.vehicle().fly_requests());
+  FlyRequestDesk desk(runtime.vehicle().fly_requests());
   REQUIRE(desk.wanted());
   const drivers::SipKey secret{1, 2};
   const drivers::SipKey other{1, 3};

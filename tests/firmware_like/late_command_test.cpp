@@ -88,5 +88,19 @@ TEST_CASE("late jobs move nothing: their commands are dropped and counted, their
     for (const char* name : {"drive_late", "drive_late_stops", "flippers_late", "flippers_late_stops"})
       CHECK(count_of(again, name) == count_of(live, name));
     CHECK(again.executive().digest() == live.executive().digest());
+
+    // So does one that goes on from a keyframe.
+    rt::Archive measure = rt::Archive::measuring();
+    live.executive().archive(measure, kEnd);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
+    rt::Archive write = rt::Archive::writing(bytes);
+    live.executive().archive(write, kEnd);
+    REQUIRE(write.status() == Status::ok);
+    Runtime onward(load_scene("ugv_pallet"), own_vehicles(), RuntimeStart{});
+    rt::Archive read = rt::Archive::reading(bytes);
+    onward.executive().archive(read, kEnd);
+    REQUIRE(read.status() == Status::ok);
+    for (const char* name : {"drive_late", "drive_late_stops", "flippers_late", "flippers_late_stops"})
+      CHECK(count_of(onward, name) == count_of(live, name));
   }
 }

@@ -46,7 +46,7 @@ Status status_of(const std::optional<drivers::RequestAnswer>& answer) {
 
 TEST_CASE("what waited in the queue while the process was stopped is not obeyed, but a halt is") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   put(desk, numbered(LoneDrive::stop(), 1, 0), taken(0, 0));
   robot.job(1);
   REQUIRE(robot.is_stopped());
@@ -74,7 +74,7 @@ TEST_CASE("what waited in the queue while the process was stopped is not obeyed,
 
 TEST_CASE("what waited between desk and job while the process was stopped is not obeyed, but a halt is") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   put(desk, numbered(LoneDrive::stop(), 1, 0), taken(0, 0));
   robot.job(1);
   put(desk, numbered(LoneDrive::release(), 2, 1000), taken(1000, 0));
@@ -92,7 +92,7 @@ TEST_CASE("what waited between desk and job while the process was stopped is not
 
 TEST_CASE("a full desk keeps the newest request, and a halt before all others") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   for (std::int64_t i = 1; i <= 40; ++i)
     put(desk, numbered(LoneDrive::move(), i, i * kUs, i), taken(i * kUs, 0));
   CHECK(desk.counters().admitted == 16);
@@ -125,7 +125,7 @@ TEST_CASE("a full desk keeps the newest request, and a halt before all others") 
 
 TEST_CASE("a request that finds room only when it is old is not handed in") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   for (std::int64_t i = 1; i <= 17; ++i) put(desk, numbered(LoneDrive::move(), i, 0), taken(0, 0));
   for (int i = 0; i < 3; ++i) robot.job(kSecond + i);
   desk.hand_in(kSecond);
@@ -135,7 +135,7 @@ TEST_CASE("a request that finds room only when it is old is not handed in") {
 
 TEST_CASE("a halt needs no counter, no clock and nothing beside its mode, and a release needs all of them") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   put(desk, numbered(LoneDrive::move(), 1000, 0), taken(0, 0));
   robot.job(1);
   auto halt = numbered(LoneDrive::stop(), 3, -3600 * kSecond, 2);
@@ -165,7 +165,7 @@ TEST_CASE("a halt needs no counter, no clock and nothing beside its mode, and a 
 TEST_CASE(
     "a halt that is played again halts again, and a release that was held back behind it releases nothing") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   const auto halt = bytes_of(numbered(LoneDrive::stop(), 1, 0, 9), &kSecret);
   desk.take(halt, taken(0, 0));
   // Sent before the next halt, with a counter above its; somebody lets it through only after that.
@@ -189,7 +189,7 @@ TEST_CASE(
 
 TEST_CASE("a stop in the air must be of now, and the more final one wins") {
   LonePilot robot;
-  FlyDesk& desk = robot.lone.desk;
+  FlyRequestDesk& desk = robot.lone.desk;
   put(desk, numbered(LonePilot::move(), 1000, 0), taken(0, 0));
   robot.job(1);
   const auto old = numbered(LonePilot::stop(), 2000, -3 * kSecond, 2);
@@ -217,7 +217,7 @@ TEST_CASE("a stop in the air must be of now, and the more final one wins") {
 
 TEST_CASE("answers are kept one a sender, stops apart, and strangers get none") {
   LoneDrive robot;
-  DriveDesk& desk = robot.lone.desk;
+  DriveRequestDesk& desk = robot.lone.desk;
   put(desk, numbered(LoneDrive::stop(), 1, 0, 77), taken(0, 0));
   desk.take(bytes_of(numbered(LoneDrive::move(), 2, 0, 78), nullptr), taken(0, 0));
   CHECK_FALSE(answer_to(desk, 78));

@@ -9,8 +9,8 @@
 
 namespace sortie::testing {
 
-using DriveDesk = firmware::RequestDesk<drivers::DriveRequestMessage>;
-using FlyDesk = firmware::RequestDesk<drivers::FlyRequestMessage>;
+using DriveRequestDesk = firmware::RequestDesk<drivers::DriveRequestMessage>;
+using FlyRequestDesk = firmware::RequestDesk<drivers::FlyRequestMessage>;
 
 template <class Message>
 std::vector<std::uint8_t> bytes_of(const Message& request, const drivers::SipKey* key) {

@@ -41,6 +41,16 @@ def check(root, faults, source, names):
     return code, said.getvalue()
 
 
+def page_of_a_survivor(root):
+    """A page that says that a fault went through."""
+    result, _ = check(root, [FAULT, OTHER], SOURCE, [FAULT["name"], OTHER["name"]])
+    page = root / "page.md"
+    page.write_text(page.read_text().replace("| a case |", "| **NOT CAUGHT** |", 1))
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        return result == 0 and listed.check(root, [FAULT, OTHER], page) == 1 and "is not caught" in said.getvalue()
+
+
 with tempfile.TemporaryDirectory() as folder:
     place = pathlib.Path(folder)
     both = [FAULT["name"], OTHER["name"]]
@@ -51,7 +61,9 @@ with tempfile.TemporaryDirectory() as folder:
         result, text = check(place, [mine, OTHER], code, [mine["name"], OTHER["name"]] if rows is None else rows)
         if result != 1 or words not in text:
             missed.append(f"not caught: {words}: exit code {result}, {text}")
+    if not page_of_a_survivor(place):
+        missed.append("a page with a fault that nothing caught is taken")
     if check(place, [], SOURCE, [])[0] != 1:
         missed.append("a list without faults is taken")
-print("\n".join([*missed, f"{len(PLANTED) + 2 - len(missed)} of {len(PLANTED) + 2} as they should be"]))
+print("\n".join([*missed, f"{len(PLANTED) + 3 - len(missed)} of {len(PLANTED) + 3} as they should be"]))
 sys.exit(1 if missed else 0)

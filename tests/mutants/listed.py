@@ -53,6 +53,7 @@ def check(root, faults, page):
     names, rows = {fault["name"] for fault in faults}, set(rows_of(page))
     problems += [f"{page.name} has no row for {name!r}: run.py --only ... --page" for name in sorted(names - rows)]
     problems += [f"{page.name} has a row for {name!r}, which the list has not" for name in sorted(rows - names)]
+    problems += [f"{page.name}: {name!r} is not caught" for name, row in rows_of(page).items() if "| **" in row]
     print("\n".join([*problems, f"faults: {len(faults)} read, {len(problems)} problems"]))
     return 1 if problems or not faults else 0
 

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "planner/uav_guide.hpp"
+#include "tests/planner/guide_archive.hpp"
 #include "tests/planner/path_rig.hpp"
 
 using namespace sortie;
 using namespace sortie::planner;
+using test::restore_between_slices;
 
 namespace {
 
@@ -20,6 +22,8 @@ constexpr int kN = 40;
 constexpr int kHigh = 12;
 constexpr double kVoxelM = 0.2;
 const WayQuestion kUpAndAway{1, {1.1, 4.1, 1.1}, {7.1, 4.1, 1.9}};
+// From a place that is too near to the wall.
+const WayQuestion kBeside{1, {3.75, 4.1, 1.1}, {1.1, 4.1, 1.1}};
 
 FlightMapConfig blind_map(bool unknown_is_blocked) {
   FlightMapConfig config;
@@ -69,16 +73,6 @@ struct BlindRig {
   UavGuide guide;
   std::vector<std::int8_t> cells;
 };
-
-std::vector<std::uint8_t> blind_bytes(UavGuide& guide) {
-  rt::Archive measure = rt::Archive::measuring();
-  guide.archive(measure);
-  std::vector<std::uint8_t> bytes(measure.bytes());
-  rt::Archive write = rt::Archive::writing(bytes);
-  guide.archive(write);
-  REQUIRE(write.status() == Status::ok);
-  return bytes;
-}
 
 }  // namespace
 
@@ -148,8 +142,7 @@ TEST_CASE("A place that turned out to be too near is left for a free one, with t
 
 TEST_CASE("A way out of a place that is too near is given up when something comes nearer still") {
   BlindRig rig;
-  const WayQuestion beside{1, {3.75, 4.1, 1.1}, {1.1, 4.1, 1.1}};
-  rig.guide.look(&beside, 0);
+  rig.guide.look(&kBeside, 0);
   rig.work();
   REQUIRE(rig.guide.way().points == 2);
   const auto see = [&rig](int x) {
@@ -162,27 +155,30 @@ TEST_CASE("A way out of a place that is too near is given up when something come
   CHECK(see(17) == 1);  // on the way out
 }
 
+TEST_CASE("Who backs off has no answer yet, whenever it is asked for") {
+  BlindRig rig;
+  rig.guide.look(&kBeside, 0);
+  std::uint32_t slices = 0;
+  while (rig.guide.works()) {
+    CHECK(rig.guide.way().state == static_cast<std::uint32_t>(PathState::running));
+    rig.guide.step();
+    ++slices;
+  }
+  CHECK(rig.guide.way().state == static_cast<std::uint32_t>(PathState::done));
+  CHECK(rig.guide.counts().backed_off == 1);
+  CHECK(slices > 3);
+}
+
 TEST_CASE(
     "Each of the searches on a sensed map, restored between any two slices, ends as if never interrupted") {
-  BlindRig whole;
-  whole.guide.look(&kUpAndAway, 0);
-  whole.work();
-  const auto expected = blind_bytes(whole.guide);
-  std::uint32_t cuts = 0;
-  for (std::uint32_t cut = 0;; ++cut) {
-    BlindRig begun;
-    begun.guide.look(&kUpAndAway, 0);
-    for (std::uint32_t slices = 0; slices < cut && begun.guide.works(); ++slices) begun.guide.step();
-    if (!begun.guide.works()) break;
-    const auto kept = blind_bytes(begun.guide);
-    BlindRig restored;
-    rt::Archive read = rt::Archive::reading(kept);
-    restored.guide.archive(read);
-    REQUIRE(read.status() == Status::ok);
-    restored.work();
-    INFO("cut after " << cut);
-    REQUIRE(blind_bytes(restored.guide) == expected);
-    ++cuts;
-  }
-  CHECK(cuts > 3);
+  CHECK(restore_between_slices<BlindRig>([](BlindRig& rig) { rig.guide.look(&kUpAndAway, 0); }, 1) > 3);
+  CHECK(restore_between_slices<BlindRig>([](BlindRig& rig) { rig.guide.look(&kBeside, 0); }, 1) > 3);
+  // The check of a way that is shown, in a map that has changed elsewhere.
+  const auto checked = [](BlindRig& rig) {
+    rig.guide.look(&kBeside, 0);
+    rig.work();
+    for (int z = 4; z < 7; ++z) rig.cells[static_cast<std::size_t>((z * kN + 20) * kN + 8)] = kBlocked;
+    rig.guide.sense({rig.cells.data(), {kN, kN, kHigh}, {0, 0, 0}, kVoxelM});
+  };
+  CHECK(restore_between_slices<BlindRig>(checked, 1) > 1);
 }

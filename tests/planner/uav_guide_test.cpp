@@ -6,10 +6,13 @@
 #include <vector>
 
 #include "planner/uav_guide.hpp"
+#include "tests/planner/guide_archive.hpp"
 #include "tests/planner/path_rig.hpp"
 
 using namespace sortie;
 using namespace sortie::planner;
+using test::guide_bytes;
+using test::restore_between_slices;
 
 namespace {
 
@@ -38,17 +41,6 @@ struct GuideRig {
   test::OwnedPath path;
   UavGuide guide;
 };
-
-std::vector<std::uint8_t> guide_bytes(UavGuide& guide) {
-  rt::Archive measure = rt::Archive::measuring();
-  guide.archive(measure);
-  REQUIRE(measure.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(measure.bytes());
-  rt::Archive write = rt::Archive::writing(bytes);
-  guide.archive(write);
-  REQUIRE(write.status() == Status::ok);
-  return bytes;
-}
 
 }  // namespace
 
@@ -81,26 +73,8 @@ TEST_CASE("A way that is asked for keeps off what is known, and is looked at aga
 }
 
 TEST_CASE("A search that is restored between any two slices ends as the one that was never interrupted") {
-  GuideRig whole;
-  whole.guide.look(&kGuideQuestion, 0);
-  whole.work();
-  const auto expected = guide_bytes(whole.guide);
-  std::uint32_t slices = 0;
-  for (std::uint32_t cut = 0; cut < 1000; cut += 7) {
-    GuideRig begun;
-    begun.guide.look(&kGuideQuestion, 0);
-    for (slices = 0; slices < cut && begun.guide.works(); ++slices) begun.guide.step();
-    if (!begun.guide.works()) break;
-    const auto kept = guide_bytes(begun.guide);
-    GuideRig restored;
-    rt::Archive read = rt::Archive::reading(kept);
-    restored.guide.archive(read);
-    REQUIRE(read.status() == Status::ok);
-    restored.work();
-    INFO("cut after " << cut);
-    REQUIRE(guide_bytes(restored.guide) == expected);
-  }
-  CHECK(slices > 7);  // there was something to cut
+  const auto ask = [](GuideRig& rig) { rig.guide.look(&kGuideQuestion, 0); };
+  CHECK(restore_between_slices<GuideRig>(ask, 7) > 1);  // there was something to cut
 }
 
 TEST_CASE("A refresh of the map that is restored in its middle ends as the one that was not") {

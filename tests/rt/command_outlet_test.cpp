@@ -191,18 +191,23 @@ TEST_CASE("a reader on another thread never gets a torn, an old or a late comman
   Bench bench(1);
   std::atomic<std::uint64_t> begun{0};
   std::atomic<bool> over{false};
+  std::atomic<bool> reads{false};
   std::uint64_t wrong = 0;
+  std::uint64_t taken = 0;
   std::thread reader([&] {
     std::int64_t last = -1;
     Order order;
+    reads.store(true);
     while (!over.load()) {
       if (!bench.outlet->take(bench.due(begun.load()), order)) continue;
+      ++taken;
       const auto job = static_cast<std::int64_t>(order.job);
       wrong += job <= last || order.twice != static_cast<std::uint32_t>(2 * order.job) ? 1 : 0;
       wrong += order.job % 3 == 2 && order.go != 0 ? 1 : 0;
       last = job;
     }
   });
+  while (!reads.load()) std::this_thread::yield();
   for (std::uint64_t job = 0; job < 200'000; ++job) {
     if (job != 0) begun.store(job - 1);
     bench.run(job, job % 3 != 2, job % 6 != 5);
@@ -210,6 +215,7 @@ TEST_CASE("a reader on another thread never gets a torn, an old or a late comman
   over.store(true);
   reader.join();
   CHECK(wrong == 0);
+  CHECK(taken > 0);
 }
 
 TEST_CASE("what a stop is: drives that stand or are off, flippers and rotors that are off") {

@@ -93,7 +93,7 @@ def run(root, jobs, files):
         step([root / f"build/release/tests/sortie_tests_{folder}", "-#", ",".join(f"[#{stem}]~[heavy]" for stem in stems)])
     if code_files:
         step(["clang-format-14", "--dry-run", "-Werror", *code_files])
-    for check in ("layers", "arithmetic", "atomics", "files"):
+    for check in ("layers", "arithmetic", "atomics", "orders", "files"):
         step([sys.executable, "-B", f"tests/layout/check_{check}.py", "."])
     named = scripts(root, [pathlib.Path(file).name for file in files if file not in code_files])
     if any(file.startswith("docs/") for file in files):

@@ -89,14 +89,17 @@ class Builds:
     """The builds of a stage, in a thread: they go on while the tests of the stage before wait for their clocks."""
 
     def __init__(self, stage):
-        self.faults = {}
+        self.faults = {preset: "its build ended early" for preset, _, _ in stage.builds}
         self.thread = threading.Thread(target=self.run, args=(stage,), daemon=True)
         self.thread.start()
 
     def run(self, stage):
         for preset, definitions, targets in stage.builds:
             say(f"{stage.name}: building {preset}")
-            self.faults[preset] = build(preset, definitions, targets)
+            try:
+                self.faults[preset] = build(preset, definitions, targets)
+            except OSError as error:
+                self.faults[preset] = f"building {preset}: {error}"
 
     def wait(self):
         """What went wrong, by preset."""
