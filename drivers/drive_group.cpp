@@ -37,19 +37,20 @@ bool DriveGroup::fresh(const Source& source, rt::Nanoseconds now_ns) const noexc
   return source.heard && now_ns - source.stamp_ns <= config_.command_timeout_ns;
 }
 
-Status DriveGroup::say(std::size_t which, SourceSays says, rt::Nanoseconds stamp_ns,
+Status DriveGroup::say(std::size_t which, SourceSays says, std::uint32_t asked, rt::Nanoseconds stamp_ns,
                        rt::Nanoseconds now_ns) noexcept {
   if (which >= kMaxSources) return Status::out_of_range;
   Source& source = sources_[which];
   stamp_ns = std::min(stamp_ns, now_ns);  // nothing is younger than now
   if (now_ns - stamp_ns > config_.command_timeout_ns) return Status::stale;
   if (source.heard && stamp_ns < source.stamp_ns) return Status::time_backwards;
-  const bool on = says == SourceSays::on;
-  // A request is the step from off to on. One that comes while a stop is going on was made before its maker
-  // could know of it.
-  const bool hears = state_ == GroupState::off || reason_ == StopReason::disarmed;
-  if (on && !source.on && hears && !pressed_) ask();
-  source.on = on;
+  source.on = says == SourceSays::on;
+  // A request that comes while a stop is going on was made before its maker could know of it.
+  const bool hears = !hit_ && (state_ != GroupState::stopping || reason_ == StopReason::disarmed);
+  const bool anew = source.latch.hear(asked, hears && source.on);
+  if (!source.on) source.latch.spend();  // who is on again without a request is not obeyed
+  const bool stands = state_ == GroupState::off || state_ == GroupState::stopping;
+  if (anew && stands) ask();
   source.heard = true;
   source.stamp_ns = stamp_ns;
   return Status::ok;
@@ -57,11 +58,15 @@ Status DriveGroup::say(std::size_t which, SourceSays says, rt::Nanoseconds stamp
 
 void DriveGroup::press(bool pressed) noexcept {
   pressed_ = pressed;
-  if (pressed) asked_ = rearms_ = false;
+  if (!pressed) return;
+  hit_ = true;
+  asked_ = rearms_ = false;
+  for (Source& source : sources_) source.latch.spend();
 }
 
 bool DriveGroup::obeys(std::size_t source, rt::Nanoseconds now_ns) const noexcept {
-  return running() && sources_[source].on && fresh(sources_[source], now_ns);
+  const Source& who = sources_[source];
+  return running() && who.on && !who.latch.spent() && fresh(who, now_ns);
 }
 
 // A request that waits for the end of a stop does not outlive what would end a run.
@@ -71,6 +76,7 @@ void DriveGroup::spoil_request(rt::Nanoseconds now_ns) noexcept {
   if (reason == StopReason::none) return;
   asked_ = false;
   reason_ = reason;
+  for (Source& source : sources_) source.latch.spend();
 }
 
 void DriveGroup::ask() noexcept {
@@ -78,13 +84,14 @@ void DriveGroup::ask() noexcept {
   for (std::size_t i = 0; i < count_; ++i) drives_[i]->begin();
 }
 
-// Silence is no "off": a source that asked for the drives and ends without a word stops them.
+// Silence is no "off": a source that asked for the drives and ends without a word stops them. One that is on
+// and has not asked since a stop wants nothing, but must not fall silent either.
 StopReason DriveGroup::judge_sources(rt::Nanoseconds now_ns) const noexcept {
   bool wanted = false;
   for (const Source& source : sources_) {
     if (!source.heard || !source.on) continue;
     if (!fresh(source, now_ns)) return StopReason::command_stale;
-    wanted = true;
+    wanted = wanted || !source.latch.spent();
   }
   return wanted ? StopReason::none : StopReason::disarmed;
 }
@@ -101,7 +108,7 @@ StopReason DriveGroup::judge_drives(rt::Nanoseconds now_ns) const noexcept {
 }
 
 StopReason DriveGroup::judge(bool bus_works, rt::Nanoseconds now_ns) const noexcept {
-  if (pressed_) return StopReason::emergency_stop;
+  if (hit_) return StopReason::emergency_stop;
   if (const StopReason reason = judge_sources(now_ns); reason != StopReason::none) return reason;
   if (!bus_works && state_ != GroupState::waiting) return StopReason::bus_refuses;
   return judge_drives(now_ns);
@@ -118,7 +125,10 @@ void DriveGroup::stop(StopReason reason, rt::Nanoseconds now_ns) noexcept {
   // What a person stopped, and what did not come up, is not tried again by itself.
   rearms_ =
       state_ == GroupState::running && reason != StopReason::disarmed && reason != StopReason::emergency_stop;
-  if (reason != StopReason::disarmed) ++stops_;
+  if (reason != StopReason::disarmed) {
+    ++stops_;
+    for (Source& source : sources_) source.latch.spend(rearms_);
+  }
   enter(torque() ? GroupState::stopping : GroupState::off, now_ns);
 }
 
@@ -134,9 +144,12 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
   if (state_ != GroupState::off) ill_ns_ = now_ns;
   switch (state_) {
     case GroupState::off:
-      if (pressed_) reason_ = StopReason::emergency_stop;
-      if (pressed_ || (!asked_ && !rearms)) break;
-      if (!asked_) ask();
+      if (hit_) reason_ = StopReason::emergency_stop;
+      if (hit_ || (!asked_ && !rearms)) break;
+      if (!asked_) {
+        for (Source& source : sources_) source.latch.revive();
+        ask();
+      }
       asked_ = false;
       if (judge_sources(now_ns) != StopReason::none) break;  // asked, and took it back
       reason_ = StopReason::not_ready;
@@ -167,13 +180,14 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
         stop(reason, now_ns);
       break;
     case GroupState::stopping:
-      if (pressed_) reason_ = StopReason::emergency_stop;
+      if (hit_) reason_ = StopReason::emergency_stop;
       if (asked_) spoil_request(now_ns);
       if (age_ns > config_.stop_timeout_ns ||
           all([now_ns](const MotorDrive& drive) { return drive.free(now_ns); }))
         enter(GroupState::off, now_ns);
       break;
   }
+  hit_ = pressed_;
   order(targets, now_ns);
 }
 

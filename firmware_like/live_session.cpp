@@ -119,6 +119,13 @@ void LiveSession::open_log() {
 }
 
 void LiveSession::connect_devices() {
+  if (!bench_) {
+    try {
+      runtime_.vehicle().open_devices();
+    } catch (const std::runtime_error& error) {
+      throw ProfileError(error.what());
+    }
+  }
   if (!options_.can_interface.empty()) {
     drivers::SocketCanConfig config;
     config.interface = options_.can_interface;
@@ -160,7 +167,8 @@ void LiveSession::open_telemetry() {
   if (telemetry_ && !telemetry_->problem().empty()) warnings_.push_back(telemetry_->problem());
   if (!telemetry_ && parameters_->network() != nullptr)
     warnings_.push_back(
-        "requests are taken, but nobody can hear which run this is, and so make one; cure: live.telemetry=true");
+        "requests are taken, but nobody can hear which run this is, and so make one; cure: "
+        "live.telemetry=true");
   warnings_.insert(warnings_.end(), ring_->warnings().begin(), ring_->warnings().end());
   if (!doctor_.warning().empty()) warnings_.push_back(doctor_.warning());
   if (const std::string tight = unit_warning(booted_.trial); !tight.empty()) warnings_.push_back(tight);

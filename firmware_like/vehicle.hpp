@@ -258,6 +258,9 @@ struct VoxelOnMap {
 class Vehicle {
  public:
   virtual ~Vehicle() = default;
+  /// On a robot, before the first poll: opens what the operating system has to give. Never in a replay or
+  /// beside a simulated robot. May allocate and block. Throws std::runtime_error with the cure.
+  virtual void open_devices() {}
   /// Live and simulated runs, on the I/O thread, about every millisecond: read devices into the ports, write
   /// commands. `now_ns`: the run's clock. Never called in a replay.
   virtual void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {

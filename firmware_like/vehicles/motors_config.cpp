@@ -120,6 +120,12 @@ EmergencyConfig read_emergency(Profile& profile) {
       "emergency.gpio_line", {0, 0, 1023, "", "line of the emergency stop's contact on that chip"}));
   line.active_low = profile.flag("emergency.gpio_active_low", true,
                                  "pressed is the low level, as where a broken wire counts as pressed");
+  // A line that somebody wrote down and nobody reads would be a stop that does not stop.
+  for (const char* key : {"emergency.gpio_line", "emergency.gpio_active_low"}) {
+    if (chip.empty() && profile.has(key))
+      profile.fail(
+          key, "belongs to no chip; set emergency.gpio_chip, such as \"/dev/gpiochip0\", or leave it out");
+  }
   if (!chip.empty()) config.gpio = line;
   return config;
 }

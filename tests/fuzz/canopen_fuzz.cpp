@@ -67,6 +67,7 @@ class Robot {
     for (hil::CanopenNode& node : nodes_) node.hear(frame, now_ns_);
   }
   void enable(bool on) {
+    if (on && command_.flags == 0) ++command_.asked;
     command_.flags = on ? 1 : 0;
     enabled_ = on;
     require(master_.set(command_, now_ns_) == Status::ok);

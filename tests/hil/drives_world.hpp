@@ -168,13 +168,19 @@ class DrivesWorld {
     new (&runtime_) Runtime(with(config, flippers_));
     inbox_.clear();
   }
-  /// A request as an operator makes one: off, then on.
+  /// A request as an operator makes one by halt and release: off, then on, with a new number.
   void request() {
     ask(false);
     run(15);
     ask(true);
   }
-  void ask(bool on) { drive_.flags = flipper_.flags = on ? 1u : 0u; }
+  void ask(bool on) {
+    ask_drive(on);
+    ask_flippers(on);
+  }
+  /// One source alone. On after off is a request; on again is none.
+  void ask_drive(bool on) { ask_one(drive_, on); }
+  void ask_flippers(bool on) { ask_one(flipper_, on); }
   /// From power-on until they run.
   bool bring_up() {
     ask(false);
@@ -214,6 +220,11 @@ class DrivesWorld {
   bool starved_{};  ///< the process is there and does not run
 
  private:
+  template <class Command>
+  static void ask_one(Command& command, bool on) {
+    if (on && command.flags == 0) ++command.asked;
+    command.flags = on ? 1u : 0u;
+  }
   static typename Kind::Config with(typename Kind::Config config, bool flippers) {
     config.flippers = flippers;
     return config;
