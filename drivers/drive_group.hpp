@@ -17,6 +17,13 @@ namespace sortie::drivers {
 inline constexpr std::size_t kMaxDrives = 8;
 inline constexpr std::size_t kMaxSources = 2;
 
+/// How long frames may be refused before a bus counts as one that does not work: cycles that are due more
+/// rarely than this could not show that it does.
+constexpr rt::Nanoseconds deaf_after(rt::Nanoseconds cycle_ns) {
+  constexpr rt::Nanoseconds kLeast = 50 * rt::kNanosecondsPerMillisecond;
+  return 3 * cycle_ns > kLeast ? 3 * cycle_ns : kLeast;
+}
+
 /// When a run ends, and when another may begin.
 struct DriveGroupConfig {
   /// Silence of a source that asked for the drives.

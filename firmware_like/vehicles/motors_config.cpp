@@ -62,9 +62,8 @@ drivers::canopen::UgvNodesConfig read_canopen(Profile& profile, const Shared& sh
   config.rated_torque_n_m =
       profile.number("drives.rated_torque_n_m",
                      {config.rated_torque_n_m, 0.001, 1e6, "N m", "canopen: of a flipper, for its torque"});
-  ms(profile, "drives.heartbeat_ms", config.heartbeat_ns, 10'000,
+  ms(profile, "drives.heartbeat_ms", config.line.heartbeat_ns, 10'000,
      "canopen: of each drive and of the runtime, whole ms");
-  config.line.heartbeat_ns = config.heartbeat_ns;
   return config;
 }
 

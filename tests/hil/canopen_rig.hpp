@@ -25,7 +25,7 @@ class CanopenRig {
 
   explicit CanopenRig(const drivers::CanStubConfig& bus = {},
                       const drivers::canopen::UgvNodesConfig& config = {})
-      : stub_(bus), port_(&stub_.attach("master")), listener_(&stub_.attach("listener")) {
+      : stub_(bus), port_(&stub_.attach("runtime")), listener_(&stub_.attach("listener")) {
     for (const std::uint8_t number : std::initializer_list<std::uint8_t>{1, 2, 11, 12, 13, 14}) {
       ports_.push_back(&stub_.attach("drive " + std::to_string(number)));
       nodes_.push_back(std::make_unique<CanopenNode>(number, *ports_.back()));
