@@ -48,9 +48,13 @@ class DrivesOracle {
     const bool heard = world.lives_ && !world.starved_;
     sources_[0].hear(heard && world.drive_speaks_, world.drive_.flags, world.drive_.asked, now);
     sources_[1].hear(heard && world.flippers_speak_, world.flipper_.flags, world.flipper_.asked, now);
-    bool all = true;
-    for (std::size_t i = 0; i < world.size(); ++i) all = all && world.runs(i);
-    if (all) all_ran_ns_ = now;
+    // When the one that has not run for the longest time ran last. Not when all ran at one moment: what a
+    // drive says of itself is as old as its heartbeat, and no program could know better.
+    all_ran_ns_ = now;
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      if (world.runs(i)) ran_ns_[i] = now;
+      all_ran_ns_ = std::min(all_ran_ns_, ran_ns_[i]);
+    }
     if (untold_ && world.fault_told_ns() == now) fault_ns_ = now;
     untold_ = untold_ && fault_ns_ != now && Kind::has_fault(world.node(0));
     if (!broken_) whole_ns_ = now;
@@ -124,21 +128,23 @@ class DrivesOracle {
   };
 
   // Each cause ends what was asked for before it, of its own source and of every other. Where drives re-arm
-  // by themselves they need that long to be well first.
+  // by themselves they must have been well for that long; a silence is no illness of theirs, so they follow
+  // at its end.
   bool stop_pending(const Source& source, rt::Nanoseconds now, bool torn) const {
-    const auto pending = [&](rt::Nanoseconds cause_ns, int bound, bool may_rearm) {
-      const bool over = may_rearm && rearm_ns_ > 0 && now - cause_ns >= rearm_ns_;
+    const auto pending = [&](rt::Nanoseconds cause_ns, int bound, rt::Nanoseconds rearms_after) {
+      const bool over = rearm_ns_ > 0 && now - cause_ns >= rearms_after;
       return source.edge_ns <= cause_ns && now - cause_ns > bound * kMs && !over;
     };
     const int told = torn ? bounds_.loss : bounds_.command;
-    return pending(pressed_ns_, told, false) || pending(fault_ns_, told, true) ||
-           pending(silent_ns_, told, true) || pending(lost_ns_, bounds_.loss, true);
+    return pending(pressed_ns_, told, kLong) || pending(fault_ns_, told, rearm_ns_) ||
+           pending(silent_ns_, told, 0) || pending(lost_ns_, bounds_.loss, rearm_ns_);
   }
 
   StopBounds bounds_{};
   rt::Nanoseconds rearm_ns_;
   std::array<Source, 2> sources_{};  // tracks, flippers
   bool broken_{}, pressed_{}, untold_{};
+  std::array<rt::Nanoseconds, 6> ran_ns_{-kLong, -kLong, -kLong, -kLong, -kLong, -kLong};
   rt::Nanoseconds all_ran_ns_{-kLong}, whole_ns_{}, free_ns_{};
   rt::Nanoseconds broken_ns_{-kLong}, pressed_ns_{-kLong}, fault_ns_{-kLong}, silent_ns_{-kLong},
       lost_ns_{-kLong};
