@@ -7,6 +7,11 @@
 
 namespace sortie::drivers {
 
+namespace {
+// Of a process that did not run for so long nobody knows what happened meanwhile.
+constexpr rt::Nanoseconds kLookedAway = 50 * rt::kNanosecondsPerMillisecond;
+}  // namespace
+
 const char* to_string(StopReason reason) {
   static constexpr const char* kNames[] = {"none",
                                            "disarmed",
@@ -136,7 +141,8 @@ void DriveGroup::stop(StopReason reason, rt::Nanoseconds now_ns) noexcept {
 
 bool DriveGroup::may_rearm(rt::Nanoseconds now_ns) noexcept {
   const bool well = all([now_ns](const MotorDrive& drive) { return drive.ready(now_ns); });
-  if (!rearms_ || !well) ill_ns_ = now_ns;
+  const bool looked = now_ns - looked_ns_ <= kLookedAway;
+  if (!rearms_ || !well || !looked) ill_ns_ = now_ns;
   return config_.rearm_ns > 0 && now_ns - ill_ns_ >= config_.rearm_ns;
 }
 
@@ -144,6 +150,7 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
   const rt::Nanoseconds age_ns = now_ns - since_ns_;
   const bool rearms = state_ == GroupState::off && may_rearm(now_ns);
   if (state_ != GroupState::off) ill_ns_ = now_ns;
+  looked_ns_ = now_ns;
   switch (state_) {
     case GroupState::off:
       if (hit_) reason_ = StopReason::emergency_stop;
@@ -153,7 +160,12 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
         ask();
       }
       asked_ = false;
-      if (judge_sources(now_ns) != StopReason::none) break;  // asked, and took it back
+      if (const StopReason reason = judge_sources(now_ns); reason != StopReason::none) {
+        // Asked, and took it back, or another has fallen silent: it does not wait for who asks next.
+        reason_ = reason;
+        for (Source& source : sources_) source.latch.spend();
+        break;
+      }
       reason_ = StopReason::not_ready;
       enter(GroupState::waiting, now_ns);
       break;

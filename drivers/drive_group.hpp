@@ -28,9 +28,9 @@ constexpr rt::Nanoseconds deaf_after(rt::Nanoseconds cycle_ns) {
 struct DriveGroupConfig {
   /// Silence of a source that asked for the drives.
   rt::Nanoseconds command_timeout_ns = 200 * rt::kNanosecondsPerMillisecond;
-  /// After a stop that nobody asked for the drives are started again when all have been ready for so long, if
-  /// they are still asked for; 0: only when they are asked anew. Never after an emergency stop or a start
-  /// that failed.
+  /// After a stop that nobody asked for the drives are started again when all have been seen ready for so
+  /// long, if they are still asked for; 0: only when they are asked anew. Never after
+  /// an emergency stop or a start that failed.
   rt::Nanoseconds rearm_ns = 0;
   /// How long a request waits for drives that are still being set up.
   rt::Nanoseconds ready_timeout_ns = 5'000 * rt::kNanosecondsPerMillisecond;
@@ -128,7 +128,8 @@ class DriveGroup {
   bool pressed_{};
   bool hit_{};                  // now, or since decide() looked last
   rt::Nanoseconds since_ns_{};  // of the state
-  rt::Nanoseconds ill_ns_{};    // when last not all were ready
+  rt::Nanoseconds ill_ns_{};    // when last not all were ready, or nobody looked
+  rt::Nanoseconds looked_ns_{};
   std::uint64_t stops_{};
   std::uint64_t starts_{};
 };

@@ -46,6 +46,7 @@ struct DrivesModel {
     }
   }
   void act(Deed deed) {
+    const bool had_torque = Kind::torque(world.node(0));
     switch (deed) {
       case Deed::request:
         world.ask_drive(false);
@@ -66,16 +67,17 @@ struct DrivesModel {
       case Deed::loss:
         unpowered = !unpowered;
         world.node(1).set_power(!unpowered);
-        oracle.note_loss(world.now());
+        if (unpowered) oracle.note_loss(world.now());
         break;
       case Deed::mute:
         muted = !muted;
         Kind::mute(world.node(1), muted);
         break;
       case Deed::fault:
-        // A fault on top of a fault is forgotten with it.
-        if (!Kind::has_fault(world.node(0))) oracle.note_fault(world.now());
+        // A fault on top of a fault is forgotten with it, and a drive that has not booted has none.
+        if (Kind::has_fault(world.node(0))) break;
         Kind::fault(world.node(0));
+        if (Kind::has_fault(world.node(0))) oracle.note_fault(had_torque, world.now());
         break;
       case Deed::bus_off:
         world.set_bus_off(!world.bus_off());

@@ -34,12 +34,14 @@ class DrivesOracle {
   // Tell it what is done to the world.
   void note_press(bool pressed) { pressed_ = pressed; }
   /// The first drive fails. Where only a frame tells of it (ODrive), it counts from that frame on.
-  void note_fault(rt::Nanoseconds now_ns) {
+  void note_fault(bool had_torque, rt::Nanoseconds now_ns) {
     if (!Kind::kTold) fault_ns_ = now_ns;
     untold_ = Kind::kTold;
+    had_torque_ = had_torque;
+    failed_ns_ = now_ns;
   }
   /// A drive has lost its power: it is not what it was before, however short that was.
-  void note_loss(rt::Nanoseconds now_ns) { lost_ns_ = now_ns; }
+  void note_loss(rt::Nanoseconds now_ns) { lose(now_ns); }
   void set_broken(bool broken) { broken_ = broken; }  ///< somebody cannot hear or be heard, or does not run
 
   /// After each millisecond. Empty, or what is against the promise.
@@ -51,16 +53,22 @@ class DrivesOracle {
     // When the one that has not run for the longest time ran last. Not when all ran at one moment: what a
     // drive says of itself is as old as its heartbeat, and no program could know better.
     all_ran_ns_ = now;
+    bool all = true;
     for (std::size_t i = 0; i < world.size(); ++i) {
       if (world.runs(i)) ran_ns_[i] = now;
+      all = all && world.runs(i) && Kind::fed_since(world.node(i), now - 15 * kMs);
       all_ran_ns_ = std::min(all_ran_ns_, ran_ns_[i]);
     }
-    if (untold_ && world.fault_told_ns() == now) fault_ns_ = now;
-    untold_ = untold_ && fault_ns_ != now && Kind::has_fault(world.node(0));
+    note_runs(all, now);
+    if (untold_ && world.fault_told_ns() == now) {
+      if (!had_torque_ || Kind::fed_since(world.node(0), failed_ns_)) fault_ns_ = now;
+      untold_ = false;
+    }
+    untold_ = untold_ && Kind::has_fault(world.node(0));
     if (!broken_) whole_ns_ = now;
     if (broken_) broken_ns_ = now;
     // So long that whoever watches must have stopped.
-    if (now - whole_ns_ > (world.starved_ ? kSurelyStarved : bounds_.loss) * kMs) lost_ns_ = now;
+    if (now - whole_ns_ > (world.starved_ ? kSurelyStarved : bounds_.loss) * kMs) lose(now);
     if (!pressed_) free_ns_ = now;
     if (pressed_) pressed_ns_ = now;
     for (std::size_t s = 0; s < (world.size() > 2 ? 2 : 1); ++s) {
@@ -99,9 +107,9 @@ class DrivesOracle {
     for (const Source& source : sources_) {
       age(source.asked_ns);
       age(source.spoken_ns);
-      for (const rt::Nanoseconds at : {pressed_ns_, fault_ns_, silent_ns_, lost_ns_})
+      for (const rt::Nanoseconds at : {pressed_ns_, fault_ns_, silent_ns_, source.lost_ns})
         h = h * 2 + (source.edge_ns <= at ? 1u : 0u);
-      h = h * 2 + (source.on ? 1u : 0u);
+      h = h * 8 + (source.on ? 1u : 0u) + (source.ran ? 2u : 0u) + (source.stopped ? 4u : 0u);
     }
     return h * 8 + (untold_ ? 1u : 0u) + (broken_ ? 2u : 0u) + (pressed_ ? 4u : 0u);
   }
@@ -114,12 +122,16 @@ class DrivesOracle {
   struct Source {
     bool on{true};
     std::uint32_t number{};
-    rt::Nanoseconds edge_ns{-kLong}, asked_ns{-kLong}, spoken_ns{-kLong};
+    rt::Nanoseconds edge_ns{-kLong}, asked_ns{-kLong}, spoken_ns{-kLong}, lost_ns{-kLong};
+    bool stopped{}, ran{};  // since the edge: not all ran; all did, as that request made them
     void hear(bool speaks, std::uint32_t flags, std::uint32_t asked, rt::Nanoseconds now) {
       if (!speaks) return;
       const bool says = flags != 0;
       // What was asked in a silence was asked before its end was known.
-      if (says && asked != number && now - spoken_ns <= 200 * kMs) edge_ns = now;
+      if (says && asked != number && now - spoken_ns <= 200 * kMs) {
+        edge_ns = now;
+        stopped = ran = false;
+      }
       on = says;
       number = asked;
       if (says) asked_ns = now;
@@ -127,17 +139,32 @@ class DrivesOracle {
     }
   };
 
+  // A request waits for drives that are set up, however often one is lost on the way; what has run since it
+  // was asked for, and is lost, is over.
+  void lose(rt::Nanoseconds now) {
+    for (Source& source : sources_) {
+      if (source.ran) source.lost_ns = now;
+    }
+  }
+  void note_runs(bool all, rt::Nanoseconds now) {
+    for (Source& source : sources_) {
+      source.stopped = source.stopped || !all;
+      // A stop that was going on when it was asked is no run of its own.
+      source.ran = source.ran || (all && (source.stopped || now - source.edge_ns > 300 * kMs));
+    }
+  }
+
   // Each cause ends what was asked for before it, of its own source and of every other. Where drives re-arm
-  // by themselves they must have been well for that long; a silence is no illness of theirs, so they follow
-  // at its end.
+  // by themselves they must have been there for that long. A silence is no illness of theirs, nor is a fault
+  // that a start forgets: what re-arms may forget it at once.
   bool stop_pending(const Source& source, rt::Nanoseconds now, bool torn) const {
     const auto pending = [&](rt::Nanoseconds cause_ns, int bound, rt::Nanoseconds rearms_after) {
       const bool over = rearm_ns_ > 0 && now - cause_ns >= rearms_after;
       return source.edge_ns <= cause_ns && now - cause_ns > bound * kMs && !over;
     };
     const int told = torn ? bounds_.loss : bounds_.command;
-    return pending(pressed_ns_, told, kLong) || pending(fault_ns_, told, rearm_ns_) ||
-           pending(silent_ns_, told, 0) || pending(lost_ns_, bounds_.loss, rearm_ns_);
+    return pending(pressed_ns_, told, kLong) || pending(fault_ns_, told, 0) || pending(silent_ns_, told, 0) ||
+           pending(source.lost_ns, bounds_.loss, rearm_ns_);
   }
 
   StopBounds bounds_{};
@@ -147,7 +174,8 @@ class DrivesOracle {
   std::array<rt::Nanoseconds, 6> ran_ns_{-kLong, -kLong, -kLong, -kLong, -kLong, -kLong};
   rt::Nanoseconds all_ran_ns_{-kLong}, whole_ns_{}, free_ns_{};
   rt::Nanoseconds broken_ns_{-kLong}, pressed_ns_{-kLong}, fault_ns_{-kLong}, silent_ns_{-kLong},
-      lost_ns_{-kLong};
+      failed_ns_{-kLong};
+  bool had_torque_{};
 };
 
 }  // namespace sortie::hil::test

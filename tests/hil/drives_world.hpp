@@ -63,6 +63,7 @@ struct CanopenKind {
   /// A fault counts from when it comes up: its emergency tells at once.
   static constexpr bool kTold = false;
   static bool tells_fault(const drivers::CanFrame&) { return false; }
+  static bool fed_since(const CanopenNode&, rt::Nanoseconds) { return true; }
   static void fault(CanopenNode& node) { node.fail(0x2310); }
   static bool has_fault(const CanopenNode& node) {
     return node.state() == drivers::canopen::DriveState::fault;
@@ -96,6 +97,9 @@ struct OdriveKind {
   /// CANSimple answers nothing, so a fault is known from the first heartbeat that tells of it: one that a
   /// set-up has forgotten before is none (docs/odrive.md).
   static constexpr bool kTold = true;
+  /// An axis under torque that is sent nothing is being proved, and an error then looks like its watchdog's
+  /// (docs/odrive.md).
+  static bool fed_since(const AxisNode& node, rt::Nanoseconds ns) { return node.fed_ns() > ns; }
   static bool tells_fault(const drivers::CanFrame& frame) {
     return frame.id == (1u << 5u | drivers::odrive::kHeartbeat.id) &&
            (drivers::read_can_field(frame, drivers::odrive::kHeartbeatSignals[0]) & kFault) != 0;
