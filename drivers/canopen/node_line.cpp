@@ -66,10 +66,11 @@ void NodeLine::watch(bool off, rt::Nanoseconds now_ns) noexcept {
     cut_ns_ = now_ns;
   }
   if (!off) off_ns_ = now_ns;
+  const rt::Nanoseconds obeys_within_ns = std::max(kObeysWithin, 4 * config_.sync_period_ns);
   bool lost = false;
   for (Drive& drive : drives_) {
     drive.watch(now_ns);
-    const bool disobeys = now_ns - off_ns_ > kObeysWithin && drive.phase() == DrivePhase::operational &&
+    const bool disobeys = now_ns - off_ns_ > obeys_within_ns && drive.phase() == DrivePhase::operational &&
                           drive.ready(now_ns) && !drive.free(now_ns);
     lost = drive.take_loss() || disobeys || lost;
   }

@@ -45,8 +45,13 @@ std::vector<DriveConfig> drives_of(const UgvNodesConfig& config) {
   return drives;
 }
 
+// A start is three steps of CiA 402 and a fault's reset, each a command, and a reading a cycle later.
+constexpr int kStartCycles = 12;
+
 drivers::UgvDrivesConfig shared_of(const UgvNodesConfig& config) {
-  return {.group = config.group,
+  DriveGroupConfig group = config.group;
+  group.start_timeout_ns = std::max(group.start_timeout_ns, kStartCycles * config.line.sync_period_ns);
+  return {.group = group,
           .flippers = config.flippers,
           .per_m = config.increments_per_m,
           .per_rad = config.increments_per_rad};

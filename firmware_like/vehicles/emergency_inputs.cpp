@@ -32,7 +32,7 @@ void EmergencyInputs::open() {
 
 bool EmergencyInputs::poll(bool asked, rt::Nanoseconds now_ns) noexcept {
   bool line = false;
-  if (line_.is_open() && line_.read(line) != Status::ok) line = true;
+  if (line_config_ && line_.read(line) != Status::ok) line = true;
   const bool button = button_.decide(now_ns);
   const bool pressed = asked || line || button;
   if (pressed && !pressed_) ++stops_;

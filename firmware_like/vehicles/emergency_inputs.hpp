@@ -17,8 +17,8 @@ class EmergencyInputs {
  public:
   /// Set-up: what [emergency] says, its counters, and the button's frame on the bus. Throws ProfileError.
   void set_up(VehicleBuilder& builder);
-  /// On a robot, before the first poll: opens the line. Where nobody opens it (a replay, a simulated robot)
-  /// there is none. Throws std::runtime_error with the cure.
+  /// On a robot, before the first poll: opens the line. Throws std::runtime_error with the cure. Where nobody
+  /// opens it, as beside a simulated robot, it counts as pressed.
   void open();
 
   bool take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {

@@ -41,6 +41,8 @@ TEST_CASE("an emergency button that cannot be read counts as pressed") {
   frame.size = 1;
   CHECK(button.take(frame, 0));
   CHECK(button.decide(0));
+  CHECK(button.take(encode_emergency_button(false, 1), 0));
+  CHECK_FALSE(button.decide(0));
   frame.size = 2;
   frame.flags = kCanRemote;
   CHECK(button.take(frame, 0));
@@ -67,4 +69,26 @@ TEST_CASE("a line that is not there is refused with a cure, and cannot be read")
   CHECK(line.read(active) == Status::disconnected);
   CHECK(line.open({.chip = "/dev/null"}, problem) != Status::ok);  // no chip
   CHECK(active);
+}
+
+TEST_CASE("a press that ended before anybody looked counts once") {
+  EmergencyButton button;
+  CHECK(button.take(encode_emergency_button(true, 0), 0));
+  CHECK(button.take(encode_emergency_button(false, 1), kMs));
+  CHECK(button.decide(kMs));
+  CHECK_FALSE(button.decide(kMs));
+}
+
+TEST_CASE("a button whose counter stands says nothing but a press") {
+  EmergencyButton button({.silence_ns = 100 * kMs});
+  CHECK(button.take(encode_emergency_button(false, 7), 0));
+  CHECK(button.take(encode_emergency_button(false, 7), 90 * kMs));
+  CHECK(button.repeated() == 1);
+  CHECK_FALSE(button.decide(100 * kMs));
+  CHECK(button.decide(101 * kMs));  // the node hangs
+  CHECK(button.take(encode_emergency_button(true, 7), 110 * kMs));
+  CHECK(button.take(encode_emergency_button(false, 7), 120 * kMs));
+  CHECK(button.decide(120 * kMs));
+  CHECK(button.take(encode_emergency_button(false, 8), 130 * kMs));
+  CHECK_FALSE(button.decide(130 * kMs));
 }

@@ -363,4 +363,145 @@ TEST_CASE("drives: a drive that is found under torque is stopped before it is se
   CHECK(world.runtime().running());
 }
 
+TEMPLATE_TEST_CASE("drives: a press that was released before anybody looked stops all the same", "",
+                   CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world(true);
+  REQUIRE(world.bring_up());
+  world.runtime().press(true);
+  world.runtime().press(false);
+  world.run(1500);
+  CHECK_FALSE(world.torque());
+  CHECK(world.runtime().stop_reason() == StopReason::emergency_stop);
+  CHECK(way(world, 3000) < 1e-3);
+  world.request();
+  world.run(1500);
+  CHECK(world.runtime().running());
+}
+
+TEMPLATE_TEST_CASE("drives: enabled again, or wanted again, is no request", "", CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world(true);
+  REQUIRE(world.bring_up());
+  SECTION("after an emergency stop") {
+    world.runtime().press(true);
+    world.run(1500);
+    world.runtime().press(false);
+  }
+  SECTION("after a drive has lost its power") {
+    world.node(1).set_power(false);
+    world.run(1500);
+    world.node(1).set_power(true);
+    world.run(1500);
+  }
+  // As the planner's guard does it, and then as a mission's pause would.
+  for (const std::uint32_t between : {rt::kCommandWanted + 0u, 0u}) {
+    world.drive_.flags = world.flipper_.flags = between;
+    world.run(300);
+    world.drive_.flags = world.flipper_.flags = rt::kCommandEnabled | rt::kCommandWanted;
+    CHECK(way(world, 3000) < 1e-3);
+    CHECK_FALSE(world.torque());
+  }
+  ++world.drive_.asked;
+  CHECK(way(world, 2000) > 0.3);
+}
+
+TEMPLATE_TEST_CASE("drives: what makes the robot wait takes no torque, and lets nothing be driven", "",
+                   CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world(false);
+  REQUIRE(world.bring_up());
+  world.drive_.flags = rt::kCommandWanted;
+  world.run(500);
+  CHECK(world.runtime().running());
+  CHECK(world.torque());
+  CHECK(way(world, 2000) < 1e-3);
+  world.drive_.flags = rt::kCommandWanted | rt::kCommandEnabled;
+  CHECK(way(world, 1000) > 0.3);
+}
+
+TEMPLATE_TEST_CASE("drives: nobody's request revives another's", "", CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world(true);
+  world.swing_rad_ = 0.5;
+  REQUIRE(world.bring_up());
+  world.runtime().press(true);
+  world.run(1500);
+  world.runtime().press(false);
+  world.run(500);
+  SECTION("the tracks' the flippers'") {
+    ++world.drive_.asked;
+    world.run(1000);
+    REQUIRE(world.runtime().running());
+    const double stands = world.position(2);
+    CHECK(way(world, 3000) > 0.3);
+    CHECK(world.position(2) == Approx(stands).margin(0.02));
+    ++world.flipper_.asked;
+    double most = 0.0;
+    for (int ms = 0; ms < 3000; ++ms) {
+      world.step();
+      most = std::max(most, std::fabs(world.position(2) - stands));
+    }
+    CHECK(most > 0.3);
+    CHECK(world.runtime().running());
+  }
+  SECTION("the flippers' the tracks'") {
+    ++world.flipper_.asked;
+    world.run(1000);
+    REQUIRE(world.runtime().running());
+    CHECK(way(world, 3000) < 1e-3);
+  }
+}
+
+TEMPLATE_TEST_CASE("drives: a cycle that is longer than a bus may be deaf runs", "", CanopenKind,
+                   OdriveKind) {
+  typename TestType::Config config;
+  if constexpr (std::is_same_v<TestType, CanopenKind>) {
+    config.line.sync_period_ns = 100 * kMs;
+    config.heartbeat_timeout_ns = 400 * kMs;
+  } else {
+    config.line.period_ns = 100 * kMs;
+    config.silence_ns = 500 * kMs;
+  }
+  DrivesWorld<TestType> world(false, config);
+  if constexpr (std::is_same_v<TestType, OdriveKind>) {
+    for (const std::size_t i : {0, 1}) world.node(i).config().watchdog_ns = 400 * kMs;
+  }
+  world.ask(false);
+  world.run(8000);
+  world.ask(true);
+  CHECK(way(world, 5000) > 0.5);
+  CHECK(world.runtime().running());
+}
+
+TEST_CASE("drives: a new process does not feed a drive that it does not know") {
+  DrivesWorld<CanopenKind> world;
+  REQUIRE(world.bring_up());
+  world.node(1).set_hears_heartbeats_alone(true);
+  world.lives_ = false;
+  world.run(60);
+  REQUIRE(world.node(1).command().on);
+  world.restart();
+  world.lives_ = true;
+  world.run(600);
+  CHECK_FALSE(world.torque());
+}
+
+TEMPLATE_TEST_CASE("drives: travel goes on where a drive counts from zero again", "", CanopenKind,
+                   OdriveKind) {
+  DrivesWorld<TestType> world;
+  REQUIRE(world.bring_up());
+  world.run(4000);
+  world.ask(false);
+  world.run(1500);
+  const double before = world.tracks_.left_m;
+  REQUIRE(std::fabs(before) > 1.0);
+  world.node(0).set_power(false);
+  world.axis(0) = DriveAxis(world.axis(0).config());  // its encoder's new zero is where it stands
+  world.run(1000);
+  world.node(0).set_power(true);
+  world.run(5000);
+  CHECK(world.tracks_.left_m == Approx(before).margin(0.01));
+  world.request();
+  world.run(3000);
+  CHECK(std::fabs(world.tracks_.left_m - before) > 0.5);
+  CHECK(std::fabs(world.tracks_.left_m - before) < 2.0);
+}
+
 }  // namespace sortie::hil::test

@@ -142,6 +142,7 @@ class DrivesWorld {
         flippers_speak_(other.flippers_speak_),
         lives_(other.lives_),
         starved_(other.starved_),
+        tracks_(other.tracks_),
         runtime_(other.runtime_),
         flippers_(other.flippers_),
         ours_(other.ours_),
@@ -239,7 +240,8 @@ class DrivesWorld {
   bool drive_speaks_{true};
   bool flippers_speak_{true};
   bool lives_{true};
-  bool starved_{};  ///< the process is there and does not run
+  bool starved_{};            ///< the process is there and does not run
+  rt::TrackSample tracks_{};  ///< the newest
 
  private:
   template <class Command>
@@ -263,8 +265,7 @@ class DrivesWorld {
     if (drive_speaks_) static_cast<void>(runtime_.set(drive_, now_));
     if (flippers_ && flippers_speak_) static_cast<void>(runtime_.set(flipper_, now_));
     runtime_.poll(now_, ours_);
-    rt::TrackSample tracks;
-    static_cast<void>(runtime_.read(tracks));  // nobody uses it here
+    static_cast<void>(runtime_.read(tracks_));  // empty: the one before stays
   }
   void carry() {
     const std::size_t count = std::min<std::size_t>(ours_.frames.size(), kFramesPerMs);
