@@ -14,8 +14,12 @@ void OwnMotors::poll(drivers::CanBus& can, const rt::DriveCommand* drive, const 
                      bool pressed, rt::Nanoseconds now_ns) noexcept {
   const bool lost = tracks_heard_ && now_ns - tracks_ns_ > kTracksLostAfter;
   const bool stops = pressed || lost;
-  if (drive != nullptr) static_cast<void>(drive_latch_.hear(drive->asked, !stops));
-  if (flippers != nullptr) static_cast<void>(flipper_latch_.hear(flippers->asked, !stops));
+  const auto hear = [&](drivers::RequestLatch& latch, rt::Nanoseconds& heard_ns, std::uint32_t asked) {
+    static_cast<void>(latch.hear(asked, !stops && now_ns - heard_ns <= kSilence));
+    heard_ns = now_ns;
+  };
+  if (drive != nullptr) hear(drive_latch_, drive_ns_, drive->asked);
+  if (flippers != nullptr) hear(flipper_latch_, flippers_ns_, flippers->asked);
   if (stops) {
     drive_latch_.spend();
     flipper_latch_.spend();

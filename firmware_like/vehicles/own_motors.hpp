@@ -21,6 +21,8 @@ class OwnMotors {
  public:
   static constexpr rt::Nanoseconds kDriveEvery = 10 * rt::kNanosecondsPerMillisecond;  // 2 % of 500 kbit/s
   static constexpr rt::Nanoseconds kFlippersEvery = 20 * rt::kNanosecondsPerMillisecond;
+  /// A request that comes with the end of a silence may have been made before a stop: it does not count.
+  static constexpr rt::Nanoseconds kSilence = 200 * rt::kNanosecondsPerMillisecond;
   static constexpr rt::Nanoseconds kTracksLostAfter = 150 * rt::kNanosecondsPerMillisecond;
 
   /// Counts since construction.
@@ -56,6 +58,8 @@ class OwnMotors {
   drivers::RequestLatch drive_latch_{false};  // until the first stop they do what they are told
   drivers::RequestLatch flipper_latch_{false};
   rt::Nanoseconds tracks_ns_{};
+  rt::Nanoseconds drive_ns_{};  // when a command came
+  rt::Nanoseconds flippers_ns_{};
   rt::Nanoseconds next_drive_ns_{};
   rt::Nanoseconds next_flippers_ns_{};
   Counters drive_counters_{};
