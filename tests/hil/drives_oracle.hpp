@@ -146,9 +146,12 @@ class DrivesOracle {
       if (source.ran) source.lost_ns = now;
     }
   }
+  // Axes that are put under torque for their proof (ODrive) are let go within a heartbeat: that is no run.
   void note_runs(bool all, rt::Nanoseconds now) {
+    if (!all) apart_ns_ = now;
+    all = all && (!Kind::kTold || now - apart_ns_ > 65 * kMs);
     for (Source& source : sources_) {
-      source.stopped = source.stopped || !all;
+      source.stopped = source.stopped || apart_ns_ == now;
       // A stop that was going on when it was asked is no run of its own.
       source.ran = source.ran || (all && (source.stopped || now - source.edge_ns > 300 * kMs));
     }
@@ -175,6 +178,7 @@ class DrivesOracle {
   rt::Nanoseconds all_ran_ns_{-kLong}, whole_ns_{}, free_ns_{};
   rt::Nanoseconds broken_ns_{-kLong}, pressed_ns_{-kLong}, fault_ns_{-kLong}, silent_ns_{-kLong},
       failed_ns_{-kLong};
+  rt::Nanoseconds apart_ns_{};
   bool had_torque_{};
 };
 
