@@ -187,3 +187,22 @@ TEST_CASE("Flippers stand too until they are asked anew") {
   CHECK(run.turn(5.0, 11.0) < 0.03);
   CHECK(run.turn(11.0, 13.5) > 0.5);
 }
+
+TEST_CASE("A line of the emergency stop that cannot be read is refused with its cure") {
+  firmware::LiveRunOptions options;
+  options.scene = "ugv_pallet";
+  options.lcm_url = "none";
+  const auto refused = [&](std::vector<std::string> overrides) {
+    options.overrides = std::move(overrides);
+    return message_of<firmware::ProfileError>([&] {
+      static_cast<void>(firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options));
+    });
+  };
+  // A line without its chip would be a stop that does not stop.
+  CHECK_THAT(refused({"emergency.gpio_line=3"}), Catch::Contains("emergency.gpio_chip"));
+  CHECK_THAT(refused({"emergency.gpio_active_low=false"}), Catch::Contains("emergency.gpio_chip"));
+  // On a robot it is opened before anything moves.
+  options.can_interface = "nocan9";
+  CHECK_THAT(refused({"emergency.gpio_chip=/dev/none"}),
+             Catch::Contains("/dev/none") && Catch::Contains("gpiodetect"));
+}

@@ -10,6 +10,7 @@ namespace sortie::hil::test {
 namespace {
 
 using drivers::StopReason;
+constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
 
 /// How far the faster wheel goes in this time, m.
 template <class World>
@@ -105,6 +106,58 @@ TEMPLATE_TEST_CASE("drives: nobody's request revives another's", "", CanopenKind
     REQUIRE(world.runtime().running());
     CHECK(way(world, 3000) < 1e-3);
   }
+}
+
+TEMPLATE_TEST_CASE("drives: a request that is not taken up waits for nobody else's", "", CanopenKind,
+                   OdriveKind) {
+  DrivesWorld<TestType> world(true);
+  REQUIRE(world.bring_up());
+  world.flippers_speak_ = false;
+  world.run(2000);
+  REQUIRE_FALSE(world.runtime().running());
+  ++world.drive_.asked;  // while the flippers' source is silent nothing can run
+  world.run(500);
+  world.flippers_speak_ = true;
+  world.run(500);
+  REQUIRE_FALSE(world.runtime().running());
+  ++world.flipper_.asked;
+  world.run(1000);
+  REQUIRE(world.runtime().running());
+  CHECK(way(world, 2000) < 1e-3);
+}
+
+TEMPLATE_TEST_CASE("drives: what is asked in a silence does not count when it ends", "", CanopenKind,
+                   OdriveKind) {
+  DrivesWorld<TestType> world;
+  REQUIRE(world.bring_up());
+  world.drive_speaks_ = false;
+  world.run(1000);
+  ++world.drive_.asked;
+  world.run(500);
+  world.drive_speaks_ = true;
+  CHECK(way(world, 2000) < 1e-3);
+  ++world.drive_.asked;
+  CHECK(way(world, 2000) > 0.3);
+}
+
+TEMPLATE_TEST_CASE("drives: those that re-arm by themselves were seen well for so long", "", CanopenKind,
+                   OdriveKind) {
+  typename TestType::Config config;
+  config.group.rearm_ns = 600 * kMs;
+  DrivesWorld<TestType> world(false, config);
+  REQUIRE(world.bring_up());
+  world.drive_speaks_ = false;
+  world.run(300);
+  world.drive_speaks_ = true;
+  while (world.runtime().group().state() != drivers::GroupState::off) world.step();
+  world.run(520);
+  world.starved_ = true;  // nobody looks
+  world.run(90);
+  world.starved_ = false;
+  world.run(300);
+  CHECK_FALSE(world.runtime().running());
+  world.run(1500);
+  CHECK(world.runtime().running());
 }
 
 }  // namespace sortie::hil::test
