@@ -77,7 +77,8 @@ struct DrivesModel {
         // A fault on top of a fault is forgotten with it, and a drive that has not booted has none.
         if (Kind::has_fault(world.node(0))) break;
         Kind::fault(world.node(0));
-        if (Kind::has_fault(world.node(0))) oracle.note_fault(had_torque, world.now());
+        if (Kind::has_fault(world.node(0)) && !world.fault_shown())
+          oracle.note_fault(had_torque, world.now());
         break;
       case Deed::bus_off:
         world.set_bus_off(!world.bus_off());
@@ -124,6 +125,7 @@ struct DrivesModel {
         add(world.node(i).error());
       }
     }
+    add(world.fault_shown());
     add(oracle.likeness(world.now()));
     return h;
   }

@@ -62,6 +62,7 @@ struct CanopenKind {
   }
   /// A fault counts from when it comes up: its emergency tells at once.
   static constexpr bool kTold = false;
+  static bool tells_of_it(const drivers::CanFrame&) { return false; }
   static bool tells_fault(const drivers::CanFrame&) { return false; }
   static bool fed_since(const CanopenNode&, rt::Nanoseconds) { return true; }
   static void fault(CanopenNode& node) { node.fail(0x2310); }
@@ -100,8 +101,11 @@ struct OdriveKind {
   /// An axis under torque that is sent nothing is being proved, and an error then looks like its watchdog's
   /// (docs/odrive.md).
   static bool fed_since(const AxisNode& node, rt::Nanoseconds ns) { return node.fed_ns() > ns; }
+  static bool tells_of_it(const drivers::CanFrame& frame) {
+    return frame.id == (1u << 5u | drivers::odrive::kHeartbeat.id);
+  }
   static bool tells_fault(const drivers::CanFrame& frame) {
-    return frame.id == (1u << 5u | drivers::odrive::kHeartbeat.id) &&
+    return tells_of_it(frame) &&
            (drivers::read_can_field(frame, drivers::odrive::kHeartbeatSignals[0]) & kFault) != 0;
   }
   static bool has_fault(const AxisNode& node) { return node.error() != 0; }
@@ -153,6 +157,7 @@ class DrivesWorld {
         targets_(other.targets_),
         ran_(other.ran_),
         fault_told_ns_(other.fault_told_ns_),
+        fault_shown_(other.fault_shown_),
         now_(other.now_) {
     for (auto& node : nodes_) node.set_port(theirs_);
   }
@@ -227,6 +232,8 @@ class DrivesWorld {
   rt::Nanoseconds now() const { return now_; }
   /// When the runtime's side last got a frame that tells of a fault.
   rt::Nanoseconds fault_told_ns() const { return fault_told_ns_; }
+  /// The newest of the first drive's told of one: until another tells of none, a new one looks like that.
+  bool fault_shown() const { return fault_shown_; }
   bool bus_off() const { return ours_.off; }
   void set_bus_off(bool off) {
     ours_.off = off;
@@ -280,6 +287,7 @@ class DrivesWorld {
       if (ours_.off || !lives_ || inbox_.size() >= 256) continue;
       inbox_.push_back(frame);
       if (Kind::tells_fault(frame)) fault_told_ns_ = now_;
+      if (Kind::tells_of_it(frame)) fault_shown_ = Kind::tells_fault(frame);
     }
     theirs_.frames.clear();
   }
@@ -294,6 +302,7 @@ class DrivesWorld {
   std::array<double, 6> targets_{};  // before this millisecond, in the drives' units
   std::array<bool, 6> ran_{};
   rt::Nanoseconds fault_told_ns_{-1};
+  bool fault_shown_{};
   rt::Nanoseconds now_{};
 };
 
