@@ -254,6 +254,13 @@ struct VoxelOnMap {
   double normal_world[3]{};  ///< unit vector, its sign means nothing; zero: none
 };
 
+/// How a vehicle's motors are, for who shows it.
+struct MotorsNews {
+  bool emergency{};             ///< an emergency stop is pressed, by whatever input
+  bool running{};               ///< all drives run; motors on the robot's own frames do not tell
+  std::uint32_t stop_reason{};  ///< drivers::StopReason; of the robot's own frames none
+};
+
 /// A vehicle. Build it in the constructor from a VehicleBuilder; the object lives as long as the runtime.
 class Vehicle {
  public:
@@ -267,6 +274,8 @@ class Vehicle {
     static_cast<void>(devices);
     static_cast<void>(now_ns);
   }
+  /// Motors as of the last poll, from any thread; nothing where there are none.
+  virtual std::optional<MotorsNews> motors_news() const { return {}; }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
   virtual RequestEntry<rt::DriveRequest> drive_requests() { return {}; }
   /// The same for a vehicle that flies (drivers/wire_fly.hpp).

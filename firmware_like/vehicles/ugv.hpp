@@ -3,6 +3,7 @@
 // drives and flippers out.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -28,6 +29,7 @@ class Ugv final : public Vehicle, public UnitTryer {
   explicit Ugv(VehicleBuilder& builder);
 
   void open_devices() override;
+  std::optional<MotorsNews> motors_news() const override;
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   drivers::ScanSink* scan_sink() override {
     return rt::kBuilt<rt::Part::map> && map_ ? map_->port() : nullptr;
@@ -101,7 +103,8 @@ class Ugv final : public Vehicle, public UnitTryer {
   std::unique_ptr<drivers::UgvMotors> motors_;  ///< null: they speak the robot's own frames
   OwnMotors own_motors_;
   EmergencyInputs emergency_;
-  bool emergency_asked_{};  // by the newest command
+  bool emergency_asked_{};                    // by the newest command
+  std::atomic<std::uint32_t> motors_news_{};  // MotorsNews in one word, so that it is read whole
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};

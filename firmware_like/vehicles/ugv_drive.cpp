@@ -154,6 +154,9 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
                             flipper_outlet_->take(now_ns, flippers);
   if (has_command) emergency_asked_ = (command.flags & rt::kCommandEmergency) != 0;
   const bool pressed = emergency_.poll(emergency_asked_, now_ns);
+  const auto reason = motors_ ? static_cast<std::uint32_t>(motors_->stop_reason()) : 0u;
+  motors_news_.store((pressed ? 1u : 0u) | (motors_ && motors_->running() ? 2u : 0u) | reason << 8u,
+                     std::memory_order_relaxed);
   if (motors_) {
     motors_->press(pressed);
     send_to_motors(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
@@ -161,6 +164,12 @@ void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
     own_motors_.poll(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, pressed,
                      now_ns);
   }
+}
+
+std::optional<MotorsNews> Ugv::motors_news() const {
+  if (!drive_) return {};
+  const std::uint32_t word = motors_news_.load(std::memory_order_relaxed);
+  return MotorsNews{(word & 1u) != 0, (word & 2u) != 0, word >> 8u};
 }
 
 /// These motors say by themselves when something goes out.

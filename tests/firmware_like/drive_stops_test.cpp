@@ -28,6 +28,8 @@ class BenchWithAsker final : public firmware::BenchRobot {
       : robot_(std::move(robot)), vehicle_(vehicle), asks_(std::move(asks)), angles_(angles) {}
   void step(rt::Nanoseconds now_ns) override {
     robot_->step(now_ns);
+    const std::optional<firmware::MotorsNews> news = vehicle_->motors_news();
+    if (news && news->emergency) ++pressed_ms;
     rt::ContactTruth truth;
     while (robot_->contacts(truth) && now_ns >= static_cast<rt::Nanoseconds>(angles_.size()) * 1'000'000)
       angles_.push_back(truth.flipper_angle_rad[0]);
@@ -46,6 +48,8 @@ class BenchWithAsker final : public firmware::BenchRobot {
   bool sensors(rt::SensorTruth& truth) const override { return robot_->sensors(truth); }
   drivers::CanBus* vehicle_can() override { return robot_->vehicle_can(); }
   drivers::SslPort* vehicle_ssl() override { return robot_->vehicle_ssl(); }
+  /// How long the vehicle itself said that an emergency stop is pressed, in the newest run.
+  inline static int pressed_ms = 0;
 
  private:
   std::unique_ptr<firmware::BenchRobot> robot_;
@@ -61,6 +65,7 @@ class Run {
   Run(const std::string& protocol, const std::string& stops, std::vector<Ask> asks, double seconds,
       const std::string& mission = "[{at_s=0.5,speed_m_s=-0.1},{at_s=1000.0}]") {
     firmware::Vehicle* vehicle = nullptr;
+    BenchWithAsker::pressed_ms = 0;
     firmware::VehicleRegistry vehicles;
     for (const auto& [name, make] : firmware::own_vehicles())
       vehicles.emplace_back(name, [&vehicle, make = make](firmware::VehicleBuilder& builder) {
@@ -173,6 +178,7 @@ TEST_CASE("An emergency stop by request ends by emergency_end and a release") {
   CHECK(run.way(10.0, 12.0) > 0.05);
   CHECK(run.counter("emergency_stops") == 1);
   CHECK(run.counter("drive_stops_emergency") == 1);
+  CHECK(BenchWithAsker::pressed_ms == Approx(2000).margin(30));  // 4 s to 6 s
 }
 
 TEST_CASE("Flippers stand too until they are asked anew") {

@@ -75,6 +75,17 @@ TEST_CASE("unkind drives: a power stage without voltage lets none drive, and tak
   stops_and_can_be_asked(world);
 }
 
+TEMPLATE_TEST_CASE("unkind drives: one that hears nothing any more stops by itself, and all with it", "",
+                   CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world;
+  REQUIRE(world.bring_up());
+  world.node(1).set_deaf(true);
+  world.run(500);
+  CHECK_FALSE(world.torque());
+  world.node(1).set_deaf(false);
+  stops_and_can_be_asked(world);
+}
+
 TEST_CASE("unkind drives: a fault that needs the power off is not reset by asking") {
   DrivesWorld<CanopenKind> world;
   REQUIRE(world.bring_up());
