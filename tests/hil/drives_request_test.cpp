@@ -2,23 +2,14 @@
 // What counts as a request, and whose: one story a case.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cmath>
 
 #include "tests/hil/drives_world.hpp"
+#include "tests/hil/units.hpp"
 
 namespace sortie::hil::test {
 namespace {
 
 using drivers::StopReason;
-constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
-
-/// How far the faster wheel goes in this time, m.
-template <class World>
-double way(World& world, int ms) {
-  const double from[] = {world.position(0), world.position(1)};
-  world.run(ms);
-  return std::max(std::fabs(world.position(0) - from[0]), std::fabs(world.position(1) - from[1]));
-}
 
 }  // namespace
 

@@ -12,14 +12,6 @@ namespace {
 
 using drivers::StopReason;
 
-/// How far the faster wheel goes in this time, m.
-template <class World>
-double way(World& world, int ms) {
-  const double from[] = {world.position(0), world.position(1)};
-  world.run(ms);
-  return std::max(std::fabs(world.position(0) - from[0]), std::fabs(world.position(1) - from[1]));
-}
-
 template <class World>
 bool still(const World& world) {
   return std::fabs(world.speed(0)) < 1e-3 && std::fabs(world.speed(1)) < 1e-3;

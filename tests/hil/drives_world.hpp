@@ -306,4 +306,12 @@ class DrivesWorld {
   rt::Nanoseconds now_{};
 };
 
+/// How far the faster wheel goes in this time, m.
+template <class World>
+double way(World& world, int ms) {
+  const double from[] = {world.position(0), world.position(1)};
+  world.run(ms);
+  return std::max(std::fabs(world.position(0) - from[0]), std::fabs(world.position(1) - from[1]));
+}
+
 }  // namespace sortie::hil::test
