@@ -29,6 +29,7 @@ TIMER_STEPS = 64  # four steps of 16 ns, see compare_logs()
 HEARTBEAT_S, SYNC_S, TORQUE_OFF_S = 0.150, 0.010, 0.5
 MASTER = "77F"
 NODES = ["01", "02", "0B", "0C", "0D", "0E"]
+DRIVE_TARGETS, DRIVE_STATES = ({f"{first}{node[1]}" for node in NODES} for first in ("20", "18"))
 work = pathlib.Path(tempfile.mkdtemp(prefix="sortie-board-"))
 failures = []
 
@@ -142,7 +143,7 @@ def mission():
 
 def trouble():
     """The other boot: frames under load, a runtime that is killed, drives that go."""
-    console = boot("trouble", "killed", "gone", "flood", "fd", "overrun", "storm", "tools")
+    console = boot("trouble", "killed", "gone", "pressed", "flood", "fd", "overrun", "storm", "tools")
     if not (work / "trouble/flood/can0-can1.json").exists():
         return {}
     figures = {}
@@ -173,6 +174,7 @@ def trouble():
     counters = read("trouble", "gone", "run.json")["counters"]
     check(counters["canopen_drives_lost"] == 6 and counters["canopen_running"] == 0, "lost drives are counted", counters)
     figures["gone"] = {"quick stop after the last heartbeat [us]": round((stop - first) * 1e6)}
+    figures["pressed"] = pressed()
     fd = read("trouble", "fd", "fd.json")
     check(fd["received"] == FRAMES and fd["wrong"] == fd["heap_calls"] == 0, "CAN FD: every frame as it was sent, no heap", fd)
     check(0 < fd["classical"] == fd["classical_received"] < FRAMES, "a classical port beside it has the classical frames alone", fd)
@@ -181,6 +183,30 @@ def trouble():
     figures["storm"] = storm()
     can_utils()
     return figures
+
+
+def pressed():
+    """An emergency stop on the bus, again and again while the robot drives: when the last drive is told to stop, and when
+    the last one says that it has no torque."""
+    frames, counters = bus("trouble", "pressed", "bus.log"), read("trouble", "pressed", "run.json")["counters"]
+    presses = [t for t, i, d in frames if i == "101" and d.startswith("AA")]
+    releases = [t for t, i, d in frames if i == "101" and d.startswith("55")]
+    check(len(presses) == len(releases) == 8 and counters["emergency_stops"] == 8, "every press is taken", len(presses), counters)
+    told_us, off_us = [], []
+    for press, release in zip(presses, releases):
+        before = {i for t, i, d in frames if press - 0.1 < t < press and i in DRIVE_TARGETS and d.startswith("0F00")}
+        check(before == DRIVE_TARGETS, "all drives were running when it was pressed", press, before)
+        asked = [t - press for t, i, d in frames if press < t < release and i in DRIVE_TARGETS and d.startswith("0F00")]
+        told = [min((t - press for t, i, d in frames if press < t < release and i == target and not d.startswith("0F00")), default=9) for target in DRIVE_TARGETS]
+        check(max(asked, default=0) <= max(told), "nobody asks for torque again", press, asked[-3:])
+        told_us.append(max(told) * 1e6)
+        # Bit 2 of a status word: operation enabled, or a quick stop that goes on.
+        off_us.append(max((t - press for t, i, d in frames if press < t < release and i in DRIVE_STATES and int(d[1], 16) & 4), default=0) * 1e6)
+        check(off_us[-1] < (release - press) * 1e6 - 50e3, "no torque while it is pressed", press, off_us)
+    check(max(told_us) <= SYNC_S * 1e6 + 2000, "all are told to stop within a SYNC period", told_us)
+    _, speed = standstill(work / "trouble/pressed/truth.lcm", presses[0])
+    check(speed > 0.1, "the robot was driving", speed)
+    return {"last drive is told to stop, worst of 8 [us]": round(max(told_us)), "last drive's torque off, worst of 8 [us]": round(max(off_us))}
 
 
 def storm():

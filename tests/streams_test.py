@@ -123,6 +123,8 @@ for option in ("--help", "--help-all", "--version"):
 
 # The signals of a terminal that goes. Whoever drives by hand is gone with it: the robot stops.
 if live.poll() is None and run("set", *to_live).returncode == 0:
+    released = run("drive", "release", *to_live)  # the list above has halted it
+    check(released.returncode == 0, "drive release", released)
     for number in (signal.SIGHUP, signal.SIGTERM):
         driver = start("drive", "go", "--speed", "0.1", "--for", "0", "--lcm-url", URL)
         select.select([driver.stdout], [], [], 20)  # the request was taken
