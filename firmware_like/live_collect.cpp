@@ -56,9 +56,6 @@ void LiveSession::collect_trajectories() {
   outcome_.contacts = surroundings_->truth.contacts.take();
   tidy(outcome_.estimate);
   tidy(outcome_.truth);
-  if (!outcome_.truth.empty() && !outcome_.estimate.empty()) {
-    outcome_.evaluation = evaluate(outcome_.estimate, outcome_.truth, options_.evaluation);
-  }
 }
 
 LiveRunOutcome LiveSession::collect() {
@@ -72,7 +69,6 @@ LiveRunOutcome LiveSession::collect() {
     outcome_.failures.insert(outcome_.failures.end(), exceeded.begin(), exceeded.end());
   }
   if (!outcome_.stopped.empty()) results.warnings.push_back(outcome_.stopped);
-  results.errors = outcome_.evaluation.errors;
   results.duration_s = static_cast<double>(ticks_) * static_cast<double>(executive_.base_tick_ns()) * 1e-9;
   results.speed = wall_s_ > 0 ? results.duration_s / wall_s_ : 0;
   collect_counters(results);

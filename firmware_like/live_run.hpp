@@ -10,9 +10,10 @@
 
 #include "firmware_like/bench_robot.hpp"
 #include "firmware_like/evaluation/contact_truth.hpp"
-#include "firmware_like/evaluation/evaluate.hpp"
+#include "firmware_like/platform_refused.hpp"
 #include "firmware_like/run_flight_ring.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/timed_pose.hpp"
 
 namespace sortie::firmware {
 
@@ -29,7 +30,6 @@ struct LiveRunOptions {
   std::string lcm_url;      ///< telemetry; "none": off
   std::string can_interface;  ///< real devices on this SocketCAN interface; then the bench robot is left out
   std::string plant;          ///< a plant in a process of its own instead, see parse_plant(); or empty
-  EvaluationOptions evaluation;
   FlightRingOptions flight_ring;
   std::function<void(double share)> progress;
   const std::atomic<bool>* interrupted{};
@@ -38,7 +38,6 @@ struct LiveRunOptions {
 /// What came out.
 struct LiveRunOutcome {
   Results results;
-  Evaluation evaluation;
   Trajectory estimate;
   Trajectory truth;
   std::vector<ContactSummary> contacts;  ///< of the bench robot, if it knows
@@ -53,9 +52,9 @@ struct LiveRunOutcome {
 };
 
 /// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.
-class RealtimeRefused : public std::runtime_error {
+class RealtimeRefused : public PlatformRefused {
  public:
-  using std::runtime_error::runtime_error;
+  using PlatformRefused::PlatformRefused;
 };
 
 /// Runs a scene. Throws ProfileError, RealtimeRefused, std::runtime_error (log cannot be written).

@@ -10,7 +10,7 @@
 
 #include "drivers/lcm_log.hpp"
 #include "drivers/wire_records.hpp"
-#include "firmware_like/evaluation/trajectory.hpp"
+#include "firmware_like/timed_pose.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::firmware {

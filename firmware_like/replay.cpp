@@ -3,11 +3,11 @@
 
 #include <chrono>
 
-#include "firmware_like/doctor/run_doctor.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/log_clock.hpp"
+#include "firmware_like/recorded_doctor.hpp"
 #include "firmware_like/replay_observer.hpp"
 #include "firmware_like/replay_part.hpp"
 #include "rt/posix/fast_clock.hpp"
@@ -215,9 +215,6 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   outcome.truth = truth ? std::move(truth->poses) : log.truth();
   outcome.contacts = truth ? contact_summaries(truth->log, truth->offset.offset_ns) : contact_summaries(log);
   tidy(outcome.estimate);
-  if (!outcome.truth.empty() && !outcome.estimate.empty()) {
-    outcome.evaluation = evaluate(outcome.estimate, outcome.truth, options.evaluation);
-  }
   outcome.recorded = feed.recorded_digest();
   outcome.divergence = observer.first;
   outcome.diverged_jobs = observer.diverged_jobs;
@@ -225,7 +222,6 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
 
   Results& results = outcome.results;
   results = collect_results(runtime, feed.last_tick() - part.asked + 1);
-  results.errors = outcome.evaluation.errors;
   results.duration_s =
       static_cast<double>(results.ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
   results.speed = wall > 0 ? results.duration_s / wall : 0;

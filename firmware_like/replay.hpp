@@ -11,10 +11,10 @@
 
 #include "firmware_like/compare.hpp"
 #include "firmware_like/evaluation/contact_truth.hpp"
-#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/log_feed.hpp"
 #include "firmware_like/log_file.hpp"
 #include "firmware_like/runtime.hpp"
+#include "firmware_like/timed_pose.hpp"
 
 namespace sortie::firmware {
 
@@ -22,7 +22,6 @@ namespace sortie::firmware {
 struct ReplayOptions {
   std::string scene;                   ///< empty: the profile that stands in the log
   std::vector<std::string> overrides;  ///< key=value each: "what if"
-  EvaluationOptions evaluation;
   std::string truth;   ///< log of the plant, where it ran in a process of its own; empty: the log's own truth
   bool threaded{};     ///< one worker a group instead of one thread: same outputs, for perturbation tests
   std::string fault;   ///< "task@tick" or "task.byte@tick": flip a bit there; proves that a check can fail
@@ -46,7 +45,6 @@ struct ReplayOptions {
 /// compared.
 struct ReplayOutcome {
   Results results;
-  Evaluation evaluation;
   Trajectory estimate;
   Trajectory truth;
   std::vector<ContactSummary> contacts;  ///< truth of contacts and flippers, if a simulation wrote it

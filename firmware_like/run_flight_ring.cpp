@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "firmware_like/exporters/flight_jobs.hpp"
+#include "firmware_like/flight_ending.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "rt/posix/memory_file_system.hpp"

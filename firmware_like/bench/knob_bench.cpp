@@ -59,7 +59,7 @@ std::vector<KnobSweep> sweep_knobs(const KnobSet& set, const VehicleRegistry& ve
     options.replay.overrides = set.overrides;
     for (std::string& without : knob_overrides(trials[i].knob, profile))
       options.replay.overrides.push_back(std::move(without));
-    options.replay.evaluation = set.evaluation;
+    options.evaluation = set.evaluation;
     options.knobs = {{trials[i].knob.key, trials[i].tried}};
     if (is_map(trials[i].knob)) options.error = "map_disagreement";
     options.repeat = repeat;

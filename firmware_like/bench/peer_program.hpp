@@ -2,18 +2,18 @@
 // Benchmarks that link what the product does not are programs of their own: found, run and read here.
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "firmware_like/json.hpp"
+#include "firmware_like/platform_refused.hpp"
 
 namespace sortie::firmware {
 
 /// The benchmark's program is not there or failed; commands end with exit code 4.
-class BenchRefused : public std::runtime_error {
+class BenchRefused : public PlatformRefused {
  public:
-  using std::runtime_error::runtime_error;
+  using PlatformRefused::PlatformRefused;
 };
 
 /// Which program, and what it is told.

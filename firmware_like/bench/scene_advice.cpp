@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/scene_parts.hpp"
 #include "firmware_like/text_format.hpp"
 
@@ -77,7 +78,7 @@ class Adviser {
       : log_(log), vehicles_(vehicles), options_(options) {}
 
   Advice run() {
-    whole_ = replay(log_, vehicles_, options_);
+    whole_ = again({});
     advice_.scene = whole_.results.scene;
     advice_.log = log_.path();
     advice_.ticks = whole_.results.ticks;
@@ -114,7 +115,9 @@ class Adviser {
   ReplayOutcome again(const std::vector<std::string>& overrides) const {
     ReplayOptions options = options_;
     options.overrides.insert(options.overrides.end(), overrides.begin(), overrides.end());
-    return replay(log_, vehicles_, options);
+    ReplayOutcome outcome = replay(log_, vehicles_, options);
+    judge(outcome);
+    return outcome;
   }
 
   // "ate_rmse_m 0.12 as it is, 0.35 without; the pose moves by up to 0.4 m"

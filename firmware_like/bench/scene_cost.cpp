@@ -8,6 +8,7 @@
 #include "firmware_like/bench/part_sizes.hpp"
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/bench/wcet.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/flight_recorder.hpp"
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/replay.hpp"
@@ -135,7 +136,8 @@ class Measurement {
   void drive_without(const Overrides& without, SceneCost& cost) const {
     Overrides all = options_.overrides;
     all.insert(all.end(), without.begin(), without.end());
-    const LiveRunOutcome outcome = drive(all, "").outcome;
+    LiveRunOutcome outcome = drive(all, "").outcome;
+    judge(outcome);
     cost.driven = outcome.results.errors;
     if (outcome.truth.empty()) return;
     const double* p = outcome.truth.back().p;
@@ -155,7 +157,8 @@ class Measurement {
     std::vector<double> times;
     const LogFile log(log_);
     for (unsigned i = 0; i < std::max(options_.runs, 1u); ++i) {
-      const ReplayOutcome outcome = replay(log, vehicles_, replay_options);
+      ReplayOutcome outcome = replay(log, vehicles_, replay_options);
+      judge(outcome);
       const rt::Executive& executive = outcome.runtime->executive();
       double ns = 0;
       for (std::uint32_t t = 0; t < executive.task_count(); ++t)

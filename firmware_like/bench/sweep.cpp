@@ -20,7 +20,8 @@ Sweep run_sweep(const LogFile& log, const VehicleRegistry& vehicles, const Sweep
       ReplayOptions replay_options = options.replay;
       if (options.progress)
         replay_options.progress = [&](double share) { options.progress((done + share) / runs); };
-      sweep.duration_s = works[i].replay_once(log, vehicles, replay_options, sweep.cells[i]);
+      sweep.duration_s =
+          works[i].replay_once(log, vehicles, replay_options, options.evaluation, sweep.cells[i]);
       done += 1;
     }
   }

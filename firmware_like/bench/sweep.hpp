@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "firmware_like/bench/knob.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/replay.hpp"
 
 namespace sortie::firmware {
 
 /// What to sweep.
 struct SweepOptions {
-  ReplayOptions replay;  ///< scene, overrides of every cell, alignment
+  ReplayOptions replay;  ///< scene, overrides of every cell
+  EvaluationOptions evaluation;
   std::vector<SweepKnob> knobs;
   std::vector<std::string> tasks;  ///< whose run time counts; empty: those that the knobs belong to
   std::string error;               ///< which error counts; empty: chosen by knob and by what the truth allows

@@ -96,7 +96,7 @@ SweepOptions sweep_options(const SweepRequest& request) {
   SweepOptions options;
   options.replay.scene = request.scene;
   options.replay.overrides = request.overrides;
-  options.replay.evaluation.align = parse_alignment(request.align);
+  options.evaluation.align = parse_alignment(request.align);
   options.knobs = parse_knobs(request.knobs);
   options.tasks = request.tasks;
   options.error = request.error;

@@ -144,11 +144,12 @@ void run_sweep_cell(const std::string& folder, std::size_t cell, const VehicleRe
   SweepCellResult result;
   result.cell = planned.plan.sweep.cells[c];
   SweepWork work(planned.plan.overrides[c], planned.plan.sweep.tasks);
-  const ReplayOptions options = sweep_options(plan.request).replay;
+  const SweepOptions options = sweep_options(plan.request);
   for (std::uint32_t i = 0; i < planned.plan.sweep.repeat; ++i)
-    result.duration_s = work.replay_once(log, vehicles, options, result.cell);
+    result.duration_s = work.replay_once(log, vehicles, options.replay, options.evaluation, result.cell);
   work.take_times(result.duration_s, result.cell);
-  if (plan.request.instructions) work.count_instructions(log, options.scene, result.duration_s, result.cell);
+  if (plan.request.instructions)
+    work.count_instructions(log, options.replay.scene, result.duration_s, result.cell);
   result.map = work.map();
   write_cell(folder, cell, plan.key(cell), result);
 }

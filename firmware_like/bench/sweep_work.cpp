@@ -37,14 +37,16 @@ void SweepWork::take_outcome(const ReplayOutcome& outcome, SweepCell& cell) {
 }
 
 double SweepWork::replay_once(const LogFile& log, const VehicleRegistry& vehicles,
-                              const ReplayOptions& options, SweepCell& cell) {
+                              const ReplayOptions& options, const EvaluationOptions& judging,
+                              SweepCell& cell) {
   ReplayOptions replay_options = options;
   replay_options.overrides = overrides_;
   shortest_.begin_replay(tasks_);
   replay_options.on_job = [this](const rt::JobRecord& record, Runtime& runtime) {
     shortest_.take(record, runtime);
   };
-  const ReplayOutcome outcome = replay(log, vehicles, replay_options);
+  ReplayOutcome outcome = replay(log, vehicles, replay_options);
+  judge(outcome, judging);
   take_outcome(outcome, cell);
   return outcome.results.duration_s;
 }

@@ -23,7 +23,7 @@ class SweepWork {
   /// of the first replay. Throws as replay() does, and std::runtime_error when a later one has another
   /// digest.
   double replay_once(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options,
-                     SweepCell& cell);
+                     const EvaluationOptions& judging, SweepCell& cell);
   /// Counts the instructions of the tasks over the whole log. Throws CountRefused
   /// (firmware_like/bench/wcet.hpp).
   void count_instructions(const LogFile& log, const std::string& scene, double duration_s,

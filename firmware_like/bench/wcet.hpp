@@ -4,10 +4,10 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "firmware_like/platform_refused.hpp"
 #include "firmware_like/vehicle.hpp"
 
 namespace sortie::firmware {
@@ -42,9 +42,9 @@ struct Wcet {
 };
 
 /// Instructions cannot be counted here; commands end with exit code 4.
-class CountRefused : public std::runtime_error {
+class CountRefused : public PlatformRefused {
  public:
-  using std::runtime_error::runtime_error;
+  using PlatformRefused::PlatformRefused;
 };
 
 /// Starts this program again under callgrind and reads what it counts. Throws CountRefused (valgrind or its

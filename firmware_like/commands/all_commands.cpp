@@ -2,6 +2,7 @@
 // Every command, in the order of the help. A program with fewer defines add_commands() itself: what is not
 // named there is not linked.
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/doctor/doctor_command.hpp"
 
 namespace sortie::firmware {
 
@@ -22,7 +23,7 @@ void add_commands(Command& app, CommandContext& context) {
   add_drive(app, context);
   add_fly(app, context);
   add_scenes(app, context);
-  add_doctor(app, context);
+  add_doctor(app, context.chosen);
 }
 
 }  // namespace sortie::firmware

@@ -6,11 +6,12 @@
 
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/commands/gate.hpp"
-#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/importers/input_error.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
+#include "firmware_like/replay_verdict.hpp"
 
 namespace sortie::firmware {
 
@@ -29,15 +30,6 @@ struct CheckOptions {
   bool accept_unused{};
   OutputOptions output;
 };
-
-// What was compared, or for an imported log only run: a part is named by its ticks, the keyframe's on.
-std::string extent(const ReplayOutcome& outcome, bool has_ticks, bool is_part) {
-  const rt::Tick last = outcome.first_tick + outcome.results.ticks - 1;
-  const std::string ticks = std::to_string(last - outcome.begin_tick + 1) + " ticks";
-  const std::uint64_t jobs = has_ticks ? outcome.compared_jobs : outcome.results.counters.at("jobs");
-  return std::to_string(jobs) + " jobs in " + ticks +
-         (is_part ? " (" + std::to_string(outcome.begin_tick) + " to " + std::to_string(last) + ")" : "");
-}
 
 bool is_among(const std::string& line, const std::vector<std::string>& lines) {
   return std::find(lines.begin(), lines.end(), line) != lines.end();
@@ -64,22 +56,14 @@ int run(const CommandContext& context, const CheckOptions& options) {
   replay_options.to = options.span.to;
   replay_options.keyframes = options.span.keyframes;
   replay_options.truth = options.truth;
-  replay_options.evaluation.align = parse_alignment(options.align);
+  EvaluationOptions judging;
+  judging.align = parse_alignment(options.align);
   replay_options.progress = progress_bar(options.output, "check");
-  const ReplayOutcome outcome = replay(log, context.parts.vehicles, replay_options);
+  ReplayOutcome outcome = replay(log, context.parts.vehicles, replay_options);
+  judge(outcome, judging);
 
-  std::vector<std::string> failures = outcome.failures;
-  if (outcome.divergence) failures.push_back(describe(*outcome.divergence));
   const std::string recorded = hex(outcome.recorded.all);
-  if (log.header().has_ticks && !outcome.divergence && recorded != outcome.results.digest) {
-    failures.push_back("the digest differs from the log's although no job does: " + recorded + " in the log");
-  }
-  for (const char* name : {"samples_missing", "samples_damaged"}) {
-    if (const auto count = outcome.results.counters.at(name); count != 0) {
-      failures.push_back(std::to_string(count) + " " + name +
-                         ": the log does not hold all that its jobs consumed");
-    }
-  }
+  std::vector<std::string> failures = check_failures(log, outcome);
   if (gate) {
     for (std::string& line : gate->judge(outcome.results)) failures.push_back(std::move(line));
   }
@@ -105,8 +89,7 @@ int run(const CommandContext& context, const CheckOptions& options) {
     for (const std::string& failure : failures) std::cout << "FAILED  " << failure << "\n";
     if (failures.empty()) {
       const bool is_part = !options.span.from.empty() || !options.span.to.empty();
-      std::cout << "passed  " << extent(outcome, log.header().has_ticks, is_part) << " give digest "
-                << outcome.results.digest << (log.header().has_ticks ? ", as recorded" : "") << "\n";
+      std::cout << passed_line(log, outcome, is_part) << "\n";
     }
   }
   return finish_with_damage(context, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/commands/command_line.hpp"
-#include "firmware_like/evaluation/trajectory.hpp"
+#include "firmware_like/command_line.hpp"
+#include "firmware_like/timed_pose.hpp"
 
 namespace sortie::firmware {
 
@@ -96,7 +96,6 @@ void add_report(Command& app, CommandContext& context);
 void add_bench(Command& app, CommandContext& context);
 void add_merge(Command& app, CommandContext& context);
 void add_scenes(Command& app, CommandContext& context);
-void add_doctor(Command& app, CommandContext& context);
 void add_spy(Command& app, CommandContext& context);
 void add_set(Command& app, CommandContext& context);
 void add_drive(Command& app, CommandContext& context);

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "firmware_like/commands/commands.hpp"
-#include "firmware_like/evaluation/alignment.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/json.hpp"
 #include "firmware_like/program.hpp"
 #include "firmware_like/replay.hpp"
@@ -40,9 +40,11 @@ Side run_side(const CommandContext& context, const std::string& path, const Diff
   if (with_overrides) replay_options.overrides = options.overrides;
   if (const std::size_t index = with_overrides ? 1 : 0; options.truth.size() > index)
     replay_options.truth = options.truth[index];
-  replay_options.evaluation.align = parse_alignment(options.align);
+  EvaluationOptions judging;
+  judging.align = parse_alignment(options.align);
   replay_options.on_job = [&side](const rt::JobRecord& record, Runtime&) { side.jobs.push_back(record); };
   side.outcome = replay(log, context.parts.vehicles, replay_options);
+  judge(side.outcome, judging);
   return side;
 }
 

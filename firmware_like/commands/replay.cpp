@@ -36,7 +36,7 @@ void add_replay_report_options(Command& command, ReplayReportOptions& options) {
   add_span_options(command, options.span);
   add_alignment_option(command, options.align);
   command
-      .add_option("--calibrate-s", options.replay.evaluation.calibrate_s,
+      .add_option("--calibrate-s", options.evaluation.calibrate_s,
                   "The truth of the first seconds calibrates heading, gyro bias and wheel scale; errors are "
                   "those of the rest, in place of --align")
       ->in_range(0.0, 1e6)
@@ -51,7 +51,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   options.replay.from = options.span.from;
   options.replay.to = options.span.to;
   options.replay.keyframes = options.span.keyframes;
-  options.replay.evaluation.align = parse_alignment(options.align);
+  options.evaluation.align = parse_alignment(options.align);
   options.replay.progress = progress_bar(output, "replay");
   RayFigures figures;
   JobTimeline timeline;
@@ -62,6 +62,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
     timeline.job(record, runtime);
   };
   ReplayOutcome outcome = replay(log, context.parts.vehicles, options.replay);
+  Evaluation evaluation = judge(outcome, options.evaluation);
   ReplayedLog replayed;
   ReportInput& report = replayed.report;
   report.results = std::move(outcome.results);
@@ -75,10 +76,10 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
   if (rt::kBuilt<rt::Part::ssl>)
     report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
-  report.estimate = outcome.evaluation.pairs.estimate.empty() ? std::move(outcome.estimate)
-                                                              : std::move(outcome.evaluation.pairs.estimate);
-  report.truth = std::move(outcome.evaluation.pairs.truth);
-  report.errors = std::move(outcome.evaluation.series);
+  report.estimate =
+      evaluation.pairs.estimate.empty() ? std::move(outcome.estimate) : std::move(evaluation.pairs.estimate);
+  report.truth = std::move(evaluation.pairs.truth);
+  report.errors = std::move(evaluation.series);
   replayed.ground = plot_map(map_points(outcome.runtime->vehicle()), {});
   replayed.damage = outcome.damage;
   replayed.failures = outcome.failures;

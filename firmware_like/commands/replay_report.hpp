@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware_like/commands/commands.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/replay.hpp"
 #include "firmware_like/report/html.hpp"
 
@@ -15,6 +16,7 @@ struct ReplayReportOptions {
   std::string log;
   bool accept_damage{};
   ReplayOptions replay;
+  EvaluationOptions evaluation;
   SpanOptions span;
   std::string align{"none"};
 };

@@ -21,7 +21,8 @@ std::vector<std::vector<Sweep>> sweep_for_report(const CommandContext& context,
   sweep.replay.from = options.span.from;
   sweep.replay.to = what.to.empty() ? options.span.to : what.to;
   sweep.replay.keyframes = options.span.keyframes;
-  sweep.replay.evaluation.align = parse_alignment(options.align);
+  sweep.evaluation = options.evaluation;
+  sweep.evaluation.align = parse_alignment(options.align);
   for (const std::string& text : what.knobs) {
     sweep.knobs = parse_knobs({text});
     std::exception_ptr refusal;

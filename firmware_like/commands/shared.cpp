@@ -14,11 +14,12 @@
 #include "firmware_like/log_file.hpp"
 #include "firmware_like/profile.hpp"
 #include "firmware_like/program.hpp"
+#include "firmware_like/replay_verdict.hpp"
 #include "firmware_like/report/contact_plots.hpp"
 #include "firmware_like/report/fired_rays_plot.hpp"
 #include "firmware_like/report/html.hpp"
 #include "firmware_like/report/map_plot.hpp"
-#include "firmware_like/results.hpp"
+#include "firmware_like/results_output.hpp"
 #include "firmware_like/runtime.hpp"
 #include "rt/built_parts.hpp"
 
@@ -75,9 +76,7 @@ int finish_with_log(const CommandContext& context, const LogFile& log, bool acce
 
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code) {
-  if (damage.empty() || accept_damage) return code;
-  std::cerr << context.parts.name << ": " << damage << "; add --accept-damage if that is enough\n";
-  return 3;
+  return code_with_damage(context.parts.name, damage, accept_damage, code);
 }
 
 void add_map_plot(ReportInput& report, const Runtime& runtime, const Trajectory& path) {
@@ -116,22 +115,12 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
 }
 
 void show_failures(const OutputOptions& options, const std::vector<std::string>& failures) {
-  for (const std::string& failure : failures)
-    (options.json ? std::cerr : std::cout) << "FAILED  " << failure << "\n";
+  print_failures(failures, options.json);
 }
 
 void show_results(const OutputOptions& options, const ReportInput& report,
                   const std::vector<std::string>* judged) {
-  if (options.json) {
-    Json object = to_json(report.results);
-    if (judged != nullptr) {
-      object["passed"] = judged->empty();
-      object["failures"] = *judged;
-    }
-    std::cout << object.dump(2) << "\n";
-  } else {
-    print_table(std::cout, report.results, wants_colour(STDOUT_FILENO));
-  }
+  print_results(report.results, options.json, judged);
   if (options.out.empty()) return;
   std::filesystem::create_directories(options.out);
   write_file(options.out + "/results.json",

@@ -3,17 +3,16 @@
 
 #include "firmware_like/json.hpp"
 #include "firmware_like/log_event.hpp"
+#include "firmware_like/recorded_doctor.hpp"
 
 namespace sortie::firmware {
 namespace {
-
-constexpr const char* kKind = "doctor";
 
 void write(FlightRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
            rt::Nanoseconds run_time_ns, rt::Nanoseconds utc_minus_run_ns) {
   drivers::EventRecord event;
   event.tick = (run_time_ns - executive.epoch_ns()) / executive.base_tick_ns();
-  event.kind = kKind;
+  event.kind = kDoctorEvent;
   event.subject = report.machine;
   for (const Finding& finding : report.findings) event.value += finding.verdict == Health::bad ? 1 : 0;
   event.text = to_json(report).dump();
@@ -39,23 +38,5 @@ DoctorReport RunDoctor::finish(const rt::Executive& executive, FlightRecorder& r
 }
 
 std::string RunDoctor::warning() const { return hold_ && !hold_->result().ok ? hold_->result().reason : ""; }
-
-DoctorReport recorded_doctor(const LogFile& log) {
-  DoctorReport report;
-  report.present = true;
-  report.note = "not known: the log does not hold what the doctor said about the machine that recorded it";
-  for (const StoredEvent& stored : log.channel(std::string(drivers::kChannelEvent))) {
-    drivers::EventRecord event;
-    if (drivers::decode(stored.message, event) != Status::ok || event.kind != kKind) continue;
-    try {
-      report = doctor_from_json(Json::parse(event.text));
-      report.note =
-          "of the machine that recorded the log; the times of this replay are those of this machine";
-    } catch (const std::exception&) {
-      report.note = "not known: what the log says about the machine that recorded it is damaged";
-    }
-  }
-  return report;
-}
 
 }  // namespace sortie::firmware

@@ -8,7 +8,6 @@
 
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/flight_recorder.hpp"
-#include "firmware_like/log_file.hpp"
 #include "rt/posix/cpu_latency.hpp"
 
 namespace sortie::firmware {
@@ -35,8 +34,5 @@ class RunDoctor {
   rt::Nanoseconds utc_minus_run_ns_{};
   std::unique_ptr<rt::posix::CpuLatencyHold> hold_;
 };
-
-/// What the doctor said about the machine that recorded a log; a note instead where the log does not hold it.
-DoctorReport recorded_doctor(const LogFile& log);
 
 }  // namespace sortie::firmware

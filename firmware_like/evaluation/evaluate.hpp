@@ -49,4 +49,14 @@ struct Evaluation {
 /// Judges `estimate` by `truth`. Both are tidied first. Without a common stamp `errors` holds only ate_n = 0.
 Evaluation evaluate(Trajectory estimate, Trajectory truth, const EvaluationOptions& options = {});
 
+/// Judges what a run or a replay gave (its `estimate` by its `truth`, where both are known) and puts the
+/// errors into its `results`: neither knows how it is judged.
+template <class Outcome>
+Evaluation judge(Outcome& outcome, const EvaluationOptions& options = {}) {
+  if (outcome.truth.empty() || outcome.estimate.empty()) return {};
+  Evaluation evaluation = evaluate(outcome.estimate, outcome.truth, options);
+  outcome.results.errors = evaluation.errors;
+  return evaluation;
+}
+
 }  // namespace sortie::firmware

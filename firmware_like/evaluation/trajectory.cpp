@@ -12,20 +12,6 @@
 namespace sortie::firmware {
 namespace {
 
-bool usable(const TimedPose& pose) {
-  for (const double x : pose.p) {
-    if (!std::isfinite(x)) return false;
-  }
-  double norm = 0.0;
-  for (const double x : pose.q) norm += x * x;
-  return std::isfinite(norm) && norm > 0.25 && norm < 4.0;
-}
-
-void normalize(double (&q)[4]) {
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& x : q) x /= norm;
-}
-
 /// Spherical interpolation, linear where the arc is so short that sin(arc) would lose digits.
 void slerp(const double (&a)[4], const double (&b)[4], double u, double (&out)[4]) {
   double dot = 0.0;
@@ -40,7 +26,7 @@ void slerp(const double (&a)[4], const double (&b)[4], double u, double (&out)[4
     wb = std::sin(u * arc) / std::sin(arc);
   }
   for (int i = 0; i < 4; ++i) out[i] = wa * a[i] + sign * wb * b[i];
-  normalize(out);
+  make_unit(out);
 }
 
 /// Five median steps, at least 50 ms.
@@ -70,34 +56,6 @@ std::size_t count_within(std::span<const TimedPose> a, std::span<const TimedPose
 }
 
 }  // namespace
-
-TimedPose to_timed_pose(const rt::TruthSample& truth) {
-  TimedPose pose;
-  pose.stamp_ns = truth.stamp_ns;
-  std::copy(std::begin(truth.p_world_body_m), std::end(truth.p_world_body_m), pose.p);
-  std::copy(std::begin(truth.q_world_body), std::end(truth.q_world_body), pose.q);
-  pose.flags = truth.flags;
-  return pose;
-}
-
-TimedPose to_timed_pose(const rt::PoseEstimate& estimate) {
-  TimedPose pose;
-  pose.stamp_ns = estimate.stamp_ns;
-  std::copy(std::begin(estimate.p_world_body_m), std::end(estimate.p_world_body_m), pose.p);
-  std::copy(std::begin(estimate.q_world_body), std::end(estimate.q_world_body), pose.q);
-  return pose;
-}
-
-std::size_t tidy(Trajectory& trajectory) {
-  const std::size_t before = trajectory.size();
-  std::erase_if(trajectory, [](const TimedPose& pose) { return !usable(pose); });
-  const auto earlier = [](const TimedPose& a, const TimedPose& b) { return a.stamp_ns < b.stamp_ns; };
-  if (!std::is_sorted(trajectory.begin(), trajectory.end(), earlier)) {
-    std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
-  }
-  for (TimedPose& pose : trajectory) normalize(pose.q);
-  return before - trajectory.size();
-}
 
 bool interpolate(std::span<const TimedPose> trajectory, std::int64_t stamp_ns, std::int64_t max_gap_ns,
                  TimedPose& pose) {

@@ -1,37 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trajectories as lists of stamped poses, and the pairing of an estimate with its truth by time.
+// The pairing of an estimated trajectory with its truth by time, and reading one from a file.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "rt/samples.hpp"
+#include "firmware_like/timed_pose.hpp"
 
 namespace sortie::firmware {
-
-/// A pose of the body in a fixed frame at one time. Flags say which parts mean something (rt::TruthFlags).
-struct TimedPose {
-  std::int64_t stamp_ns{};
-  double p[3]{};            ///< m
-  double q[4]{1, 0, 0, 0};  ///< w x y z, rotates body vectors into the fixed frame
-  std::uint32_t flags{rt::kTruthPosition | rt::kTruthHeight | rt::kTruthOrientation};
-};
-
-/// Poses in ascending order of stamp.
-using Trajectory = std::vector<TimedPose>;
-
-/// The pose of a truth sample. Flags are kept as they are.
-TimedPose to_timed_pose(const rt::TruthSample& truth);
-
-/// The pose of an estimate; all parts are meant.
-TimedPose to_timed_pose(const rt::PoseEstimate& estimate);
-
-/// Sorts by stamp (stable), normalises quaternions and removes samples that are not finite or have no
-/// direction. Repeated stamps stay, as evo keeps them. Returns how many samples were removed.
-std::size_t tidy(Trajectory& trajectory);
 
 /// The pose at `stamp_ns` between two neighbours: positions linearly, orientation along the shorter arc
 /// (slerp). A flag is set if both neighbours have it. Returns false outside the span or where the neighbours

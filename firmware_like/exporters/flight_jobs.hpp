@@ -15,9 +15,6 @@ namespace sortie::firmware {
 /// marks.
 Trace to_trace(const rt::posix::FlightReader& ring);
 
-/// How the run ended, in one line: by itself, still running, or died of what, at which tick, in which task.
-std::string ending_of(const rt::posix::FlightReader& ring);
-
 /// In words: what ran, how it ended, which task it died in, the last `count` jobs of each group and the last
 /// events.
 void print_last_jobs(std::ostream& out, const rt::posix::FlightReader& ring, std::size_t count);

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <span>
 
-#include "firmware_like/evaluation/trajectory.hpp"
+#include "firmware_like/timed_pose.hpp"
 
 namespace sortie::firmware {
 

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "drivers/candump.hpp"
+#include "firmware_like/evaluation/trajectory.hpp"
 #include "firmware_like/exporters/candump.hpp"
 #include "firmware_like/exporters/chrome_trace.hpp"
 #include "firmware_like/exporters/csv.hpp"

@@ -14,6 +14,7 @@
 #include "firmware_like/doctor/run_doctor.hpp"
 #include "firmware_like/exporters/flight_jobs.hpp"
 #include "firmware_like/json.hpp"
+#include "firmware_like/recorded_doctor.hpp"
 #include "firmware_like/releases.hpp"
 #include "firmware_like/run_flight_ring.hpp"
 #include "rt/posix/flight_reader.hpp"

@@ -15,6 +15,7 @@
 #include "drivers/lcm_log.hpp"
 #include "drivers/lcm_url.hpp"
 #include "firmware_like/commands/bench_ugv.hpp"
+#include "firmware_like/evaluation/evaluate.hpp"
 #include "firmware_like/heap_watch.hpp"
 #include "firmware_like/live_run.hpp"
 #include "firmware_like/replay.hpp"
@@ -111,6 +112,12 @@ inline const RecordedHall& two_seconds() {
 
 inline std::uint64_t counter(const firmware::ReplayOutcome& outcome, const std::string& name) {
   return outcome.results.counters.at(name);
+}
+
+/// Errors of a run or a replay against its truth.
+template <class Outcome>
+std::map<std::string, double> errors_of(const Outcome& outcome) {
+  return firmware::evaluate(outcome.estimate, outcome.truth).errors;
 }
 
 /// What a replay has to complain of, over however much of the log is left; empty when nothing.

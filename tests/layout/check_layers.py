@@ -29,7 +29,7 @@ OUTSIDE = [
     ("Eigen", r"(unsupported/)?Eigen/", {"estimators", "mapping", "planner", "hil", "firmware_like", "firmware_like/commands"}),
     ("LCM", r"lcm/", {"drivers"}),
     ("sockets", r"(sys/socket|sys/un|arpa/|netinet/|netdb|net/|linux/can|linux/if)", {"drivers"}),
-    ("CLI11", r"CLI/", {"firmware_like/commands/command_line.cpp"}),
+    ("CLI11", r"CLI/", {"firmware_like/command_line.cpp"}),
     ("toml++", r"toml(\+\+|\.hpp)", {"firmware_like/toml_file.cpp"}),
     ("JSON", r"nlohmann/", {"firmware_like/json_text.cpp"}),
     ("libccd", r"ccd/", {"rt/convex"}),

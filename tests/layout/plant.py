@@ -17,7 +17,7 @@ CLEAN = {
     "estimators/filter.hpp": '// A filter.\n#pragma once\n#include "rt/base.hpp"\n',
     "drivers/bus.cpp": "// A bus.\n#include <sys/socket.h>\n",
     "firmware_like/vehicles/ugv.cpp": '// A vehicle.\n#include "estimators/filter.hpp"\n',
-    "firmware_like/commands/command_line.cpp": "// Options.\n#include <CLI/CLI.hpp>\n",
+    "firmware_like/command_line.cpp": "// Options.\n#include <CLI/CLI.hpp>\n",
     "firmware_like/toml_file.cpp": "// Scenes.\n#include <toml++/toml.h>\n",
 }
 

@@ -33,7 +33,10 @@ struct LiveHall {
     options.record = log;
     options.lcm_url = "none";
     run = run_live(own_vehicles(), make_own_bench, options);
-    checked = replay_log(log).results;
+    judge(run);
+    ReplayOutcome replayed = replay_log(log);
+    judge(replayed);
+    checked = std::move(replayed.results);
     set_heap_watch({});
   }
   TempFolder folder;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/doctor/doctor_command.hpp"
+
 #include <unistd.h>
 
 #include <chrono>
@@ -6,7 +8,6 @@
 #include <memory>
 #include <thread>
 
-#include "firmware_like/commands/commands.hpp"
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/doctor/doctor_table.hpp"
 #include "firmware_like/json.hpp"
@@ -36,7 +37,7 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_doctor(Command& app, CommandContext& context) {
+void add_doctor(Command& app, std::function<int()>& chosen) {
   auto options = std::make_shared<Options>();
   Command* command =
       app.add_subcommand("doctor", "Is this board set up for real time? Each finding with its cure");
@@ -58,7 +59,7 @@ void add_doctor(Command& app, CommandContext& context) {
       ->type_name("DIR")
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([&context, options] { context.chosen = [options] { return run(*options); }; });
+  command->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
 }
 
 }  // namespace sortie::firmware

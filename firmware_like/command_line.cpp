@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The one file that sees CLI11.
-#include "firmware_like/commands/command_line.hpp"
+#include "firmware_like/command_line.hpp"
 
 #include <CLI/CLI.hpp>
 #include <utility>

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program that a robot carries, built for one scene: its vehicle, no simulated robot, and a heap trap
+// that watches the tasks.
+#include "firmware_like/command_program.hpp"
+#include "firmware_like/heap_watch.hpp"
+#include "firmware_like/robot_commands.hpp"
+#include "firmware_like/vehicles/registry.hpp"
+#include "rt/posix/heap_trap.hpp"
+
+int main(int argc, char** argv) {
+  namespace firmware = sortie::firmware;
+  if (sortie::rt::posix::kHeapTrapAvailable) {
+    firmware::set_heap_watch(
+        {[](bool on) { on ? sortie::rt::posix::heap_trap_arm() : sortie::rt::posix::heap_trap_disarm(); },
+         [] { return sortie::rt::posix::heap_trap_calls(); }});
+  }
+  const firmware::VehicleRegistry vehicles = firmware::own_vehicles();
+  return firmware::run_commands(argc, argv, "sortie",
+                                [&vehicles](firmware::Command& root, std::function<int()>& chosen) {
+                                  firmware::add_robot_commands(root, vehicles, chosen);
+                                });
+}
