@@ -268,7 +268,8 @@ std::string FlightRecorder::error() const {
   if (lost_jobs() + lost_samples() != 0) {
     return "the log has gaps: " + std::to_string(lost_jobs()) + " jobs and " +
            std::to_string(lost_samples()) +
-           " samples were lost before the disk took them, or are larger than an event of a log may be; use a faster disk, or leave out --record-fields";
+           " samples were lost before the disk took them, or are larger than an event of a log may be; use a "
+           "faster disk, or leave out --record-fields";
   }
   return {};
 }

@@ -160,7 +160,8 @@ void LiveSession::open_telemetry() {
   if (telemetry_ && !telemetry_->problem().empty()) warnings_.push_back(telemetry_->problem());
   if (!telemetry_ && parameters_->network() != nullptr)
     warnings_.push_back(
-        "requests are taken, but nobody can hear which run this is, and so make one; cure: live.telemetry=true");
+        "requests are taken, but nobody can hear which run this is, and so make one; cure: "
+        "live.telemetry=true");
   warnings_.insert(warnings_.end(), ring_->warnings().begin(), ring_->warnings().end());
   if (!doctor_.warning().empty()) warnings_.push_back(doctor_.warning());
   if (const std::string tight = unit_warning(booted_.trial); !tight.empty()) warnings_.push_back(tight);

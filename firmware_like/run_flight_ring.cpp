@@ -19,7 +19,7 @@ namespace sortie::firmware {
 namespace {
 
 constexpr std::size_t kMostKept = 4;
-const char* const kThreads[] = {"devices", "bench", "recorder"};
+const char* const kThreads[] = {"devices", "bench"};
 
 /// A folder in memory that this user may write to, or nothing.
 std::string memory_folder() {

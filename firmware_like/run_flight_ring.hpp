@@ -40,7 +40,7 @@ class RunFlightRing {
   rt::JobSink before(rt::JobSink next);
   /// Notes something in words. Not for real-time threads.
   void event(rt::Nanoseconds time_ns, rt::Tick tick, std::string_view text);
-  /// Keeps the calling thread's spans on the track "devices", "bench" or "recorder"; other names have none.
+  /// Keeps the calling thread's spans on the track "devices" or "bench"; other names have none.
   void adopt_thread(std::string_view name);
   /// The run has ended by itself.
   void finish(rt::Nanoseconds time_ns);

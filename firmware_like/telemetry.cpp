@@ -109,8 +109,9 @@ void Telemetry::read_answers() {
 
 // What those who command want to hear of the task that obeys: all of it would be too long for one datagram.
 void Telemetry::note_state(const rt::TaskBase& task, const std::vector<drivers::NamedValue>& values) {
-  static constexpr std::string_view kTold[] = {
-      "source", "stop", "speed_m_s", "turn_rad_s", "step", "remote", "reached", "setpoint_m[0]", "setpoint_m[1]", "setpoint_m[2]", "error_m"};
+  static constexpr std::string_view kTold[] = {"source",        "stop",          "speed_m_s", "turn_rad_s",
+                                               "step",          "remote",        "reached",   "setpoint_m[0]",
+                                               "setpoint_m[1]", "setpoint_m[2]", "error_m"};
   for (drivers::AnswersMessage& message : answers_) {
     if (message.task != task.name()) continue;
     for (const drivers::NamedValue& value : values) {

@@ -53,8 +53,8 @@ class BasicJobLedger {
   /// here. A job whose word has been reused is missed as well (the reader came more than a ring too late).
   Verdict decide(std::uint64_t job) {
     Atomic<std::uint32_t>& word = at(job);
-    std::uint32_t seen = word.load(std::memory_order_acquire);
     while (true) {
+      std::uint32_t seen = word.load(std::memory_order_acquire);
       if (is_job(seen, job)) {
         const auto verdict = static_cast<Verdict>(seen & 3u);
         if (verdict != Verdict::pending) return verdict;
@@ -62,7 +62,7 @@ class BasicJobLedger {
         return Verdict::missed;
       }
       if (word.compare_exchange_weak(seen, pack(job, Verdict::missed), std::memory_order_relaxed,
-                                     std::memory_order_acquire))
+                                     std::memory_order_relaxed))
         return Verdict::missed;
     }
   }

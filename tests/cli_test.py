@@ -176,12 +176,6 @@ check([part["part"] for part in cost["without"] if "+" in part["part"]] == ["att
 check(all(part["saves_bytes"] == cost["whole"]["bytes"] - part["bytes"] for part in cost["without"]), "bytes do not add up")
 table = expect(0, "scenes", "--cost", "ugv_hall", "--seconds", "1", "--runs", "1", *small).stdout
 check(all(str(part["bytes"]) in table for part in cost["without"] if "bytes" in part), "table and JSON of costs differ")
-expect(0, "run", "--scene", "ugv_hall", "--virtual", "--seconds", "1", "--lcm-url", "none", "--quiet", "--record", "advice.lcm", *small)
-advice = parsed(expect(0, "scenes", "--advise", "advice.lcm", "--json"))
-verdicts = {part["part"]: part["verdict"] for part in advice["parts"]}
-check(verdicts["segment_lists"] == "never mattered" and verdicts["drive"] == "not judged", f"advice on a hall says {verdicts}")
-expect(2, "scenes", "ugv_hall", "ugv_ssl", "--advise", "advice.lcm", says=["name one at most"], only_line=True)
-expect(3, "scenes", "--advise", "nothing.lcm", says=["nothing.lcm"])
 hall = expect(0, "scenes", "ugv_hall")
 check("schedulable" in hall.stdout and "imu_to_drive" in hall.stdout, "scenes NAME shows no table", hall)
 expect(0, "replay", "hall.lcm", "--out", "out")

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every part's benchmark one after another, into one folder with one page; and two such folders beside each
-// other.
+// Every part's benchmark one after another, into one folder with one page.
 #pragma once
 
 #include <functional>
@@ -39,19 +38,5 @@ Json run_bench_all(const BenchAllOptions& options);
 
 /// The page of a folder, Markdown: machine, load, goals met and missed of each part with links.
 std::string bench_all_page(const Json& index, const std::string& command);
-
-/// Two runs beside each other. Figures that are no times must be equal to the bit: all of those whose unit is
-/// no time (is_timed_figure()). Ratios to a peer must have ranges that overlap.
-struct BenchComparison {
-  std::size_t exact{};     ///< figures that must be equal, found in both
-  std::size_t ratios{};    ///< ratios with a range, found in both
-  std::size_t unjudged{};  ///< times without a peer, ratios without a range, figures of one run only
-  std::vector<std::string> changed;  ///< figures that are not equal: part, group, figure, before, now
-  std::vector<std::string> outside;  ///< ratios whose ranges do not meet
-  std::vector<std::string> missing;  ///< parts that one of the two has not
-};
-
-/// Compares every part of two folders of `bench all`. Throws InputError where one is not such a folder.
-BenchComparison compare_bench(const std::string& before, const std::string& now);
 
 }  // namespace sortie::firmware

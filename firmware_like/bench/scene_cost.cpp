@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "firmware_like/bench/part_sizes.hpp"
 #include "firmware_like/bench/temporary_log.hpp"
 #include "firmware_like/bench/wcet.hpp"
 #include "firmware_like/evaluation/evaluate.hpp"
@@ -50,7 +49,6 @@ class Measurement {
     if (simulated && options_.live_s > 0) measure_outlets(costs);
     ticks_ = &costs.ticks;
     costs.whole = replays({});
-    costs.whole.program_bytes = program_bytes(costs.scene, "");
     const auto parts = parts_of(profile);
     for (const ScenePart* part : parts) {
       const auto gone = with_dependants(*part, parts);
@@ -71,7 +69,6 @@ class Measurement {
           line.cost = replays(without);
           if (simulated) drive_without(without, line.cost);
         }
-        line.cost.program_bytes = program_bytes(costs.scene, line.part);
       } catch (const ProfileError& error) {
         line.refused = error.what();
       }

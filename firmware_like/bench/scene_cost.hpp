@@ -27,8 +27,7 @@ struct SceneCostOptions {
 
 /// One variant of the scene.
 struct SceneCost {
-  std::uint64_t bytes{};          ///< of the runtime's block, of recorder and telemetry
-  std::uint64_t program_bytes{};  ///< of the program of this scene alone; 0: nobody built it
+  std::uint64_t bytes{};  ///< of the runtime's block, of recorder and telemetry
   /// All tasks' own time over all ticks, median of the runs; with a live drive also the processor time of
   /// the threads of recorder and telemetry.
   double us_per_tick{};

@@ -14,7 +14,6 @@ Json to_json(const SceneCost& cost) {
               {"us_per_tick", cost.us_per_tick},
               {"us_per_tick_least", cost.least_us},
               {"us_per_tick_most", cost.most_us}};
-  if (cost.program_bytes > 0) object["program_bytes"] = cost.program_bytes;
   if (cost.instructions_per_tick > 0) object["instructions_per_tick"] = cost.instructions_per_tick;
   object["errors"] = cost.errors;
   if (!cost.driven.empty()) {
@@ -42,11 +41,11 @@ std::string cost_error(const std::map<std::string, double>& errors, const char* 
 
 // The first column is as wide as the longest name.
 std::string cost_row(std::size_t wide, const std::string& name, const std::string& bytes,
-                     const std::string& program, const std::string& time, const std::string& instructions,
-                     const std::string& error, const std::string& driven, const std::string& end) {
+                     const std::string& time, const std::string& instructions, const std::string& error,
+                     const std::string& driven, const std::string& end) {
   char text[256];
-  std::snprintf(text, sizeof(text), "%12s %10s %10s %12s %10s %10s %9s\n", bytes.c_str(), program.c_str(),
-                time.c_str(), instructions.c_str(), error.c_str(), driven.c_str(), end.c_str());
+  std::snprintf(text, sizeof(text), "%12s %10s %12s %10s %10s %9s\n", bytes.c_str(), time.c_str(),
+                instructions.c_str(), error.c_str(), driven.c_str(), end.c_str());
   return name + std::string(wide - std::min(wide, name.size()) + 1, ' ') + text;
 }
 
@@ -89,11 +88,9 @@ std::string scene_cost_table(const SceneCosts& costs) {
   std::string text = costs.scene + ", " + std::to_string(costs.ticks) + " ticks, " + costs.machine + "\n";
   std::size_t wide = 9;  // (nothing)
   for (const PartCost& part : costs.without) wide = std::max(wide, part.part.size());
-  text +=
-      cost_row(wide, "without", "bytes", "program", "us/tick", "instr/tick", "error", "driven", "ends off");
+  text += cost_row(wide, "without", "bytes", "us/tick", "instr/tick", "error", "driven", "ends off");
   const auto line = [&](const std::string& name, const SceneCost& cost, bool is_whole, bool has_time) {
     text += cost_row(wide, name, std::to_string(cost.bytes),
-                     cost.program_bytes > 0 ? std::to_string(cost.program_bytes) : "-",
                      has_time ? cost_figure("%.3f", cost.us_per_tick) : "-",
                      counted ? cost_figure("%.1f", cost.instructions_per_tick) : "-",
                      cost_error(cost.errors, judge), cost_error(cost.driven, judge),
@@ -108,8 +105,6 @@ std::string scene_cost_table(const SceneCosts& costs) {
   }
   text += "error: " + std::string(judge) +
           " of the same inputs replayed; driven: of a simulated drive of its own\n";
-  if (costs.whole.program_bytes > 0)
-    text += "program: of -DSORTIE_SCENE, x86-64, as built when this program was released\n";
   if (costs.has_live) {
     text += "us/tick holds what recorder and telemetry took in a live drive: " +
             cost_figure("%.3f", costs.recorder_us) + " and " + cost_figure("%.3f", costs.telemetry_us) + "\n";

@@ -93,7 +93,8 @@ bool is_done(const RequestClient& client, const std::string& what, std::int64_t 
   if (!client.is_admitted(first) || !client.has_state()) return false;
   if (what == "halt") return is_halted(client) && words_of(client).stands();
   if (is_halted(client)) return false;
-  return what == "release" || words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::remote);
+  return what == "release" ||
+         words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::remote);
 }
 
 // Repeats a request until `enough(first)`, at most so long; `first`: counter of the first of them. Returns

@@ -74,9 +74,8 @@ void RequestClient::note(std::span<const std::uint8_t> payload, Search& search) 
     // Recordings of former runs must not keep the present one out: the oldest makes room.
     if (search.robots.size() >= kMostRobots && search.robots.count(said.session) == 0)
       search.robots.erase(
-          std::min_element(search.robots.begin(), search.robots.end(), [](const auto& a, const auto& b) {
-            return a.second.utime < b.second.utime;
-          }));
+          std::min_element(search.robots.begin(), search.robots.end(),
+                           [](const auto& a, const auto& b) { return a.second.utime < b.second.utime; }));
     drivers::AnswersMessage& known = search.robots[said.session];
     if (known.utime <= said.utime) known = std::move(said);
   }

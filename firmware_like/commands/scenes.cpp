@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "drivers/lcm_url.hpp"
-#include "firmware_like/bench/scene_advice.hpp"
 #include "firmware_like/bench/scene_cost.hpp"
 #include "firmware_like/commands/commands.hpp"
 #include "firmware_like/json.hpp"
@@ -175,7 +174,6 @@ int show_memory(const CommandContext& context, const std::string& scene, bool js
 
 struct CostLine {
   SceneCostOptions cost;
-  std::string log;  ///< to advise on
   bool asked{};
 };
 
@@ -203,30 +201,14 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
   return 0;
 }
 
-int show_advice(const CommandContext& context, const std::vector<std::string>& scenes, const CostLine& line,
-                bool json) {
-  if (scenes.size() > 1) throw ProfileError("--advise replays one log with one scene; name one at most");
-  ReplayOptions options;
-  if (!scenes.empty()) options.scene = scenes.front();
-  options.overrides = line.cost.overrides;
-  const Advice advice = advise(LogFile(line.log), context.parts.vehicles, options);
-  std::cout << (json ? to_json(advice).dump(2) + "\n" : advice_text(advice));
-  return 0;
-}
-
 // What runs scenes with parts left out, where there are all parts to leave out.
 void add_costs(Command& command, CostLine& line) {
   command.add_flag(
       "--cost", line.asked,
       "Run each scene with one part left out at a time: what that saves, and what it costs in error");
-  command
-      .add_option("--advise", line.log,
-                  "Which parts of this log's scene never mattered, and which would have")
-      ->type_name("LOG");
   command.add_option("--log", line.cost.log, "With --cost: over this recorded log, not a simulated drive")
       ->type_name("LOG");
-  command.add_option("--set", line.cost.overrides, "With --cost or --advise: key=value of the whole scene")
-      ->take_all();
+  command.add_option("--set", line.cost.overrides, "With --cost: key=value of the whole scene")->take_all();
   command.add_option("--seconds", line.cost.seconds, "With --cost: length of the simulated drive")
       ->in_range(0.1, 1e5)
       ->capture_default_str();
@@ -262,8 +244,7 @@ void add_scenes(Command& app, CommandContext& context) {
       "  sortie scenes --keys ugv_hall\n"
       "  sortie scenes --memory ugv_hall\n"
       "  sortie scenes --cost ugv_stairs --seconds 20\n"
-      "  sortie scenes --cost imu_bench --log slow.lcm --json\n"
-      "  sortie scenes --advise stairs.lcm");
+      "  sortie scenes --cost imu_bench --log slow.lcm --json");
   command->add_option("scenes", options->scenes,
                       "These scenes or .toml files only, each with its groups, their worst responses, its "
                       "chains and its bus");
@@ -280,8 +261,6 @@ void add_scenes(Command& app, CommandContext& context) {
     context.chosen = [&context, options] {
       if (kHasAll && options->cost.asked)
         return show_costs(context, options->scenes, options->cost, options->json);
-      if (kHasAll && !options->cost.log.empty())
-        return show_advice(context, options->scenes, options->cost, options->json);
       if (!options->keys.empty()) return show_keys(context, options->keys, options->json);
       if (!options->memory.empty()) return show_memory(context, options->memory, options->json);
       const bool named = !options->scenes.empty();

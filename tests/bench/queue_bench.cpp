@@ -9,7 +9,6 @@
 #include <memory>
 #include <mutex>
 
-#include "rt/latest_value.hpp"
 #include "rt/mailbox.hpp"
 #include "rt/overwrite_ring.hpp"
 #include "rt/samples.hpp"
@@ -164,19 +163,6 @@ void overwriting_deque(benchmark::State& state) {
 }
 BENCHMARK(overwriting_deque)->Name("ring_overwriting/std::mutex + std::deque");
 
-void latest_value_sortie(benchmark::State& state) {
-  auto box = std::make_unique<sortie::rt::LatestValue<PoseEstimate, 4>>();
-  auto* const reader = box->reader(0);
-  PoseEstimate pose{};
-  for (auto _ : state) {
-    pose.stamp_ns += 1;
-    box->write(pose);
-    benchmark::DoNotOptimize(reader->read(pose));
-    benchmark::ClobberMemory();
-  }
-}
-BENCHMARK(latest_value_sortie)->Name("latest_pose/sortie");
-
 void mailbox_sortie(benchmark::State& state) {
   sortie::rt::Mailbox<PoseEstimate> mailbox;
   PoseEstimate pose{};
@@ -187,6 +173,6 @@ void mailbox_sortie(benchmark::State& state) {
     benchmark::ClobberMemory();
   }
 }
-BENCHMARK(mailbox_sortie)->Name("latest_pose/sortie::rt::Mailbox, 1 reader");
+BENCHMARK(mailbox_sortie)->Name("latest_pose/sortie");
 
 }  // namespace

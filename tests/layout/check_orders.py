@@ -17,7 +17,6 @@ FLAG = ""  # a flag before plain data, or one word by itself: the thread sanitiz
 PROVEN = {
     "rt/spsc_protocol.hpp": RING,
     "rt/mailbox.hpp": RING,
-    "rt/latest_value.hpp": "tests/rt/queue_latest_model_test.cpp",
     "rt/overwrite_ring.hpp": OVERWRITE,
     "rt/atomic_words.hpp": OVERWRITE,
     "rt/ledger.hpp": LEDGER,

@@ -126,8 +126,7 @@ TEST_CASE("one verdict is obeyed in any interleaving, and each memory order of t
   CHECK(plants.as_it_is.executions > 100);
   CHECK(plants.as_it_is.failures == 0);
   CHECK(plants.missed == Names{});
-  CHECK(plants.caught == Names{"decide: compare_exchange failure acquire", "decide: load acquire",
-                               "finish: compare_exchange release"});
+  CHECK(plants.caught == Names{"decide: load acquire", "finish: compare_exchange release"});
 }
 
 TEST_CASE("a value is that of the job that was asked for, whole, or none, in any interleaving of two jobs",
@@ -146,9 +145,9 @@ TEST_CASE("each memory order of a channel is needed, and its loss is caught", "[
   CHECK(plants.as_it_is.executions > 10'000);
   CHECK(plants.as_it_is.failures == 0);
   CHECK(plants.missed == Names{});
-  CHECK(plants.caught == Names{"decide: compare_exchange failure acquire", "decide: load acquire",
-                               "finish: compare_exchange release", "load_words: load acquire",
-                               "read: load acquire", "store_words: store release", "write: store release"});
+  CHECK(plants.caught == Names{"decide: load acquire", "finish: compare_exchange release",
+                               "load_words: load acquire", "read: load acquire", "store_words: store release",
+                               "write: store release"});
 }
 
 }  // namespace sortie::rt::test

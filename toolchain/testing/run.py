@@ -86,36 +86,43 @@ def processor_seconds():
 
 
 class Builds:
-    """The builds of a stage, in a thread: they go on while the tests of the stage before wait for their clocks."""
+    """The builds of stages, one after the other in a thread: they go on while the tests of stages before wait for their clocks."""
 
-    def __init__(self, stage):
-        self.faults = {preset: "its build ended early" for preset, _, _ in stage.builds}
-        self.thread = threading.Thread(target=self.run, args=(stage,), daemon=True)
+    def __init__(self, stages):
+        self.faults = {preset: "its build ended early" for stage in stages for preset, _, _ in stage.builds}
+        self.built = {stage.name: threading.Event() for stage in stages}
+        self.thread = threading.Thread(target=self.run, args=(stages,), daemon=True)
         self.thread.start()
 
-    def run(self, stage):
-        for preset, definitions, targets in stage.builds:
-            say(f"{stage.name}: building {preset}")
-            try:
-                self.faults[preset] = build(preset, definitions, targets)
-            except OSError as error:
-                self.faults[preset] = f"building {preset}: {error}"
+    def run(self, stages):
+        try:
+            for stage in stages:
+                for preset, definitions, targets in stage.builds:
+                    say(f"{stage.name}: building {preset}")
+                    try:
+                        self.faults[preset] = build(preset, definitions, targets)
+                    except OSError as error:
+                        self.faults[preset] = f"building {preset}: {error}"
+                self.built[stage.name].set()
+        finally:
+            for built in self.built.values():
+                built.set()
 
-    def wait(self):
-        """What went wrong, by preset."""
-        self.thread.join()
-        return {preset: fault for preset, fault in self.faults.items() if fault}
+    def wait(self, stage):
+        """What went wrong with a stage's builds, by preset."""
+        self.built[stage.name].wait()
+        return {preset: self.faults[preset] for preset, _, _ in stage.builds if self.faults[preset]}
 
 
 BROKEN = set()  # presets that did not build
 
 
 def run_stage(stage, builds=None, then=None):
-    """(name, seconds, tests, processor share) of a stage. `builds` are under way already; `then` is called where its tests begin."""
+    """(name, seconds, tests, processor share) of a stage. `builds` may be under way already; `then` is called where its tests begin."""
     begin, used = time.monotonic(), processor_seconds()
     tests = [results.Test(f"{stage.name}: tests of {preset}", "failed", 0, "not run: it did not build")
              for preset, _ in stage.tests if preset in BROKEN]
-    for preset, fault in (builds or Builds(stage)).wait().items():
+    for preset, fault in (builds or Builds([stage])).wait(stage).items():
         BROKEN.add(preset)
         tests.append(results.Test(f"{stage.name}: build of {preset}", "failed", 0, fault))
     if then and (stage.tests or stage.commands):
@@ -211,18 +218,19 @@ def main():
             print(f"toolchain/test: no stage '{unknown[0]}'; stages: {', '.join(stage.name for stage in STAGES)}", file=sys.stderr)
             return 2
         wanted = [stage for stage in STAGES if any(stage.name == name or stage.name.startswith(name + " ") for name in names)]
-    state, rows, ahead = State(), [], {}
-    for stage, following in zip(wanted, [*wanted[1:], None]):
-        def begin_next(stage=stage, following=following):
-            passed = options.resume and following and state.passed(following.name)
-            if following and following.builds and not passed and not stage.long and not following.long:
-                ahead[following.name] = Builds(following)
+    state, rows, ahead = State(), [], None
+    # The long stages build some presets again, differently.
+    early = [stage for stage in wanted[1:] if not stage.long and not (options.resume and state.passed(stage.name))]
+    for stage in wanted:
+        def begin_early():
+            nonlocal ahead
+            ahead = ahead or Builds(early)
 
         row = state.passed(stage.name) if options.resume else None
         if row:
             say(f"{stage.name}: has passed")
         else:
-            row = run_stage(stage, ahead.get(stage.name), begin_next)
+            row = run_stage(stage, ahead if stage in early else None, begin_early)
             if good(row):
                 state.keep(row)
         rows.append(row)

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise floor's numbers hang together, and the stack meter tells how deep a thread has been.
+// The stack meter tells how deep a thread has been.
 #include <catch2/catch.hpp>
 #include <memory>
 #include <string>
 #include <thread>
 
-#include "rt/posix/clock.hpp"
-#include "rt/posix/spin_detector.hpp"
 #include "rt/posix/stack_meter.hpp"
 
 namespace sortie::rt::posix {
@@ -23,28 +21,6 @@ constexpr std::size_t kKiB = 1024;
 }
 
 }  // namespace
-
-TEST_CASE("a spin lasts as long as asked and its gaps are part of it") {
-  const auto noise = std::make_unique<SpinNoise>();
-  spin_and_watch(20 * kNanosecondsPerMillisecond, *noise);
-  CHECK(noise->spun_ns >= 20 * kNanosecondsPerMillisecond);
-  CHECK(noise->lost_ns <= noise->spun_ns);
-  CHECK(noise->uncharged_ns <= noise->spun_ns);
-  CHECK(noise->lost_ns == static_cast<Nanoseconds>(noise->gaps.sum()));
-  CHECK((noise->gaps.count() == 0 || noise->gaps.min() > static_cast<std::uint64_t>(kSpinGapNs)));
-  CHECK(noise->rate_hz() >= 0.0);
-  CHECK(noise->lost_share() <= 1.0);
-  const Nanoseconds first = noise->spun_ns;
-  spin_and_watch(kNanosecondsPerMillisecond, *noise);
-  CHECK(noise->spun_ns >= first + kNanosecondsPerMillisecond);
-}
-
-TEST_CASE("every step of a spin counts as a gap when the limit is nothing") {
-  const auto noise = std::make_unique<SpinNoise>();
-  spin_and_watch(kNanosecondsPerMillisecond, *noise, 0);
-  CHECK(noise->gaps.count() > 10);
-  CHECK(noise->lost_ns == noise->spun_ns);
-}
 
 TEST_CASE("the stack meter tells the depth to a kilobyte and forgets nothing") {
   std::size_t shallow = 0;
