@@ -36,25 +36,12 @@ class JsonReader {
     if (const Json* json = find(key))
       value = check(json->is_number_unsigned(), key, *json, "a count").get<std::uint64_t>();
   }
-  void read(const char* key, int& value) const {
-    if (const Json* json = find(key))
-      value = check(json->is_number_integer(), key, *json, "a whole number").get<int>();
-  }
-  void read(const char* key, bool& value) const {
-    if (const Json* json = find(key))
-      value = check(json->is_boolean(), key, *json, "true or false").get<bool>();
-  }
   /// Calls `each(entry)` for the entries of a list.
   template <class Each>
   void list(const char* key, Each each) const {
     if (const Json* json = find(key)) {
       for (const Json& entry : check(json->is_array(), key, *json, "a list")) each(entry);
     }
-  }
-  void read(const char* key, std::vector<std::string>& values) const {
-    list(key, [&](const Json& text) {
-      values.push_back(check(text.is_string(), key, text, "a list of texts").get<std::string>());
-    });
   }
   double figure(const char* key, const Json& json) const {
     if (json.is_null()) return std::numeric_limits<double>::quiet_NaN();

@@ -59,72 +59,6 @@ Json to_json(const GroupResult& group) {
   return object;
 }
 
-void read_bars(const JsonReader& in, const char* key, std::vector<HistogramBar>& histogram) {
-  const Json* bars = in.find(key);
-  if (bars == nullptr) return;
-  for (const Json& bar : in.check(bars->is_array(), key, *bars, "a list")) {
-    in.check(bar.is_array() && bar.size() == 3 && bar[2].is_number_unsigned(), key, bar, "[from, to, count]");
-    histogram.push_back({in.figure(key, bar[0]), in.figure(key, bar[1]), bar[2].get<std::uint64_t>()});
-  }
-}
-
-TaskResult task_from(const Json& object, const std::string& place) {
-  const JsonReader in(object, place);
-  TaskResult task;
-  in.read("name", task.name);
-  in.read("group", task.group);
-  in.read("period_us", task.period_us);
-  in.read("budget_us", task.budget_us);
-  in.read("count", task.count);
-  in.read("missed", task.missed);
-  in.read("p50_us", task.p50_us);
-  in.read("p99_us", task.p99_us);
-  in.read("p999_us", task.p999_us);
-  in.read("max_us", task.max_us);
-  in.read("digest", task.digest);
-  read_bars(in, "histogram", task.histogram);
-  return task;
-}
-
-GroupResult group_from(const Json& object, const std::string& place) {
-  const JsonReader in(object, place);
-  GroupResult group;
-  in.read("name", group.name);
-  in.read("period_us", group.period_us);
-  in.read("phase_us", group.phase_us);
-  in.read("deadline_us", group.deadline_us);
-  in.read("core", group.core);
-  in.read("jobs", group.jobs);
-  in.read("missed", group.missed);
-  in.read("skipped", group.skipped);
-  in.read("worst_in_row", group.worst_in_row);
-  in.read("promises_broken", group.promises_broken);
-  in.read("late_p50_us", group.late_p50_us);
-  in.read("late_p99_us", group.late_p99_us);
-  in.read("late_p999_us", group.late_p999_us);
-  in.read("late_max_us", group.late_max_us);
-  in.read("response_max_us", group.response_max_us);
-  group.wake_known = in.find("spinning") != nullptr;
-  in.read("spinning", group.spinning);
-  in.read("margin_us", group.margin_us);
-  in.read("stack_bytes", group.stack_bytes);
-  if (const Json* delays = in.find("delays")) group.delays = delays_from_json(*delays, place + "delays: ");
-  read_bars(in, "lateness", group.lateness);
-  read_bars(in, "response", group.response);
-  return group;
-}
-
-PoolResult pool_from(const Json& object, const std::string& place) {
-  const JsonReader in(object, place);
-  PoolResult pool;
-  in.read("name", pool.name);
-  in.read("capacity", pool.capacity);
-  in.read("high_water", pool.high_water);
-  in.read("refused", pool.refused);
-  in.read("bytes", pool.bytes);
-  return pool;
-}
-
 }  // namespace
 
 Json to_json(const Results& results) {
@@ -167,54 +101,6 @@ Json to_json(const Results& results) {
   object["live"] = to_json(results.live);
   if (results.doctor.present) object["doctor"] = to_json(results.doctor);
   return object;
-}
-
-Results results_from_json(const Json& object) {
-  const JsonReader in(object, "results: ");
-  Results results;
-  in.read("digest", results.digest);
-  in.read("ticks", results.ticks);
-  in.read("scene", results.scene);
-  in.read("vehicle", results.vehicle);
-  in.read("duration_s", results.duration_s);
-  in.read("speed", results.speed);
-  in.read("machine", results.machine);
-  in.read("compiler", results.compiler);
-  if (const Json* errors = in.find("errors")) {
-    for (const auto& [name, value] : in.check(errors->is_object(), "errors", *errors, "an object").items()) {
-      results.errors[name] = in.figure(name.c_str(), value);
-    }
-  }
-  if (const Json* tasks = in.find("tasks")) {
-    for (const Json& task : in.check(tasks->is_array(), "tasks", *tasks, "a list")) {
-      results.tasks.push_back(task_from(task, "results: tasks: "));
-    }
-  }
-  if (const Json* groups = in.find("groups")) {
-    for (const Json& group : in.check(groups->is_array(), "groups", *groups, "a list")) {
-      results.groups.push_back(group_from(group, "results: groups: "));
-    }
-  }
-  if (const Json* schedule = in.find("schedule")) results.schedule = schedule_from_json(*schedule);
-  in.list("chains", [&results](const Json& chain) { results.chains.push_back(chain_from_json(chain)); });
-  if (const Json* pools = in.find("pools")) {
-    for (const Json& pool : in.check(pools->is_array(), "pools", *pools, "a list")) {
-      results.pools.push_back(pool_from(pool, "results: pools: "));
-    }
-  }
-  if (const Json* counters = in.find("counters")) {
-    for (const auto& [name, value] :
-         in.check(counters->is_object(), "counters", *counters, "an object").items()) {
-      results.counters[name] =
-          in.check(value.is_number_unsigned(), name.c_str(), value, "a count").get<std::uint64_t>();
-    }
-  }
-  in.read("profile_hash", results.profile_hash);
-  in.read("left_out", results.left_out);
-  in.read("warnings", results.warnings);
-  if (const Json* live = in.find("live")) results.live = live_from_json(*live);
-  if (const Json* doctor = in.find("doctor")) results.doctor = doctor_from_json(*doctor);
-  return results;
 }
 
 }  // namespace sortie::firmware

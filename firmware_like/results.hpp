@@ -108,10 +108,6 @@ struct Results {
 /// refused}, counters{}; more keys may follow them. A figure that is not finite becomes null.
 Json to_json(const Results& results);
 
-/// Reads back what to_json wrote; missing keys keep their defaults, null becomes NaN.
-/// Throws std::runtime_error naming the key if a value has the wrong type.
-Results results_from_json(const Json& object);
-
 /// The short table that ends a run: at most about 25 lines and 100 columns. Colour (misses, refusals,
 /// warnings) only if `colour`, which the caller sets when the stream is a terminal and NO_COLOR is unset.
 void print_table(std::ostream& out, const Results& results, bool colour = false);

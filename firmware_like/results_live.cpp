@@ -26,25 +26,4 @@ Json to_json(const LiveTimes& live) {
   return object;
 }
 
-LiveTimes live_from_json(const Json& object) {
-  const JsonReader in(object, "results: live: ");
-  LiveTimes live;
-  in.read("known", live.known);
-  in.read("why_not", live.why_not);
-  in.read("why_no_causes", live.why_no_causes);
-  in.read("over_budget", live.over_budget);
-  in.list("tasks", [&live](const Json& entry) {
-    const JsonReader one(entry, "results: live: tasks: ");
-    LiveTask task;
-    one.read("name", task.name);
-    one.read("count", task.count);
-    one.read("p50_us", task.p50_us);
-    one.read("p99_us", task.p99_us);
-    one.read("p999_us", task.p999_us);
-    one.read("max_us", task.max_us);
-    live.tasks.push_back(std::move(task));
-  });
-  return live;
-}
-
 }  // namespace sortie::firmware

@@ -35,7 +35,5 @@ struct LiveTimes {
 };
 
 Json to_json(const LiveTimes& live);
-/// Reads back what to_json wrote. Throws std::runtime_error naming the key if a value has the wrong type.
-LiveTimes live_from_json(const Json& object);
 
 }  // namespace sortie::firmware

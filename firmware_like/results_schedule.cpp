@@ -14,16 +14,6 @@ Json to_json(const ChainFigures& figures) {
           {"max_us", json_number(figures.max_us)}};
 }
 
-void read(const JsonReader& from, const char* key, ChainFigures& figures) {
-  const Json* object = from.find(key);
-  if (object == nullptr) return;
-  const JsonReader in(*object, std::string("results: chains: ") + key + ": ");
-  in.read("count", figures.count);
-  in.read("p50_us", figures.p50_us);
-  in.read("p99_us", figures.p99_us);
-  in.read("max_us", figures.max_us);
-}
-
 }  // namespace
 
 Json to_json(const ScheduleResult& schedule) {
@@ -79,66 +69,6 @@ Json to_json(const ChainResult& chain) {
   object["source_interval_max_us"] = json_number(chain.source_interval_max_us);
   object["unmeasured"] = chain.unmeasured;
   return object;
-}
-
-ScheduleResult schedule_from_json(const Json& object) {
-  const JsonReader in(object, "results: schedule: ");
-  ScheduleResult schedule;
-  in.read("base_tick_us", schedule.base_tick_us);
-  in.read("hyperperiod_ticks", schedule.hyperperiod_ticks);
-  in.read("harmonic", schedule.harmonic);
-  in.read("schedulable", schedule.schedulable);
-  in.list("groups", [&schedule](const Json& entry) {
-    const JsonReader from(entry, "results: schedule: groups: ");
-    ScheduledGroup group;
-    from.read("name", group.name);
-    from.read("period_us", group.period_us);
-    from.read("phase_us", group.phase_us);
-    from.read("deadline_us", group.deadline_us);
-    from.read("core", group.core);
-    from.read("priority", group.priority);
-    from.read("utilisation", group.utilisation);
-    from.read("budget_us", group.budget_us);
-    from.read("response_us", group.response_us);
-    from.read("response_any_phase_us", group.response_any_phase_us);
-    from.read("fits", group.fits);
-    schedule.groups.push_back(std::move(group));
-  });
-  in.list("cores", [&schedule](const Json& entry) {
-    const JsonReader from(entry, "results: schedule: cores: ");
-    ScheduledCore core;
-    from.read("core", core.core);
-    from.list("utilisation",
-              [&](const Json& share) { core.utilisation.push_back(from.figure("utilisation", share)); });
-    from.read("worst_tick_us", core.worst_tick_us);
-    from.read("longest_block_us", core.longest_block_us);
-    schedule.cores.push_back(std::move(core));
-  });
-  in.read("findings", schedule.findings);
-  return schedule;
-}
-
-ChainResult chain_from_json(const Json& object) {
-  const JsonReader in(object, "results: chains: ");
-  ChainResult chain;
-  in.read("name", chain.name);
-  in.read("path", chain.path);
-  in.read("exact", chain.exact);
-  in.read("reaction_us", chain.reaction_us);
-  in.read("age_us", chain.age_us);
-  in.read("max_reaction_us", chain.max_reaction_us);
-  in.read("max_age_us", chain.max_age_us);
-  in.read("source_interval_us", chain.source_interval_us);
-  in.read("source_interval_max_us", chain.source_interval_max_us);
-  read(in, "measured_reaction", chain.reaction);
-  read(in, "measured_age", chain.age);
-  read(in, "measured_finished", chain.finished);
-  in.read("unmeasured", chain.unmeasured);
-  in.read("reactions_over", chain.reactions_over);
-  in.read("ages_over", chain.ages_over);
-  in.read("reaction_over_max_us", chain.reaction_over_max_us);
-  in.read("age_over_max_us", chain.age_over_max_us);
-  return chain;
 }
 
 }  // namespace sortie::firmware

@@ -77,9 +77,6 @@ struct ChainResult {
 
 Json to_json(const ScheduleResult& schedule);
 Json to_json(const ChainResult& chain);
-/// Read back what to_json wrote; missing keys keep their defaults. Throw std::runtime_error naming the key.
-ScheduleResult schedule_from_json(const Json& object);
-ChainResult chain_from_json(const Json& object);
 
 /// The table of groups with its verdict and findings, for a person: about as many lines as groups and
 /// processors.

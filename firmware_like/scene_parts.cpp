@@ -13,56 +13,54 @@ using rt::Part;
 
 constexpr ScenePart kParts[] = {
     {"attitude", "which way is down, from the IMU", "ugv", "", "tasks.attitude.enabled", "", "yes",
-     "tasks.attitude.enabled=false", "tasks.attitude.enabled=true", "IMU", Part::attitude},
+     "tasks.attitude.enabled=false", Part::attitude},
     {"gyro_bias", "the gyro's bias is estimated", "ugv", "attitude", "attitude.bias_sigma_rad_s", "", "yes",
-     "attitude.bias_sigma_rad_s=0", "", "", Part::count},
+     "attitude.bias_sigma_rad_s=0", Part::count},
     {"odometry", "dead reckoning from tracks and attitude", "ugv", "attitude", "tasks.odometry.enabled", "",
-     "yes", "tasks.odometry.enabled=false", "tasks.odometry.enabled=true", "TRACK", Part::odometry},
+     "yes", "tasks.odometry.enabled=false", Part::odometry},
     {"track_aid", "the tracks' acceleration is taken out of the specific force", "ugv", "odometry",
-     "attitude.track_aid", "on", "yes", "attitude.track_aid=off", "attitude.track_aid=on", "", Part::count},
+     "attitude.track_aid", "on", "yes", "attitude.track_aid=off", Part::count},
     {"steering", "slip is judged by what the gyro has shown", "ugv", "odometry", "odometry.steering",
-     "learned", "no", "odometry.steering=fixed", "odometry.steering=learned", "", Part::count},
+     "learned", "no", "odometry.steering=fixed", Part::count},
     {"obstacles", "edges, falls and flippers under the robot are modelled", "ugv", "odometry",
-     "odometry.obstacles", "on", "no", "odometry.obstacles=off", "odometry.obstacles=on", "",
-     Part::obstacles},
+     "odometry.obstacles", "on", "no", "odometry.obstacles=off", Part::obstacles},
     {"odometry_state", "the odometry tells its mode, slip and health", "ugv", "odometry",
-     "tasks.odometry_state.enabled", "", "obstacles", "tasks.odometry_state.enabled=false",
-     "tasks.odometry_state.enabled=true", "", Part::count},
+     "tasks.odometry_state.enabled", "", "obstacles", "tasks.odometry_state.enabled=false", Part::count},
     {"drive", "the route is driven", "ugv", "odometry", "tasks.drive.enabled", "", "no",
-     "tasks.drive.enabled=false", "", "", Part::drive},
+     "tasks.drive.enabled=false", Part::drive},
     {"flippers", "flippers are set", "ugv", "drive", "tasks.flippers.enabled", "", "no",
-     "tasks.flippers.enabled=false", "", "FLIPPER", Part::flippers},
+     "tasks.flippers.enabled=false", Part::flippers},
     {"canopen", "the drives speak CANopen", "ugv", "drive", "drives.protocol", "canopen", "no",
-     "drives.protocol=own", "", "", Part::canopen},
+     "drives.protocol=own", Part::canopen},
     {"odrive", "the drives are ODrives, on CANSimple", "ugv", "drive", "drives.protocol", "odrive", "no",
-     "drives.protocol=own", "", "", Part::odrive},
+     "drives.protocol=own", Part::odrive},
     {"map", "a local map of voxels", "ugv", "", "tasks.map.enabled", "", "no", "tasks.map.enabled=false",
-     "tasks.map.enabled=true", "SCAN", Part::map},
+     Part::map},
     {"self_filter", "returns from the robot itself are taken out", "ugv", "map", "outline.flipper_length_m",
-     "", "no", "outline.flipper_length_m=0 outline.body_m=[0,0,0,0,0,0] outline.tracks_m=[0,0,0,0,0,0]", "",
-     "", Part::count},
+     "", "no", "outline.flipper_length_m=0 outline.body_m=[0,0,0,0,0,0] outline.tracks_m=[0,0,0,0,0,0]",
+     Part::count},
     {"segments", "the map is divided into segments", "ugv", "map", "map.segments", "euclidean smoothness",
-     "yes", "map.segments=off", "map.segments=euclidean", "", Part::segments},
+     "yes", "map.segments=off", Part::segments},
     {"normals", "segments are smooth surfaces, by normals", "ugv", "segments", "map.segments", "smoothness",
-     "no", "map.segments=euclidean", "map.segments=smoothness", "", Part::normals},
+     "no", "map.segments=euclidean", Part::normals},
     {"segment_lists", "lists of segments are published", "ugv", "segments", "map.publish",
-     "segments features", "yes", "map.publish=off", "map.publish=segments", "", Part::segment_lists},
+     "segments features", "yes", "map.publish=off", Part::segment_lists},
     {"ssl", "a solid-state lidar is asked for rays", "ugv", "", "tasks.ssl.enabled", "", "no",
-     "tasks.ssl.enabled=false", "", "SSL", Part::ssl},
+     "tasks.ssl.enabled=false", Part::ssl},
     {"ray_scheduler", "rays are planned over a map of what is known", "ugv", "ssl", "ssl.policy", "scheduled",
-     "yes", "ssl.policy=grid", "ssl.policy=scheduled", "", Part::ray_scheduler},
+     "yes", "ssl.policy=grid", Part::ray_scheduler},
     {"pilot", "the vehicle is flown", "uav", "", "tasks.pilot.enabled", "", "yes",
-     "tasks.pilot.enabled=false", "", "", Part::pilot},
+     "tasks.pilot.enabled=false", Part::pilot},
     {"path", "ways around what is in the way", "uav", "pilot", "tasks.path.enabled", "", "no",
-     "tasks.path.enabled=false", "", "", Part::path},
+     "tasks.path.enabled=false", Part::path},
     {"sensed_map", "what is in the way is seen by a lidar", "uav", "path", "flight_map.source", "lidar", "no",
-     "flight_map.source=given", "", "SCAN", Part::sensed_map},
+     "flight_map.source=given", Part::sensed_map},
     {"parameters", "numbers may change while a run goes on", "", "", "tasks.parameters.enabled", "", "yes",
-     "tasks.parameters.enabled=false", "", "", Part::count},
+     "tasks.parameters.enabled=false", Part::count},
     {"telemetry", "a live run tells over LCM what it does", "", "", "live.telemetry", "", "yes",
-     "live.telemetry=false", "live.telemetry=true", "", Part::telemetry},
+     "live.telemetry=false", Part::telemetry},
     {"recorder", "a run can be recorded", "", "", "live.recorder", "", "yes", "live.recorder=false",
-     "live.recorder=true", "", Part::recorder},
+     Part::recorder},
 };
 
 constexpr bool is_among(std::string_view word, std::string_view words) {
@@ -139,8 +137,6 @@ std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& 
   return overrides;
 }
 
-std::vector<std::string> overrides_with(const ScenePart& part) { return words_of(part.with); }
-
 namespace {
 
 // What only refines its parent goes with it; what has a task of its own needs it.
@@ -162,27 +158,12 @@ std::vector<const ScenePart*> with_dependants(const ScenePart& part,
   return all;
 }
 
-std::string why_needed(const ScenePart& part, const std::vector<const ScenePart*>& present) {
-  std::string users;
-  for (const ScenePart* other : present) {
-    if (std::string_view(other->parent) != part.name || !has_task(*other)) continue;
-    users += (users.empty() ? "" : ", ") + std::string(other->name);
-  }
-  return users.empty() ? "" : std::string(part.name) + " is needed by " + users + ": leave that out first";
-}
-
 rt::PartMask code_of(const Profile& profile) {
   rt::PartMask mask = rt::mask_of(profile.vehicle() == "uav" ? Part::uav : Part::ugv);
   for (const ScenePart* part : parts_of(profile)) {
     if (part->code != Part::count) mask |= rt::mask_of(part->code);
   }
   return mask;
-}
-
-std::string whole_program() {
-  if (*rt::kOnlyScene == '\0') return "";
-  return "; this program was built for the scene " + std::string(rt::kOnlyScene) +
-         " alone: take the program with all scenes, or build with -DSORTIE_SCENE=name";
 }
 
 std::string not_in_this_build(const std::string& what, const std::string& scene) {

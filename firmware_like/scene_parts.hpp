@@ -22,8 +22,6 @@ struct ScenePart {
   const char* there;    ///< of a text: the values that mean "there", between spaces; otherwise empty
   const char* usual;    ///< without the key: "yes", "no", or the name of the part that it goes with
   const char* without;  ///< overrides that leave it out, between spaces
-  const char* with;     ///< overrides that put it in; empty: more has to be said than that
-  const char* input;    ///< channel of a log that it works on; empty: of none by itself
   rt::Part code;        ///< Part::count: its code is not separate from its parent's
 };
 
@@ -42,17 +40,13 @@ std::string joined_names(const std::vector<const ScenePart*>& parts);
 /// Overrides that leave `parts` out.
 std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& parts);
 
-/// Overrides that leave `part` out, and that put it in.
+/// Overrides that leave `part` out.
 std::vector<std::string> overrides_without(const ScenePart& part);
-std::vector<std::string> overrides_with(const ScenePart& part);
 
 /// `part` and all of `present` that have a task of their own and stand on it, on what stands on it, and so
 /// on: what goes when it goes. In the order of scene_parts().
 std::vector<const ScenePart*> with_dependants(const ScenePart& part,
                                               const std::vector<const ScenePart*>& present);
-
-/// Empty, or one line: which of `present` needs `part`, and what to leave out first.
-std::string why_needed(const ScenePart& part, const std::vector<const ScenePart*>& present);
 
 /// The code that a build of that profile alone must have.
 rt::PartMask code_of(const Profile& profile);

@@ -33,12 +33,10 @@ const char* why_not_counting() {
 }
 
 #if SORTIE_HAS_VALGRIND
-bool runs_under_valgrind() { return RUNNING_ON_VALGRIND != 0; }
 void start_counting() { CALLGRIND_START_INSTRUMENTATION; }
 void mark_count() { static_cast<void>(VALGRIND_MONITOR_COMMAND("status internal")); }
 #pragma GCC diagnostic pop
 #else
-bool runs_under_valgrind() { return false; }
 void start_counting() {}
 void mark_count() {}
 #endif

@@ -8,9 +8,6 @@ namespace sortie::firmware {
 /// Null, or why this build cannot count, with the cure: no header of valgrind's, or a sanitizer.
 const char* why_not_counting();
 
-/// True under valgrind.
-bool runs_under_valgrind();
-
 /// Starts counting; what came before costs hardly more than without.
 void start_counting();
 

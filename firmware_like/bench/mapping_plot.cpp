@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "firmware_like/bench/mapping_bench.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -108,8 +108,8 @@ Plot map_seen_from_above(const Json& picture) {
 
 }  // namespace
 
-std::vector<MappingPicture> mapping_pictures(const Json& result) {
-  std::vector<MappingPicture> pictures;
+std::vector<BenchPicture> mapping_pictures(const Json& result) {
+  std::vector<BenchPicture> pictures;
   const Json sweep = result.value("sweep", Json::array());
   std::vector<std::string> streams;
   for (const Json& row : sweep) {
@@ -117,11 +117,11 @@ std::vector<MappingPicture> mapping_pictures(const Json& result) {
     if (std::find(streams.begin(), streams.end(), stream) == streams.end()) streams.push_back(stream);
   }
   for (const std::string& stream : streams)
-    pictures.push_back({"bench-local-map-" + stream + ".svg", mapping_error_over_time(sweep, stream)});
+    pictures.push_back({"bench-local-map-" + stream + ".svg", mapping_error_over_time(sweep, stream), ""});
   for (const Json& picture : result.value("pictures", Json::array())) {
     if (picture.value("policy", "") != "smoothness" || picture.value("stream", "") == "dense") continue;
-    pictures.push_back(
-        {"bench-local-map-" + picture.value("stream", "") + "-segments.svg", map_seen_from_above(picture)});
+    pictures.push_back({"bench-local-map-" + picture.value("stream", "") + "-segments.svg",
+                        map_seen_from_above(picture), ""});
   }
   return pictures;
 }

@@ -2,25 +2,19 @@
 #include <cmath>
 #include <ostream>
 
-#include "firmware_like/bench/figure_passes.hpp"
 #include "firmware_like/bench/figure_table.hpp"
-#include "firmware_like/bench/mapping_bench.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
-std::vector<std::string> mapping_conditions(const Json& result) {
-  std::vector<std::string> lines;
-  lines.push_back("machine   " + result.value("machine", "") + "; " + result.value("compiler", ""));
+std::vector<std::string> mapping_settings(const Json& result) {
   const Json settings = result.value("settings", Json::object());
-  lines.push_back("settings  every " + std::to_string(settings.value("stride", 0)) +
-                  ". point, PCL at every " + std::to_string(settings.value("every", 0)) +
-                  ". scan, load average " + result.value("load_before", "?") + " before, " +
-                  result.value("load_after", "?") + " after" + passes_words(result));
-  if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
-  return lines;
+  return {settings_line(result, "every " + std::to_string(settings.value("stride", 0)) +
+                                    ". point, PCL at every " + std::to_string(settings.value("every", 0)) +
+                                    ". scan")};
 }
 
 // Every figure that has a goal, in one group.
@@ -87,10 +81,8 @@ constexpr const char* kMappingSweepWords =
     "normals 0.3 m, from voxels of 0.15 m on 1.5 and 2 voxels; local map 15 m. Two cores that others use: "
     "p99 and max hold what they took.";
 
-}  // namespace
-
-void print_mapping_bench(std::ostream& out, const Json& result, bool colour) {
-  for (const std::string& line : mapping_conditions(result)) out << line << "\n";
+void print_mapping(std::ostream& out, const Json& result, bool colour) {
+  for (const std::string& line : bench_conditions(mapping_front(), result)) out << line << "\n";
   print_figures(out, mapping_goals(result), "goals", colour);
   for (const std::string& group : figure_groups(result)) {
     if (group == "bounds") continue;
@@ -106,13 +98,13 @@ void print_mapping_bench(std::ostream& out, const Json& result, bool colour) {
   for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
 }
 
-std::string mapping_bench_page(const Json& result, const std::string& command) {
+std::string mapping_page(const Json& result, const std::string& command) {
   std::string text = "# The local map beside PCL, and its error over run time\n\n";
   text += "Written by `" + command +
           "`. Times are of the thread's processor, medians; **the ratios travel, absolute times do not**. "
           "The map takes scan after scan, PCL starts anew from the map's voxels. What it is: "
           "[the local map](../mapping.md).\n\n```\n";
-  for (const std::string& line : mapping_conditions(result)) text += line + "\n";
+  for (const std::string& line : bench_conditions(mapping_front(), result)) text += line + "\n";
   text += "```\n\n## All goals\n" + figures_page(mapping_goals(result), "goals");
   for (const std::string& group : figure_groups(result)) {
     if (group == "bounds") continue;
@@ -121,12 +113,41 @@ std::string mapping_bench_page(const Json& result, const std::string& command) {
   const Json sweep = mapping_sweep_tables(result);
   if (!sweep["tables"].empty())
     text += std::string("\n## Error over run time\n\n") + kMappingSweepWords + "\n";
-  for (const MappingPicture& picture : mapping_pictures(result))
+  for (const BenchPicture& picture : mapping_pictures(result))
     text += "\n![" + picture.plot.title + "](" + picture.file + ")\n";
   for (const std::string& group : figure_groups(sweep))
     text += "\n### " + group + "\n" + tables_page(sweep, group);
   for (const std::string& line : figure_skips(result)) text += "\nskipped: " + line + "\n";
   return text;
+}
+
+}  // namespace
+
+PeerFront mapping_front() {
+  PeerFront front;
+  front.name = "mapping";
+  front.file = "bench-local-map";
+  front.about = "The local map beside PCL: run time, memory, normals; error of segments over run time";
+  front.footer =
+      "Thread CPU time on recorded scans and in a simulated hall. docs/mapping.md tells what the map is.\n"
+      "Examples:\n"
+      "  sortie bench mapping --out out/mapping\n"
+      "  sortie bench mapping --only sweep --json\n"
+      "  sortie bench mapping --only peers --every 35 --count";
+  front.options = {
+      {"--stride", 2, "Every n-th point of the recorded scans", 1, 1000000, {}, ""},
+      {"--every", 10, "Scans between two looks at PCL", 1, 1000000, {}, ""},
+      {"--count", false, "Also count the instructions of each step: minutes", 0, 0, {}, ""},
+      {"--only", std::string(), "One part alone", 0, 0, {"peers", "insertion", "normals", "sweep"}, ""},
+      {"--stream", std::string(), "One stream of the sweep alone", 0, 0, {"walk", "dense", "hall"}, ""},
+      {"--file", std::string(), "Another recorded drive (.rls)", 0, 0, {}, "FILE"}};
+  front.on_one_line = true;
+  front.finish = mark_mapping_fronts;
+  front.conditions = mapping_settings;
+  front.pictures = mapping_pictures;
+  front.print = print_mapping;
+  front.page = mapping_page;
+  return front;
 }
 
 }  // namespace sortie::firmware

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "firmware_like/bench/plant_bench.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -122,12 +122,13 @@ Plot side_view(const Json& picture) {
 
 }  // namespace
 
-std::vector<PlantPicture> plant_pictures(const Json& result) {
-  std::vector<PlantPicture> pictures;
+std::vector<BenchPicture> plant_pictures(const Json& result) {
+  std::vector<BenchPicture> pictures;
   if (const Json curves = result.value("step_curves", Json::array()); !curves.empty())
-    pictures.push_back({kStepFile, plot_steps(curves)});
+    pictures.push_back({kStepFile, plot_steps(curves), "step size"});
   for (const Json& picture : result.value("pictures", Json::array()))
-    pictures.push_back({"bench-plant-" + picture.value("scene", "") + ".svg", side_view(picture)});
+    pictures.push_back(
+        {"bench-plant-" + picture.value("scene", "") + ".svg", side_view(picture), "Side views"});
   return pictures;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "firmware_like/bench/rt_bench.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -39,7 +39,7 @@ std::map<int, double> rebin(const Json& bins) {
 
 }  // namespace
 
-Plot plot_wake_ups(const Json& result) {
+std::vector<BenchPicture> rt_pictures(const Json& result) {
   Plot plot;
   plot.title = "Lateness of wake-ups at 1 kHz";
   plot.x = {"later than asked, \u00b5s", true};
@@ -67,9 +67,10 @@ Plot plot_wake_ups(const Json& result) {
     series.y.push_back(kNothing);
     plot.series.push_back(std::move(series));
   }
+  if (plot.series.empty()) return {};
   Rule& deadline = plot.rules.emplace_back();
   deadline = {1000, "deadline: the next release", 6, true};
-  return plot;
+  return {{"bench-rt-wake.svg", std::move(plot), "wake-up"}};
 }
 
 }  // namespace sortie::firmware

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <ostream>
-
-#include "firmware_like/bench/figure_passes.hpp"
-#include "firmware_like/bench/figure_table.hpp"
-#include "firmware_like/bench/rt_bench.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -19,19 +15,13 @@ std::string noise_line(const Json& noise, const char* when) {
          value("lost_percent") + " % of the time";
 }
 
-std::vector<std::string> conditions(const Json& result) {
-  std::vector<std::string> lines;
-  lines.push_back("machine   " + result.value("machine", "") + "; " + result.value("compiler", ""));
-  if (result.contains("settings")) {
-    const Json& s = result["settings"];
-    lines.push_back("settings  " + std::to_string(s.value("rounds", 0)) + " rounds, slices of " +
-                    format_short(s.value("slice_s", 0.0)) + " s, core " + std::to_string(s.value("core", 0)) +
-                    ", " + std::to_string(s.value("load", 0)) + " busy processes beside, " +
-                    (s.value("realtime", false) ? "SCHED_FIFO" : "ordinary scheduling") + ", load average " +
-                    result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
-                    " after" + passes_words(result));
-  }
-  if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
+std::vector<std::string> rt_conditions(const Json& result) {
+  const Json s = result.value("settings", Json::object());
+  std::vector<std::string> lines{settings_line(
+      result, std::to_string(s.value("rounds", 0)) + " rounds, slices of " +
+                  format_short(s.value("slice_s", 0.0)) + " s, core " + std::to_string(s.value("core", 0)) +
+                  ", " + std::to_string(s.value("load", 0)) + " busy processes beside, " +
+                  (s.value("realtime", false) ? "SCHED_FIFO" : "ordinary scheduling"))};
   for (const char* when : {"before", "after"}) {
     if (const std::string line = noise_line(result.value("noise", Json::object()), when); !line.empty())
       lines.push_back("noise     " + line);
@@ -41,31 +31,47 @@ std::vector<std::string> conditions(const Json& result) {
 
 }  // namespace
 
-void print_rt_bench(std::ostream& out, const Json& result, bool colour) {
-  for (const std::string& line : conditions(result)) out << line << "\n";
-  for (const std::string& group : figure_groups(result)) print_figures(out, result, group, colour);
-  out << "\n";
-  for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
-}
-
-std::string rt_bench_page(const Json& result, const std::string& command) {
-  std::string text = "# The real-time ground beside its peers\n\n";
-  text += "Written by `" + command +
-          "`. Every figure and its peer's come from alternating slices of the same run: **the ratios travel, "
-          "absolute times "
-          "do not**. Figures are medians of the rounds (of all samples for wake-ups and mailboxes), in "
-          "brackets the range "
-          "over the rounds. "
-          "How to read them: [timing](../timing.md).\n\n```\n";
-  for (const std::string& line : conditions(result)) text += line + "\n";
-  text += "```\n";
-  for (const std::string& group : figure_groups(result)) {
-    text += "\n## " + group + "\n";
-    if (group == "wake-up") text += "\n![lateness of wake-ups](bench-rt-wake.svg)\n";
-    text += figures_page(result, group);
-  }
-  for (const std::string& line : figure_skips(result)) text += "\nskipped: " + line + "\n";
-  return text;
+PeerFront rt_front() {
+  PeerFront front;
+  front.name = "rt";
+  front.file = "bench-rt";
+  front.about = "The real-time ground beside cyclictest and boost: wake-ups, queues, executive, system calls";
+  front.footer =
+      "Ours and the peers' slices alternate, so ratios hold on a busy machine, too. docs/timing.md tells how "
+      "to read it.\n"
+      "Examples:\n"
+      "  sortie bench rt\n"
+      "  sortie bench rt --load 4 --core 1 --out out/loaded\n"
+      "  sortie bench rt --only wake --rounds 5760 --slice 5     # 24 hours";
+  front.options = {
+      {"--rounds", 11, "Rounds of every part; each holds a slice of every peer", 1, 1000000, {}, ""},
+      {"--slice", 1.0, "Seconds of one slice of wake-ups", 0.05, 3600, {}, ""},
+      {"--core",
+       std::optional<std::uint64_t>(),
+       "The core to measure; the last one unless said",
+       0,
+       4095,
+       {},
+       "N"},
+      {"--load", 0, "Busy ordinary processes beside the wake-ups", 0, 1024, {}, ""},
+      {"--only",
+       std::string(),
+       "One part alone",
+       0,
+       0,
+       {"wake", "queue", "count", "mailbox", "executive", "calls", "cause", "load"},
+       ""}};
+  front.all_timed = true;
+  front.title = "The real-time ground beside its peers";
+  front.intro =
+      "Every figure and its peer's come from alternating slices of the same run: **the ratios travel, "
+      "absolute times "
+      "do not**. Figures are medians of the rounds (of all samples for wake-ups and mailboxes), in brackets "
+      "the range "
+      "over the rounds. How to read them: [timing](../timing.md).";
+  front.conditions = rt_conditions;
+  front.pictures = rt_pictures;
+  return front;
 }
 
 }  // namespace sortie::firmware

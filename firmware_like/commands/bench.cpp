@@ -29,15 +29,10 @@ void add_bench(Command& app, CommandContext& context) {
   add_bench_sweep(*command, context);
   command->require_subcommand(0, 1);
   add_bench_all(*command, context);
-  add_bench_rt(*command, context);
-  add_bench_plant(*command, context);
-  add_bench_mapping(*command, context);
+  add_bench_peers(*command, context);
   add_bench_rays(*command, context);
-  add_bench_uav(*command, context);
   add_bench_odometry(*command, context);
   add_bench_knobs(*command, context);
-  add_bench_stability(*command, context);
-  add_bench_campaign(*command, context);
   add_bench_wcet(*command, context);
 }
 

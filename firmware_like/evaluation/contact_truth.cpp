@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/evaluation/contact_truth.hpp"
 
-#include <algorithm>
-
 #include "drivers/wire_contacts.hpp"
 #include "firmware_like/log_file.hpp"
 
@@ -24,32 +22,6 @@ std::size_t for_each_contact_truth(const LogFile& log,
     visit(truth);
   }
   return damaged;
-}
-
-std::vector<rt::ContactTruth> read_contact_truth(const LogFile& log, std::int64_t offset_ns) {
-  std::vector<rt::ContactTruth> records;
-  for_each_contact_truth(
-      log, [&records](const rt::ContactTruth& truth) { records.push_back(truth); }, offset_ns);
-  std::stable_sort(records.begin(), records.end(), [](const rt::ContactTruth& a, const rt::ContactTruth& b) {
-    return a.stamp_ns < b.stamp_ns;
-  });
-  return records;
-}
-
-const rt::ContactTruth* contact_truth_at(std::span<const rt::ContactTruth> records, std::int64_t stamp_ns,
-                                         std::int64_t most_apart_ns) {
-  const auto after = std::lower_bound(
-      records.begin(), records.end(), stamp_ns,
-      [](const rt::ContactTruth& truth, std::int64_t stamp) { return truth.stamp_ns < stamp; });
-  const rt::ContactTruth* nearest = nullptr;
-  std::int64_t apart = most_apart_ns;
-  // The earlier one first: of two that are as near it wins.
-  if (after != records.begin() && stamp_ns - (after - 1)->stamp_ns <= apart) {
-    nearest = &*(after - 1);
-    apart = stamp_ns - nearest->stamp_ns - 1;
-  }
-  if (after != records.end() && after->stamp_ns - stamp_ns <= apart) nearest = &*after;
-  return nearest;
 }
 
 ContactSummary summarise(const rt::ContactTruth& truth) {

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "rt/contact_truth.hpp"
@@ -20,14 +19,6 @@ class LogFile;
 std::size_t for_each_contact_truth(const LogFile& log,
                                    const std::function<void(const rt::ContactTruth&)>& visit,
                                    std::int64_t offset_ns = 0);
-
-/// All records by ascending stamp. Memory: 6 kB each, so 100 Hz for a minute are 36 MB.
-std::vector<rt::ContactTruth> read_contact_truth(const LogFile& log, std::int64_t offset_ns = 0);
-
-/// The record nearest to `stamp_ns`, or null where none is within `most_apart_ns`. `records` by ascending
-/// stamp. Cost: one binary search.
-const rt::ContactTruth* contact_truth_at(std::span<const rt::ContactTruth> records, std::int64_t stamp_ns,
-                                         std::int64_t most_apart_ns);
 
 /// A record without its points: what is drawn over a whole run.
 struct ContactSummary {

@@ -87,28 +87,6 @@ TEST_CASE("the keys of the JSON interface are those that scripts rely on") {
   CHECK(json["pools"][0]["refused"] == 45428);
 }
 
-TEST_CASE("results survive JSON, through text") {
-  const auto json = to_json(example());
-  const auto again = Json::parse(json.dump());
-  const Results back = results_from_json(again);
-  CHECK(to_json(back) == json);
-  CHECK(std::isnan(back.errors.at("rpe_rmse_m")));
-  CHECK(back.tasks[0].histogram.size() == 2);
-  CHECK(back.groups[0].delays.start.causes.at("stolen").total_us == 7900);
-  CHECK(back.groups[0].delays.last[0].split_us.at("run queue") == 101);
-  CHECK(back.groups[0].stack_bytes == 9216);
-}
-
-TEST_CASE("missing keys keep their defaults and wrong types are named") {
-  CHECK(results_from_json(Json::parse("{}")).ticks == 0);
-  CHECK_THROWS_WITH(results_from_json(Json::parse(R"([1])")), Catch::Contains("no JSON object"));
-  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"ticks":-1})")), Catch::Contains("ticks"));
-  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"tasks":[{"p50_us":"x"}]})")),
-                    Catch::Contains("p50_us"));
-  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"errors":{"a":[]}})")), Catch::Contains("a"));
-  CHECK_THROWS_WITH(results_from_json(Json::parse(R"({"warnings":[3]})")), Catch::Contains("warnings"));
-}
-
 TEST_CASE("the table fits a screen of 100 columns and 25 lines") {
   Results r = example();
   for (int i = 0; i < 40; ++i)

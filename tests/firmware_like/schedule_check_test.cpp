@@ -204,21 +204,3 @@ TEST_CASE("a live run measures its chains on the real clock, through missed jobs
   // 1 ms to be taken, 1 ms to be visible, up to 19 ms to be read, 20 ms to the deadline.
   CHECK(chain.reaction_us == Approx(41'000));
 }
-
-TEST_CASE("table and chains survive the way through JSON") {
-  Results results = loaded({"groups.mapping.core=1"});
-  results.chains[0].reaction = {7, 1, 2, 3};
-  results.chains[0].age = {8, 4, 5, 6};
-  results.chains[0].finished = {9, 7, 8, 9.5};
-  results.chains[0].unmeasured = 3;
-  results.schedule.groups[0].response_us = std::numeric_limits<double>::quiet_NaN();
-  const Results back = results_from_json(to_json(results));
-  CHECK(to_json(back.schedule) == to_json(results.schedule));
-  REQUIRE(back.chains.size() == results.chains.size());
-  for (std::size_t i = 0; i < back.chains.size(); ++i)
-    CHECK(to_json(back.chains[i]) == to_json(results.chains[i]));
-  CHECK(back.chains[0].path == results.chains[0].path);
-  CHECK(back.schedule.findings == results.schedule.findings);
-  CHECK(back.schedule.findings.size() == 1);
-  CHECK_THROWS_WITH(schedule_from_json({{"groups", 3}}), Catch::Contains("groups: is not a list"));
-}

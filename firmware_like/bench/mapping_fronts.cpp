@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/bench/mapping_bench.hpp"
-
 #include <limits>
 #include <map>
 
 #include "firmware_like/bench/pareto.hpp"
-#include "firmware_like/bench/peer_program.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 
 namespace sortie::firmware {
 
@@ -21,8 +19,11 @@ double mapping_number(const Json& row, const char* key) {
                                                   : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Error is what is not shown, and what is shown and belongs elsewhere. Each stream and policy has its front.
-void mark_mapping_fronts(Json& sweep) {
+}  // namespace
+
+void mark_mapping_fronts(Json& result) {
+  if (!result.contains("sweep")) return;
+  Json& sweep = result["sweep"];
   std::map<std::string, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < sweep.size(); ++i) {
     Json& row = sweep[i];
@@ -38,23 +39,6 @@ void mark_mapping_fronts(Json& sweep) {
     const std::vector<bool> front = pareto_front(points);
     for (std::size_t i = 0; i < members.size(); ++i) sweep[members[i]]["front"] = bool{front[i]};
   }
-}
-
-}  // namespace
-
-Json run_mapping_bench(const MappingBenchOptions& options) {
-  PeerProgram program{"sortie-bench-mapping", options.program, {}, -1, options.passes};
-  program.arguments = {"--stride", std::to_string(options.stride), "--every", std::to_string(options.every)};
-  const auto pass = [&program](const char* option, const std::string& value) {
-    if (!value.empty()) program.arguments.insert(program.arguments.end(), {option, value});
-  };
-  pass("--count", options.count ? "yes" : "");
-  pass("--only", options.only);
-  pass("--stream", options.stream);
-  pass("--file", options.file);
-  Json result = run_peer_program(program);
-  if (result.contains("sweep")) mark_mapping_fronts(result["sweep"]);
-  return result;
 }
 
 }  // namespace sortie::firmware

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/bench/campaign_bench.hpp"
-
 #include <ostream>
 
-#include "firmware_like/bench/peer_program.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -30,29 +28,7 @@ std::string campaign_summary(const Json& result) {
          std::to_string(operations) + " operations, " + std::to_string(failed) + " modules with a fault";
 }
 
-}  // namespace
-
-Json run_campaign_bench(const CampaignBenchOptions& options) {
-  PeerProgram program{
-      "sortie-bench-campaign", options.program, {"--count", std::to_string(options.count)}, -1};
-  const auto add = [&program](const char* option, const std::string& value) {
-    program.arguments.insert(program.arguments.end(), {option, value});
-  };
-  if (options.seed) add("--seed", std::to_string(*options.seed));
-  if (!options.only.empty()) add("--only", options.only);
-  if (!options.replay.empty()) add("--replay", options.replay);
-  return run_peer_program(program);
-}
-
-bool is_faultless(const Json& result) {
-  const Json figures = result.value("figures", Json::array());
-  for (const Json& row : figures) {
-    if (!row.value("met", false)) return false;
-  }
-  return !figures.empty();
-}
-
-void print_campaign_bench(std::ostream& out, const Json& result) {
+void print_campaign(std::ostream& out, const Json& result, bool) {
   out << pad_right("module", 26);
   for (const char* key : kCampaignCounts) out << pad_left(key, 12);
   out << "\n";
@@ -69,7 +45,7 @@ void print_campaign_bench(std::ostream& out, const Json& result) {
   out << "\n" << campaign_summary(result) << "\n";
 }
 
-std::string campaign_bench_page(const Json& result, const std::string& command) {
+std::string campaign_page(const Json& result, const std::string& command) {
   std::string text =
       "# Random campaign\n\nWritten by `" + command +
       "`. Sequences of hostile inputs for every module, drawn from the seed, each run twice. "
@@ -89,6 +65,44 @@ std::string campaign_bench_page(const Json& result, const std::string& command) 
     text += "| " + row.value("module", "") + " | " + row.value("tries", "") + " | " + row.value("keeps", "") +
             " |\n";
   return text;
+}
+
+}  // namespace
+
+PeerFront campaign_front() {
+  PeerFront front;
+  front.name = "campaign";
+  front.file = "bench-campaign";
+  front.about = "Hostile random sequences for every module";
+  front.footer =
+      "Exit code 0: finite, bounded, counted, no heap, the same digest twice, in every module; 1: a fault, "
+      "which\n"
+      "is printed as a small sequence to run again. docs/stability.md tells what is drawn and checked.\n"
+      "Examples:\n"
+      "  sortie bench campaign\n"
+      "  sortie bench campaign --only attitude --count 100000 --seed 7\n"
+      "  sortie bench campaign --replay fault.txt";
+  front.options = {{"--only", std::string(), "One module alone", 0, 0, {}, "MODULE"},
+                   {"--count",
+                    std::uint64_t{1000},
+                    "Sequences of a cheap module; dear ones have a share of it",
+                    1,
+                    1e9,
+                    {},
+                    ""},
+                   {"--seed",
+                    std::optional<std::uint64_t>(),
+                    "Of all sequences; a fresh one unless given",
+                    0,
+                    9e15,
+                    {},
+                    ""},
+                   {"--replay", std::string(), "Run the sequence in this file instead", 0, 0, {}, "FILE"}};
+  front.has_passes = false;
+  front.is_good = all_met;
+  front.print = print_campaign;
+  front.page = campaign_page;
+  return front;
 }
 
 }  // namespace sortie::firmware

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/bench/stability_bench.hpp"
-
 #include <cstdio>
 #include <ostream>
 
 #include "firmware_like/bench/figure_table.hpp"
-#include "firmware_like/bench/peer_program.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 #include "firmware_like/text_format.hpp"
 
 namespace sortie::firmware {
@@ -35,23 +33,7 @@ std::string stability_summary(const Json& result) {
          std::to_string(counts.value("naive_outside", 0));
 }
 
-}  // namespace
-
-Json run_stability_bench(const StabilityBenchOptions& options) {
-  PeerProgram program{"sortie-bench-stability", options.program, {}, -1};
-  if (!options.only.empty()) program.arguments = {"--only", options.only};
-  return run_peer_program(program);
-}
-
-bool is_stable(const Json& result) {
-  const Json figures = result.value("figures", Json::array());
-  for (const Json& row : figures) {
-    if (!row.value("met", false)) return false;
-  }
-  return !figures.empty();
-}
-
-void print_stability_bench(std::ostream& out, const Json& result) {
+void print_stability(std::ostream& out, const Json& result, bool) {
   std::string group;
   for (const Json& row : result.value("figures", Json::array())) {
     if (row.value("group", "") != group) {
@@ -68,7 +50,7 @@ void print_stability_bench(std::ostream& out, const Json& result) {
   out << "\n" << stability_summary(result) << "\n";
 }
 
-std::string stability_bench_page(const Json& result, const std::string& command) {
+std::string stability_page(const Json& result, const std::string& command) {
   std::string text = "# Stiff and extreme cases\n\nWritten by `" + command +
                      "`. Each case was run by the code of this repository and by the naive method; the bound "
                      "must lie between them. [What each case is](../stability.md).\n\n```\nmachine   " +
@@ -102,6 +84,34 @@ std::string stability_bench_page(const Json& result, const std::string& command)
         kernels;
   }
   return text;
+}
+
+}  // namespace
+
+PeerFront stability_front() {
+  PeerFront front;
+  front.name = "stability";
+  front.file = "bench-stability";
+  front.about = "Stiff and extreme cases: ours within a bound, the naive method not";
+  front.footer =
+      "Exit code 0: every bound lies between ours and the naive method, 1: one does not. docs/stability.md\n"
+      "tells what each case is.\n"
+      "Examples:\n"
+      "  sortie bench stability\n"
+      "  sortie bench stability --only planner --json\n"
+      "  sortie bench stability --out out/stability";
+  front.options = {{"--only",
+                    std::string(),
+                    "Cases of one part alone",
+                    0,
+                    0,
+                    {"rt", "drivers", "estimators", "mapping", "planner", "hil"},
+                    ""}};
+  front.has_passes = false;
+  front.is_good = all_met;
+  front.print = print_stability;
+  front.page = stability_page;
+  return front;
 }
 
 }  // namespace sortie::firmware

@@ -1,28 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/bench/uav_bench.hpp"
-
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
-#include "firmware_like/bench/figure_passes.hpp"
-#include "firmware_like/bench/figure_table.hpp"
-#include "firmware_like/bench/peer_program.hpp"
+#include "firmware_like/bench/peer_fronts.hpp"
 
 namespace sortie::firmware {
 
 namespace {
 
 std::vector<std::string> uav_conditions(const Json& result) {
-  std::vector<std::string> lines;
-  lines.push_back("machine   " + result.value("machine", "") + "; " + result.value("compiler", ""));
   const Json settings = result.value("settings", Json::object());
-  lines.push_back("settings  " + std::to_string(settings.value("seeds", 0)) + " seeds, " +
-                  std::to_string(settings.value("fleet", 0)) + " drawn vehicles, load average " +
-                  result.value("load_before", "?") + " before, " + result.value("load_after", "?") +
-                  " after" + passes_words(result));
-  if (result.contains("doctor")) lines.push_back("doctor    " + result["doctor"].value("summary", ""));
-  return lines;
+  return {settings_line(result, std::to_string(settings.value("seeds", 0)) + " seeds, " +
+                                    std::to_string(settings.value("fleet", 0)) + " drawn vehicles")};
 }
 
 // What a part is about, before its tables.
@@ -94,15 +83,8 @@ double fitting_height(const Plot& plot) {
 
 }  // namespace
 
-Json run_uav_bench(const UavBenchOptions& options) {
-  PeerProgram program{"sortie-bench-uav", options.program, {}, -1, options.passes};
-  program.arguments = {"--seeds", std::to_string(options.seeds), "--fleet", std::to_string(options.fleet)};
-  if (!options.only.empty()) program.arguments.insert(program.arguments.end(), {"--only", options.only});
-  return run_peer_program(program);
-}
-
-std::vector<UavPicture> uav_pictures(const Json& result) {
-  std::vector<UavPicture> pictures;
+std::vector<BenchPicture> uav_pictures(const Json& result) {
+  std::vector<BenchPicture> pictures;
   for (const Json& wanted : result.value("pictures", Json::array())) {
     Plot plot;
     plot.title = wanted.value("title", "");
@@ -117,44 +99,41 @@ std::vector<UavPicture> uav_pictures(const Json& result) {
       plot.series.push_back(uav_series(curve, colour++));
     plot.equal_aspect = wanted.value("equal", false);
     if (plot.equal_aspect) plot.height = fitting_height(plot);
-    pictures.push_back({wanted.value("file", "") + ".svg", wanted.value("group", ""), std::move(plot)});
+    pictures.push_back({wanted.value("file", "") + ".svg", std::move(plot), wanted.value("group", "")});
   }
   return pictures;
 }
 
-void print_uav_bench(std::ostream& out, const Json& result, bool colour) {
-  for (const std::string& line : uav_conditions(result)) out << line << "\n";
-  for (const std::string& group : figure_groups(result)) {
-    print_figures(out, result, group, colour);
-    print_tables(out, result, group);
-  }
-  out << "\n";
-  for (const std::string& line : figure_skips(result)) out << "skipped   " << line << "\n";
-}
-
-std::string uav_bench_page(const Json& result, const std::string& command) {
-  std::string text = "# The multirotor beside its peers\n\n";
-  text += "Written by `" + command +
-          "`. Flights are simulated and repeat exactly; run times are CPU time of one core and depend on the "
-          "machine: **their ratios travel**. What flies: [flight](../uav.md), [its "
-          "way](../uav-path.md).\n\n```\n";
-  for (const std::string& line : uav_conditions(result)) text += line + "\n";
-  text += "```\n";
-  const std::vector<UavPicture> pictures = uav_pictures(result);
-  std::vector<std::string> groups = figure_groups(result);
-  for (const UavPicture& picture : pictures) {
-    if (std::find(groups.begin(), groups.end(), picture.group) == groups.end())
-      groups.push_back(picture.group);
-  }
-  for (const std::string& group : groups) {
-    text += "\n## " + uav_heading(group) + "\n";
-    for (const UavPicture& picture : pictures) {
-      if (picture.group == group) text += "\n![" + picture.plot.title + "](" + picture.file + ")\n";
-    }
-    text += figures_page(result, group) + tables_page(result, group);
-  }
-  for (const std::string& line : figure_skips(result)) text += "\nskipped: " + line + "\n";
-  return text;
+PeerFront uav_front() {
+  PeerFront front;
+  front.name = "uav";
+  front.file = "bench-uav";
+  front.about = "The multirotor beside its peers: flights, stress, error against run time, ways";
+  front.footer =
+      "Flights are simulated and repeat exactly; only run times depend on the machine. docs/uav.md tells "
+      "what flies.\n"
+      "Examples:\n"
+      "  sortie bench uav --out out/uav\n"
+      "  sortie bench uav --only stress --fleet 400\n"
+      "  sortie bench uav --only rates --json";
+  front.options = {
+      {"--seeds", std::uint64_t{3}, "Seeds of noise, a flight each", 1, 1000, {}, ""},
+      {"--fleet", std::uint64_t{40}, "Vehicles that are drawn", 1, 100000, {}, ""},
+      {"--only",
+       std::string(),
+       "One part alone",
+       0,
+       0,
+       {"peers", "stress", "estimated", "orders", "rates", "plant", "pictures", "paths", "count"},
+       ""}};
+  front.title = "The multirotor beside its peers";
+  front.intro =
+      "Flights are simulated and repeat exactly; run times are CPU time of one core and depend on the "
+      "machine: **their ratios travel**. What flies: [flight](../uav.md), [its way](../uav-path.md).";
+  front.conditions = uav_conditions;
+  front.heading = uav_heading;
+  front.pictures = uav_pictures;
+  return front;
 }
 
 }  // namespace sortie::firmware
