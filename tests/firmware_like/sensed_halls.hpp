@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "rt/convex/query.hpp"
+#include "tests/firmware_like/met_a_box.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 namespace sortie::testing {
@@ -30,24 +30,9 @@ inline std::vector<std::string> sensed_hall_overrides() {
           "hil.lidar_columns=180"};
 }
 
-struct HallBox {
-  rt::Vector3 low_m;
-  rt::Vector3 size_m;
-};
-
 struct RandomHall {
-  std::vector<HallBox> boxes;
+  std::vector<TrueBox> boxes;
   std::string goals;
-  std::string text() const {
-    std::string rows;
-    for (const HallBox& b : boxes) {
-      rows += (rows.empty() ? "{x_m=" : ",{x_m=") + std::to_string(b.low_m.x) +
-              ",y_m=" + std::to_string(b.low_m.y) + ",z_m=" + std::to_string(b.low_m.z) +
-              ",length_m=" + std::to_string(b.size_m.x) + ",width_m=" + std::to_string(b.size_m.y) +
-              ",height_m=" + std::to_string(b.size_m.z) + "}";
-    }
-    return "world.boxes=[" + rows + "]";
-  }
 };
 
 /// Two or three walls across 16 m x 8 m x 3 m, each with one or two openings of 2 to 2.6 m: doors to the
@@ -92,20 +77,6 @@ inline RandomHall draw_hall(std::uint64_t seed) {
   hall.goals = "mission.goals=[" + goal(12.4, between(-2.2, 2.2), between(1, 2)) + "," +
                goal(0, between(-2, 2), between(1, 1.6)) + "]";
   return hall;
-}
-
-/// True when the vehicle's ellipsoid, without any margin, met a box at a known place of the truth.
-inline bool met_a_box(const firmware::LiveRunOutcome& run, const std::vector<HallBox>& boxes) {
-  rt::convex::Convex robot = rt::convex::make_swept_ellipsoid({0.45, 0.45, 0.15}, {});
-  for (const auto& truth : run.truth) {
-    robot.p_world_m = {truth.p[0], truth.p[1], truth.p[2]};
-    for (const HallBox& b : boxes) {
-      rt::convex::Convex body = rt::convex::make_box(0.5 * b.size_m);
-      body.p_world_m = b.low_m + 0.5 * b.size_m;
-      if (rt::convex::is_collision(rt::convex::query(robot, body).state)) return true;
-    }
-  }
-  return false;
 }
 
 /// Scene uav_hall, or a scene file, in simulated time on a sensed map.

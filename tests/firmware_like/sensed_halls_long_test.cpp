@@ -12,9 +12,9 @@ TEST_CASE("In 24 halls drawn at random both goals are reached on a sensed map, a
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     const RandomHall hall = draw_hall(seed);
     const firmware::LiveRunOutcome run =
-        fly_sensed("uav_hall", 90, {hall.text(), hall.goals, "hil.seed=" + std::to_string(seed)});
+        fly_sensed("uav_hall", 90, {world_boxes(hall.boxes), hall.goals, "hil.seed=" + std::to_string(seed)});
     const auto& counters = run.results.counters;
-    INFO("seed " << seed << ", " << hall.text() << ", " << hall.goals);
+    INFO("seed " << seed << ", " << world_boxes(hall.boxes) << ", " << hall.goals);
     CHECK(counters.at("goals_reached") == 2);
     CHECK(counters.at("bench_collisions") == 0);
     CHECK_FALSE(met_a_box(run, hall.boxes));

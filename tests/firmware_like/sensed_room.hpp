@@ -8,40 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "rt/convex/query.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
+#include "tests/firmware_like/met_a_box.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 namespace sortie::testing {
 
-// The boxes of scene uav_room_sensed that a flight could meet: middle and half edges.
-struct SensedRoomBox {
-  rt::Vector3 middle_m;
-  rt::Vector3 half_m;
-};
-inline constexpr SensedRoomBox kSensedRoom[] = {
-    {{5, 0, 3.1}, {7, 4, 0.1}},        {{5, -3.9, 1.5}, {7, 0.1, 1.5}}, {{5, 3.9, 1.5}, {7, 0.1, 1.5}},
-    {{-1.9, 0, 1.5}, {0.1, 4, 1.5}},   {{11.9, 0, 1.5}, {0.1, 4, 1.5}}, {{4.1, -1.3, 1.5}, {0.1, 2.5, 1.5}},
-    {{6.7, 0.4, 1.5}, {0.2, 0.2, 1.5}}};
+// The boxes of scene uav_room_sensed that a flight could meet.
+inline std::vector<TrueBox> sensed_room_boxes() {
+  return {{{-2, -4, 3}, {14, 8, 0.2}},   {{-2, -4, 0}, {14, 0.2, 3}},  {{-2, 3.8, 0}, {14, 0.2, 3}},
+          {{-2, -4, 0}, {0.2, 8, 3}},    {{11.8, -4, 0}, {0.2, 8, 3}}, {{4, -3.8, 0}, {0.2, 5, 3}},
+          {{6.5, 0.2, 0}, {0.4, 0.4, 3}}};
+}
 
 // A box that comes up under way: behind the opening of the wall, across the way that the vehicle has taken.
-inline constexpr SensedRoomBox kLateBox{{4.8, 0.7, 1.5}, {0.2, 1.3, 1.5}};
-inline constexpr double kLateBoxFromS = 6.5;
-
-// `[[world.boxes]]` of the scene and the late one, as an override.
-inline std::string boxes_with_late_one() {
-  std::string rows;
-  const auto row = [&rows](const SensedRoomBox& box, double from_s) {
-    const rt::Vector3 low = box.middle_m - box.half_m;
-    rows += (rows.empty() ? "{x_m=" : ",{x_m=") + std::to_string(low.x) + ",y_m=" + std::to_string(low.y) +
-            ",z_m=" + std::to_string(low.z) + ",length_m=" + std::to_string(2 * box.half_m.x) +
-            ",width_m=" + std::to_string(2 * box.half_m.y) + ",height_m=" + std::to_string(2 * box.half_m.z) +
-            ",from_s=" + std::to_string(from_s) + "}";
-  };
-  for (const SensedRoomBox& box : kSensedRoom) row(box, 0);
-  row(kLateBox, kLateBoxFromS);
-  return "world.boxes=[" + rows + "]";
-}
+inline constexpr TrueBox kLateBox{{4.6, -0.6, 0}, {0.4, 2.6, 3}, 6.5};
 
 // Flies the scene, holds the ellipsoid against the true boxes, and replays from the start and from keyframes.
 inline std::map<std::string, std::uint64_t> fly_sensed_room(double seconds,
@@ -52,29 +33,16 @@ inline std::map<std::string, std::uint64_t> fly_sensed_room(double seconds,
   const std::string log = folder.file("room.lcm");
   LiveRunOptions options;
   options.scene = "uav_room_sensed";
-  if (late_box) options.overrides = {boxes_with_late_one()};
+  std::vector<TrueBox> boxes = sensed_room_boxes();
+  if (late_box) boxes.push_back(kLateBox);
+  if (late_box) options.overrides = {world_boxes(boxes)};
   options.seconds = seconds;
   options.virtual_time = true;
   options.record = log;
   options.record_fields = true;
   options.lcm_url = "none";
   const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
-  // The vehicle's own size, without any margin, at each known place of the truth.
-  REQUIRE(static_cast<double>(run.truth.size()) > 50 * seconds);
-  rt::convex::Convex robot = rt::convex::make_swept_ellipsoid({0.45, 0.45, 0.15}, {});
-  for (const auto& truth : run.truth) {
-    robot.p_world_m = {truth.p[0], truth.p[1], truth.p[2]};
-    for (const SensedRoomBox& box : kSensedRoom) {
-      rt::convex::Convex body = rt::convex::make_box(box.half_m);
-      body.p_world_m = box.middle_m;
-      REQUIRE_FALSE(rt::convex::is_collision(rt::convex::query(robot, body).state));
-    }
-    const double since_s = rt::to_seconds(truth.stamp_ns - run.truth.front().stamp_ns);
-    if (!late_box || since_s < kLateBoxFromS) continue;
-    rt::convex::Convex body = rt::convex::make_box(kLateBox.half_m);
-    body.p_world_m = kLateBox.middle_m;
-    REQUIRE_FALSE(rt::convex::is_collision(rt::convex::query(robot, body).state));
-  }
+  CHECK_FALSE(met_a_box(run, boxes));
   const Indexed indexed = replay_and_keep(log, own_vehicles(), {}, 250, keyframe_path(log));
   CHECK(indexed.outcome.results.digest == run.results.digest);
   for (const std::string& start : from) {
