@@ -83,7 +83,7 @@ Status CanSocketPath::send(const void* packet, std::size_t bytes) noexcept {
   if (!there()) return Status::disconnected;
   if (bus_off_ && !try_again(kProbeEvery)) return Status::disconnected;
   if (::send(descriptor_, packet, bytes, MSG_DONTWAIT | MSG_NOSIGNAL) == static_cast<ssize_t>(bytes)) {
-    bus_off_ = false;
+    if (bus_off_) return Status::disconnected;  // nobody knows where it went
     ++counters_.sent;
     return Status::ok;
   }

@@ -14,9 +14,11 @@
 namespace sortie::drivers {
 
 /// A socket, and what became of it. The rules:
-/// - Bus-off ends by the first sign of life: a restart, a controller that says it is active, any frame from
-///   the bus, or a frame of ours that the kernel takes. One is tried every 100 ms, so that a lost restart
-///   frame blocks nothing.
+/// - Bus-off ends by the first sign of life of the bus: a restart, a controller that says it is active, any
+///   frame that is heard. That the kernel takes a frame of ours is none: an interface whose carrier is off
+///   has a queue that takes ten, or one that takes all and drops them. A frame is put out every 100 ms all
+///   the same, refused to who sent it, so that somebody answers where the frame that told of the restart was
+///   lost.
 /// - An interface that is down comes back with the same socket. One that was unplugged has another number
 ///   when it is back: the socket is opened anew, tried every 250 ms, without memory and without waiting.
 /// One thread; no call blocks or allocates after start-up.

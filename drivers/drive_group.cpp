@@ -7,6 +7,11 @@
 
 namespace sortie::drivers {
 
+namespace {
+// Of a process that did not run for so long nobody knows what happened meanwhile.
+constexpr rt::Nanoseconds kLookedAway = 50 * rt::kNanosecondsPerMillisecond;
+}  // namespace
+
 const char* to_string(StopReason reason) {
   static constexpr const char* kNames[] = {"none",
                                            "disarmed",
@@ -37,19 +42,22 @@ bool DriveGroup::fresh(const Source& source, rt::Nanoseconds now_ns) const noexc
   return source.heard && now_ns - source.stamp_ns <= config_.command_timeout_ns;
 }
 
-Status DriveGroup::say(std::size_t which, SourceSays says, rt::Nanoseconds stamp_ns,
+Status DriveGroup::say(std::size_t which, SourceSays says, std::uint32_t asked, rt::Nanoseconds stamp_ns,
                        rt::Nanoseconds now_ns) noexcept {
   if (which >= kMaxSources) return Status::out_of_range;
   Source& source = sources_[which];
   stamp_ns = std::min(stamp_ns, now_ns);  // nothing is younger than now
   if (now_ns - stamp_ns > config_.command_timeout_ns) return Status::stale;
   if (source.heard && stamp_ns < source.stamp_ns) return Status::time_backwards;
-  const bool on = says == SourceSays::on;
-  // A request is the step from off to on. One that comes while a stop is going on was made before its maker
-  // could know of it.
-  const bool hears = state_ == GroupState::off || reason_ == StopReason::disarmed;
-  if (on && !source.on && hears && !pressed_) ask();
-  source.on = on;
+  source.on = says == SourceSays::on;
+  // A request that comes while a stop is going on, or with the end of a silence, may have been made before
+  // its maker could know of it.
+  const bool hears =
+      !hit_ && fresh(source, now_ns) && (state_ != GroupState::stopping || reason_ == StopReason::disarmed);
+  const bool anew = source.latch.hear(asked, hears && source.on);
+  if (!source.on) source.latch.spend();  // who is on again without a request is not obeyed
+  const bool stands = state_ == GroupState::off || state_ == GroupState::stopping;
+  if (anew && stands) ask();
   source.heard = true;
   source.stamp_ns = stamp_ns;
   return Status::ok;
@@ -57,11 +65,15 @@ Status DriveGroup::say(std::size_t which, SourceSays says, rt::Nanoseconds stamp
 
 void DriveGroup::press(bool pressed) noexcept {
   pressed_ = pressed;
-  if (pressed) asked_ = rearms_ = false;
+  if (!pressed) return;
+  hit_ = true;
+  asked_ = rearms_ = false;
+  for (Source& source : sources_) source.latch.spend();
 }
 
 bool DriveGroup::obeys(std::size_t source, rt::Nanoseconds now_ns) const noexcept {
-  return running() && sources_[source].on && fresh(sources_[source], now_ns);
+  const Source& who = sources_[source];
+  return running() && who.on && !who.latch.spent() && fresh(who, now_ns);
 }
 
 // A request that waits for the end of a stop does not outlive what would end a run.
@@ -71,6 +83,7 @@ void DriveGroup::spoil_request(rt::Nanoseconds now_ns) noexcept {
   if (reason == StopReason::none) return;
   asked_ = false;
   reason_ = reason;
+  for (Source& source : sources_) source.latch.spend();
 }
 
 void DriveGroup::ask() noexcept {
@@ -78,13 +91,14 @@ void DriveGroup::ask() noexcept {
   for (std::size_t i = 0; i < count_; ++i) drives_[i]->begin();
 }
 
-// Silence is no "off": a source that asked for the drives and ends without a word stops them.
+// Silence is no "off": a source that asked for the drives and ends without a word stops them. One that is on
+// and has not asked since a stop wants nothing, but must not fall silent either.
 StopReason DriveGroup::judge_sources(rt::Nanoseconds now_ns) const noexcept {
   bool wanted = false;
   for (const Source& source : sources_) {
     if (!source.heard || !source.on) continue;
     if (!fresh(source, now_ns)) return StopReason::command_stale;
-    wanted = true;
+    wanted = wanted || !source.latch.spent();
   }
   return wanted ? StopReason::none : StopReason::disarmed;
 }
@@ -101,7 +115,7 @@ StopReason DriveGroup::judge_drives(rt::Nanoseconds now_ns) const noexcept {
 }
 
 StopReason DriveGroup::judge(bool bus_works, rt::Nanoseconds now_ns) const noexcept {
-  if (pressed_) return StopReason::emergency_stop;
+  if (hit_) return StopReason::emergency_stop;
   if (const StopReason reason = judge_sources(now_ns); reason != StopReason::none) return reason;
   if (!bus_works && state_ != GroupState::waiting) return StopReason::bus_refuses;
   return judge_drives(now_ns);
@@ -118,13 +132,17 @@ void DriveGroup::stop(StopReason reason, rt::Nanoseconds now_ns) noexcept {
   // What a person stopped, and what did not come up, is not tried again by itself.
   rearms_ =
       state_ == GroupState::running && reason != StopReason::disarmed && reason != StopReason::emergency_stop;
-  if (reason != StopReason::disarmed) ++stops_;
+  if (reason != StopReason::disarmed) {
+    ++stops_;
+    for (Source& source : sources_) source.latch.spend(rearms_);
+  }
   enter(torque() ? GroupState::stopping : GroupState::off, now_ns);
 }
 
 bool DriveGroup::may_rearm(rt::Nanoseconds now_ns) noexcept {
   const bool well = all([now_ns](const MotorDrive& drive) { return drive.ready(now_ns); });
-  if (!rearms_ || !well) ill_ns_ = now_ns;
+  const bool looked = now_ns - looked_ns_ <= kLookedAway;
+  if (!rearms_ || !well || !looked) ill_ns_ = now_ns;
   return config_.rearm_ns > 0 && now_ns - ill_ns_ >= config_.rearm_ns;
 }
 
@@ -132,13 +150,22 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
   const rt::Nanoseconds age_ns = now_ns - since_ns_;
   const bool rearms = state_ == GroupState::off && may_rearm(now_ns);
   if (state_ != GroupState::off) ill_ns_ = now_ns;
+  looked_ns_ = now_ns;
   switch (state_) {
     case GroupState::off:
-      if (pressed_) reason_ = StopReason::emergency_stop;
-      if (pressed_ || (!asked_ && !rearms)) break;
-      if (!asked_) ask();
+      if (hit_) reason_ = StopReason::emergency_stop;
+      if (hit_ || (!asked_ && !rearms)) break;
+      if (!asked_) {
+        for (Source& source : sources_) source.latch.revive();
+        ask();
+      }
       asked_ = false;
-      if (judge_sources(now_ns) != StopReason::none) break;  // asked, and took it back
+      if (const StopReason reason = judge_sources(now_ns); reason != StopReason::none) {
+        // Asked, and took it back, or another has fallen silent: it does not wait for who asks next.
+        reason_ = reason;
+        for (Source& source : sources_) source.latch.spend();
+        break;
+      }
       reason_ = StopReason::not_ready;
       enter(GroupState::waiting, now_ns);
       break;
@@ -167,13 +194,14 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
         stop(reason, now_ns);
       break;
     case GroupState::stopping:
-      if (pressed_) reason_ = StopReason::emergency_stop;
+      if (hit_) reason_ = StopReason::emergency_stop;
       if (asked_) spoil_request(now_ns);
       if (age_ns > config_.stop_timeout_ns ||
           all([now_ns](const MotorDrive& drive) { return drive.free(now_ns); }))
         enter(GroupState::off, now_ns);
       break;
   }
+  hit_ = pressed_;
   order(targets, now_ns);
 }
 

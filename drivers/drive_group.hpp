@@ -9,6 +9,7 @@
 #include <span>
 
 #include "drivers/motor_drive.hpp"
+#include "drivers/request_latch.hpp"
 
 namespace sortie::drivers {
 
@@ -16,13 +17,20 @@ namespace sortie::drivers {
 inline constexpr std::size_t kMaxDrives = 8;
 inline constexpr std::size_t kMaxSources = 2;
 
+/// How long frames may be refused before a bus counts as one that does not work: cycles that are due more
+/// rarely than this could not show that it does.
+constexpr rt::Nanoseconds deaf_after(rt::Nanoseconds cycle_ns) {
+  constexpr rt::Nanoseconds kLeast = 50 * rt::kNanosecondsPerMillisecond;
+  return 3 * cycle_ns > kLeast ? 3 * cycle_ns : kLeast;
+}
+
 /// When a run ends, and when another may begin.
 struct DriveGroupConfig {
   /// Silence of a source that asked for the drives.
   rt::Nanoseconds command_timeout_ns = 200 * rt::kNanosecondsPerMillisecond;
-  /// After a stop that nobody asked for the drives are started again when all have been ready for so long, if
-  /// they are still asked for; 0: only when they are asked anew. Never after an emergency stop or a start
-  /// that failed.
+  /// After a stop that nobody asked for the drives are started again when all have been seen ready for so
+  /// long, if they are still asked for; 0: only when they are asked anew. Never after
+  /// an emergency stop or a start that failed.
   rt::Nanoseconds rearm_ns = 0;
   /// How long a request waits for drives that are still being set up.
   rt::Nanoseconds ready_timeout_ns = 5'000 * rt::kNanosecondsPerMillisecond;
@@ -44,9 +52,9 @@ enum class GroupState : std::uint8_t {
 /// What a source of commands says.
 enum class SourceSays : std::uint8_t { off, on };
 
-/// All drives run, or none does. None moves before all run. Every stop that was not asked for needs a new
-/// request: a source that says off, and then on. One thread; no heap, no clock of its own; a few instructions
-/// a drive and call.
+/// All drives run, or none does. None moves before all run. After every stop that was not asked for each
+/// source must ask anew (drivers/request_latch.hpp): the drives start when one does, and obey those that did.
+/// One thread; no heap, no clock of its own; a few instructions a drive and call.
 class DriveGroup {
  public:
   explicit DriveGroup(const DriveGroupConfig& config = {});
@@ -55,12 +63,14 @@ class DriveGroup {
   /// std::runtime_error for none or too many.
   void set_drives(std::span<MotorDrive* const> drives, std::span<const std::uint8_t> sources);
 
-  /// A command of a source, and how old it is when it is taken: `stamp_ns` is when it was made. Status: ok;
+  /// A command of a source, with the number of its newest request, and how old it is when it is taken:
+  /// `stamp_ns` is when it was made. Status: ok;
   /// out_of_range (no such source); stale (older than the time-out: it is as if it had not come);
   /// time_backwards (older than the one before, which stays).
-  [[nodiscard]] Status say(std::size_t source, SourceSays says, rt::Nanoseconds stamp_ns,
+  [[nodiscard]] Status say(std::size_t source, SourceSays says, std::uint32_t asked, rt::Nanoseconds stamp_ns,
                            rt::Nanoseconds now_ns) noexcept;
-  /// The emergency stop. What was asked for until its release is forgotten.
+  /// The emergency stop. What was asked for until its release is forgotten. A press holds until decide() has
+  /// seen it, however short it was.
   void press(bool pressed) noexcept;
 
   /// Once a cycle, before orders go out. `bus_works`: frames can be sent. `targets`: of the drives, by index.
@@ -72,7 +82,7 @@ class DriveGroup {
   bool running() const noexcept { return state_ == GroupState::running; }
   /// Torque may be on, or be asked for.
   bool torque() const noexcept { return state_ >= GroupState::starting; }
-  bool pressed() const noexcept { return pressed_; }
+  bool pressed() const noexcept { return hit_; }
   StopReason reason() const noexcept { return reason_; }
   /// Whether a source's targets are followed in this cycle.
   bool obeys(std::size_t source, rt::Nanoseconds now_ns) const noexcept;
@@ -82,7 +92,8 @@ class DriveGroup {
 
  private:
   struct Source {
-    bool on{true};  // until it says otherwise: whoever begins with "on" has not asked
+    bool on{};
+    RequestLatch latch{};
     rt::Nanoseconds stamp_ns{};
     bool heard{};
   };
@@ -113,10 +124,12 @@ class DriveGroup {
   GroupState state_{GroupState::off};
   StopReason reason_{StopReason::disarmed};
   bool asked_{};
-  bool rearms_{};  // after this stop it may
+  bool rearms_{};  // after this stop they may
   bool pressed_{};
+  bool hit_{};                  // now, or since decide() looked last
   rt::Nanoseconds since_ns_{};  // of the state
-  rt::Nanoseconds ill_ns_{};    // when last not all were ready
+  rt::Nanoseconds ill_ns_{};    // when last not all were ready, or nobody looked
+  rt::Nanoseconds looked_ns_{};
   std::uint64_t stops_{};
   std::uint64_t starts_{};
 };

@@ -16,23 +16,30 @@ struct EmergencyButtonConfig {
   rt::Nanoseconds silence_ns = 0;
 };
 
-/// The button. What cannot be read counts as pressed. Plain; one thread; a few instructions a call.
+/// The button. What cannot be read counts as pressed; a frame with the counter of the one before tells
+/// nothing but a press. Plain; one thread; a few instructions a call.
 class EmergencyButton {
  public:
   explicit EmergencyButton(const EmergencyButtonConfig& config = {}) : config_(config) {}
 
   /// Takes a frame; true: it was the button's.
   bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
-  bool pressed(rt::Nanoseconds now_ns) const noexcept;
+  /// Whether it is pressed, or was since the last call: a press that ended before anybody looked counts once.
+  bool decide(rt::Nanoseconds now_ns) noexcept;
   /// Frames of the button that could not be read.
   std::uint64_t malformed() const noexcept { return malformed_; }
+  /// Frames whose counter did not move.
+  std::uint64_t repeated() const noexcept { return repeated_; }
 
  private:
   EmergencyButtonConfig config_;
   bool heard_{};
   bool pressed_{};
+  bool hit_{};  // a press came since decide() looked last
+  std::int64_t counter_{-1};
   rt::Nanoseconds heard_ns_{};
   std::uint64_t malformed_{};
+  std::uint64_t repeated_{};
 };
 
 /// The frame that a button sends. `counter`: one more with every frame.

@@ -35,8 +35,9 @@ std::vector<FilterRule> stop_filter() {
   std::vector<FilterRule> rules;
   for (const rt::FlyMode mode : {rt::FlyMode::hover, rt::FlyMode::land, rt::FlyMode::stop})
     rules.push_back(rule(kChannelFly, kFlyRequestBytes, kTagBytes, static_cast<std::uint32_t>(mode)));
-  rules.push_back(rule(kChannelDrive, kDriveRequestBytes, kTagBytes + 2 * sizeof(std::int32_t),
-                       static_cast<std::uint32_t>(rt::DriveMode::halt)));
+  for (const rt::DriveMode mode : {rt::DriveMode::halt, rt::DriveMode::emergency})
+    rules.push_back(rule(kChannelDrive, kDriveRequestBytes, kTagBytes + 2 * sizeof(std::int32_t),
+                         static_cast<std::uint32_t>(mode)));
   return rules;
 }
 

@@ -11,7 +11,10 @@ namespace {
 // A pause is not made up for at once.
 constexpr rt::Nanoseconds kLongestStep = 20 * rt::kNanosecondsPerMillisecond;
 
-SourceSays says(std::uint32_t flags) { return (flags & 1u) != 0 ? SourceSays::on : SourceSays::off; }
+// Torque through whatever makes the robot wait: what is wanted and not enabled holds.
+SourceSays says(std::uint32_t flags) {
+  return (flags & (rt::kCommandEnabled | rt::kCommandWanted)) != 0 ? SourceSays::on : SourceSays::off;
+}
 rt::Nanoseconds made_at(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) {
   return stamp_ns == 0 ? now_ns : stamp_ns;
 }
@@ -32,10 +35,11 @@ void UgvDrives::attach(std::span<MotorDrive* const> drives) {
 Status UgvDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept {
   if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
   const Status status =
-      group_.say(kDriveSource, says(command.flags), made_at(command.stamp_ns, now_ns), now_ns);
+      group_.say(kDriveSource, says(command.flags), command.asked, made_at(command.stamp_ns, now_ns), now_ns);
   if (status != Status::ok) return status;
-  wishes_[0] = command.left_m_s * config_.per_m;
-  wishes_[1] = command.right_m_s * config_.per_m;
+  const bool enabled = (command.flags & rt::kCommandEnabled) != 0;
+  wishes_[0] = enabled ? command.left_m_s * config_.per_m : 0.0;
+  wishes_[1] = enabled ? command.right_m_s * config_.per_m : 0.0;
   return Status::ok;
 }
 
@@ -44,8 +48,8 @@ Status UgvDrives::set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns)
     if (!std::isfinite(angle)) return Status::not_finite;
   }
   if (!config_.flippers) return Status::ok;
-  const Status status =
-      group_.say(kFlipperSource, says(command.flags), made_at(command.stamp_ns, now_ns), now_ns);
+  const Status status = group_.say(kFlipperSource, says(command.flags), command.asked,
+                                   made_at(command.stamp_ns, now_ns), now_ns);
   if (status != Status::ok) return status;
   for (std::size_t i = 0; i < rt::kFlippers; ++i)
     wishes_[kTracks + i] = command.angle_rad[i] * config_.per_rad;

@@ -119,6 +119,13 @@ void LiveSession::open_log() {
 }
 
 void LiveSession::connect_devices() {
+  if (!bench_) {
+    try {
+      runtime_.vehicle().open_devices();
+    } catch (const std::runtime_error& error) {
+      throw ProfileError(error.what());
+    }
+  }
   if (!options_.can_interface.empty()) {
     drivers::SocketCanConfig config;
     config.interface = options_.can_interface;

@@ -72,6 +72,18 @@ void Telemetry::publish_outputs(std::int64_t utime) {
   }
 }
 
+void Telemetry::publish_motors(std::int64_t utime) {
+  const std::optional<MotorsNews> news = runtime_.vehicle().motors_news();
+  if (!news) return;
+  const std::vector<drivers::NamedValue> values = {{"emergency", news->emergency ? 1.0 : 0.0},
+                                                   {"running", news->running ? 1.0 : 0.0},
+                                                   {"stop_reason", static_cast<double>(news->stop_reason)}};
+  const std::string channel = std::string(drivers::kChannelFields) + "_motors";
+  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+    return drivers::encode_fields(utime, "motors", values, out, size);
+  }));
+}
+
 void Telemetry::note_parameters(const rt::TaskBase& task) {
   const auto& groups = runtime_.parts().parameters().groups;
   for (std::size_t i = 0; i < groups.size(); ++i) {
@@ -190,6 +202,7 @@ void Telemetry::start() {
       // Answers first, then the state: "admitted" and "halted" in one message were true in that order.
       read_answers();
       publish_outputs(utime);
+      publish_motors(utime);
       publish_answers(utime);
       publish_events();
       publish_segments();

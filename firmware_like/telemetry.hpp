@@ -52,6 +52,7 @@ class Telemetry {
 
  private:
   void publish_outputs(std::int64_t utime);
+  void publish_motors(std::int64_t utime);
   void publish_statistics(std::int64_t utime);
   void publish_events();
   void publish_segments();

@@ -254,16 +254,28 @@ struct VoxelOnMap {
   double normal_world[3]{};  ///< unit vector, its sign means nothing; zero: none
 };
 
+/// How a vehicle's motors are, for who shows it.
+struct MotorsNews {
+  bool emergency{};             ///< an emergency stop is pressed, by whatever input
+  bool running{};               ///< all drives run; motors on the robot's own frames do not tell
+  std::uint32_t stop_reason{};  ///< drivers::StopReason; of the robot's own frames none
+};
+
 /// A vehicle. Build it in the constructor from a VehicleBuilder; the object lives as long as the runtime.
 class Vehicle {
  public:
   virtual ~Vehicle() = default;
+  /// On a robot, before the first poll: opens what the operating system has to give. Never in a replay or
+  /// beside a simulated robot. May allocate and block. Throws std::runtime_error with the cure.
+  virtual void open_devices() {}
   /// Live and simulated runs, on the I/O thread, about every millisecond: read devices into the ports, write
   /// commands. `now_ns`: the run's clock. Never called in a replay.
   virtual void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
     static_cast<void>(devices);
     static_cast<void>(now_ns);
   }
+  /// Motors as of the last poll, from any thread; nothing where there are none.
+  virtual std::optional<MotorsNews> motors_news() const { return {}; }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
   virtual RequestEntry<rt::DriveRequest> drive_requests() { return {}; }
   /// The same for a vehicle that flies (drivers/wire_fly.hpp).

@@ -17,6 +17,7 @@
 #include "hil/plant/tracked_body.hpp"
 #include "hil/rolling_laser.hpp"
 #include "hil/ssl_sensor.hpp"
+#include "hil/stop_script.hpp"
 
 namespace sortie::hil {
 
@@ -44,7 +45,8 @@ struct UgvConfig {
   LidarConfig lidar{};
   RollingLaserConfig rolling_laser{};
   SslConfig ssl{};
-  bool self_hits{};  ///< the range sensors see the robot itself
+  bool self_hits{};               ///< the range sensors see the robot itself
+  std::vector<StopDeed> stops{};  ///< in order of time; not empty: there is an emergency stop's button
   FaultConfig imu_faults{};
   FaultConfig track_faults{};
   FaultConfig lidar_faults{};     ///< only drop and time jump mean something

@@ -64,6 +64,7 @@ UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::Scan
       body_(make_body(config, world_, scene_.get(), kStepNs)),
       drives_(config.drives, port, config.contacts),
       axes_(config.axes, port, config.contacts),
+      stops_(config.stops),
       inertia_({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]}),
       imu_(config.imu, config.seed),
       shell_(config.tracked.plant.vehicle, config.tracked.height_m),
@@ -89,6 +90,7 @@ Status UgvPlant::step(rt::Nanoseconds now_ns) {
 
 void UgvPlant::step_once() {
   ++counters_.steps;
+  play_stops();
   take_commands();
   SensorStep sensors;
   sensors.before = body_->motion();
@@ -103,6 +105,7 @@ void UgvPlant::step_once() {
   const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
   if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
   if (since_start_ns % track_period_ns_ != 0 || config_.drives.enabled || config_.axes.enabled) return;
+  if (!stops_.powered()) return;
   send_tracks(since_start_ns);
   send_flippers();
 }
@@ -152,6 +155,14 @@ void UgvPlant::fire_rays(const SensorStep& step) {
   if (ssl_link_ != nullptr) ssl_.advance(caster_, step, *ssl_link_);
 }
 
+void UgvPlant::play_stops() {
+  const bool was_powered = stops_.powered();
+  stops_.step(now_ns() - config_.start_ns, *port_);
+  if (stops_.powered() == was_powered) return;
+  for (std::size_t i = 0; i < drives_.size(); ++i) drives_.node(i).set_power(stops_.powered());
+  for (std::size_t i = 0; i < axes_.size(); ++i) axes_.node(i).set_power(stops_.powered());
+}
+
 void UgvPlant::take_commands() {
   drivers::CanFrame frame;
   drives_.show(*body_);
@@ -174,7 +185,7 @@ void UgvPlant::take_commands() {
       ++counters_.commands_malformed;
       continue;
     }
-    if (command_faults_.next(now_ns() - config_.start_ns).drop) continue;
+    if (command_faults_.next(now_ns() - config_.start_ns).drop || !stops_.powered()) continue;
     if (heard_ && counter == last_counter_) {
       ++counters_.commands_repeated;
       continue;
@@ -195,7 +206,7 @@ bool UgvPlant::take_flippers(const drivers::CanFrame& frame) {
   if (status == Status::not_supported) return false;
   if (status != Status::ok) {
     ++counters_.commands_malformed;
-  } else if (!command_faults_.next(now_ns() - config_.start_ns).drop &&
+  } else if (!command_faults_.next(now_ns() - config_.start_ns).drop && stops_.powered() &&
              body_->set_flippers(command) == Status::ok) {
     ++counters_.flipper_commands;
   }

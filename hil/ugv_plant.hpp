@@ -110,6 +110,7 @@ class UgvPlant {
   void step_once();
   void note_flippers(double (&flipper_rad)[kFlippers]) const;
   void fire_rays(const SensorStep& step);
+  void play_stops();
   void take_commands();
   void send_imu(rt::Nanoseconds since_start_ns);
   void move_ground(const Motion& before, const Motion& after);
@@ -129,6 +130,7 @@ class UgvPlant {
   std::unique_ptr<VehicleBody> body_;
   VehicleDrives drives_;
   VehicleAxes axes_;
+  StopScript stops_;
   InertialIntegral inertia_;
   ImuModel imu_;
   VehicleShell shell_;

@@ -41,6 +41,7 @@ std::uint32_t DriveGuard::update(const DriveFacts& facts, const rt::PoseEstimate
     hold(!known, kStopPoseLost);
     hold(tilted_ && !facts.though_tilted, kStopTilted);
     hold(facts.stuck, kStopStuck);
+    hold(facts.emergency, kStopEmergency);
   }
   std::uint32_t bit = 1;
   DriveStopCounters::fields(counters_, [&](const char*, std::uint32_t& count) {

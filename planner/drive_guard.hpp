@@ -21,8 +21,9 @@ enum DriveStop : std::uint32_t {
   kStopPoseLost = 32u,       ///< no pose, an old one, or one that is not finite
   kStopTilted = 64u,         ///< roll or pitch beyond its limit
   kStopStuck = 128u,         ///< the route is not getting any nearer
+  kStopEmergency = 256u,     ///< somebody outside has pressed the emergency stop by a request
 };
-inline constexpr std::uint32_t kDriveStops = 8;
+inline constexpr std::uint32_t kDriveStops = 9;
 
 /// Name of one reason, by its bit's number; static text.
 const char* drive_stop_name(std::uint32_t number);
@@ -37,7 +38,8 @@ struct DriveStopCounters {
   std::uint32_t pose_lost{};
   std::uint32_t tilted{};
   std::uint32_t stuck{};
-  SORTIE_FIELDS(starting, halt, command_stale, imu_stale, odometry_stale, pose_lost, tilted, stuck)
+  std::uint32_t emergency{};
+  SORTIE_FIELDS(starting, halt, command_stale, imu_stale, odometry_stale, pose_lost, tilted, stuck, emergency)
 };
 
 /// When a robot is tilted, and how old a pose may be.
@@ -53,6 +55,7 @@ struct DriveGuardConfig {
 struct DriveFacts {
   bool starting{};
   bool halted{};
+  bool emergency{};
   bool command_stale{};
   bool imu_stale{};
   bool odometry_stale{};

@@ -20,7 +20,14 @@ inline constexpr double kFarthestGoal_m = 8000.0;
 
 /// 0: asks for motion, or gives control back. Above 0 it stops, the higher the more final.
 constexpr std::uint32_t stop_rank(const rt::DriveRequest& request) {
-  return request.mode == static_cast<std::uint32_t>(rt::DriveMode::halt) ? 1 : 0;
+  switch (static_cast<rt::DriveMode>(request.mode)) {
+    case rt::DriveMode::halt:
+      return 1;
+    case rt::DriveMode::emergency:
+      return 2;
+    default:
+      return 0;
+  }
 }
 constexpr std::uint32_t stop_rank(const rt::FlyRequest& request) {
   switch (static_cast<rt::FlyMode>(request.mode)) {
@@ -46,9 +53,9 @@ inline Status check_content(const rt::DriveRequest& request, std::int32_t postur
   if (!std::isfinite(request.speed_m_s) || !std::isfinite(request.turn_rad_s)) return Status::not_finite;
   const bool fits = std::fabs(request.speed_m_s) <= kMostAskedSpeed_m_s &&
                     std::fabs(request.turn_rad_s) <= kMostAskedTurn_rad_s &&
-                    request.mode <= static_cast<std::uint32_t>(rt::DriveMode::halt) &&
+                    request.mode <= static_cast<std::uint32_t>(rt::DriveMode::emergency_end) &&
                     request.posture >= -1 && request.posture < postures &&
-                    (request.flags & ~std::uint32_t{rt::kDriveThoughTilted}) == 0;
+                    (request.flags & ~std::uint32_t{rt::kDriveThoughTilted | rt::kDriveAnew}) == 0;
   return fits ? Status::ok : Status::out_of_range;
 }
 inline Status check_content(const rt::FlyRequest& request, std::int32_t) {

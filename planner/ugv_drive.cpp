@@ -44,11 +44,22 @@ Status UgvDrive::set_track_width(double m) {
 Status UgvDrive::request(const rt::DriveRequest& request, rt::Nanoseconds now_ns) {
   const Status status = gate_.take(request, {config_.postures, config_.max_command_age_ns}, now_ns);
   if (status != Status::ok) return status;
+  const auto mode = static_cast<rt::DriveMode>(request.mode);
+  const bool has_control = remote_ && static_cast<rt::DriveMode>(request_.mode) == rt::DriveMode::drive;
+  const bool anew = (request.flags & ~request_.flags & rt::kDriveAnew) != 0;
   request_ = plain(request);
-  const auto mode = static_cast<rt::DriveMode>(request_.mode);
   remote_ = mode != rt::DriveMode::release;
-  // Only a release ends a halt: a stream of speeds that goes on in the background must not.
-  if (mode != rt::DriveMode::drive) halted_ = mode == rt::DriveMode::halt;
+  if (mode == rt::DriveMode::emergency) emergency_ = true;
+  if (mode == rt::DriveMode::emergency_end) emergency_ = false;
+  // Only a release ends a halt: a stream of speeds that goes on in the background must not. What ends an
+  // emergency stop ends no halt.
+  if (mode == rt::DriveMode::release) {
+    halted_ = emergency_;
+  } else if (mode != rt::DriveMode::drive) {
+    halted_ = true;
+  }
+  const bool takes_control = mode == rt::DriveMode::drive && (!has_control || anew);
+  if (!halted_ && (mode == rt::DriveMode::release || takes_control)) ++asked_;
   if (mode == rt::DriveMode::release) follower_.encourage();
   if (request_.posture >= 0) posture_ = request_.posture;
   return status;
@@ -57,11 +68,9 @@ Status UgvDrive::request(const rt::DriveRequest& request, rt::Nanoseconds now_ns
 Status UgvDrive::update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns) {
   if (started_ && now_ns == last_ns_) return Status::time_repeated;
   if (started_ && now_ns < last_ns_) return Status::time_backwards;
-  if (!started_) start_ns_ = now_ns;
   const std::int64_t steps = started_ ? std::min(kMostSteps, (now_ns - last_ns_) / config_.step_ns) : 0;
-  started_ = true;
   last_ns_ = now_ns;
-
+  begin(now_ns);
   const MissionStep* step = mission_.at(now_ns - start_ns_);
   const DriveSource source = in_control(step);
   static_cast<void>(guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns));
@@ -77,6 +86,18 @@ Status UgvDrive::update(const rt::PoseEstimate& pose, const UgvDriveInputs& inpu
     limiter_.step(fitted, limits(), ramps, rt::to_seconds(config_.step_ns));
   put_out(wish, shortened, now_ns);
   return Status::ok;
+}
+
+// The start is asked for once, one update after the first at the soonest: motors that have heard nobody yet
+// could not tell that it is new.
+void UgvDrive::begin(rt::Nanoseconds now_ns) {
+  if (!started_) {
+    start_ns_ = now_ns;
+  } else if (!begun_ && now_ns - start_ns_ >= config_.start_wait_ns) {
+    begun_ = true;
+    if (!halted_) ++asked_;
+  }
+  started_ = true;
 }
 
 TwistLimits UgvDrive::limits() const {
@@ -101,6 +122,7 @@ DriveFacts UgvDrive::facts(DriveSource source, const UgvDriveInputs& inputs, rt:
   DriveFacts facts;
   facts.starting = now_ns - start_ns_ < config_.start_wait_ns;
   facts.halted = halted_;
+  facts.emergency = emergency_;
   facts.command_stale = remote_ && !halted_ && now_ns - request_.stamp_ns > config_.max_command_age_ns;
   facts.imu_stale = inputs.imu_stale;
   facts.odometry_stale = inputs.odometry_stale;
@@ -127,6 +149,12 @@ SpeedTurn UgvDrive::choose(DriveSource source, const MissionStep* step, const rt
   return fit(asked, slow);
 }
 
+// A mission wants motion until its end, which it does not know: its pauses are its own, and no request begins
+// with what comes after them.
+bool UgvDrive::wanted() const {
+  return begun_ && !halted_ && (remote_ || !mission_.empty() || !follower_.done());
+}
+
 void UgvDrive::put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns) {
   const SpeedTurn now = limiter_.now();
   const TrackSpeeds tracks = config_.icr.to_tracks(now.speed_m_s, now.turn_rad_s);
@@ -148,9 +176,12 @@ void UgvDrive::put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns)
   set(!guard_.clear(), kDriveStopping);
   set(shortened, kDriveShortened);
   set(guard_.tilted(), kDriveTilted);
+  set(wanted(), kDriveWanted);
+  set(emergency_, kDriveEmergency);
   output_.stop = guard_.reasons();
   output_.posture = posture_;
   output_.request_counter = gate_.newest;
+  output_.asked = asked_;
   output_.stops = guard_.counters();
   output_.requests = gate_.counters;
 }
@@ -162,6 +193,7 @@ rt::DriveCommand UgvDrive::command() const {
   command.right_m_s = output_.right_m_s;
   command.waypoint = output_.waypoint;
   command.flags = output_.flags;
+  command.asked = output_.asked;
   return command;
 }
 
@@ -169,7 +201,7 @@ void UgvDrive::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ugv drive")
       .fixed(config_)
       .state(follower_, mission_, guard_, gate_, limiter_, request_, output_, start_ns_, last_ns_, started_,
-             remote_, halted_, posture_);
+             remote_, halted_, emergency_, begun_, asked_, posture_);
 }
 
 }  // namespace sortie::planner

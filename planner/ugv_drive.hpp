@@ -31,6 +31,10 @@ enum DriveFlags : std::uint32_t {
   kDriveStopping = 16u,   ///< a stop is being carried through
   kDriveShortened = 32u,  ///< more was asked for than the limits allow; the curvature was kept
   kDriveTilted = 64u,     ///< beyond the limits of roll and pitch, also where it drives all the same
+  /// Somebody is in control who wants to drive, and nobody has said halt. What stops the robot for a while
+  /// (the guard) takes nothing from it, so the motors keep their torque through such a stop.
+  kDriveWanted = rt::kCommandWanted,
+  kDriveEmergency = rt::kCommandEmergency,  ///< an emergency stop was asked for
 };
 
 /// What the drive decides, and why. For telemetry, digest and the drives.
@@ -46,6 +50,7 @@ struct UgvDriveOutput {
   std::uint32_t stop{};            ///< bits of DriveStop: every reason that holds
   std::int32_t posture{-1};        ///< of the flippers; -1: as they are
   std::int64_t request_counter{};  ///< newest that was taken; the next request's lies above it
+  std::uint32_t asked{};           ///< how often somebody has asked for motion (rt::DriveCommand)
   DriveStopCounters stops;
   RequestCounters requests;
 
@@ -62,6 +67,7 @@ struct UgvDriveOutput {
     visit("stop", self.stop);
     visit("posture", self.posture);
     visit("request_counter", self.request_counter);
+    visit("asked", self.asked);
     visit("stops_starting", self.stops.starting);
     visit("stops_halt", self.stops.halt);
     visit("stops_command_stale", self.stops.command_stale);
@@ -70,6 +76,7 @@ struct UgvDriveOutput {
     visit("stops_pose_lost", self.stops.pose_lost);
     visit("stops_tilted", self.stops.tilted);
     visit("stops_stuck", self.stops.stuck);
+    visit("stops_emergency", self.stops.emergency);
     visit("requests_taken", self.requests.taken);
     visit("requests_not_finite", self.requests.not_finite);
     visit("requests_out_of_range", self.requests.out_of_range);
@@ -106,6 +113,12 @@ struct UgvDriveInputs {
 /// control until a release; silence in control is a stop, not a way back to the mission. Every stop brakes on
 /// the arc with the stop ramps and ends as DriveGuard says. About 4.5 kB; no heap; bounded time: about 0.3
 /// us, and at most 32 steps of the limiter after a pause.
+///
+/// Motors that were stopped (an emergency stop, a drive that was lost) start when they are asked anew, and
+/// the drive alone says what that is; the guard's going and coming never is. Motion is asked for
+/// - by the start of a mission or a route, once the wait is over, unless it starts halted;
+/// - by a release, which ends a halt, too;
+/// - by the request that takes control, and by one that has kDriveAnew where the one before had it not.
 class UgvDrive {
  public:
   explicit UgvDrive(const UgvDriveConfig& config);
@@ -149,6 +162,8 @@ class UgvDrive {
   DriveFacts facts(DriveSource source, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns) const;
   SpeedTurn choose(DriveSource source, const MissionStep* step, const rt::PoseEstimate& pose,
                    rt::Nanoseconds now_ns);
+  bool wanted() const;
+  void begin(rt::Nanoseconds now_ns);
   void put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns);
 
   UgvDriveConfig config_;
@@ -164,6 +179,9 @@ class UgvDrive {
   bool started_{};
   bool remote_{};
   bool halted_{};
+  bool emergency_{};
+  bool begun_{};  // the wait at the start is over
+  std::uint32_t asked_{};
   std::int32_t posture_{-1};
 };
 

@@ -152,13 +152,24 @@ struct PoseEstimate {
   }
 };
 
+/// Bits of DriveCommand::flags and, the first, of FlipperCommand::flags.
+enum CommandFlags : std::uint32_t {
+  kCommandEnabled = 1u,  ///< the motors shall follow
+  kCommandWanted =
+      128u,  ///< somebody wants motion, also while something makes the robot wait: torque stays on
+  kCommandEmergency = 256u,  ///< as an emergency stop that is pressed
+};
+
 /// What the drives are asked to do.
 struct DriveCommand {
   Nanoseconds stamp_ns{};
   double left_m_s{};
   double right_m_s{};
   std::uint32_t waypoint{};  ///< number of the waypoint driven to
-  std::uint32_t flags{};     ///< bit 0: enabled
+  std::uint32_t flags{};     ///< bits of CommandFlags
+  /// How often somebody has asked for motion. Motors that were stopped start when it has risen since, and by
+  /// nothing else: that a speed is wanted again, or enabled again, is no request.
+  std::uint32_t asked{};
 
   template <class Self, class Visitor>
   static constexpr void fields(Self& self, Visitor&& visit) {
@@ -167,23 +178,30 @@ struct DriveCommand {
     visit("right_m_s", self.right_m_s);
     visit("waypoint", self.waypoint);
     visit("flags", self.flags);
+    visit("asked", self.asked);
   }
 };
 /// A command to stand, or to leave the drives to their brakes (rt/command_outlet.hpp).
 constexpr bool stops(const DriveCommand& command) {
-  return (command.flags & 1u) == 0 || (command.left_m_s == 0.0 && command.right_m_s == 0.0);
+  return (command.flags & kCommandEnabled) == 0 || (command.flags & kCommandEmergency) != 0 ||
+         (command.left_m_s == 0.0 && command.right_m_s == 0.0);
 }
 
 /// Values of DriveRequest::mode.
 enum class DriveMode : std::uint32_t {
-  drive,    ///< speed and turn rate, and from now on whoever asks is in control
-  release,  ///< hands control back to the mission; also ends a halt
-  halt,     ///< stops and stays, until a release
+  drive,          ///< speed and turn rate, and from now on whoever asks is in control
+  release,        ///< hands control back to the mission; also ends a halt
+  halt,           ///< stops and stays, until a release
+  emergency,      ///< as an emergency stop that is pressed: no torque, until emergency_end
+  emergency_end,  ///< as its release: from then on it is a halt
 };
 
 /// Bits of DriveRequest::flags.
 enum DriveRequestFlags : std::uint32_t {
   kDriveThoughTilted = 1u,  ///< drive slowly although the robot is tilted, to get it off
+  /// Who asks knows of what stopped the motors, and asks anew. It counts where the request before had it not:
+  /// a stream that always has it asks once.
+  kDriveAnew = 2u,
 };
 
 /// What somebody outside asks the drive to do, as it was admitted.
@@ -218,12 +236,14 @@ struct FlipperCommand {
   Nanoseconds stamp_ns{};
   double angle_rad[kFlippers]{};
   std::uint32_t flags{};  ///< bit 0: enabled
+  std::uint32_t asked{};  ///< as DriveCommand's
 
   template <class Self, class Visitor>
   static constexpr void fields(Self& self, Visitor&& visit) {
     visit("stamp_ns", self.stamp_ns);
     visit("angle_rad", self.angle_rad);
     visit("flags", self.flags);
+    visit("asked", self.asked);
   }
 };
 /// A command that leaves the flippers to their brakes (rt/command_outlet.hpp).

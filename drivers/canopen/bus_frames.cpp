@@ -19,12 +19,13 @@ std::vector<CanStream> bus_frames(const UgvNodesConfig& config) {
   // Ours leave through one interface, SYNC before the commands.
   constexpr int kOurs = 0;
   add("sync", kSyncId, 0, sync_ns)->queue = kOurs;
-  add("heartbeat of the runtime", kHeartbeatId + config.line.node, 1, config.heartbeat_ns)->queue = kOurs;
+  add("heartbeat of the runtime", kHeartbeatId + config.line.node, 1, config.line.heartbeat_ns)->queue =
+      kOurs;
   const auto drive = [&](std::uint8_t node) {
     const std::string of = " of drive " + std::to_string(node);
     add("command" + of, kRpdo1Id + node, 6, sync_ns)->queue = kOurs;
     add("reading" + of, kTpdo1Id + node, 8, sync_ns)->after = 0;
-    add("heartbeat" + of, kHeartbeatId + node, 1, config.heartbeat_ns);
+    add("heartbeat" + of, kHeartbeatId + node, 1, config.line.heartbeat_ns);
   };
   for (const std::uint8_t node : config.track_nodes) drive(node);
   for (const std::uint8_t node : config.flipper_nodes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One drive as its master sees it: found, set up, started, watched, commanded.
+// One drive as the runtime sees it: found, set up, started, watched, commanded.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,6 @@ namespace sortie::drivers::canopen {
 namespace {
 
 constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
-constexpr rt::Nanoseconds kDeafFor = 50 * kMs;       // a bus that takes no frames for so long does not work
 constexpr rt::Nanoseconds kObeysWithin = 200 * kMs;  // a drive that was told to have no torque
 constexpr rt::Nanoseconds kStopsFirst = 50 * kMs;    // quick stops alone, before network management
 constexpr int kLifeCycleFrames = 2;                  // of a poll
@@ -47,7 +46,9 @@ bool NodeLine::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   return false;
 }
 
-bool NodeLine::works(rt::Nanoseconds now_ns) const noexcept { return now_ns - whole_ns_ <= kDeafFor; }
+bool NodeLine::works(rt::Nanoseconds now_ns) const noexcept {
+  return now_ns - whole_ns_ <= deaf_after(config_.sync_period_ns);
+}
 
 // Until the last of the drives' consumers has run out, counted from a heartbeat that may be under way.
 rt::Nanoseconds NodeLine::cut_lasts() const noexcept {
@@ -56,26 +57,28 @@ rt::Nanoseconds NodeLine::cut_lasts() const noexcept {
   return longest_ns + 2 * config_.heartbeat_ns;
 }
 
-void NodeLine::begin_cut(rt::Nanoseconds now_ns) noexcept {
-  cut_ = true;
-  cut_ns_ = now_ns;
-  ++counters_.cuts;
-}
-
 void NodeLine::watch(bool off, rt::Nanoseconds now_ns) noexcept {
   if (!polled_) {
     polled_ = true;
     next_sync_ns_ = next_heartbeat_ns_ = whole_ns_ = off_ns_ = now_ns;
+    // A drive that a process before this one left under torque must not be fed before it is known.
+    cut_ = true;
+    cut_ns_ = now_ns;
   }
   if (!off) off_ns_ = now_ns;
+  const rt::Nanoseconds obeys_within_ns = std::max(kObeysWithin, 4 * config_.sync_period_ns);
   bool lost = false;
   for (Drive& drive : drives_) {
     drive.watch(now_ns);
-    const bool disobeys = now_ns - off_ns_ > kObeysWithin && drive.phase() == DrivePhase::operational &&
+    const bool disobeys = now_ns - off_ns_ > obeys_within_ns && drive.phase() == DrivePhase::operational &&
                           drive.ready(now_ns) && !drive.free(now_ns);
     lost = drive.take_loss() || disobeys || lost;
   }
-  if (lost && !cut_) begin_cut(now_ns);
+  if (lost && !cut_) {
+    cut_ = true;
+    cut_ns_ = now_ns;
+    ++counters_.cuts;
+  }
   if (!cut_ || now_ns - cut_ns_ < cut_lasts()) return;
   cut_ = false;
   off_ns_ = now_ns;

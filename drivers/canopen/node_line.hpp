@@ -21,7 +21,7 @@ struct NodeLineConfig {
 /// Counts since construction.
 struct NodeLineCounters {
   std::uint64_t syncs{};
-  std::uint64_t cuts{};          ///< times our heartbeat was withheld
+  std::uint64_t cuts{};          ///< times our heartbeat was withheld, but for the start
   std::uint64_t unknown_node{};  ///< CANopen frames of nodes that are not ours
   std::uint64_t other_frames{};  ///< frames that are no CANopen of this kind
   std::uint64_t send_refused{};
@@ -44,7 +44,7 @@ struct NodeLineCounters {
 /// Cut: a drive that is lost, or does not obey a stop, cannot be trusted to hear. From then on every drive is
 /// told to stop quickly, those that do not say that they are free are stopped by network management as well,
 /// and our heartbeat is withheld until each drive's own consumer must have stopped it: what hears nothing but
-/// heartbeats stops by that alone. Then all are found and set up again.
+/// heartbeats stops by that alone. Then all are found and set up again. The line begins with a cut.
 ///
 /// No heap after construction, no clock of its own, one thread. If this process dies, its heartbeat ends, and
 /// every drive stops by itself after heartbeat_timeout.
@@ -71,7 +71,6 @@ class NodeLine {
   const NodeLineCounters& counters() const noexcept { return counters_; }
 
  private:
-  void begin_cut(rt::Nanoseconds now_ns) noexcept;
   rt::Nanoseconds cut_lasts() const noexcept;
   bool next_command(rt::Nanoseconds now_ns, CanBus& bus) noexcept;
   void send_life_cycle(rt::Nanoseconds now_ns, CanBus& bus) noexcept;

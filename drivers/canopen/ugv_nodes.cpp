@@ -25,7 +25,7 @@ std::vector<DriveConfig> drives_of(const UgvNodesConfig& config) {
   DriveConfig drive;
   drive.master = config.line.node;
   drive.sync_period_ns = config.line.sync_period_ns;
-  drive.heartbeat_ns = config.heartbeat_ns;
+  drive.heartbeat_ns = config.line.heartbeat_ns;
   drive.heartbeat_timeout_ns = config.heartbeat_timeout_ns;
   std::vector<DriveConfig> drives;
   drive.quick_stop_s2 = rate(config.quick_stop_m_s2, config.increments_per_m, "quick_stop_m_s2");
@@ -45,8 +45,13 @@ std::vector<DriveConfig> drives_of(const UgvNodesConfig& config) {
   return drives;
 }
 
+// A start is three steps of CiA 402 and a fault's reset, each a command, and a reading a cycle later.
+constexpr int kStartCycles = 12;
+
 drivers::UgvDrivesConfig shared_of(const UgvNodesConfig& config) {
-  return {.group = config.group,
+  DriveGroupConfig group = config.group;
+  group.start_timeout_ns = std::max(group.start_timeout_ns, kStartCycles * config.line.sync_period_ns);
+  return {.group = group,
           .flippers = config.flippers,
           .per_m = config.increments_per_m,
           .per_rad = config.increments_per_rad};
@@ -74,6 +79,7 @@ UgvNodes::UgvNodes(const UgvNodes& other)
       config_(other.config_),
       line_(other.line_),
       travel_(other.travel_),
+      set_ups_(other.set_ups_),
       tracks_ns_(other.tracks_ns_),
       flippers_ns_(other.flippers_ns_) {
   attach_all();
@@ -101,15 +107,21 @@ bool UgvNodes::all_read(std::size_t first, std::size_t count) const noexcept {
   return true;
 }
 
+// A drive that was set up again may count from zero: travel goes on from where it was.
+double UgvNodes::travel_m(std::size_t track) noexcept {
+  const Drive& drive = line_.drive(track);
+  if (set_ups_[track] != drive.counters().set_ups) travel_[track].rebase();
+  set_ups_[track] = drive.counters().set_ups;
+  return static_cast<double>(travel_[track].add(drive.reading().position)) / config_.increments_per_m;
+}
+
 Status UgvNodes::read(rt::TrackSample& sample) noexcept {
   if (line_.sync_ns() <= tracks_ns_ || !all_read(0, kTracks)) return Status::empty;
   tracks_ns_ = line_.sync_ns();
   sample = {};
   sample.stamp_ns = tracks_ns_;
-  sample.left_m =
-      static_cast<double>(travel_[0].add(line_.drive(0).reading().position)) / config_.increments_per_m;
-  sample.right_m =
-      static_cast<double>(travel_[1].add(line_.drive(1).reading().position)) / config_.increments_per_m;
+  sample.left_m = travel_m(0);
+  sample.right_m = travel_m(1);
   return Status::ok;
 }
 

@@ -25,11 +25,10 @@ struct UgvNodesConfig {
   double quick_stop_rad_s2 = 20.0;  ///< of a flipper's
   NodeLineConfig line{};
   DriveGroupConfig group{};
-  rt::Nanoseconds heartbeat_ns = 50 * rt::kNanosecondsPerMillisecond;
   rt::Nanoseconds heartbeat_timeout_ns = 150 * rt::kNanosecondsPerMillisecond;
 };
 
-/// What these drives and their master put on the bus again and again, for can_load(). Set-up only.
+/// What these drives and the runtime put on the bus again and again, for can_load(). Set-up only.
 std::vector<CanStream> bus_frames(const UgvNodesConfig& config);
 
 /// An increment counter that wraps at 32 bits, as a number that does not.
@@ -37,6 +36,8 @@ class IncrementCount {
  public:
   /// The first reading is 0.
   std::int64_t add(std::int32_t reading) noexcept;
+  /// The counter may count from elsewhere now: the next reading is where the last one was.
+  void rebase() noexcept { begun_ = false; }
 
  private:
   std::int64_t total_{};
@@ -67,10 +68,12 @@ class UgvNodes final : public UgvDrives {
  private:
   void attach_all();
   bool all_read(std::size_t first, std::size_t count) const noexcept;
+  double travel_m(std::size_t track) noexcept;
 
   UgvNodesConfig config_;
   NodeLine line_;
   std::array<IncrementCount, 2> travel_{};
+  std::array<std::uint64_t, 2> set_ups_{};  // of the tracks, at the newest sample
   rt::Nanoseconds tracks_ns_{-1};
   rt::Nanoseconds flippers_ns_{-1};
 };

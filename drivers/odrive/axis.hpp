@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One axis of an ODrive as its master sees it, on the CANSimple protocol (drivers/dbc/odrive.dbc): found, set
-// up, its watchdog proved, watched, commanded.
+// One axis of an ODrive as the runtime sees it, on the CANSimple protocol (drivers/dbc/odrive.dbc): found,
+// set up, its watchdog proved, watched, commanded.
 #pragma once
 
 #include <cstddef>
@@ -81,9 +81,9 @@ struct AxisCounters {
 /// limits not even there, so both are sent anew in every start. No heap, no clock of its own, about 100 ns a
 /// call. One thread.
 ///
-/// An axis that is lost under torque is told to stand and then to be idle, for half a second; after that
-/// nothing is sent to it, for every frame feeds its watchdog, and that is what stops an axis that does not
-/// obey. The same is done with one that is told to be idle and is not.
+/// An axis that is lost under torque is told to stand for half a second and then to be idle for a quarter;
+/// after that nothing is sent to it, for every frame feeds its watchdog, and that is what stops an axis that
+/// does not obey. The same is done with one that is told to be idle and is not.
 class Axis final : public MotorDrive {
  public:
   /// Throws std::runtime_error where a setting cannot be used.

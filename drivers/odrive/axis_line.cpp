@@ -7,13 +7,6 @@
 #include "drivers/drive_group.hpp"
 
 namespace sortie::drivers::odrive {
-namespace {
-
-// A bus that takes no frames for so long does not work.
-constexpr rt::Nanoseconds kDeafFor = 50 * rt::kNanosecondsPerMillisecond;
-
-}  // namespace
-
 AxisLine::AxisLine(const AxisLineConfig& config, std::span<const AxisConfig> axes) : config_(config) {
   if (axes.empty() || axes.size() > kMaxDrives)
     throw std::runtime_error("odrive: a line has 1 to " + std::to_string(kMaxDrives) + " axes");
@@ -40,7 +33,9 @@ bool AxisLine::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
   return false;
 }
 
-bool AxisLine::works(rt::Nanoseconds now_ns) const noexcept { return now_ns - whole_ns_ <= kDeafFor; }
+bool AxisLine::works(rt::Nanoseconds now_ns) const noexcept {
+  return now_ns - whole_ns_ <= deaf_after(config_.period_ns);
+}
 
 void AxisLine::watch(bool torque, rt::Nanoseconds now_ns) noexcept {
   if (!polled_) next_ns_ = whole_ns_ = now_ns;

@@ -28,7 +28,7 @@ struct UgvAxesConfig {
   DriveGroupConfig group{};
 };
 
-/// What these axes and their master put on the bus again and again, for can_load(): estimates (and currents
+/// What these axes and the runtime put on the bus again and again, for can_load(): estimates (and currents
 /// of flippers) every 10 ms, heartbeats three in a silence. Set-up only.
 std::vector<CanStream> bus_frames(const UgvAxesConfig& config);
 

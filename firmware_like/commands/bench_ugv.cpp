@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/commands/bench_ugv.hpp"
 
+#include <algorithm>
+
 #include "drivers/can_stub.hpp"
 #include "drivers/ssl_port.hpp"
 #include "firmware_like/commands/bench_course.hpp"
@@ -39,6 +41,26 @@ void read_drives(Profile& profile, hil::UgvConfig& config) {
   }
 }
 
+std::vector<hil::StopDeed> read_stops(Profile& profile) {
+  using Kind = ColumnSpec::Kind;
+  using What = hil::StopDeed::What;
+  constexpr const char* kNames[] = {"press", "release", "power_off", "power_on"};
+  const std::vector<ColumnSpec> columns = {{"at_s", Kind::number, {0, 0, 1e7, "s"}, true},
+                                           {"what", Kind::text, {}, true}};
+  std::vector<hil::StopDeed> deeds;
+  for (const ProfileRow& row : profile.rows("hil.stops", columns, 64,
+                                            "what: press or release the emergency stop's button on the bus, "
+                                            "power_off or power_on of all drives")) {
+    const rt::Nanoseconds at_ns = milliseconds(1e3 * row.numbers.at("at_s"));
+    if (!deeds.empty() && at_ns <= deeds.back().at_ns)
+      profile.fail(row.path, "at_s must rise from row to row");
+    const auto found = std::find(std::begin(kNames), std::end(kNames), row.texts.at("what"));
+    if (found == std::end(kNames)) profile.fail(row.path, "what is press, release, power_off or power_on");
+    deeds.push_back({at_ns, static_cast<What>(found - std::begin(kNames))});
+  }
+  return deeds;
+}
+
 hil::UgvConfig read_config(Profile& profile) {
   hil::UgvConfig config;
   const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
@@ -74,6 +96,7 @@ hil::UgvConfig read_config(Profile& profile) {
   read_inertial(profile, config);
   read_course(profile, config);
   read_drives(profile, config);
+  config.stops = read_stops(profile);
   return config;
 }
 

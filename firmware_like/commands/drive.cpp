@@ -88,10 +88,24 @@ bool is_halted(const RequestClient& client) {
   return client.has_state() && (words_of(client).stop & planner::kStopHalt) != 0;
 }
 
+// Pressed by a request: a button's press is the drives' own business (emergency_pressed).
+bool is_emergency(const RequestClient& client) {
+  return client.has_state() && (words_of(client).stop & planner::kStopEmergency) != 0;
+}
+
+rt::DriveMode mode_of(const std::string& what) {
+  if (what == "halt") return rt::DriveMode::halt;
+  if (what == "emergency") return rt::DriveMode::emergency;
+  if (what == "emergency-end") return rt::DriveMode::emergency_end;
+  return what == "release" ? rt::DriveMode::release : rt::DriveMode::drive;
+}
+
 // True when the robot itself says that what was asked is so: admitted, and done.
 bool is_done(const RequestClient& client, const std::string& what, std::int64_t first) {
   if (!client.is_admitted(first) || !client.has_state()) return false;
   if (what == "halt") return is_halted(client) && words_of(client).stands();
+  if (what == "emergency") return is_emergency(client);
+  if (what == "emergency-end") return !is_emergency(client);
   if (is_halted(client)) return false;
   return what == "release" ||
          words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::remote);
@@ -145,6 +159,11 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
   if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
   if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
   if (!client.has_state()) return whose + "the request was admitted, but the drive does not say what it does";
+  if (what == "emergency")
+    return whose + "the request was admitted, but the drive does not say that it is stopped";
+  if (what == "emergency-end") return whose + "the request was admitted, but the emergency stop still holds";
+  if (what != "halt" && is_emergency(client))
+    return whose + "the emergency stop was asked for; sortie drive emergency-end and then release end that";
   if (what != "halt" && is_halted(client))
     return whose + "the request was admitted, but the robot is " +
            (what == "go" ? "halted; sortie drive release ends that" : "still halted");
@@ -169,7 +188,8 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
   request.speed_m_s = options.speed_m_s;
   request.turn_rad_s = options.turn_rad_s;
   request.posture = options.posture;
-  request.flags = options.though_tilted ? static_cast<std::int32_t>(rt::kDriveThoughTilted) : 0;
+  request.flags = static_cast<std::int32_t>((options.though_tilted ? rt::kDriveThoughTilted : 0u) |
+                                            (options.what == "go" ? rt::kDriveAnew : 0u));
   bool done = false;
   std::int64_t first = 0;
   if (options.what == "go") {
@@ -182,15 +202,15 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
     if (!options.json && done) show(options, client, done);
     if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
     // The robot is never left driving: a request may have been taken although its answer was not heard. That
-    // these are taken says nothing of those before.
+    // these are taken says nothing of those before. The next go is anew again.
     request.speed_m_s = request.turn_rad_s = 0;
+    request.flags &= ~static_cast<std::int32_t>(rt::kDriveAnew);
     repeat(client, request, done ? ms_of(options.seconds) : 5 * kRepeat, [&](std::int64_t from) {
       return is_done(client, options.what, from) && words_of(client).stands();
     });
   } else {
     request.speed_m_s = request.turn_rad_s = 0;
-    request.mode =
-        static_cast<std::int32_t>(options.what == "halt" ? rt::DriveMode::halt : rt::DriveMode::release);
+    request.mode = static_cast<std::int32_t>(mode_of(options.what));
     first = repeat(client, request, ms_of(options.seconds), [&](std::int64_t from) {
       done = is_done(client, options.what, from);
       return done || interrupted.load();
@@ -205,18 +225,22 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
 
 void add_drive(Command& app, CommandContext& context) {
   auto options = std::make_shared<DriveOptions>();
-  Command* command = app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release");
+  Command* command =
+      app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release, emergency");
   command->footer(
       "go asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release, and "
       "ends "
       "with 0\n"
       "only when the robot says that it is halted and stands; release hands control back to the mission.\n"
+      "emergency takes the torque off the drives; emergency-end leaves the robot halted. After any "
+      "emergency\n"
+      "stop, or a drive that was lost, go and release ask the drives anew; nothing else does.\n"
       "Examples:\n"
       "  sortie drive go --speed 0.3 --turn 0.2 --for 5\n"
       "  sortie drive halt --secret robot.secret\n"
       "  sortie drive release");
-  command->add_option("what", options->what, "go, halt or release")
-      ->one_of({"go", "halt", "release"})
+  command->add_option("what", options->what, "go, halt, release, emergency or emergency-end")
+      ->one_of({"go", "halt", "release", "emergency", "emergency-end"})
       ->capture_default_str();
   command->add_option("--speed", options->speed_m_s, "m/s, negative backwards")->capture_default_str();
   command->add_option("--turn", options->turn_rad_s, "rad/s, positive to the left")->capture_default_str();

@@ -62,9 +62,8 @@ drivers::canopen::UgvNodesConfig read_canopen(Profile& profile, const Shared& sh
   config.rated_torque_n_m =
       profile.number("drives.rated_torque_n_m",
                      {config.rated_torque_n_m, 0.001, 1e6, "N m", "canopen: of a flipper, for its torque"});
-  ms(profile, "drives.heartbeat_ms", config.heartbeat_ns, 10'000,
+  ms(profile, "drives.heartbeat_ms", config.line.heartbeat_ns, 10'000,
      "canopen: of each drive and of the runtime, whole ms");
-  config.line.heartbeat_ns = config.heartbeat_ns;
   return config;
 }
 
@@ -120,6 +119,12 @@ EmergencyConfig read_emergency(Profile& profile) {
       "emergency.gpio_line", {0, 0, 1023, "", "line of the emergency stop's contact on that chip"}));
   line.active_low = profile.flag("emergency.gpio_active_low", true,
                                  "pressed is the low level, as where a broken wire counts as pressed");
+  // A line that somebody wrote down and nobody reads would be a stop that does not stop.
+  for (const char* key : {"emergency.gpio_line", "emergency.gpio_active_low"}) {
+    if (chip.empty() && profile.has(key))
+      profile.fail(
+          key, "belongs to no chip; set emergency.gpio_chip, such as \"/dev/gpiochip0\", or leave it out");
+  }
   if (!chip.empty()) config.gpio = line;
   return config;
 }

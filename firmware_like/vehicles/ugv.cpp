@@ -119,7 +119,7 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
       devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
     }
   }
-  if (rt::kBuilt<rt::Part::drive> && drive_ && button_.take(frame, now_ns)) return;
+  if (rt::kBuilt<rt::Part::drive> && drive_ && emergency_.take(frame, now_ns)) return;
   if (motors_ && motors_->take(frame, now_ns)) return;
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
@@ -129,9 +129,14 @@ void Ugv::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt:
     static_cast<void>(imu_port_->push(sample.imu, now_ns));
   } else if (sample.kind == drivers::CanSampleKind::track && track_port_ != nullptr) {
     static_cast<void>(track_port_->push(sample.track, now_ns));
+    if (rt::kBuilt<rt::Part::drive>) own_motors_.note_tracks(now_ns);
   } else if (sample.kind == drivers::CanSampleKind::flipper && flipper_port_ != nullptr) {
     static_cast<void>(flipper_port_->push(sample.flipper, now_ns));
   }
+}
+
+void Ugv::open_devices() {
+  if (rt::kBuilt<rt::Part::drive> && drive_) emergency_.open();
 }
 
 void Ugv::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {

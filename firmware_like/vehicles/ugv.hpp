@@ -3,17 +3,18 @@
 // drives and flippers out.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
 #include "drivers/can_codec.hpp"
-#include "drivers/emergency_button.hpp"
-#include "drivers/gpio_line.hpp"
 #include "drivers/ugv_motors.hpp"
 #include "estimators/track_odometry.hpp"
 #include "firmware_like/owned_part.hpp"
 #include "firmware_like/vehicle.hpp"
 #include "firmware_like/vehicles/chosen_attitude.hpp"
+#include "firmware_like/vehicles/emergency_inputs.hpp"
+#include "firmware_like/vehicles/own_motors.hpp"
 #include "firmware_like/vehicles/ugv_map.hpp"
 #include "firmware_like/vehicles/ugv_ssl.hpp"
 #include "planner/flipper_postures.hpp"
@@ -27,6 +28,8 @@ class Ugv final : public Vehicle, public UnitTryer {
  public:
   explicit Ugv(VehicleBuilder& builder);
 
+  void open_devices() override;
+  std::optional<MotorsNews> motors_news() const override;
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   drivers::ScanSink* scan_sink() override {
     return rt::kBuilt<rt::Part::map> && map_ ? map_->port() : nullptr;
@@ -59,13 +62,10 @@ class Ugv final : public Vehicle, public UnitTryer {
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
   void add_motors(VehicleBuilder& builder);
-  void add_emergency(VehicleBuilder& builder);
-  bool emergency(rt::Nanoseconds now_ns) noexcept;
   void add_bus_frames(VehicleBuilder& builder);
   void send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns);
   void send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
                       const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns);
-  bool send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command);
   void add_pose_input(VehicleBuilder& builder, rt::GroupId group);
   void add_ssl(VehicleBuilder& builder, rt::GroupId group);
   void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
@@ -101,26 +101,17 @@ class Ugv final : public Vehicle, public UnitTryer {
   // Devices.
   drivers::CanSampleDecoder decoder_;
   std::unique_ptr<drivers::UgvMotors> motors_;  ///< null: they speak the robot's own frames
-  drivers::EmergencyButton button_;
-  drivers::GpioLine emergency_line_;
-  std::optional<drivers::GpioLineConfig> emergency_config_;
-  bool emergency_asked_{};
-  bool emergency_{};
-  bool own_stopped_{};  // an emergency stop, and not asked anew since
-  std::uint64_t emergency_stops_{};
+  OwnMotors own_motors_;
+  EmergencyInputs emergency_;
+  bool emergency_asked_{};                    // by the newest command
+  std::atomic<std::uint32_t> motors_news_{};  // MotorsNews in one word, so that it is read whole
   rt::Nanoseconds device_epoch_ns_{};
   std::uint32_t imu_kind_{};
   bool track_aid_{};
-  bool obstacles_{};          // the odometry knows obstacles
-  bool obstacle_flippers_{};  // and is told the flippers' angles
-  rt::Nanoseconds next_command_ns_{};
-  std::uint8_t command_counter_{};
-  rt::Nanoseconds next_flippers_ns_{};
-  std::uint8_t flipper_counter_{};
-  std::uint64_t commands_sent_{};
-  std::uint64_t commands_refused_{};
-  std::uint64_t flipper_commands_sent_{};
-  std::uint64_t flipper_commands_refused_{};
+  bool obstacles_{};                    // the odometry knows obstacles
+  bool obstacle_flippers_{};            // and is told the flippers' angles
+  OwnMotors::Counters drive_commands_;  // that motors of another protocol took, or refused
+  OwnMotors::Counters flipper_commands_;
 };
 
 }  // namespace sortie::firmware

@@ -10,11 +10,6 @@
 
 namespace sortie::firmware {
 
-namespace {
-constexpr rt::Nanoseconds kCommandEvery = 10 * rt::kNanosecondsPerMillisecond;  // 2 % of a 500 kbit/s bus
-constexpr rt::Nanoseconds kFlippersEvery = 20 * rt::kNanosecondsPerMillisecond;
-}  // namespace
-
 void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   Profile& profile = builder.profile();
   DriveSetup setup = read_drive_setup(builder);
@@ -55,32 +50,7 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
   add_drive_counters(builder);
   if (rt::kBuilt<rt::Part::flippers> && flippers_) add_flippers(builder, group);
   add_motors(builder);
-  add_emergency(builder);
-}
-
-void Ugv::add_emergency(VehicleBuilder& builder) {
-  const EmergencyConfig config = read_emergency(builder.profile());
-  button_ = drivers::EmergencyButton(config.button);
-  builder.counter("emergency_pressed", [this] { return std::uint64_t{emergency_ ? 1u : 0u}; });
-  builder.counter("emergency_stops", [this] { return emergency_stops_; });
-  builder.counter("emergency_malformed", [this] { return button_.malformed(); });
-  emergency_config_ = config.gpio;
-}
-
-// Pressed by any of its inputs; one that cannot be read counts as pressed.
-bool Ugv::emergency(rt::Nanoseconds now_ns) noexcept {
-  bool line = false;
-  if (emergency_config_) {
-    // At the first call: a replay has no lines.
-    std::string problem;
-    if (!emergency_asked_) static_cast<void>(emergency_line_.open(*emergency_config_, problem));
-    emergency_asked_ = true;
-    if (emergency_line_.read(line) != Status::ok) line = true;
-  }
-  const bool pressed = line || button_.pressed(now_ns);
-  if (pressed && !emergency_) ++emergency_stops_;
-  emergency_ = pressed;
-  return pressed;
+  emergency_.set_up(builder);
 }
 
 void Ugv::add_motors(VehicleBuilder& builder) {
@@ -113,8 +83,8 @@ void Ugv::add_bus_frames(VehicleBuilder& builder) {
     add_device_frames(builder, tracks, "can.track_hz", 100, "how often the tracks' encoders send");
   if (flipper_states_ != nullptr)
     add_device_frames(builder, states, "can.flipper_hz", 100, "how often the flippers tell their state");
-  if (drive_outlet_ != nullptr) add_own_frames(builder, drive, kCommandEvery);
-  if (flipper_outlet_ != nullptr) add_own_frames(builder, flippers, kFlippersEvery);
+  if (drive_outlet_ != nullptr) add_own_frames(builder, drive, OwnMotors::kDriveEvery);
+  if (flipper_outlet_ != nullptr) add_own_frames(builder, flippers, OwnMotors::kFlippersEvery);
 }
 
 void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {
@@ -129,8 +99,10 @@ void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, doubl
 }
 
 void Ugv::add_drive_counters(VehicleBuilder& builder) {
-  builder.counter("commands_sent", [this] { return commands_sent_; });
-  builder.counter("commands_refused", [this] { return commands_refused_; });
+  builder.counter("commands_sent",
+                  [this] { return drive_commands_.sent + own_motors_.drive_counters().sent; });
+  builder.counter("commands_refused",
+                  [this] { return drive_commands_.refused + own_motors_.drive_counters().refused; });
   const planner::UgvDrive* drive = drive_.get();
   builder.counter("waypoints_reached", [drive] { return drive->follower().reached; });
   // Every reason to stop by its name, and what became of requests.
@@ -147,6 +119,7 @@ void Ugv::add_drive_counters(VehicleBuilder& builder) {
 
 void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
   listen_to_flippers(builder, group);
+  own_motors_ = OwnMotors(true);
   flipper_outlet_ = builder.outlet<rt::FlipperCommand>(group, "flippers");
   flipper_task_ = builder.task<planner::FlipperOutput>(
       group, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
@@ -162,64 +135,51 @@ void Ugv::add_flippers(VehicleBuilder& builder, rt::GroupId group) {
         command.stamp_ns = output.stamp_ns;
         for (std::uint32_t i = 0; i < rt::kFlippers; ++i) command.angle_rad[i] = output.angle_rad[i];
         command.flags = output.flags & planner::kFlippersEnabled;
+        command.asked = drive.asked;  // who asks for motion asks for all of it
         flipper_outlet_->put(command);
       });
   builder.remembers(flipper_task_, *flippers_);
-  builder.counter("flipper_commands_sent", [this] { return flipper_commands_sent_; });
-  builder.counter("flipper_commands_refused", [this] { return flipper_commands_refused_; });
+  builder.counter("flipper_commands_sent",
+                  [this] { return flipper_commands_.sent + own_motors_.flipper_counters().sent; });
+  builder.counter("flipper_commands_refused",
+                  [this] { return flipper_commands_.refused + own_motors_.flipper_counters().refused; });
 }
 
 void Ugv::send_commands(drivers::CanBus& can, rt::Nanoseconds now_ns) {
-  // The bus has room for one every so often. Until then the newest waits in the outlet.
-  const bool paced = !motors_;
   rt::DriveCommand command;
-  const bool has_command = drive_outlet_ != nullptr && (!paced || now_ns >= next_command_ns_) &&
+  const bool has_command = drive_outlet_ != nullptr && (motors_ || own_motors_.drive_is_due(now_ns)) &&
                            drive_outlet_->take(now_ns, command);
   rt::FlipperCommand flippers;
-  const bool has_flippers = flipper_outlet_ != nullptr && (!paced || now_ns >= next_flippers_ns_) &&
+  const bool has_flippers = flipper_outlet_ != nullptr && (motors_ || own_motors_.flippers_are_due(now_ns)) &&
                             flipper_outlet_->take(now_ns, flippers);
-  const bool pressed = emergency(now_ns);
+  if (has_command) emergency_asked_ = (command.flags & rt::kCommandEmergency) != 0;
+  const bool pressed = emergency_.poll(emergency_asked_, now_ns);
+  const auto reason = motors_ ? static_cast<std::uint32_t>(motors_->stop_reason()) : 0u;
+  motors_news_.store((pressed ? 1u : 0u) | (motors_ && motors_->running() ? 2u : 0u) | reason << 8u,
+                     std::memory_order_relaxed);
   if (motors_) {
     motors_->press(pressed);
     send_to_motors(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, now_ns);
-    return;
-  }
-  // As DriveGroup has it: what was asked for before the release does not run after it.
-  if (pressed) own_stopped_ = true;
-  if (!pressed && has_command && (command.flags & 1u) == 0) own_stopped_ = false;
-  if (own_stopped_) {
-    command.left_m_s = command.right_m_s = 0.0;
-    command.flags = flippers.flags = 0;
-  }
-  if (has_command) {
-    drivers::CanFrame frame;
-    if (drivers::encode_drive(command, command_counter_, frame) == Status::ok &&
-        can.send(frame) == Status::ok) {
-      ++command_counter_;
-      ++commands_sent_;
-      next_command_ns_ = now_ns + kCommandEvery;
-    } else {
-      ++commands_refused_;
-    }
-  }
-  if (!has_flippers) return;
-  if (send_flippers(can, flippers)) {
-    ++flipper_commands_sent_;
-    next_flippers_ns_ = now_ns + kFlippersEvery;
-  } else {
-    ++flipper_commands_refused_;
+  } else if (drive_outlet_ != nullptr) {
+    own_motors_.poll(can, has_command ? &command : nullptr, has_flippers ? &flippers : nullptr, pressed,
+                     now_ns);
   }
 }
 
-/// The motors' master says by itself when something goes out.
+std::optional<MotorsNews> Ugv::motors_news() const {
+  if (!drive_) return {};
+  const std::uint32_t word = motors_news_.load(std::memory_order_relaxed);
+  return MotorsNews{(word & 1u) != 0, (word & 2u) != 0, word >> 8u};
+}
+
+/// These motors say by themselves when something goes out.
 void Ugv::send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
                          const rt::FlipperCommand* flippers, rt::Nanoseconds now_ns) {
-  const auto note = [](Status status, std::uint64_t& good, std::uint64_t& bad) {
-    ++(status == Status::ok ? good : bad);
+  const auto note = [](Status status, OwnMotors::Counters& counters) {
+    ++(status == Status::ok ? counters.sent : counters.refused);
   };
-  if (command != nullptr) note(motors_->set(*command, now_ns), commands_sent_, commands_refused_);
-  if (flippers != nullptr)
-    note(motors_->set(*flippers, now_ns), flipper_commands_sent_, flipper_commands_refused_);
+  if (command != nullptr) note(motors_->set(*command, now_ns), drive_commands_);
+  if (flippers != nullptr) note(motors_->set(*flippers, now_ns), flipper_commands_);
   motors_->poll(now_ns, can);
   // A full stream counts its refusals.
   rt::TrackSample tracks;
@@ -228,16 +188,6 @@ void Ugv::send_to_motors(drivers::CanBus& can, const rt::DriveCommand* command,
   rt::FlipperSample state;
   if (motors_->read(state) == Status::ok && flipper_port_ != nullptr)
     static_cast<void>(flipper_port_->push(state, now_ns));
-}
-
-/// Both pairs, or a refusal; the counter rises with every attempt that put something on the bus, so that no
-/// pair takes the next command for a repeat.
-bool Ugv::send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command) {
-  drivers::CanFrame frames[2];
-  if (drivers::encode_flippers(command, flipper_counter_, frames) != Status::ok) return false;
-  if (can.send(frames[0]) != Status::ok) return false;
-  ++flipper_counter_;
-  return can.send(frames[1]) == Status::ok;
 }
 
 }  // namespace sortie::firmware

@@ -37,7 +37,6 @@ void add_state(VehicleBuilder& builder, const std::string& prefix, const drivers
   builder.counter(prefix + "stop_reason", [all] { return static_cast<std::uint64_t>(all->stop_reason()); });
   builder.counter(prefix + "stops", [all] { return all->group().stops(); });
   builder.counter(prefix + "starts", [all] { return all->group().starts(); });
-  builder.counter(prefix + "emergency_stop", [all] { return std::uint64_t{all->pressed() ? 1u : 0u}; });
 }
 
 }  // namespace

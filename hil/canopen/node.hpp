@@ -40,7 +40,7 @@ struct CanopenNodeCounters {
   std::uint64_t received{};
   std::uint64_t sent{};
   std::uint64_t refused{};         ///< frames that the port did not take
-  std::uint64_t heartbeat_lost{};  ///< the master's
+  std::uint64_t heartbeat_lost{};  ///< of the one that it consumes
   std::uint64_t boots{};
   std::uint64_t faults{};
 };

@@ -83,6 +83,8 @@ class AxisNode {
   double velocity_limit() const noexcept { return velocity_limit_; }
   double current_limit() const noexcept { return current_limit_; }
   const AxisNodeCounters& counters() const noexcept { return counters_; }
+  /// When it last heard what feeds its watchdog; -1: never.
+  rt::Nanoseconds fed_ns() const noexcept { return fed_ns_; }
   AxisNodeConfig& config() noexcept { return config_; }
   void set_port(drivers::CanBus& port) noexcept { port_ = &port; }
 

@@ -75,7 +75,7 @@ TEST_CASE("the queue of stops holds stops alone, and no crowd hides one") {
   send({1, 2, 3});
   for (std::size_t length = 8; length < 100; ++length) send(Bytes(length, 2));
   const std::vector<std::pair<std::string, std::int32_t>> wanted{
-      {"fly", 1}, {"drive", 2}, {"fly", 2}, {"fly", 3}};
+      {"fly", 1}, {"drive", 2}, {"fly", 2}, {"drive", 3}, {"fly", 3}};
   CHECK(modes_in(stops) == wanted);
   CHECK(stops.counters().malformed == 0);
   // Nobody reads for a while, and the common queue runs over before the halt comes.

@@ -58,19 +58,20 @@ TEST_CASE("telemetry is written as lcm-gen writes it and comes back") {
   rt::DriveCommand command;
   command.left_m_s = 0.25;
   command.waypoint = 7;
+  command.asked = 3;
   fields_t fields_twin{};
   fields_twin.utime = 35;
   fields_twin.task = "drive";
-  fields_twin.n = 5;
-  fields_twin.name = {"stamp_ns", "left_m_s", "right_m_s", "waypoint", "flags"};
-  fields_twin.value = {0, 0.25, 0, 7, 0};
+  fields_twin.n = 6;
+  fields_twin.name = {"stamp_ns", "left_m_s", "right_m_s", "waypoint", "flags", "asked"};
+  fields_twin.value = {0, 0.25, 0, 7, 0, 3};
   const Bytes field_bytes =
       exact([&](auto out, auto& size) { return encode_fields(35, "drive", command, out, size); });
   CHECK(field_bytes == generated_bytes(fields_twin));
   FieldsMessage fields_back;
   REQUIRE(decode(field_bytes, fields_back) == Status::ok);
   CHECK(fields_back.task == "drive");
-  REQUIRE(fields_back.values.size() == 5);
+  REQUIRE(fields_back.values.size() == 6);
   CHECK(fields_back.values[1].name == "left_m_s");
   CHECK(fields_back.values[1].value == 0.25);
 }

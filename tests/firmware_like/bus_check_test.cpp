@@ -51,7 +51,9 @@ TEST_CASE("bus check: the frames are those of the scene's protocol") {
   const BusCheck own = bus_of("ugv_pallet", {});
   CHECK((has(own, 0x110) && has(own, 0x130) && has(own, 0x120)));
   CHECK_FALSE(has(own, 0x80));
-  const BusCheck canopen = bus_of("ugv_canopen", {});
+  CHECK_FALSE(has(own, 0x101));  // nobody says that there is a button
+  const BusCheck canopen = bus_of("ugv_canopen", {"emergency.button_timeout_ms=150"});
+  CHECK(has(canopen, 0x101));
   CHECK((has(canopen, 0x80) && has(canopen, 0x201) && has(canopen, 0x18B) && has(canopen, 0x120)));
   CHECK_FALSE(has(canopen, 0x110));
   const BusCheck odrive = bus_of("ugv_odrive", {});

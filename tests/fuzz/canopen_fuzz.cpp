@@ -62,40 +62,41 @@ class Robot {
     command_.left_m_s = 0.25;
     command_.right_m_s = -0.25;
   }
-  void inject(const CanFrame& frame) { static_cast<void>(master_.take(frame, now_ns_)); }
+  void inject(const CanFrame& frame) { static_cast<void>(ours_.take(frame, now_ns_)); }
   void inject_to_drives(const CanFrame& frame) {
     for (hil::CanopenNode& node : nodes_) node.hear(frame, now_ns_);
   }
   void enable(bool on) {
+    if (on && command_.flags == 0) ++command_.asked;
     command_.flags = on ? 1 : 0;
     enabled_ = on;
-    require(master_.set(command_, now_ns_) == Status::ok);
+    require(ours_.set(command_, now_ns_) == Status::ok);
   }
   void set_speed(double left_m_s) {
     rt::DriveCommand command = command_;
     command.left_m_s = left_m_s;
     const bool finite = std::isfinite(left_m_s);
-    require(master_.set(command, now_ns_) == (finite ? Status::ok : Status::not_finite));
+    require(ours_.set(command, now_ns_) == (finite ? Status::ok : Status::not_finite));
   }
   void press(bool pressed) {
     pressed_ = pressed;
-    master_.press(pressed);
+    ours_.press(pressed);
   }
   void lose(std::uint8_t next) { lose_ = next; }
   void change(std::uint8_t bits) { change_ = bits; }
-  void refuse(bool on) { master_port_.refuses = on; }
+  void refuse(bool on) { ours_port_.refuses = on; }
   hil::CanopenNode& node(std::uint8_t i) { return nodes_[i % nodes_.size()]; }
-  bool running() const { return master_.running(); }
+  bool running() const { return ours_.running(); }
 
   // A millisecond of the bus.
   void step() {
     now_ns_ += rt::kNanosecondsPerMillisecond;
     for (hil::CanopenNode& node : nodes_) node.show({});
-    master_.poll(now_ns_, master_port_);
+    ours_.poll(now_ns_, ours_port_);
     // Before new frames come: what they say is decided upon at the next poll.
-    for (std::size_t i = 0; i < master_.line().size(); ++i)
-      require(!running() || master_.line().drive(i).phase() != DrivePhase::setting_up);
-    const int sent = master_port_.drain([this](CanFrame frame) {
+    for (std::size_t i = 0; i < ours_.line().size(); ++i)
+      require(!running() || ours_.line().drive(i).phase() != DrivePhase::setting_up);
+    const int sent = ours_port_.drain([this](CanFrame frame) {
       disturb(frame);
       for (hil::CanopenNode& node : nodes_) node.hear(frame, now_ns_);
     });
@@ -108,7 +109,7 @@ class Robot {
       }
       disturb(frame);
       frame.stamp_ns = now_ns_;
-      static_cast<void>(master_.take(frame, now_ns_));
+      static_cast<void>(ours_.take(frame, now_ns_));
     });
     look();
   }
@@ -120,20 +121,20 @@ class Robot {
     change_ = 0;
   }
   void look() {
-    if (pressed_ || !enabled_) require(!master_.running());
+    if (pressed_ || !enabled_) require(!ours_.running());
     rt::TrackSample track;
-    if (master_.read(track) == Status::ok) {
+    if (ours_.read(track) == Status::ok) {
       require(track.stamp_ns > last_track_ns_ && std::isfinite(track.left_m) && std::isfinite(track.right_m));
       last_track_ns_ = track.stamp_ns;
     }
     rt::FlipperSample flippers;
-    if (master_.read(flippers) == Status::ok) {
+    if (ours_.read(flippers) == Status::ok) {
       for (const auto angle : flippers.angle_rad) require(std::isfinite(angle));
     }
   }
-  Port master_port_;
+  Port ours_port_;
   Port drives_port_;
-  UgvNodes master_{UgvNodesConfig{}};
+  UgvNodes ours_{UgvNodesConfig{}};
   std::vector<hil::CanopenNode> nodes_;
   rt::DriveCommand command_;
   rt::Nanoseconds now_ns_{};

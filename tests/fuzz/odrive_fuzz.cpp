@@ -55,6 +55,7 @@ struct FuzzRobot {
 
   void enable(bool on) {
     enabled = on;
+    if (on && drive.flags == 0) ++drive.asked;
     drive.flags = on ? 1 : 0;
     require(motors.set(drive, now_ns) == Status::ok);
   }

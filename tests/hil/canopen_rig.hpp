@@ -14,6 +14,7 @@
 #include "drivers/canopen/ugv_nodes.hpp"
 #include "hil/canopen/node.hpp"
 #include "hil/drive_axis.hpp"
+#include "tests/hil/asker.hpp"
 
 namespace sortie::hil::test {
 
@@ -24,7 +25,7 @@ class CanopenRig {
 
   explicit CanopenRig(const drivers::CanStubConfig& bus = {},
                       const drivers::canopen::UgvNodesConfig& config = {})
-      : stub_(bus), port_(&stub_.attach("master")), listener_(&stub_.attach("listener")) {
+      : stub_(bus), port_(&stub_.attach("runtime")), listener_(&stub_.attach("listener")) {
     for (const std::uint8_t number : std::initializer_list<std::uint8_t>{1, 2, 11, 12, 13, 14}) {
       ports_.push_back(&stub_.attach("drive " + std::to_string(number)));
       nodes_.push_back(std::make_unique<CanopenNode>(number, *ports_.back()));
@@ -108,11 +109,14 @@ class CanopenRig {
     flippers.stamp_ns = now_;
     for (std::size_t i = 0; i < 2; ++i) flippers.angle_rad[i] = 1e-4 * targets_[2 + i];
     drive.flags = flippers.flags = armed_ ? 1u : 0u;
+    drive_asks_(drive);
+    flippers_ask_(flippers);
     // Finite, and of this moment.
     static_cast<void>(drives_->set(drive, now_));
     static_cast<void>(drives_->set(flippers, now_));
   }
 
+  Asker drive_asks_, flippers_ask_;
   drivers::CanStub stub_;
   drivers::CanBus* port_;
   drivers::CanBus* listener_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The CANopen master against simulated drives: how they come up, what each loss does and how soon, and the
-// way back without a restart.
+// The runtime's side of CANopen against simulated drives: how they come up, what each loss does and how soon,
+// and the way back without a restart.
 #include <catch2/catch.hpp>
 
 #include "tests/hil/canopen_rig.hpp"

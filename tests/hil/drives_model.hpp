@@ -13,7 +13,7 @@ namespace sortie::hil::test {
 
 /// What can happen next. Those that last are switched on, and off again when they come up once more.
 enum class Deed : std::uint8_t {
-  request,  ///< the operator says off, and then on
+  request,  ///< the operator says off, and then on, for the tracks
   silence,  ///< the tracks' source falls silent, or speaks again
   loss,     ///< a drive loses its power, or gets it
   mute,     ///< a drive is not read any more, or is
@@ -21,32 +21,45 @@ enum class Deed : std::uint8_t {
   bus_off,  ///< our controller leaves the bus, or is back
   press,    ///< the emergency stop is pressed, or released
   starve,   ///< the process does not run for longer than the drives wait
+  // Where there are flippers.
+  flippers_request,
+  flippers_silence,
 };
 inline constexpr int kDeeds = 8;
+inline constexpr int kDeedsWithFlippers = 10;
 
 /// A world, its judge, and what was done.
 template <class Kind>
 struct DrivesModel {
   DrivesWorld<Kind> world;
   DrivesOracle<Kind> oracle;
-  bool rearms{};
   bool unpowered{};
   bool muted{};
+  bool pressed{};
   std::string found{};  ///< what the judge said first
 
   void pass(int ms) {
     for (int i = 0; i < ms && found.empty(); ++i) {
       world.step();
       oracle.set_broken(unpowered || muted || world.bus_off() || world.starved_);
-      found = oracle.look(world, rearms);
+      found = oracle.look(world);
     }
   }
   void act(Deed deed) {
+    const bool had_torque = Kind::torque(world.node(0));
     switch (deed) {
       case Deed::request:
-        world.ask(false);
+        world.ask_drive(false);
         pass(12);
-        world.ask(true);
+        world.ask_drive(true);
+        break;
+      case Deed::flippers_request:
+        world.ask_flippers(false);
+        pass(12);
+        world.ask_flippers(true);
+        break;
+      case Deed::flippers_silence:
+        world.flippers_speak_ = !world.flippers_speak_;
         break;
       case Deed::silence:
         world.drive_speaks_ = !world.drive_speaks_;
@@ -54,22 +67,26 @@ struct DrivesModel {
       case Deed::loss:
         unpowered = !unpowered;
         world.node(1).set_power(!unpowered);
+        if (unpowered) oracle.note_loss(world.now());
         break;
       case Deed::mute:
         muted = !muted;
         Kind::mute(world.node(1), muted);
         break;
       case Deed::fault:
-        // A fault on top of a fault is forgotten with it.
-        if (!Kind::has_fault(world.node(0)) && !Kind::in_set_up(world.runtime()))
-          oracle.note_fault(world.now());
+        // A fault on top of a fault is forgotten with it, and a drive that has not booted has none.
+        if (Kind::has_fault(world.node(0))) break;
         Kind::fault(world.node(0));
+        if (Kind::has_fault(world.node(0)) && !world.fault_shown())
+          oracle.note_fault(had_torque, world.now());
         break;
       case Deed::bus_off:
         world.set_bus_off(!world.bus_off());
         break;
       case Deed::press:
-        world.runtime().press(!world.runtime().pressed());
+        pressed = !pressed;
+        world.runtime().press(pressed);
+        oracle.note_press(pressed);
         break;
       case Deed::starve:
         world.starved_ = true;
@@ -79,6 +96,8 @@ struct DrivesModel {
     }
   }
 
+  int deeds() const { return world.size() > 2 ? kDeedsWithFlippers : kDeeds; }
+
   /// What is alike here is alike from here on, but for tens of milliseconds.
   std::uint64_t likeness() {
     std::uint64_t h = 1469598103934665603ull;
@@ -86,8 +105,8 @@ struct DrivesModel {
     const auto& group = world.runtime().group();
     add(static_cast<std::uint64_t>(group.state()));
     add(static_cast<std::uint64_t>(group.reason()));
-    add(unpowered | muted << 1 | world.bus_off() << 2 | world.runtime().pressed() << 3 |
-        world.drive_speaks_ << 4);
+    add(unpowered | muted << 1 | world.bus_off() << 2 | pressed << 3 | world.drive_speaks_ << 4 |
+        world.flippers_speak_ << 5);
     add(static_cast<std::uint64_t>(group.age_ns(world.now()) / (40 * DrivesWorld<Kind>::kMs)) & 63u);
     for (std::size_t i = 0; i < world.size(); ++i) {
       add(static_cast<std::uint64_t>(world.node(i).state()));
@@ -106,10 +125,24 @@ struct DrivesModel {
         add(world.node(i).error());
       }
     }
+    add(world.fault_shown());
     add(oracle.likeness(world.now()));
     return h;
   }
 };
+
+/// A model whose drives have been asked for, with or without success.
+template <class Kind>
+DrivesModel<Kind> asked_model(bool flippers, rt::Nanoseconds rearm_ns, int set_up_ms = 3000) {
+  typename Kind::Config config;
+  config.group.rearm_ns = rearm_ns;
+  DrivesModel<Kind> model{DrivesWorld<Kind>(flippers, config), DrivesOracle<Kind>(rearm_ns)};
+  model.world.swing_rad_ = flippers ? 0.5 : 0.0;
+  model.world.ask(false);
+  model.pass(set_up_ms);
+  model.world.ask(true);
+  return model;
+}
 
 /// How a search went.
 struct SearchResult {
@@ -136,7 +169,7 @@ class DrivesSearch {
   void go(const DrivesModel<Kind>& from, int depth) {
     ++result_.states;
     if (from.world.runtime().running()) ++result_.running;
-    for (int deed = 0; deed < kDeeds && depth > 0 && result_.found.empty(); ++deed) {
+    for (int deed = 0; deed < from.deeds() && depth > 0 && result_.found.empty(); ++deed) {
       DrivesModel<Kind> next(from);
       way_.push_back(deed);
       next.act(static_cast<Deed>(deed));

@@ -11,20 +11,10 @@ using namespace sortie::hil::test;
 namespace {
 
 template <class Kind>
-DrivesModel<Kind> running_model(rt::Nanoseconds rearm_ns = 0) {
-  typename Kind::Config config;
-  config.group.rearm_ns = rearm_ns;
-  DrivesModel<Kind> model{DrivesWorld<Kind>(false, config), {}, rearm_ns > 0};
-  model.world.ask(false);
-  model.pass(3000);
-  model.world.ask(true);
+SearchResult searched(int depth, int dwell_ms, bool merges, rt::Nanoseconds rearm_ns = 0,
+                      bool flippers = false) {
+  DrivesModel<Kind> model = asked_model<Kind>(flippers, rearm_ns);
   model.pass(600);
-  return model;
-}
-
-template <class Kind>
-SearchResult searched(int depth, int dwell_ms, bool merges, rt::Nanoseconds rearm_ns = 0) {
-  const DrivesModel<Kind> model = running_model<Kind>(rearm_ns);
   REQUIRE(model.found == "");
   REQUIRE(model.world.runtime().running());
   REQUIRE(model.world.driven(0));
@@ -59,5 +49,19 @@ TEMPLATE_TEST_CASE("drives model: and of five where what is alike is gone on fro
     CAPTURE(told(result));
     CHECK(result.found.empty());
     CHECK(result.states > 1000);
+  }
+}
+
+TEMPLATE_TEST_CASE(
+    "drives model: flippers have a source of their own, and the tracks' requests are not theirs", "[model]",
+    CanopenKind, OdriveKind) {
+  for (const int rearm_ms : {0, 300}) {
+    CAPTURE(rearm_ms);
+    const SearchResult result =
+        searched<TestType>(3, 120, false, rearm_ms * rt::kNanosecondsPerMillisecond, true);
+    CAPTURE(told(result));
+    CHECK(result.found.empty());
+    CHECK(result.states == 1 + 10 + 100 + 1000);
+    CHECK(result.running > 10);
   }
 }

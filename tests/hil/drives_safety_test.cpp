@@ -363,4 +363,59 @@ TEST_CASE("drives: a drive that is found under torque is stopped before it is se
   CHECK(world.runtime().running());
 }
 
+TEMPLATE_TEST_CASE("drives: a cycle that is longer than a bus may be deaf runs", "", CanopenKind,
+                   OdriveKind) {
+  typename TestType::Config config;
+  if constexpr (std::is_same_v<TestType, CanopenKind>) {
+    config.line.sync_period_ns = 100 * kMs;
+    config.heartbeat_timeout_ns = 400 * kMs;
+  } else {
+    config.line.period_ns = 100 * kMs;
+    config.silence_ns = 500 * kMs;
+  }
+  DrivesWorld<TestType> world(false, config);
+  if constexpr (std::is_same_v<TestType, OdriveKind>) {
+    for (const std::size_t i : {0, 1}) world.node(i).config().watchdog_ns = 400 * kMs;
+  }
+  world.ask(false);
+  world.run(8000);
+  world.ask(true);
+  CHECK(way(world, 5000) > 0.5);
+  CHECK(world.runtime().running());
+}
+
+TEST_CASE("drives: a new process does not feed a drive that it does not know") {
+  DrivesWorld<CanopenKind> world;
+  REQUIRE(world.bring_up());
+  world.node(1).set_hears_heartbeats_alone(true);
+  world.lives_ = false;
+  world.run(60);
+  REQUIRE(world.node(1).command().on);
+  world.restart();
+  world.lives_ = true;
+  world.run(600);
+  CHECK_FALSE(world.torque());
+}
+
+TEMPLATE_TEST_CASE("drives: travel goes on where a drive counts from zero again", "", CanopenKind,
+                   OdriveKind) {
+  DrivesWorld<TestType> world;
+  REQUIRE(world.bring_up());
+  world.run(4000);
+  world.ask(false);
+  world.run(1500);
+  const double before = world.tracks_.left_m;
+  REQUIRE(std::fabs(before) > 1.0);
+  world.node(0).set_power(false);
+  world.axis(0) = DriveAxis(world.axis(0).config());  // its encoder's new zero is where it stands
+  world.run(1000);
+  world.node(0).set_power(true);
+  world.run(5000);
+  CHECK(world.tracks_.left_m == Approx(before).margin(0.01));
+  world.request();
+  world.run(3000);
+  CHECK(std::fabs(world.tracks_.left_m - before) > 0.5);
+  CHECK(std::fabs(world.tracks_.left_m - before) < 2.0);
+}
+
 }  // namespace sortie::hil::test

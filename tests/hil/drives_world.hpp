@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "drivers/can_frames.hpp"
 #include "drivers/canopen/ugv_nodes.hpp"
 #include "drivers/odrive/ugv_axes.hpp"
+#include "drivers/odrive_dbc.hpp"
 #include "hil/canopen/node.hpp"
 #include "hil/drive_axis.hpp"
 #include "hil/odrive/axis_node.hpp"
@@ -54,14 +56,16 @@ struct CanopenKind {
   static bool runs(const CanopenNode& node) {
     return node.state() == drivers::canopen::DriveState::operation_enabled;
   }
-  /// Follows a speed, or an angle that is not where it stands.
-  static bool driven(const CanopenNode& node, const DriveAxis& axis, bool track) {
-    if (!runs(node)) return false;
-    return track ? node.command().velocity != 0
-                 : std::fabs(node.command().position - axis.position()) > 400.0;
+  /// Its target, where it runs: a speed, or a position. What holds has speed 0, or a target that stays.
+  static double target(const CanopenNode& node, bool track) {
+    return track ? node.command().velocity : node.command().position;
   }
+  /// A fault counts from when it comes up: its emergency tells at once.
+  static constexpr bool kTold = false;
+  static bool tells_of_it(const drivers::CanFrame&) { return false; }
+  static bool tells_fault(const drivers::CanFrame&) { return false; }
+  static bool fed_since(const CanopenNode&, rt::Nanoseconds) { return true; }
   static void fault(CanopenNode& node) { node.fail(0x2310); }
-  static bool in_set_up(const Runtime&) { return false; }
   static bool has_fault(const CanopenNode& node) {
     return node.state() == drivers::canopen::DriveState::fault;
   }
@@ -86,17 +90,23 @@ struct OdriveKind {
   static void show(AxisNode& node, const DriveAxis& axis) { node.show({axis.position(), axis.speed(), 0.0}); }
   static bool torque(const AxisNode& node) { return node.command().on; }
   static bool runs(const AxisNode& node) { return node.command().on && node.error() == 0; }
-  static bool driven(const AxisNode& node, const DriveAxis& axis, bool track) {
-    if (!node.command().on) return false;
-    return track ? std::fabs(node.command().turns_s) > 1e-6
-                 : std::fabs(node.command().turns - axis.position()) > 0.64;
+  static double target(const AxisNode& node, bool track) {
+    return track ? node.command().turns_s : node.command().turns;
   }
-  static void fault(AxisNode& node) { node.fail(0x40); }
-  /// An error that comes up then may be forgotten by the set-up before a heartbeat tells of it, or looks like
-  /// the watchdog's: docs/odrive.md says so.
-  static bool in_set_up(const Runtime& runtime) {
-    return runtime.line().axis(0).phase() != drivers::odrive::AxisPhase::ready ||
-           runtime.line().axis(0).error() != 0;
+  static constexpr std::uint32_t kFault = 0x40;
+  static void fault(AxisNode& node) { node.fail(kFault); }
+  /// CANSimple answers nothing, so a fault is known from the first heartbeat that tells of it: one that a
+  /// set-up has forgotten before is none (docs/odrive.md).
+  static constexpr bool kTold = true;
+  /// An axis under torque that is sent nothing is being proved, and an error then looks like its watchdog's
+  /// (docs/odrive.md).
+  static bool fed_since(const AxisNode& node, rt::Nanoseconds ns) { return node.fed_ns() > ns; }
+  static bool tells_of_it(const drivers::CanFrame& frame) {
+    return frame.id == (1u << 5u | drivers::odrive::kHeartbeat.id);
+  }
+  static bool tells_fault(const drivers::CanFrame& frame) {
+    return tells_of_it(frame) &&
+           (drivers::read_can_field(frame, drivers::odrive::kHeartbeatSignals[0]) & kFault) != 0;
   }
   static bool has_fault(const AxisNode& node) { return node.error() != 0; }
   static void mute(AxisNode& node, bool on) { node.set_mute(on); }
@@ -131,10 +141,12 @@ class DrivesWorld {
   DrivesWorld(const DrivesWorld& other)
       : drive_(other.drive_),
         flipper_(other.flipper_),
+        swing_rad_(other.swing_rad_),
         drive_speaks_(other.drive_speaks_),
         flippers_speak_(other.flippers_speak_),
         lives_(other.lives_),
         starved_(other.starved_),
+        tracks_(other.tracks_),
         runtime_(other.runtime_),
         flippers_(other.flippers_),
         ours_(other.ours_),
@@ -142,6 +154,10 @@ class DrivesWorld {
         nodes_(other.nodes_),
         axes_(other.axes_),
         inbox_(other.inbox_),
+        targets_(other.targets_),
+        ran_(other.ran_),
+        fault_told_ns_(other.fault_told_ns_),
+        fault_shown_(other.fault_shown_),
         now_(other.now_) {
     for (auto& node : nodes_) node.set_port(theirs_);
   }
@@ -152,6 +168,10 @@ class DrivesWorld {
   }
   void step() {
     now_ += kMs;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      ran_[i] = runs(i);
+      targets_[i] = Kind::target(nodes_[i], i < 2);
+    }
     if (lives_ && !starved_) poll();
     carry();
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -168,13 +188,19 @@ class DrivesWorld {
     new (&runtime_) Runtime(with(config, flippers_));
     inbox_.clear();
   }
-  /// A request as an operator makes one: off, then on.
+  /// A request as an operator makes one by halt and release: off, then on, with a new number.
   void request() {
     ask(false);
     run(15);
     ask(true);
   }
-  void ask(bool on) { drive_.flags = flipper_.flags = on ? 1u : 0u; }
+  void ask(bool on) {
+    ask_drive(on);
+    ask_flippers(on);
+  }
+  /// One source alone. On after off is a request; on again is none.
+  void ask_drive(bool on) { ask_one(drive_, on); }
+  void ask_flippers(bool on) { ask_one(flipper_, on); }
   /// From power-on until they run.
   bool bring_up() {
     ask(false);
@@ -187,7 +213,12 @@ class DrivesWorld {
     return std::any_of(nodes_.begin(), nodes_.end(), [](const auto& n) { return Kind::torque(n); });
   }
   bool runs(std::size_t i) const { return Kind::runs(nodes_[i]); }
-  bool driven(std::size_t i) const { return Kind::driven(nodes_[i], axes_[i], i < 2); }
+  /// It runs, and follows: a track a speed, a flipper a target that has moved in this millisecond.
+  bool driven(std::size_t i) const {
+    if (!runs(i)) return false;
+    const double target = Kind::target(nodes_[i], i < 2) / unit(i);
+    return i < 2 ? std::fabs(target) > 1e-6 : ran_[i] && std::fabs(target - targets_[i] / unit(i)) > 1e-3;
+  }
   /// In m/s, or rad/s; metres, or radians.
   double speed(std::size_t i) const { return axes_[i].speed() / unit(i); }
   double position(std::size_t i) const { return axes_[i].position() / unit(i); }
@@ -199,6 +230,10 @@ class DrivesWorld {
   DriveAxis& axis(std::size_t i) { return axes_[i]; }
   std::size_t size() const { return nodes_.size(); }
   rt::Nanoseconds now() const { return now_; }
+  /// When the runtime's side last got a frame that tells of a fault.
+  rt::Nanoseconds fault_told_ns() const { return fault_told_ns_; }
+  /// The newest of the first drive's told of one: until another tells of none, a new one looks like that.
+  bool fault_shown() const { return fault_shown_; }
   bool bus_off() const { return ours_.off; }
   void set_bus_off(bool off) {
     ours_.off = off;
@@ -208,12 +243,19 @@ class DrivesWorld {
   // What the rest of the program, and fate, do in every millisecond.
   rt::DriveCommand drive_{};
   rt::FlipperCommand flipper_{};
+  double swing_rad_{};  ///< flippers go to and fro so far, once in two seconds
   bool drive_speaks_{true};
   bool flippers_speak_{true};
   bool lives_{true};
-  bool starved_{};  ///< the process is there and does not run
+  bool starved_{};            ///< the process is there and does not run
+  rt::TrackSample tracks_{};  ///< the newest
 
  private:
+  template <class Command>
+  static void ask_one(Command& command, bool on) {
+    if (on && command.flags == 0) ++command.asked;
+    command.flags = on ? 1u : 0u;
+  }
   static typename Kind::Config with(typename Kind::Config config, bool flippers) {
     config.flippers = flippers;
     return config;
@@ -222,12 +264,15 @@ class DrivesWorld {
     for (const drivers::CanFrame& frame : inbox_) static_cast<void>(runtime_.take(frame, now_));
     inbox_.clear();
     drive_.stamp_ns = flipper_.stamp_ns = now_;
+    if (swing_rad_ > 0.0) {
+      const double at = swing_rad_ * std::sin(3.14159e-9 * static_cast<double>(now_));
+      std::fill(std::begin(flipper_.angle_rad), std::end(flipper_.angle_rad), at);
+    }
     // Commands of this moment; what the runtime does not take, it counts.
     if (drive_speaks_) static_cast<void>(runtime_.set(drive_, now_));
     if (flippers_ && flippers_speak_) static_cast<void>(runtime_.set(flipper_, now_));
     runtime_.poll(now_, ours_);
-    rt::TrackSample tracks;
-    static_cast<void>(runtime_.read(tracks));  // nobody uses it here
+    static_cast<void>(runtime_.read(tracks_));  // empty: the one before stays
   }
   void carry() {
     const std::size_t count = std::min<std::size_t>(ours_.frames.size(), kFramesPerMs);
@@ -239,7 +284,10 @@ class DrivesWorld {
   void collect() {
     for (drivers::CanFrame& frame : theirs_.frames) {
       frame.stamp_ns = now_;
-      if (!ours_.off && lives_ && inbox_.size() < 256) inbox_.push_back(frame);
+      if (ours_.off || !lives_ || inbox_.size() >= 256) continue;
+      inbox_.push_back(frame);
+      if (Kind::tells_fault(frame)) fault_told_ns_ = now_;
+      if (Kind::tells_of_it(frame)) fault_shown_ = Kind::tells_fault(frame);
     }
     theirs_.frames.clear();
   }
@@ -251,6 +299,10 @@ class DrivesWorld {
   std::vector<typename Kind::Node> nodes_;
   std::vector<DriveAxis> axes_;
   std::vector<drivers::CanFrame> inbox_;
+  std::array<double, 6> targets_{};  // before this millisecond, in the drives' units
+  std::array<bool, 6> ran_{};
+  rt::Nanoseconds fault_told_ns_{-1};
+  bool fault_shown_{};
   rt::Nanoseconds now_{};
 };
 

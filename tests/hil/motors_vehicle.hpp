@@ -12,6 +12,7 @@
 #include "drivers/can_stub.hpp"
 #include "drivers/ugv_motors.hpp"
 #include "hil/motor_wishes.hpp"
+#include "tests/hil/asker.hpp"
 
 namespace sortie::hil::test {
 
@@ -70,6 +71,8 @@ struct MotorsVehicle {
       now += rt::kNanosecondsPerMillisecond;
       drivers::CanFrame frame;
       while (ours.receive(frame) == Status::ok) static_cast<void>(runtime.take(frame, now));
+      drive_asks(drive);
+      flippers_ask(flippers);
       REQUIRE(runtime.set(drive, now) == Status::ok);
       REQUIRE(runtime.set(flippers, now) == Status::ok);
       runtime.poll(now, ours);
@@ -121,6 +124,7 @@ struct MotorsVehicle {
   MotorsPuppet body;
   rt::DriveCommand drive{};
   rt::FlipperCommand flippers{};
+  Asker drive_asks, flippers_ask;
   rt::TrackSample track{};
   rt::FlipperSample flipper{};
   int tracks = 0, states = 0;

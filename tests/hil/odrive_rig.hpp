@@ -14,6 +14,7 @@
 #include "drivers/can_stub.hpp"
 #include "drivers/odrive/ugv_axes.hpp"
 #include "hil/odrive/axis_node.hpp"
+#include "tests/hil/asker.hpp"
 
 namespace sortie::hil::test {
 
@@ -109,11 +110,14 @@ class OdriveRig {
     flippers.stamp_ns = now_;
     flippers.angle_rad[0] = targets_[2] / 16.0;
     drive.flags = flippers.flags = armed_ ? 1u : 0u;
+    drive_asks_(drive);
+    flippers_ask_(flippers);
     // Finite, and of this moment.
     static_cast<void>(axes_->set(drive, now_));
     static_cast<void>(axes_->set(flippers, now_));
   }
 
+  Asker drive_asks_, flippers_ask_;
   drivers::CanStub stub_{drivers::CanStubConfig{}};
   drivers::CanBus* port_;
   drivers::CanBus* listener_;

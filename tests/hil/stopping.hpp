@@ -121,16 +121,12 @@ StopFigures stop_many(std::uint64_t seed, int runs, StopCause cause, bool slope)
 template <class Kind>
 std::string random_row(std::uint64_t seed, int deeds) {
   Random random(seed, 77);
-  typename Kind::Config config;
-  const bool rearms = random.uniform() < 0.3;
-  config.group.rearm_ns = rearms ? 300 * rt::kNanosecondsPerMillisecond : 0;
-  DrivesModel<Kind> model{DrivesWorld<Kind>(random.uniform() < 0.2, config), {}, rearms};
-  model.world.ask(false);
-  model.pass(static_cast<int>(3000 * random.uniform()));
-  model.world.ask(true);
+  const rt::Nanoseconds rearm_ns = random.uniform() < 0.3 ? 300 * rt::kNanosecondsPerMillisecond : 0;
+  const bool flippers = random.uniform() < 0.4;
+  DrivesModel<Kind> model = asked_model<Kind>(flippers, rearm_ns, static_cast<int>(3000 * random.uniform()));
   std::string row;
   for (int i = 0; i < deeds && model.found.empty(); ++i) {
-    const int deed = static_cast<int>(kDeeds * random.uniform());
+    const int deed = static_cast<int>(model.deeds() * random.uniform());
     const double r = random.uniform();
     const int dwell = static_cast<int>(r < 0.5 ? 40 * random.uniform() : 900 * random.uniform());
     row += " " + std::to_string(deed) + "/" + std::to_string(dwell);

@@ -45,12 +45,8 @@ TEMPLATE_TEST_CASE("stopping: three thousand random rows of faults", "", Canopen
 
 TEMPLATE_TEST_CASE("drives model: every order of eight deeds", "", CanopenKind, OdriveKind) {
   for (const int rearm_ms : {0, 300}) {
-    typename TestType::Config config;
-    config.group.rearm_ns = rearm_ms * sortie::rt::kNanosecondsPerMillisecond;
-    DrivesModel<TestType> model{DrivesWorld<TestType>(false, config), {}, rearm_ms > 0};
-    model.world.ask(false);
-    model.pass(3000);
-    model.world.ask(true);
+    DrivesModel<TestType> model =
+        asked_model<TestType>(false, rearm_ms * sortie::rt::kNanosecondsPerMillisecond);
     model.pass(600);
     REQUIRE(model.world.runtime().running());
     const SearchResult result = DrivesSearch<TestType>(8, 120, true)(model);

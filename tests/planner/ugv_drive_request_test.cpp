@@ -90,7 +90,7 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
   CHECK(offer(request_of(10.1), newest + 1) == Status::out_of_range);
   CHECK(offer(request_of(0, -20.1), newest + 1) == Status::out_of_range);
   rt::DriveRequest odd = request_of(0.1);
-  odd.mode = 3;
+  odd.mode = 5;
   CHECK(offer(odd, newest + 1) == Status::out_of_range);
   odd = request_of(0.1);
   odd.posture = 4;
@@ -98,7 +98,7 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
   odd.posture = -2;
   CHECK(offer(odd, newest + 1) == Status::out_of_range);
   odd = request_of(0.1);
-  odd.flags = 2;
+  odd.flags = 4;
   CHECK(offer(odd, newest + 1) == Status::out_of_range);
   CHECK(offer(request_of(0.1), newest) == Status::time_repeated);
   CHECK(offer(request_of(0.1), 1) == Status::time_repeated);
@@ -127,9 +127,9 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
     std::memcpy(&request.speed_m_s, &speed, 8);
     if (random() % 2 == 0) request.speed_m_s = static_cast<double>(random() % 40) - 20.0;
     request.turn_rad_s = static_cast<double>(random() % 60) - 30.0;
-    request.mode = static_cast<std::uint32_t>(random() % 4);
+    request.mode = static_cast<std::uint32_t>(random() % 6);
     request.posture = static_cast<std::int32_t>(random() % 7) - 2;
-    request.flags = static_cast<std::uint32_t>(random() % 3);
+    request.flags = static_cast<std::uint32_t>(random() % 5);
     const rt::Nanoseconds now_ns = (i + 1) * kStep_ns;
     request.stamp_ns = now_ns - static_cast<rt::Nanoseconds>(random() % 3) * 200'000'000;
     static_cast<void>(drive.request(request, now_ns));
