@@ -5,12 +5,12 @@
 #include <iostream>
 #include <new>
 
-#include "firmware_like/flight_recorder.hpp"
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/platform_refused.hpp"
-#include "firmware_like/profile.hpp"
-#include "firmware_like/results.hpp"
-#include "firmware_like/standard_streams.hpp"
+#include "firmware_like/log/log_recorder.hpp"
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/scene/input_error.hpp"
+#include "firmware_like/scene/platform_refused.hpp"
+#include "firmware_like/scene/profile.hpp"
+#include "firmware_like/scene/standard_streams.hpp"
 #include "rt/math.hpp"
 #include "rt/posix/make_thread.hpp"
 

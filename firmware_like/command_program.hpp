@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "firmware_like/command_line.hpp"
+#include "firmware_like/scene/command_line.hpp"
 
 namespace sortie::firmware {
 

@@ -5,12 +5,12 @@
 #include <memory>
 
 #include "firmware_like/doctor/doctor_command.hpp"
-#include "firmware_like/json.hpp"
-#include "firmware_like/live_options.hpp"
-#include "firmware_like/replay.hpp"
-#include "firmware_like/replay_verdict.hpp"
-#include "firmware_like/results_output.hpp"
-#include "firmware_like/stop_signals.hpp"
+#include "firmware_like/live/live_options.hpp"
+#include "firmware_like/live/stop_signals.hpp"
+#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_verdict.hpp"
+#include "firmware_like/result/results_output.hpp"
+#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 

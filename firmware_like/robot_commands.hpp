@@ -5,8 +5,8 @@
 
 #include <functional>
 
-#include "firmware_like/command_line.hpp"
-#include "firmware_like/factories.hpp"
+#include "firmware_like/runtime/factories.hpp"
+#include "firmware_like/scene/command_line.hpp"
 
 namespace sortie::firmware {
 

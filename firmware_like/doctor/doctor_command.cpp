@@ -10,8 +10,8 @@
 
 #include "firmware_like/doctor/doctor.hpp"
 #include "firmware_like/doctor/doctor_table.hpp"
-#include "firmware_like/json.hpp"
-#include "firmware_like/results.hpp"
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "firmware_like/command_line.hpp"
+#include "firmware_like/scene/command_line.hpp"
 
 namespace sortie::firmware {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/doctor/run_doctor.hpp"
 
-#include "firmware_like/json.hpp"
-#include "firmware_like/log_event.hpp"
-#include "firmware_like/recorded_doctor.hpp"
+#include "firmware_like/log/log_event.hpp"
+#include "firmware_like/log/recorded_doctor.hpp"
+#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 namespace {
 
-void write(FlightRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
+void write(LogRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
            rt::Nanoseconds run_time_ns, rt::Nanoseconds utc_minus_run_ns) {
   drivers::EventRecord event;
   event.tick = (run_time_ns - executive.epoch_ns()) / executive.base_tick_ns();
@@ -23,14 +23,14 @@ void write(FlightRecorder& recorder, const rt::Executive& executive, const Docto
 
 RunDoctor::RunDoctor() : doctor_({}), before_(doctor_.report()) {}
 
-void RunDoctor::begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency,
+void RunDoctor::begin(const rt::Executive& executive, LogRecorder& recorder, bool hold_latency,
                       rt::Nanoseconds utc_minus_run_ns) {
   utc_minus_run_ns_ = utc_minus_run_ns;
   write(recorder, executive, before_, executive.epoch_ns(), utc_minus_run_ns_);
   if (hold_latency) hold_ = std::make_unique<rt::posix::CpuLatencyHold>();
 }
 
-DoctorReport RunDoctor::finish(const rt::Executive& executive, FlightRecorder& recorder,
+DoctorReport RunDoctor::finish(const rt::Executive& executive, LogRecorder& recorder,
                                rt::Nanoseconds run_time_ns) const {
   DoctorReport report = doctor_.report();
   write(recorder, executive, report, run_time_ns, utc_minus_run_ns_);

@@ -7,13 +7,14 @@
 #include <cstdio>
 #include <sstream>
 
-#include "firmware_like/importers/importer.hpp"
 #include "rt/fields.hpp"
 #include "tests/firmware_like/expected_support.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/import/importer.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -72,7 +73,7 @@ TEST_CASE("five seconds of the simulated hall give the committed digest and pose
   options.virtual_time = true;
   options.record = folder.file("hall.lcm");
   options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   check_expected_digest("ugv_hall_virtual_5s", run.results.digest);
 
   // All fields of the last outputs once a second: where the digest says that something differs, this says
@@ -117,7 +118,7 @@ TEST_CASE("thirteen seconds with contacts give the committed digest, over a pall
   options.seconds = 13;
   options.virtual_time = true;
   options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   double highest = 0;
   for (const TimedPose& point : run.truth) highest = std::max(highest, point.p[2]);
   CHECK(highest > 0.1);  // the pallet is 0.133 m high

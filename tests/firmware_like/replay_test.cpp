@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A log replays to what it was recorded from, bit for bit; a fault is located, and what cannot be compared is
 // not.
-#include "firmware_like/replay.hpp"
+#include "firmware_like/log/replay.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +11,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 TEST_CASE("a recorded run replays to the same digest, task by task, on one thread and on many") {

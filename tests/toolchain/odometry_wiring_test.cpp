@@ -4,14 +4,15 @@
 #include <catch2/catch.hpp>
 #include <map>
 
-#include "firmware_like/bench/odometry_bench.hpp"
-#include "firmware_like/vehicles/odometry_state.hpp"
+#include "firmware_like/parts/odometry_state.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
+#include "toolchain/bench/odometry_bench.hpp"
 
 namespace {
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 /// Up the first steps of the stairs, recorded once a program.
@@ -25,7 +26,7 @@ struct RecordedClimb {
     options.record = log;
     options.record_fields = true;
     options.lcm_url = "none";
-    run = run_live(own_vehicles(), make_own_bench, options);
+    run = run_live(own_vehicles(), make_simulated_robot, options);
   }
   TempFolder folder;
   std::string log = folder.file("climb.lcm");
@@ -229,7 +230,7 @@ TEST_CASE("The attitude in single precision leads where the one in double does, 
   options.lcm_url = "none";
   TempFolder folder;
   options.record = folder.file("float.lcm");
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   const ReplayOutcome again = replay_log(options.record);
   CHECK(again.results.digest == run.results.digest);
   ReplayOptions in_double;
