@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The desktop program: own vehicles, simulated robots, and a heap trap that watches the tasks.
-#include "firmware_like/commands/bench_ugv.hpp"
-#include "firmware_like/heap_watch.hpp"
-#include "firmware_like/program.hpp"
-#include "firmware_like/vehicles/registry.hpp"
+// The program that a robot carries, built for one scene: its vehicle, no simulated robot, and a heap trap
+// that watches the tasks.
+#include "firmware_like/command_program.hpp"
+#include "firmware_like/robot_commands.hpp"
+#include "firmware_like/robots/registry.hpp"
+#include "firmware_like/runtime/heap_watch.hpp"
 #include "rt/posix/heap_trap.hpp"
 
 int main(int argc, char** argv) {
@@ -13,5 +14,9 @@ int main(int argc, char** argv) {
         {[](bool on) { on ? sortie::rt::posix::heap_trap_arm() : sortie::rt::posix::heap_trap_disarm(); },
          [] { return sortie::rt::posix::heap_trap_calls(); }});
   }
-  return firmware::run_program(argc, argv, {"sortie", firmware::own_vehicles(), firmware::make_own_bench});
+  const firmware::VehicleRegistry vehicles = firmware::own_vehicles();
+  return firmware::run_commands(argc, argv, "sortie",
+                                [&vehicles](firmware::Command& root, std::function<int()>& chosen) {
+                                  firmware::add_robot_commands(root, vehicles, chosen);
+                                });
 }

@@ -1,6 +1,6 @@
 # -DSORTIE_SCENE=name (or a .toml file): a program for that scene alone. What the scene does not name is no code: a header that the
-# scene's profile makes says which parts there are (rt/built_parts.hpp), and the linker drops what nobody refers to. No
-# simulated robot, no sweeps, no clients; those stay with the program that has all scenes.
+# scene's profile makes says which parts there are (rt/built_parts.hpp), and the linker drops what nobody refers to. Nothing of
+# toolchain/ or hil/ is built: sweeps, clients and simulated robots stay with the program that has all scenes.
 include(scene_header.cmake)
 
 set(scene_code ${CMAKE_CURRENT_BINARY_DIR}/only_scene.cpp)
@@ -15,6 +15,3 @@ add_dependencies(sortie_strict sortie_scene_parts)
 target_compile_definitions(sortie_strict INTERFACE SORTIE_ONE_SCENE)
 target_include_directories(sortie_strict INTERFACE $<BUILD_INTERFACE:${scene_folder}>)
 target_compile_options(sortie_strict INTERFACE -ffunction-sections -fdata-sections)
-
-list(APPEND not_in_desk "/firmware_like/bench/" "/commands/(all_commands|bench|spy|drive|fly|plant|import|report|diff)[^/]*\\.cpp$")
-set(simulated_robots "")

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/occupancy_view.hpp"
-#include "mapping/voxel_walk.hpp"
+#include "mapping/occupancy/occupancy_view.hpp"
+#include "mapping/occupancy/voxel_walk.hpp"
 #include "planner/coverage_table.hpp"
 #include "planner/ray_path.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/voxel_walk.hpp"
+#include "mapping/occupancy/voxel_walk.hpp"
 
 namespace sortie::planner {
 

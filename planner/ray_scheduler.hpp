@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/occupancy_view.hpp"
+#include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/ray_certificate.hpp"
 #include "planner/ray_config.hpp"
 #include "planner/ray_cover.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/sensor_pose.hpp"
+#include "mapping/grid/sensor_pose.hpp"
 #include "rt/math.hpp"
 #include "rt/rotation.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mapping/sensor_pose.hpp"
+#include "mapping/grid/sensor_pose.hpp"
 #include "rt/math.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "mapping/occupancy_view.hpp"
+#include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/uav_path/uav_path.hpp"
 #include "planner/uav_way.hpp"
 #include "rt/archive.hpp"

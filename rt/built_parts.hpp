@@ -12,7 +12,7 @@
 namespace sortie::rt {
 
 /// A part whose code can be left out. The names that profiles and commands know them by are in
-/// firmware_like/scene_parts.cpp.
+/// firmware_like/scene/scene_parts.cpp.
 enum class Part : std::uint8_t {
   ugv,
   attitude,

@@ -8,7 +8,7 @@ foreach(file IN LISTS FILES)
   string(APPEND rows "      {\"${name}\", R\"scene(${text})scene\"},\n")
 endforeach()
 file(WRITE ${OUT} "// Written by toolchain/embed_scenes.cmake.
-#include \"firmware_like/profile.hpp\"
+#include \"firmware_like/scene/profile.hpp\"
 
 namespace sortie::firmware {
 const std::vector<BuiltInScene>& built_in_scenes() {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "firmware_like/doctor/core_counters.hpp"
-#include "firmware_like/doctor/finding.hpp"
 #include "firmware_like/doctor/machine_files.hpp"
+#include "firmware_like/result/finding.hpp"
 
 namespace sortie::firmware {
 

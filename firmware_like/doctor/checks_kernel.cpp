@@ -5,7 +5,7 @@
 #include <array>
 
 #include "firmware_like/doctor/checks.hpp"
-#include "firmware_like/text_format.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
 namespace {

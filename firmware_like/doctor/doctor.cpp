@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "firmware_like/doctor/checks.hpp"
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/results.hpp"
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "rt/posix/make_thread.hpp"
 #include "rt/posix/realtime.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "firmware_like/doctor/core_counters.hpp"
-#include "firmware_like/doctor/finding.hpp"
 #include "firmware_like/doctor/machine_files.hpp"
+#include "firmware_like/result/finding.hpp"
 
 namespace sortie::firmware {
 

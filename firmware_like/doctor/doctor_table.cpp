@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <ostream>
 
-#include "firmware_like/text_format.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <iosfwd>
 
-#include "firmware_like/doctor/finding.hpp"
+#include "firmware_like/result/finding.hpp"
 
 namespace sortie::firmware {
 

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/doctor/run_doctor.hpp"
 
-#include "firmware_like/json.hpp"
-#include "firmware_like/log_event.hpp"
+#include "firmware_like/log/log_event.hpp"
+#include "firmware_like/log/recorded_doctor.hpp"
+#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 namespace {
 
-constexpr const char* kKind = "doctor";
-
-void write(FlightRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
+void write(LogRecorder& recorder, const rt::Executive& executive, const DoctorReport& report,
            rt::Nanoseconds run_time_ns, rt::Nanoseconds utc_minus_run_ns) {
   drivers::EventRecord event;
   event.tick = (run_time_ns - executive.epoch_ns()) / executive.base_tick_ns();
-  event.kind = kKind;
+  event.kind = kDoctorEvent;
   event.subject = report.machine;
   for (const Finding& finding : report.findings) event.value += finding.verdict == Health::bad ? 1 : 0;
   event.text = to_json(report).dump();
@@ -24,14 +23,14 @@ void write(FlightRecorder& recorder, const rt::Executive& executive, const Docto
 
 RunDoctor::RunDoctor() : doctor_({}), before_(doctor_.report()) {}
 
-void RunDoctor::begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency,
+void RunDoctor::begin(const rt::Executive& executive, LogRecorder& recorder, bool hold_latency,
                       rt::Nanoseconds utc_minus_run_ns) {
   utc_minus_run_ns_ = utc_minus_run_ns;
   write(recorder, executive, before_, executive.epoch_ns(), utc_minus_run_ns_);
   if (hold_latency) hold_ = std::make_unique<rt::posix::CpuLatencyHold>();
 }
 
-DoctorReport RunDoctor::finish(const rt::Executive& executive, FlightRecorder& recorder,
+DoctorReport RunDoctor::finish(const rt::Executive& executive, LogRecorder& recorder,
                                rt::Nanoseconds run_time_ns) const {
   DoctorReport report = doctor_.report();
   write(recorder, executive, report, run_time_ns, utc_minus_run_ns_);
@@ -39,23 +38,5 @@ DoctorReport RunDoctor::finish(const rt::Executive& executive, FlightRecorder& r
 }
 
 std::string RunDoctor::warning() const { return hold_ && !hold_->result().ok ? hold_->result().reason : ""; }
-
-DoctorReport recorded_doctor(const LogFile& log) {
-  DoctorReport report;
-  report.present = true;
-  report.note = "not known: the log does not hold what the doctor said about the machine that recorded it";
-  for (const StoredEvent& stored : log.channel(std::string(drivers::kChannelEvent))) {
-    drivers::EventRecord event;
-    if (drivers::decode(stored.message, event) != Status::ok || event.kind != kKind) continue;
-    try {
-      report = doctor_from_json(Json::parse(event.text));
-      report.note =
-          "of the machine that recorded the log; the times of this replay are those of this machine";
-    } catch (const std::exception&) {
-      report.note = "not known: what the log says about the machine that recorded it is damaged";
-    }
-  }
-  return report;
-}
 
 }  // namespace sortie::firmware

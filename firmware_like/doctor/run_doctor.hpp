@@ -7,8 +7,7 @@
 #include <string>
 
 #include "firmware_like/doctor/doctor.hpp"
-#include "firmware_like/flight_recorder.hpp"
-#include "firmware_like/log_file.hpp"
+#include "firmware_like/log/log_recorder.hpp"
 #include "rt/posix/cpu_latency.hpp"
 
 namespace sortie::firmware {
@@ -20,11 +19,11 @@ class RunDoctor {
   RunDoctor();
   /// Writes what was seen to the log as an event of kind "doctor" and, if `hold_latency`, holds idle states
   /// off. `utc_minus_run_ns`: as of log_event().
-  void begin(const rt::Executive& executive, FlightRecorder& recorder, bool hold_latency,
+  void begin(const rt::Executive& executive, LogRecorder& recorder, bool hold_latency,
              rt::Nanoseconds utc_minus_run_ns);
 
   /// Looks again, now with rates of interrupts and stolen time over the run; writes that to the log, too.
-  DoctorReport finish(const rt::Executive& executive, FlightRecorder& recorder,
+  DoctorReport finish(const rt::Executive& executive, LogRecorder& recorder,
                       rt::Nanoseconds run_time_ns) const;
   /// Empty, or why idle states could not be held off.
   std::string warning() const;
@@ -35,8 +34,5 @@ class RunDoctor {
   rt::Nanoseconds utc_minus_run_ns_{};
   std::unique_ptr<rt::posix::CpuLatencyHold> hold_;
 };
-
-/// What the doctor said about the machine that recorded a log; a note instead where the log does not hold it.
-DoctorReport recorded_doctor(const LogFile& log);
 
 }  // namespace sortie::firmware

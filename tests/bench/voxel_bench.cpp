@@ -11,8 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "mapping/rolling_grid.hpp"
-#include "mapping/sensor_pose.hpp"
+#include "mapping/grid/rolling_grid.hpp"
+#include "mapping/grid/sensor_pose.hpp"
 #include "tests/bench/ratio_table.hpp"
 #ifdef SORTIE_PEER_PCL
 #include <pcl/filters/voxel_grid.h>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "firmware_like/arrivals.hpp"
+#include "firmware_like/runtime/arrivals.hpp"
 #include "tests/rt/model_memory.hpp"
 
 namespace sortie::rt::test {

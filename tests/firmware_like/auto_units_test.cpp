@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Units that the boot of a live run chooses: they fit, the log holds them, and a replay takes those.
-#include "firmware_like/auto_units.hpp"
+#include "firmware_like/live/auto_units.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -35,7 +35,7 @@ TEST_CASE("units = auto become a number at the boot, which the log holds and its
   const TempFolder folder;
   const std::string log = folder.file("auto.lcm");
   const firmware::LiveRunOutcome run =
-      firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench,
+      firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot,
                          live_rays(log, {"tasks.ssl.units=auto", "tasks.ssl.budget_us=4000"}));
   const std::uint64_t chosen = run.results.counters.at("calibration_ssl_units");
   const std::uint64_t ps = run.results.counters.at("calibration_ssl_ps_per_unit");
@@ -76,7 +76,7 @@ TEST_CASE("without a clock units = auto are the default, the same each time, and
   const auto simulated = [&](const std::string& name, std::vector<std::string> overrides) {
     firmware::LiveRunOptions options = live_rays(folder.file(name), std::move(overrides));
     options.virtual_time = true;
-    return firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+    return firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
   };
   const firmware::LiveRunOutcome left = simulated("auto.lcm", {"tasks.ssl.units=\"auto\""});
   CHECK(ssl_units(*left.runtime) == 2'000'000);

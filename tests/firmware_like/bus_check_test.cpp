@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The load of a scene's CAN bus: shown for every scene, refused where it cannot work.
-#include "firmware_like/bus_check.hpp"
+#include "firmware_like/runtime/bus_check.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <sstream>
 #include <string_view>
 
-#include "firmware_like/profile.hpp"
-#include "firmware_like/runtime.hpp"
-#include "firmware_like/vehicles/registry.hpp"
+#include "firmware_like/robots/registry.hpp"
+#include "firmware_like/runtime/runtime.hpp"
+#include "firmware_like/scene/profile.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;

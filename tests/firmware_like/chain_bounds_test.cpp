@@ -4,12 +4,13 @@
 #include <catch2/catch.hpp>
 
 #include "drivers/wire_records.hpp"
-#include "firmware_like/chain_watch.hpp"
-#include "firmware_like/log_file.hpp"
+#include "firmware_like/log/log_file.hpp"
+#include "firmware_like/runtime/chain_watch.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -30,7 +31,7 @@ LiveRunOptions options_of(std::vector<std::string> overrides, double seconds, bo
 }
 
 LiveRunOutcome run(const LiveRunOptions& options) {
-  return run_live(own_vehicles(), make_own_bench, options);
+  return run_live(own_vehicles(), make_simulated_robot, options);
 }
 
 }  // namespace

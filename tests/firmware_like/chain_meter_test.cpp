@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Chains measured from job records against values that carry their own history, in random tables, on one
 // thread and on many; and what was measured against what was computed.
-#include "firmware_like/chain_meter.hpp"
+#include "firmware_like/runtime/chain_meter.hpp"
 
 #include <catch2/catch.hpp>
 #include <chrono>

@@ -9,6 +9,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -22,7 +23,7 @@ struct Ended {
     options.seconds = seconds;
     options.virtual_time = true;
     options.lcm_url = "none";
-    run = run_live(own_vehicles(), make_own_bench, options);
+    run = run_live(own_vehicles(), make_simulated_robot, options);
     REQUIRE(run.truth.size() > 100);
     last = run.truth.back();
     for (const TimedPose& pose : run.truth) highest_m = std::max(highest_m, pose.p[2]);

@@ -7,12 +7,13 @@
 
 #include "drivers/channels.hpp"
 #include "drivers/wire_records.hpp"
-#include "firmware_like/replay.hpp"
+#include "firmware_like/log/replay.hpp"
 #include "tests/firmware_like/ladder_vehicle.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "firmware_like/doctor/doctor_table.hpp"
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/doctor_board.hpp"
 
 using namespace sortie;

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/doctor_board.hpp"
 
 using namespace sortie;

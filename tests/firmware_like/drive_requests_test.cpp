@@ -10,6 +10,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -141,7 +142,7 @@ TEST_CASE("A mission with flippers drives as it says, and its replay gives the s
   options.virtual_time = true;
   options.record = folder.file("mission.lcm");
   options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   CHECK(run.results.counters.at("flipper_commands_sent") > 150);
   CHECK(run.results.counters.at("drive_stops_tilted") == 0);
   double distance = 0;

@@ -21,9 +21,9 @@ struct Ask {
 };
 
 // The simulated robot as it is, with somebody beside it who asks for things.
-class BenchWithAsker final : public firmware::BenchRobot {
+class BenchWithAsker final : public firmware::SimulatedRobot {
  public:
-  BenchWithAsker(std::unique_ptr<firmware::BenchRobot> robot, firmware::Vehicle*& vehicle,
+  BenchWithAsker(std::unique_ptr<firmware::SimulatedRobot> robot, firmware::Vehicle*& vehicle,
                  std::vector<Ask> asks, std::vector<double>& angles)
       : robot_(std::move(robot)), vehicle_(vehicle), asks_(std::move(asks)), angles_(angles) {}
   void step(rt::Nanoseconds now_ns) override {
@@ -52,7 +52,7 @@ class BenchWithAsker final : public firmware::BenchRobot {
   inline static int pressed_ms = 0;
 
  private:
-  std::unique_ptr<firmware::BenchRobot> robot_;
+  std::unique_ptr<firmware::SimulatedRobot> robot_;
   firmware::Vehicle*& vehicle_;
   std::vector<Ask> asks_;
   std::vector<double>& angles_;
@@ -88,8 +88,8 @@ class Run {
     outcome_ = firmware::run_live(
         vehicles,
         [&](firmware::Profile& profile, drivers::ScanSink* scans) {
-          return std::make_unique<BenchWithAsker>(firmware::make_own_bench(profile, scans), vehicle, asks,
-                                                  angles_);
+          return std::make_unique<BenchWithAsker>(toolchain::make_simulated_robot(profile, scans), vehicle,
+                                                  asks, angles_);
         },
         options);
   }
@@ -201,7 +201,8 @@ TEST_CASE("A line of the emergency stop that cannot be read is refused with its 
   const auto refused = [&](std::vector<std::string> overrides) {
     options.overrides = std::move(overrides);
     return message_of<firmware::ProfileError>([&] {
-      static_cast<void>(firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options));
+      static_cast<void>(
+          firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options));
     });
   };
   // A line without its chip would be a stop that does not stop.

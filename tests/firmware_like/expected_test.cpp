@@ -7,13 +7,14 @@
 #include <cstdio>
 #include <sstream>
 
-#include "firmware_like/importers/importer.hpp"
 #include "rt/fields.hpp"
 #include "tests/firmware_like/expected_support.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/import/importer.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -38,11 +39,9 @@ bool replay_recorded(const std::string& kind, const std::string& path, const Rep
   return true;
 }
 
-ReplayOptions scene(const std::string& name, Alignment align = Alignment::none,
-                    std::vector<std::string> overrides = {}) {
+ReplayOptions scene(const std::string& name, std::vector<std::string> overrides = {}) {
   ReplayOptions options;
   options.scene = name;
-  options.evaluation.align = align;
   options.overrides = std::move(overrides);
   return options;
 }
@@ -74,7 +73,7 @@ TEST_CASE("five seconds of the simulated hall give the committed digest and pose
   options.virtual_time = true;
   options.record = folder.file("hall.lcm");
   options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   check_expected_digest("ugv_hall_virtual_5s", run.results.digest);
 
   // All fields of the last outputs once a second: where the digest says that something differs, this says
@@ -119,7 +118,7 @@ TEST_CASE("thirteen seconds with contacts give the committed digest, over a pall
   options.seconds = 13;
   options.virtual_time = true;
   options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   double highest = 0;
   for (const TimedPose& point : run.truth) highest = std::max(highest, point.p[2]);
   CHECK(highest > 0.1);  // the pallet is 0.133 m high
@@ -133,7 +132,10 @@ TEST_CASE("thirteen seconds with contacts give the committed digest, over a pall
 
 TEST_CASE("the Husky log stays within 3.3 m of GPS over 195 m", "[expected]") {
   ReplayOutcome outcome;
-  if (!replay_recorded("husky", "husky_skid", scene("skid_outdoor", Alignment::se2), outcome)) return;
+  if (!replay_recorded("husky", "husky_skid", scene("skid_outdoor"), outcome)) return;
+  EvaluationOptions aligned;
+  aligned.align = Alignment::se2;
+  judge(outcome, aligned);
   CHECK(outcome.results.errors.at("ate_rmse_m") <= 3.3);
   check_expected_digest("husky", outcome.results.digest);
 }
@@ -142,6 +144,7 @@ TEST_CASE("the lawn mower stays within 2.0 m of RTK GPS over 1,861 m without ali
           "[expected][heavy]") {
   ReplayOutcome outcome;
   if (!replay_recorded("plaza", "plaza_odom", scene("skid_outdoor"), outcome)) return;
+  judge(outcome);
   CHECK(outcome.results.errors.at("ate_rmse_m") <= 2.0);
   check_expected_digest("plaza", outcome.results.digest);
 }
@@ -160,8 +163,7 @@ TEST_CASE("a recorded walk loses no point, and a smaller pool refuses and counts
 
   ReplayOutcome tight;
   REQUIRE(replay_recorded(
-      "rls", thin,
-      scene("building_walk", Alignment::none, {"limits.voxels=65536", "map.when_full=\"refuse\""}), tight));
+      "rls", thin, scene("building_walk", {"limits.voxels=65536", "map.when_full=\"refuse\""}), tight));
   CHECK(tight.results.counters.at("scans") == 110);
   CHECK(voxels(tight.results).high_water == 65'536);
   CHECK(voxels(tight.results).refused > 0);

@@ -12,6 +12,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 TEST_CASE("a run that gets too few threads is refused with the cure, whichever it is that is missing") {

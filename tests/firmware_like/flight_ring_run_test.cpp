@@ -12,16 +12,18 @@
 
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
-#include "firmware_like/exporters/flight_jobs.hpp"
-#include "firmware_like/json.hpp"
-#include "firmware_like/releases.hpp"
-#include "firmware_like/run_flight_ring.hpp"
+#include "firmware_like/log/recorded_doctor.hpp"
+#include "firmware_like/log/releases.hpp"
+#include "firmware_like/log/run_flight_ring.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
+#include "toolchain/export/flight_jobs.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 using rt::posix::FlightJob;
 using rt::posix::FlightReader;

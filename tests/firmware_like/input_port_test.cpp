@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The gate between outside and executive: what a job can take stands in the log, whoever is faster.
-#include "firmware_like/input_port.hpp"
+#include "firmware_like/runtime/input_port.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>

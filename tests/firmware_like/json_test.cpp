@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Json beside the library that it stands for: what one writes, finds or refuses, the other must.
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
 
 #include <array>
 #include <bit>

@@ -11,6 +11,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 TEST_CASE("keyframes of something else are refused with the cure") {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/keyframe_state.hpp"
-#include "firmware_like/keyframes.hpp"
+#include "firmware_like/log/keyframe_state.hpp"
+#include "firmware_like/log/keyframes.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 namespace sortie::testing {

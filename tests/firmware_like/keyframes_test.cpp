@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A replay that begins at a keyframe goes on as if it had begun at the start.
-#include "firmware_like/keyframes.hpp"
+#include "firmware_like/log/keyframes.hpp"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -12,6 +12,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/flight_recorder.hpp"
+#include "firmware_like/log/log_recorder.hpp"
 #include "rt/virtual_runner.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
 
@@ -92,7 +92,7 @@ class LadderRun final : public rt::JobFeed {
     options.path = log;
     options.on_job = [this](const rt::JobRecord& record) { jobs.push_back(record); };
     // With an offset to UTC: the times in the log are those of the run.
-    firmware::FlightRecorder recorder(runtime_, options, firmware::make_header(runtime_, "test", 1));
+    firmware::LogRecorder recorder(runtime_, options, firmware::make_header(runtime_, "test", 1));
     recorder_ = &recorder;
     for (const auto& port : runtime_.parts().ports()) port->set_sink(&recorder);
     rt::Executive& executive = runtime_.executive();
@@ -125,7 +125,7 @@ class LadderRun final : public rt::JobFeed {
   }
 
   firmware::Runtime runtime_;
-  firmware::FlightRecorder* recorder_{};
+  firmware::LogRecorder* recorder_{};
 };
 
 }  // namespace sortie::testing

@@ -9,6 +9,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 TEST_CASE("forty live runs with stalls of any length replay to their digests", "[long]") {

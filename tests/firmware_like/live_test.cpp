@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Live runs whose jobs stall longer than their slack: what is missed, skipped and refused then depends on the
 // machine's mood, and the log's replay must give the same digest every time.
-#include "firmware_like/live_run.hpp"
+#include "firmware_like/live/live_run.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -11,6 +11,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -136,9 +137,9 @@ TEST_CASE(
   options.scene = "ugv_hall";
   options.overrides = {"hil.lidar_rows=4", "hil.lidar_columns=64", "limits.voxels=32768"};
   // A busy machine may take several seconds to its first scan.
-  LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   for (; run.results.counters.at("scans") == 0 && options.seconds < 32; options.seconds *= 2)
-    run = run_live(own_vehicles(), make_own_bench, options);
+    run = run_live(own_vehicles(), make_simulated_robot, options);
   CHECK(run.results.counters.at("imu_used") > 0);
   CHECK(run.results.counters.at("scans") > 0);
   const LogFile log(options.record);
@@ -159,5 +160,5 @@ TEST_CASE("a run shorter than a tick still ends, after one") {
   options.seconds = 1e-5;
   options.virtual_time = true;
   options.lcm_url = "none";
-  CHECK(run_live(own_vehicles(), make_own_bench, options).results.ticks == 1);
+  CHECK(run_live(own_vehicles(), make_simulated_robot, options).results.ticks == 1);
 }

@@ -5,12 +5,13 @@
 #include <random>
 
 #include "drivers/channels.hpp"
-#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/full_disk.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

@@ -24,7 +24,7 @@ firmware::LiveRunOutcome run_map(const std::string& scene, double seconds, const
   options.record = log;
   options.record_fields = true;
   options.lcm_url = "none";
-  return firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+  return firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
 }
 
 std::vector<std::string> hall_with(std::vector<std::string> more) {

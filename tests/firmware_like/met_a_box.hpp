@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/live_run.hpp"
+#include "firmware_like/live/live_run.hpp"
 #include "rt/convex/query.hpp"
 
 namespace sortie::testing {

@@ -6,11 +6,12 @@
 #include <filesystem>
 #include <string>
 
-#include "firmware_like/replay.hpp"
+#include "firmware_like/log/replay.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -34,8 +35,8 @@ bool lists(const std::vector<std::string>& names, const std::string& name) {
 }  // namespace
 
 TEST_CASE("a scene without telemetry and recorder puts out the same") {
-  const LiveRunOutcome both = run_live(own_vehicles(), make_own_bench, short_run({}, true));
-  const LiveRunOutcome none = run_live(own_vehicles(), make_own_bench,
+  const LiveRunOutcome both = run_live(own_vehicles(), make_simulated_robot, short_run({}, true));
+  const LiveRunOutcome none = run_live(own_vehicles(), make_simulated_robot,
                                        short_run({"live.telemetry=false", "live.recorder=false"}, true));
   CHECK(none.results.digest == both.results.digest);
   CHECK(none.results.ticks == both.results.ticks);
@@ -53,7 +54,7 @@ TEST_CASE("a live run without telemetry tells nobody, though an address was give
     LiveRunOptions run = short_run({std::string("live.telemetry=") + (telemetry ? "true" : "false")}, false);
     run.lcm_url = "file://" + told + "?mode=w";
     std::filesystem::remove(told);
-    const LiveRunOutcome outcome = run_live(own_vehicles(), make_own_bench, run);
+    const LiveRunOutcome outcome = run_live(own_vehicles(), make_simulated_robot, run);
     INFO("telemetry " << telemetry);
     CHECK(std::filesystem::exists(told) == telemetry);
     CHECK(outcome.results.counters.count("telemetry_cpu_us") == (telemetry ? 1u : 0u));
@@ -66,14 +67,14 @@ TEST_CASE("a scene that is not recorded says so before it runs, with the cure") 
   LiveRunOptions run = short_run({"live.recorder=false"}, true);
   run.record = folder.file("run.lcm");
   CHECK_THROWS_WITH(
-      run_live(own_vehicles(), make_own_bench, run),
+      run_live(own_vehicles(), make_simulated_robot, run),
       "live.recorder = false in ugv_hall: it is not recorded; leave out --record, or take --set "
       "live.recorder=true");
   CHECK_FALSE(std::filesystem::exists(run.record));
 
   run = short_run({}, true);
   run.record = folder.file("good.lcm");
-  static_cast<void>(run_live(own_vehicles(), make_own_bench, run));
+  static_cast<void>(run_live(own_vehicles(), make_simulated_robot, run));
   ReplayOptions again;
   again.overrides = {"live.recorder=false"};
   again.record = folder.file("again.lcm");

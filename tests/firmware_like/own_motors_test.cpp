@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Motors on the robot's own frames: what goes out, how often, and what an emergency stop and a silence end.
-#include "firmware_like/vehicles/own_motors.hpp"
+#include "firmware_like/parts/own_motors.hpp"
 
 #include <catch2/catch.hpp>
 #include <vector>

@@ -7,11 +7,12 @@
 #include <limits>
 #include <random>
 
-#include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/link/request_door.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -51,8 +52,8 @@ TEST_CASE("a scripted change is in force from its tick on and stands in the dige
   options.record = log_path;
   options.record_fields = true;
   const bool counts_heap = watch_heap();
-  const LiveRunOutcome changed = run_live(own_vehicles(), make_own_bench, options);
-  const LiveRunOutcome plain = run_live(own_vehicles(), make_own_bench, hall_options());
+  const LiveRunOutcome changed = run_live(own_vehicles(), make_simulated_robot, options);
+  const LiveRunOutcome plain = run_live(own_vehicles(), make_simulated_robot, hall_options());
   CHECK(changed.results.digest != plain.results.digest);
   CHECK(changed.results.counters.at("parameters_admitted") == 1);
   CHECK(changed.results.counters.at("parameters_applied") == 1);
@@ -84,15 +85,15 @@ TEST_CASE("a scripted change is in force from its tick on and stands in the dige
 
 TEST_CASE("every parameter of the ground robot can be changed, and every change shows in the digest") {
   const Runtime runtime(load_scene("ugv_hall"), own_vehicles(), RuntimeStart{});
-  const std::string plain = run_live(own_vehicles(), make_own_bench, hall_options()).results.digest;
+  const std::string plain = run_live(own_vehicles(), make_simulated_robot, hall_options()).results.digest;
   std::size_t count = 0;
   for (const ParameterInfo& info : runtime.parts().parameters().all) {
     INFO(info.name);
     CHECK(info.initial >= info.low);
     CHECK(info.initial <= info.high);
     const double other = 0.9 * info.initial;
-    const LiveRunOutcome run =
-        run_live(own_vehicles(), make_own_bench, hall_options({"script=[" + row(1, info.name, other) + "]"}));
+    const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot,
+                                        hall_options({"script=[" + row(1, info.name, other) + "]"}));
     CHECK(run.results.digest != plain);
     CHECK(run.results.counters.at("parameters_applied") == 1);
     ++count;
@@ -113,7 +114,7 @@ TEST_CASE("replays of changed runs agree on one thread and on many, and answer w
   }
   LiveRunOptions options = hall_options({"script=[" + script + "]"});
   options.record = folder.file("many.lcm");
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   CHECK(run.results.counters.at("parameters_admitted") == 40);
   for (const bool threaded : {false, true}) {
     ReplayOptions replaying;
@@ -151,7 +152,7 @@ TEST_CASE("a live run takes changes at any moment and replays to its digest") {
   options.realtime = false;
   options.seconds = 1;
   options.record = folder.file("live.lcm");
-  const LiveRunOutcome run = run_live_undisturbed(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live_undisturbed(own_vehicles(), make_simulated_robot, options);
   CHECK(run.results.counters.at("parameters_admitted") + run.results.counters.at("parameters_full") == 60);
   CHECK(run.results.counters.at("parameters_admitted") > 20);
   for (const bool threaded : {false, true}) {
@@ -171,7 +172,7 @@ TEST_CASE("the desk refuses what must not be set, by reason, and records none of
     int samples{};
   } recorded;
   for (const auto& port : runtime.parts().ports()) port->set_sink(&recorded);
-  ParameterDesk desk(runtime);
+  RequestDoor desk(runtime);
   const std::uint64_t version = desk.version();
   CHECK(desk.set("drive.max_sped_m_s", 0.3, 1) == Status::not_supported);
   CHECK(desk.set("map.voxel_m", 0.3, 1) == Status::not_supported);  // known, but not while running
@@ -183,7 +184,7 @@ TEST_CASE("the desk refuses what must not be set, by reason, and records none of
     CHECK(desk.set("drive.max_speed_m_s", 0.1 + 0.01 * i, 1) == Status::ok);
   for (int i = 0; i < 100; ++i) CHECK(desk.set("drive.max_speed_m_s", 0.3, 1) == Status::full);
   CHECK(desk.set("map.max_range_m", 20, 1) == Status::ok);  // another group's ring
-  const ParameterDeskCounters counters = desk.counters();
+  const RequestDoorCounters counters = desk.counters();
   CHECK(counters.admitted == kWaitingChanges + 1);
   CHECK(counters.unknown == 2);
   CHECK(counters.not_finite == 2);
@@ -194,7 +195,7 @@ TEST_CASE("the desk refuses what must not be set, by reason, and records none of
 }
 
 TEST_CASE("a setter's own refusal shows in the output: the map's ranges must not cross") {
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench,
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot,
                                       hall_options({"script=[" + row(1, "map.min_range_m", 30) + "]"}));
   CHECK(run.results.counters.at("parameters_admitted") == 1);
   CHECK(run.results.counters.at("parameters_applied") == 0);

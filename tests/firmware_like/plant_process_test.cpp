@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A plant and a runtime that know each other by datagrams alone. Here both are in one process, on threads of
 // their own; tests/plant_test.py starts two, and kills them.
-#include "firmware_like/plant_process.hpp"
+#include "toolchain/simulate/plant_process.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <mutex>
 #include <thread>
 
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/log_clock.hpp"
-#include "firmware_like/plant_link.hpp"
+#include "firmware_like/link/plant_link.hpp"
+#include "firmware_like/log/log_clock.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/drivers/scripted_peer.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -62,7 +63,7 @@ class PlantThread {
           options.tell = [this](const std::string& line) {
             if (line.find("is heard") != std::string::npos) heard_.store(true);
           };
-          outcome_ = run_plant(make_own_bench, options);
+          outcome_ = run_plant(make_simulated_robot, options);
         }) {}
   ~PlantThread() { static_cast<void>(end()); }
   PlantThread(const PlantThread&) = delete;
@@ -112,7 +113,7 @@ TEST_CASE(
   run = undisturbed(std::chrono::milliseconds(200), [&] {
     PlantThread beside(port, folder.file("plant.lcm"));
     LiveRunOutcome outcome =
-        run_live(own_vehicles(), make_own_bench, against(port, 3, folder.file("run.lcm")));
+        run_live(own_vehicles(), make_simulated_robot, against(port, 3, folder.file("run.lcm")));
     plant = beside.end();
     return outcome;
   });
@@ -142,8 +143,9 @@ TEST_CASE(
   if (kept_up) {
     CHECK(replayed.truth.size() > 250);
     CHECK(replayed.contacts.size() > 250);
-    CHECK(replayed.evaluation.errors.at("distance_m") > 0.5);
-    CHECK(replayed.evaluation.errors.at("ate_max_m") < 0.05);
+    const auto errors = evaluate(replayed.estimate, replayed.truth).errors;
+    CHECK(errors.at("distance_m") > 0.5);
+    CHECK(errors.at("ate_max_m") < 0.05);
   }
   CHECK_FALSE(mentions(replayed.results.warnings, "UTC"));
 
@@ -171,7 +173,7 @@ TEST_CASE("rays go out to a plant and what comes back is mapped, and the log rep
   PlantOutcome plant;
   const LiveRunOutcome run = undisturbed(std::chrono::milliseconds(200), [&] {
     PlantThread beside(port, folder.file("plant.lcm"), "ugv_ssl", kBriskRays);
-    LiveRunOutcome outcome = run_live(own_vehicles(), make_own_bench,
+    LiveRunOutcome outcome = run_live(own_vehicles(), make_simulated_robot,
                                       against(port, 3, folder.file("run.lcm"), "ugv_ssl", kBriskRays));
     plant = beside.end();
     return outcome;
@@ -207,7 +209,7 @@ TEST_CASE("rays go out to a plant and what comes back is mapped, and the log rep
 
 TEST_CASE("without a plant the robot stands, and the run says so, and a plant may come later") {
   const std::uint16_t port = three_free_ports();
-  const LiveRunOutcome alone = run_live(own_vehicles(), make_own_bench, against(port, 0.4, ""));
+  const LiveRunOutcome alone = run_live(own_vehicles(), make_simulated_robot, against(port, 0.4, ""));
   CHECK(mentions(alone.results.warnings, "no plant was heard on port " + std::to_string(port)));
   CHECK(alone.results.counters.at("imu_used") == 0);
   CHECK(alone.results.counters.at("commands_refused") > 0);
@@ -217,7 +219,7 @@ TEST_CASE("without a plant the robot stands, and the run says so, and a plant ma
   std::atomic<bool> enough{false};
   options.interrupted = &enough;
   LiveRunOutcome run;
-  std::thread runtime([&] { run = run_live(own_vehicles(), make_own_bench, options); });
+  std::thread runtime([&] { run = run_live(own_vehicles(), make_simulated_robot, options); });
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   PlantOutcome last;
   for (int life = 0; life < 2; ++life) {
@@ -245,17 +247,18 @@ TEST_CASE("where a plant runs is checked, and it keeps its port to itself") {
     CHECK_THROWS_AS(parse_plant(text), ProfileError);
   LiveRunOptions options = against(kPlantPort, 1, "");
   options.virtual_time = true;
-  CHECK(mentions(message_of<ProfileError>([&] { run_live(own_vehicles(), make_own_bench, options); }),
+  CHECK(mentions(message_of<ProfileError>([&] { run_live(own_vehicles(), make_simulated_robot, options); }),
                  "--virtual has its plant inside"));
   const test::LoopbackSocket taken;
   PlantOptions plant;
   plant.scene = "ugv_pallet";
   plant.seconds = 0.01;
   plant.port = taken.port();
-  CHECK(mentions(message_of<ProfileError>([&] { run_plant(make_own_bench, plant); }),
+  CHECK(mentions(message_of<ProfileError>([&] { run_plant(make_simulated_robot, plant); }),
                  "is another plant running"));
   plant.scene = "imu_bench";
-  CHECK(mentions(message_of<ProfileError>([&] { run_plant(make_own_bench, plant); }), "simulated robot"));
+  CHECK(
+      mentions(message_of<ProfileError>([&] { run_plant(make_simulated_robot, plant); }), "simulated robot"));
 }
 
 TEST_CASE("logs are laid side by side by the machine's clock, else by their dates") {

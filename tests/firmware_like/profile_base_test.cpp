@@ -3,11 +3,12 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "firmware_like/profile.hpp"
+#include "firmware_like/scene/profile.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

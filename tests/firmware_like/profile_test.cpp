@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Profiles: what is wrong is said in one line with file, line, fault and cure; what is right is stable text.
-#include "firmware_like/profile.hpp"
+#include "firmware_like/scene/profile.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -8,6 +8,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

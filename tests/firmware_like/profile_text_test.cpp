@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Characters beyond ASCII in a profile: welcome in quotes and comments, refused elsewhere before the TOML
 // library sees them.
-#include "firmware_like/profile_text.hpp"
+#include "firmware_like/scene/profile_text.hpp"
 
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "firmware_like/profile.hpp"
+#include "firmware_like/scene/profile.hpp"
 
 using namespace sortie::firmware;
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The flight recorder when the disk is too slow: what it loses it says, and what it calls whole is whole.
-#include "firmware_like/flight_recorder.hpp"
+// The log's recorder when the disk is too slow: what it loses it says, and what it calls whole is whole.
+#include "firmware_like/log/log_recorder.hpp"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/run_end.hpp"
+#include "firmware_like/log/run_end.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "rt/virtual_runner.hpp"
 #include "tests/firmware_like/full_disk.hpp"
 #include "tests/firmware_like/run_support.hpp"
@@ -15,6 +15,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -22,7 +23,7 @@ namespace {
 // A virtual run whose recorder is drained at chosen ticks only.
 class SlowDisk final : public rt::JobFeed {
  public:
-  SlowDisk(Runtime& runtime, FlightRecorder& recorder, std::vector<rt::Tick> drains)
+  SlowDisk(Runtime& runtime, LogRecorder& recorder, std::vector<rt::Tick> drains)
       : runtime_(runtime), recorder_(recorder), drains_(std::move(drains)) {}
   void before_tick(rt::Tick tick) override {
     runtime_.vehicle().poll_devices({}, runtime_.executive().time_of(tick));
@@ -32,7 +33,7 @@ class SlowDisk final : public rt::JobFeed {
 
  private:
   Runtime& runtime_;
-  FlightRecorder& recorder_;
+  LogRecorder& recorder_;
   std::vector<rt::Tick> drains_;
 };
 
@@ -47,7 +48,7 @@ Recorded record(const std::string& scene, const std::string& path, RecorderOptio
   stalls = {};
   Runtime runtime(load_scene(scene), stall_vehicles(), RuntimeStart{});
   options.path = path;
-  FlightRecorder recorder(runtime, options, make_header(runtime, "test", 0));
+  LogRecorder recorder(runtime, options, make_header(runtime, "test", 0));
   for (const auto& port : runtime.parts().ports()) port->set_sink(&recorder);
   runtime.executive().set_sink(recorder.job_sink());
   SlowDisk feed(runtime, recorder, drains);
@@ -139,7 +140,7 @@ TEST_CASE("what no log may hold is counted as lost, and the log says so") {
   Runtime runtime(load_scene(stall_scene(folder)), stall_vehicles(), RuntimeStart{});
   RecorderOptions options;
   options.path = path;
-  FlightRecorder recorder(runtime, options, make_header(runtime, "test", 0));
+  LogRecorder recorder(runtime, options, make_header(runtime, "test", 0));
   for (const auto& port : runtime.parts().ports()) port->set_sink(&recorder);
   runtime.executive().set_sink(recorder.job_sink());
   SlowDisk feed(runtime, recorder, {50, 100, 150});
@@ -296,21 +297,21 @@ TEST_CASE("a log takes the place of the one before with its first job, and never
   options.path = path;
   Runtime runtime(load_scene(scene), stall_vehicles(), RuntimeStart{});
   const drivers::LogHeader header = make_header(runtime, "test", 0);
-  { const FlightRecorder refused(runtime, options, header); }
+  { const LogRecorder refused(runtime, options, header); }
   CHECK_FALSE(std::filesystem::exists(path));
   {
-    FlightRecorder idle(runtime, options, header);
+    LogRecorder idle(runtime, options, header);
     idle.stop();
     CHECK(idle.log_is_there());  // nothing was there: a header is more than nothing
   }
   std::ofstream(path) << "what a run before has left";
   {
-    FlightRecorder refused(runtime, options, header);
+    LogRecorder refused(runtime, options, header);
     refused.sample("IMU", 0, {});
     refused.drain();
   }
   {
-    FlightRecorder idle(runtime, options, header);
+    LogRecorder idle(runtime, options, header);
     idle.sample("IMU", 0, {});
     idle.stop();
     CHECK_FALSE(idle.log_is_there());
@@ -319,7 +320,7 @@ TEST_CASE("a log takes the place of the one before with its first job, and never
   CHECK(bytes_of(path) == "what a run before has left");
   CHECK_FALSE(std::filesystem::exists(path + ".part"));
   {
-    FlightRecorder recorder(runtime, options, header);
+    LogRecorder recorder(runtime, options, header);
     runtime.executive().set_sink(recorder.job_sink());
     SlowDisk feed(runtime, recorder, {1});
     rt::run_virtual(runtime.executive(), feed, 0, 0);

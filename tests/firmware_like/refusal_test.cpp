@@ -5,12 +5,13 @@
 
 #include "drivers/channels.hpp"
 #include "drivers/wire_records.hpp"
-#include "firmware_like/importers/input_error.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

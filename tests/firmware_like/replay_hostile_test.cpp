@@ -5,12 +5,13 @@
 
 #include "drivers/channels.hpp"
 #include "drivers/wire_records.hpp"
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/replay.hpp"
+#include "firmware_like/log/replay.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 TEST_CASE("a log cut off anywhere replays its good part without a false alarm, and names the byte",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A log replays to what it was recorded from, bit for bit; a fault is located, and what cannot be compared is
 // not.
-#include "firmware_like/replay.hpp"
+#include "firmware_like/log/replay.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +11,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 TEST_CASE("a recorded run replays to the same digest, task by task, on one thread and on many") {
@@ -30,7 +31,7 @@ TEST_CASE("a recorded run replays to the same digest, task by task, on one threa
       CHECK(outcome.results.tasks[i].count == two_seconds().run.results.tasks[i].count);
     }
     // The same errors, too: poses and truth come out of the log as they went in.
-    CHECK(outcome.evaluation.errors == two_seconds().run.evaluation.errors);
+    CHECK(errors_of(outcome) == errors_of(two_seconds().run));
   }
 }
 
@@ -163,5 +164,5 @@ TEST_CASE("what a replay writes is a log that replays to the same digest") {
   const ReplayOutcome again = replay_log(options.record);
   CHECK(complaint_of(again) == "");
   CHECK(again.results.digest == first.results.digest);
-  CHECK(again.evaluation.errors == first.evaluation.errors);
+  CHECK(errors_of(again) == errors_of(first));
 }

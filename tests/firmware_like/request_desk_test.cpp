@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The desk: age when a request is taken, room for the newest and for stops, and who gets which answer.
-#include "firmware_like/request_desk.hpp"
+#include "firmware_like/link/request_desk.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "firmware_like/request_desk.hpp"
+#include "firmware_like/link/request_desk.hpp"
 
 namespace sortie::testing {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <sstream>
 
-#include "firmware_like/json.hpp"
-#include "firmware_like/results.hpp"
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/scene/json.hpp"
 
 using namespace sortie::firmware;
 

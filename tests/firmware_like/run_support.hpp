@@ -14,14 +14,15 @@
 
 #include "drivers/lcm_log.hpp"
 #include "drivers/lcm_url.hpp"
-#include "firmware_like/commands/bench_ugv.hpp"
-#include "firmware_like/heap_watch.hpp"
-#include "firmware_like/live_run.hpp"
-#include "firmware_like/replay.hpp"
-#include "firmware_like/vehicles/registry.hpp"
+#include "firmware_like/live/live_run.hpp"
+#include "firmware_like/log/replay.hpp"
+#include "firmware_like/robots/registry.hpp"
+#include "firmware_like/runtime/heap_watch.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
 #include "tests/rt/undisturbed.hpp"
+#include "toolchain/judge/evaluate.hpp"
+#include "toolchain/simulate/simulated_ugv.hpp"
 
 namespace sortie::testing {
 
@@ -44,15 +45,15 @@ inline firmware::LiveRunOutcome run_hall(double seconds, const std::string& reco
   options.record = record;
   options.record_fields = record_fields;
   options.lcm_url = "none";
-  return firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+  return firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
 }
 
 /// A live run on a machine that does not go away for half of it: whoever counts its jobs needs some.
 inline firmware::LiveRunOutcome run_live_undisturbed(const firmware::VehicleRegistry& vehicles,
-                                                     const firmware::BenchFactory& bench,
+                                                     const firmware::SimulatorFactory& simulator,
                                                      const firmware::LiveRunOptions& options) {
   const auto half = std::chrono::milliseconds(static_cast<int>(500 * options.seconds));
-  return undisturbed(half, [&] { return firmware::run_live(vehicles, bench, options); });
+  return undisturbed(half, [&] { return firmware::run_live(vehicles, simulator, options); });
 }
 
 inline firmware::ReplayOutcome replay_log(const std::string& path,
@@ -76,7 +77,7 @@ class HallOverLcm {
           options.record = record;
           options.lcm_url = drivers::kDefaultLcmUrl;
           options.interrupted = &enough_;
-          run_ = firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+          run_ = firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
         }) {}
   ~HallOverLcm() { static_cast<void>(end()); }
   HallOverLcm(const HallOverLcm&) = delete;
@@ -111,6 +112,12 @@ inline const RecordedHall& two_seconds() {
 
 inline std::uint64_t counter(const firmware::ReplayOutcome& outcome, const std::string& name) {
   return outcome.results.counters.at(name);
+}
+
+/// Errors of a run or a replay against its truth.
+template <class Outcome>
+std::map<std::string, double> errors_of(const Outcome& outcome) {
+  return toolchain::evaluate(outcome.estimate, outcome.truth).errors;
 }
 
 /// What a replay has to complain of, over however much of the log is left; empty when nothing.

@@ -5,9 +5,9 @@
 #include <set>
 #include <string>
 
-#include "firmware_like/runtime.hpp"
-#include "firmware_like/scene_parts.hpp"
-#include "firmware_like/vehicles/registry.hpp"
+#include "firmware_like/robots/registry.hpp"
+#include "firmware_like/runtime/runtime.hpp"
+#include "firmware_like/scene/scene_parts.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scenes whose tables or chains cannot keep what they promise are refused with the figures and the cures;
 // those that can show both, computed and measured.
-#include "firmware_like/schedule_check.hpp"
-#include "firmware_like/json.hpp"
+#include "firmware_like/runtime/schedule_check.hpp"
+#include "firmware_like/scene/json.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
 
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

@@ -89,7 +89,7 @@ inline firmware::LiveRunOutcome fly_sensed(const std::string& scene, double seco
   options.seconds = seconds;
   options.virtual_time = true;
   options.lcm_url = "none";
-  return firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+  return firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
 }
 
 }  // namespace sortie::testing

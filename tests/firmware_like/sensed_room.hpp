@@ -29,6 +29,7 @@ inline std::map<std::string, std::uint64_t> fly_sensed_room(double seconds,
                                                             const std::vector<std::string>& from,
                                                             bool late_box = false) {
   using namespace firmware;
+  using namespace toolchain;
   const TempFolder folder;
   const std::string log = folder.file("room.lcm");
   LiveRunOptions options;
@@ -41,7 +42,7 @@ inline std::map<std::string, std::uint64_t> fly_sensed_room(double seconds,
   options.record = log;
   options.record_fields = true;
   options.lcm_url = "none";
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   CHECK_FALSE(met_a_box(run, boxes));
   const Indexed indexed = replay_and_keep(log, own_vehicles(), {}, 250, keyframe_path(log));
   CHECK(indexed.outcome.results.digest == run.results.digest);

@@ -22,7 +22,7 @@ firmware::LiveRunOutcome run_sensors(const std::string& scene, const std::string
   options.record = log;
   options.record_fields = true;
   options.lcm_url = "none";
-  return firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+  return firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
 }
 
 std::uint64_t ran(const firmware::LiveRunOutcome& run, const std::string& name) {
@@ -124,7 +124,7 @@ TEST_CASE("settings of range sensors that cannot be are errors that name them") 
       options.seconds = 0.1;
       options.virtual_time = true;
       options.lcm_url = "none";
-      firmware::run_live(firmware::own_vehicles(), firmware::make_own_bench, options);
+      firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
     });
   };
   CHECK(mentions(complaint({"hil.lidar.kind=\"radar\""}), "hil.lidar.kind"));

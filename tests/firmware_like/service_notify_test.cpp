@@ -88,12 +88,12 @@ TEST_CASE(
   const NotifyRig rig(folder.file("notify"));
   setenv("WATCHDOG_PID", "1", 1);
   ServiceNotify other;
-  other.alive(kSecond);
+  other.alive(sortie::rt::kNanosecondsPerSecond);
   CHECK(rig.heard().empty());
   setenv("WATCHDOG_USEC", "soon", 1);
   unsetenv("WATCHDOG_PID");
   ServiceNotify none;
-  none.alive(kSecond);
+  none.alive(sortie::rt::kNanosecondsPerSecond);
   CHECK(rig.heard().empty());
   for (int i = 0; i < 10'000; ++i) other.ready();  // nobody takes them
   CHECK(other.refused() > 0);

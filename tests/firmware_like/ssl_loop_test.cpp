@@ -27,10 +27,10 @@ void run_standing(StandingRun& run, const std::string& scene, const std::string&
   options.lcm_url = "none";
   run.traffic.commands.reserve(64);
   run.traffic.answers.reserve(64);
-  const firmware::BenchFactory bench = [&run](firmware::Profile&, drivers::ScanSink*) {
+  const firmware::SimulatorFactory simulator = [&run](firmware::Profile&, drivers::ScanSink*) {
     return std::make_unique<SslBench>(run.traffic);
   };
-  run.outcome = firmware::run_live(standing_vehicles(), bench, options);
+  run.outcome = firmware::run_live(standing_vehicles(), simulator, options);
 }
 
 std::uint64_t stands(const StandingRun& run, const std::string& name) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "drivers/ssl_port.hpp"
-#include "firmware_like/bench_robot.hpp"
-#include "firmware_like/vehicles/ugv_ssl.hpp"
+#include "firmware_like/live/simulated_robot.hpp"
+#include "firmware_like/parts/ugv_ssl.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 namespace sortie::testing {
@@ -80,7 +80,7 @@ class FaultySslPort final : public drivers::SslPort {
 };
 
 /// A bench that has this link alone.
-class SslBench final : public firmware::BenchRobot {
+class SslBench final : public firmware::SimulatedRobot {
  public:
   explicit SslBench(SslTraffic& traffic) : port_(traffic) {}
   void step(rt::Nanoseconds now_ns) override { port_.set_time(now_ns); }

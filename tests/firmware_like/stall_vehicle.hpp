@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "firmware_like/vehicle.hpp"
+#include "firmware_like/runtime/vehicle.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
 
 namespace sortie::testing {

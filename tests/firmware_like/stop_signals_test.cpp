@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The signals that end a run in order: which are heard, and whose they are afterwards.
-#include "firmware_like/stop_signals.hpp"
+#include "firmware_like/live/stop_signals.hpp"
 
 #include <catch2/catch.hpp>
 #include <csignal>

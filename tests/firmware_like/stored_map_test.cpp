@@ -8,14 +8,15 @@
 #include <random>
 #include <tuple>
 
-#include "firmware_like/exporters/flight_map.hpp"
-#include "firmware_like/importers/input_error.hpp"
-#include "mapping/occupancy.hpp"
+#include "firmware_like/scene/input_error.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/export/flight_map.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -59,7 +60,7 @@ LiveRunOutcome fly_stored(const std::string& cells, const std::string& record = 
   options.lcm_url = "none";
   options.record = record;
   options.record_fields = !record.empty();
-  return run_live(own_vehicles(), make_own_bench, options);
+  return run_live(own_vehicles(), make_simulated_robot, options);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A run that used nothing of a stream has the wrong scene or a wrong sensor, and says so.
-#include "firmware_like/stream_use.hpp"
+#include "firmware_like/log/stream_use.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -9,6 +9,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {

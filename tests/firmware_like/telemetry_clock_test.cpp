@@ -6,8 +6,8 @@
 #include <string>
 
 #include "drivers/lcm_receiver.hpp"
-#include "firmware_like/live_run.hpp"
-#include "firmware_like/telemetry.hpp"
+#include "firmware_like/link/telemetry.hpp"
+#include "firmware_like/live/live_run.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/virtual_runner.hpp"
 #include "tests/firmware_like/run_support.hpp"
@@ -15,6 +15,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -60,8 +61,8 @@ TEST_CASE("when the system's clock was set after the start, all channels keep th
   const std::string url = "udpm://239.255.76.68:7718?ttl=0";
   drivers::LcmReceiver receiver(url);
   Runtime runtime(load_scene("ugv_hall", {"limits.voxels=32768"}), own_vehicles(), RuntimeStart{});
-  FlightRecorder recorder(runtime, {}, make_header(runtime, "test", 0));
-  const ParameterDesk desk(runtime);
+  LogRecorder recorder(runtime, {}, make_header(runtime, "test", 0));
+  const RequestDoor desk(runtime);
   rt::Nanoseconds start_ns = rt::posix::monotonic_now();
   runtime.executive().set_clock(
       [](void* self) { return rt::posix::monotonic_now() - *static_cast<rt::Nanoseconds*>(self); },

@@ -5,12 +5,14 @@
 #include <cstring>
 #include <random>
 
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/importers/text_file.hpp"
-#include "firmware_like/text_format.hpp"
+#include "firmware_like/scene/input_error.hpp"
+#include "firmware_like/scene/text_format.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
+#include "toolchain/import/text_file.hpp"
 
 using namespace sortie::firmware;
+
+using namespace sortie::toolchain;
 
 TEST_CASE("seconds are read to the nanosecond, whatever their form") {
   const auto ns = [](const char* text) {

@@ -10,6 +10,7 @@
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -25,7 +26,7 @@ struct Flown {
     options.record = record;
     options.record_fields = !record.empty();
     options.lcm_url = "none";
-    run = run_live(own_vehicles(), make_own_bench, options);
+    run = run_live(own_vehicles(), make_simulated_robot, options);
   }
   std::uint64_t counter(const std::string& name) const { return run.results.counters.at(name); }
   /// Horizontal distance of the true end from a place.

@@ -6,7 +6,7 @@ import sys
 
 import tree
 
-WHERE = ("rt", "drivers", "estimators", "mapping", "planner", "hil", "firmware_like/vehicles")
+WHERE = ("rt", "drivers", "estimators", "mapping", "planner", "hil", "firmware_like/parts", "firmware_like/robots")
 RULES = [
     (r"std::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot|fma|erfc?|[tl]gamma)f?\s*\(", "use rt/math.hpp"),
     (r"std::\w+_distribution\b", "the standard leaves distributions open: draw from the generator's bits"),

@@ -7,37 +7,53 @@ import sys
 import tree
 
 # A room sees itself and these. "rt/posix" is a room of its own: it may use threads, clocks and the kernel. So is
-# "rt/convex": it alone sees libccd.
+# "rt/convex": it alone sees libccd. The map's rooms stand on its grid.
+MAPPING = {"mapping/grid", "mapping/segments", "mapping/occupancy"}
+GROUND = {"rt", "rt/posix", "rt/convex"}
+BELOW = GROUND | {"planner", "estimators", "drivers"} | MAPPING
+# What is flashed, floor by floor: a room sees the floors below it.
+FLOORS = [["scene"], ["result"], ["runtime"], ["log", "parts"], ["link", "doctor", "robots"], ["live"]]
+MOST_FLOORS = 6
+FLASHED = {}
+for _floor in FLOORS:
+    _lower = set(FLASHED)
+    FLASHED |= {f"firmware_like/{name}": {f"firmware_like/{name}"} | _lower | BELOW for name in _floor}
 ROOMS = {
     "rt": {"rt"},
     "rt/posix": {"rt", "rt/posix"},
     "rt/convex": {"rt", "rt/convex"},
     "drivers": {"drivers", "rt", "rt/posix"},
     "estimators": {"estimators", "rt"},
-    "mapping": {"mapping", "rt"},
-    "planner": {"planner", "estimators", "mapping", "rt", "rt/convex"},
-    "hil": {"hil", "drivers", "rt", "rt/posix", "rt/convex"},
-    "firmware_like": {"firmware_like", "planner", "estimators", "mapping", "drivers", "rt", "rt/posix", "rt/convex"},
-    "firmware_like/commands": {"firmware_like/commands", "hil", "firmware_like", "planner", "estimators", "mapping", "drivers", "rt", "rt/posix", "rt/convex"},
+    "mapping/grid": {"mapping/grid", "rt"},
+    "mapping/segments": {"mapping/segments", "mapping/grid", "rt"},
+    "mapping/occupancy": {"mapping/occupancy", "mapping/grid", "rt"},
+    "planner": {"planner", "estimators", "rt", "rt/convex"} | MAPPING,
+    "hil": {"hil", "drivers"} | GROUND,
+    **FLASHED,
+    # The program of one scene: it stands on every room, and no room on it.
+    "firmware_like": {"firmware_like", *FLASHED} | BELOW,
+    # Programs without an operating system have none of the rooms.
+    "firmware_like/bare_metal": {"firmware_like/bare_metal", "planner", "estimators", "rt"} | MAPPING,
+    # The desk: it alone starts simulated robots.
+    "toolchain": {"toolchain", "hil", "firmware_like", *FLASHED} | BELOW,
 }
-
-# The desktop program itself: it knows every command.
-PROGRAM = {"firmware_like/main.cpp", "firmware_like/program.cpp", "firmware_like/program.hpp"}
+ROOMED = ("firmware_like", "mapping")  # every file lies in a room, but for the program's own
 
 # Headers from outside, and the only rooms or files that see them. CLI11, toml++ and JSON cost seconds a unit: one file each.
+HOSTED = {*FLASHED, "firmware_like", "firmware_like/bare_metal", "toolchain"}
 OUTSIDE = [
-    ("Eigen", r"(unsupported/)?Eigen/", {"estimators", "mapping", "planner", "hil", "firmware_like", "firmware_like/commands"}),
+    ("Eigen", r"(unsupported/)?Eigen/", {"estimators", "planner", "hil", *MAPPING, *HOSTED}),
     ("LCM", r"lcm/", {"drivers"}),
     ("sockets", r"(sys/socket|sys/un|arpa/|netinet/|netdb|net/|linux/can|linux/if)", {"drivers"}),
-    ("CLI11", r"CLI/", {"firmware_like/commands/command_line.cpp"}),
-    ("toml++", r"toml(\+\+|\.hpp)", {"firmware_like/toml_file.cpp"}),
-    ("JSON", r"nlohmann/", {"firmware_like/json_text.cpp"}),
+    ("CLI11", r"CLI/", {"firmware_like/scene/command_line.cpp"}),
+    ("toml++", r"toml(\+\+|\.hpp)", {"firmware_like/scene/toml_file.cpp"}),
+    ("JSON", r"nlohmann/", {"firmware_like/scene/json_text.cpp"}),
     ("libccd", r"ccd/", {"rt/convex"}),
     (
         "the operating system, threads and streams",
         r"(sys/|linux/|unistd|fcntl|sched\.h|pthread|poll\.h|signal\.h|dlfcn|malloc\.h|time\.h|csignal|ctime|chrono"
         r"|thread|mutex|shared_mutex|condition_variable|future|semaphore|filesystem|fstream|iostream|cstdio|stdio)",
-        {"rt/posix", "drivers", "hil", "firmware_like", "firmware_like/commands"},
+        {"rt/posix", "drivers", "hil", *HOSTED},
     ),
     ("std random distributions", r"random$", set()),
 ]
@@ -46,28 +62,27 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
 def room_of(path):
-    if path.as_posix() in PROGRAM:
-        return "firmware_like/commands"
-    parts = path.parts
-    for deep in ("/".join(parts[:2]), parts[0]):
-        if deep in ROOMS and (len(parts) > deep.count("/") + 1):
-            return deep
-    return None
-
-
-def target_room(include):
-    parts = include.split("/")
+    """The room of a file, from its path; None outside the rooms."""
+    parts = path.split("/")
     deep = "/".join(parts[:2])
-    if deep in ROOMS and len(parts) > 2:
+    if len(parts) > 2 and deep in ROOMS:
         return deep
     return parts[0] if parts[0] in ROOMS else None
 
 
+def homeless(path):
+    """A file of a folder of rooms that lies in none of them, or beside them where only the program may be."""
+    parts = path.split("/")
+    if parts[0] not in ROOMED:
+        return False
+    return "/".join(parts[:2]) not in ROOMS if len(parts) > 2 else parts[0] not in ROOMS
+
+
 def judge(path, room, kind, include):
     for name, pattern, allowed in OUTSIDE:
-        if re.match(pattern, include) and not {room, path.as_posix()} & allowed:
+        if re.match(pattern, include) and not {room, path} & allowed:
             return f"{room} may not see {name} (<{include}>)"
-    target = target_room(include)
+    target = room_of(include)
     if target is not None and target not in ROOMS[room]:
         return f"{room} may not include {target} ({include})"
     if target is not None and kind == "<":
@@ -79,14 +94,18 @@ def judge(path, room, kind, include):
 
 def main(root):
     findings, checked = [], 0
+    if len(FLOORS) > MOST_FLOORS:
+        findings.append(f"check_layers.py: {len(FLOORS)} floors in firmware_like, at most {MOST_FLOORS}")
     for path in tree.files(root, {".hpp", ".cpp", ".h"}, tree.FOLDERS):
-        room = room_of(path)
+        room = room_of(path.as_posix())
+        if homeless(path.as_posix()):
+            findings.append(f"{path}:1: {path.parts[0]} has rooms: this file lies in none of them")
         if room is None:
             continue
         checked += 1
         for number, line in enumerate((tree.pathlib.Path(root) / path).read_text().splitlines(), 1):
             match = INCLUDE.match(line)
-            verdict = judge(path, room, match[1], match[2]) if match else None
+            verdict = judge(path.as_posix(), room, match[1], match[2]) if match else None
             if verdict:
                 findings.append(f"{path}:{number}: {verdict}")
     tree.finish(findings, checked, "layers")

@@ -4,7 +4,7 @@
 import pathlib
 import sys
 
-FOLDERS = ("rt", "drivers", "estimators", "mapping", "planner", "hil", "firmware_like")
+FOLDERS = ("rt", "drivers", "estimators", "mapping", "planner", "hil", "firmware_like", "toolchain")
 IGNORED = {".git", "build", "out", ".cache", "__pycache__"}
 
 

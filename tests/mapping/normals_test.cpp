@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Normals and the smoothness policy against batch twins, after every tick of random worlds; normals far out
 // and after many moves of the grid.
-#include "mapping/normals.hpp"
+#include "mapping/grid/normals.hpp"
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
-#include "mapping/plane_batch.hpp"
+#include "mapping/grid/plane_batch.hpp"
 #include "tests/mapping/random_worlds.hpp"
 
 namespace {

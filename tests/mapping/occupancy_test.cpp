@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The occupancy map beside a twin that keeps every cell of the world in double, and the walk along a ray.
-#include "mapping/occupancy.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "mapping/voxel_walk.hpp"
+#include "mapping/occupancy/voxel_walk.hpp"
 #include "rt/math.hpp"
 
 namespace {

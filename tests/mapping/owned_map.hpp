@@ -5,9 +5,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "mapping/local_map.hpp"
-#include "mapping/rolling_grid.hpp"
-#include "mapping/segmenter.hpp"
+#include "mapping/grid/rolling_grid.hpp"
+#include "mapping/segments/local_map.hpp"
+#include "mapping/segments/segmenter.hpp"
 
 namespace sortie::tests {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/sensor_pose.hpp"
+#include "mapping/grid/sensor_pose.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::tests {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The rolling grid's corners: bad points and poses, full pools, means, far out, the window that rolls,
 // keyframes.
-#include "mapping/rolling_grid.hpp"
+#include "mapping/grid/rolling_grid.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Features of segments: finite and in range for whatever shape, right for shapes that are known, the same far
 // out.
-#include "mapping/segment_features.hpp"
+#include "mapping/segments/segment_features.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The life of segments: ids through merges, splits and evictions, whatever the order of points; budgets.
-#include "mapping/segmenter.hpp"
+#include "mapping/segments/segmenter.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

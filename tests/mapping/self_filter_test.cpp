@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The robot's outline against a twin that knows only circles: a flipper is the hull of two wheels, so a point
 // is within `margin` of it when it is within `margin` of one of many wheels between the two.
-#include "mapping/self_filter.hpp"
+#include "mapping/grid/self_filter.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sweeps taken while the robot moves, against rooms whose walls are known in closed form.
-#include "mapping/sweep.hpp"
+#include "mapping/grid/sweep.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/voxel_walk.hpp"
+#include "mapping/occupancy/voxel_walk.hpp"
 #include "planner/ray_scheduler.hpp"
 
 namespace sortie::tests {

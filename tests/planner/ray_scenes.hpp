@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/occupancy.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 #include "planner/ray_scheduler.hpp"
 
 namespace sortie::tests {

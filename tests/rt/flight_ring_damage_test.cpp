@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The flight recorder when something goes wrong: what a killed process leaves behind, and what a damaged file
+// The flight ring when something goes wrong: what a killed process leaves behind, and what a damaged file
 // is taken for.
 #include <signal.h>
 #include <sys/mman.h>

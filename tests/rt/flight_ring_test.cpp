@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The flight recorder as it is meant to be used: what is written is read, without heap, page faults or
+// The flight ring as it is meant to be used: what is written is read, without heap, page faults or
 // halves.
 #include "rt/posix/flight_ring.hpp"
 

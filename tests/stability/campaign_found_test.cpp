@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "mapping/segmentation_policy.hpp"
+#include "mapping/segments/segmentation_policy.hpp"
 #include "tests/bench/campaign/campaign.hpp"
 
 namespace {

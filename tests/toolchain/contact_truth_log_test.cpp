@@ -5,14 +5,15 @@
 #include <sstream>
 
 #include "drivers/wire_contacts.hpp"
-#include "firmware_like/evaluation/contact_truth.hpp"
-#include "firmware_like/exporters/contacts_csv.hpp"
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/report/contact_plots.hpp"
+#include "firmware_like/log/contact_truth.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/export/contacts_csv.hpp"
+#include "toolchain/report/contact_plots.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -29,7 +30,7 @@ LiveRunOutcome run_pallet(double seconds, const std::string& record, std::vector
   options.virtual_time = true;
   options.record = record;
   options.lcm_url = "none";
-  return run_live(own_vehicles(), make_own_bench, options);
+  return run_live(own_vehicles(), make_simulated_robot, options);
 }
 
 std::vector<std::string> lines_of(const std::string& text) {

@@ -2,17 +2,18 @@
 // A live run that is driven over LCM, in a network of the test's own: by a friend, and not by a stranger.
 #include <catch2/catch.hpp>
 
-#include "firmware_like/commands/parameter_client.hpp"
-#include "firmware_like/commands/request_client.hpp"
-#include "firmware_like/secret.hpp"
+#include "firmware_like/link/secret.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
 #include "tests/drivers/own_network.hpp"
 #include "tests/firmware_like/request_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/commands/parameter_client.hpp"
+#include "toolchain/commands/request_client.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 using std::chrono::milliseconds;
 

@@ -2,10 +2,12 @@
 // Several runs of one benchmark: ranges hold all of them, and what should be exact and is not is named.
 #include <catch2/catch.hpp>
 
-#include "firmware_like/bench/figure_passes.hpp"
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
+#include "toolchain/bench/figure_passes.hpp"
 
 using namespace sortie::firmware;
+
+using namespace sortie::toolchain;
 
 namespace {
 

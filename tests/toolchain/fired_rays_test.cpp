@@ -3,33 +3,33 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "firmware_like/report/fired_rays_plot.hpp"
-#include "firmware_like/report/html.hpp"
-#include "firmware_like/text_format.hpp"
+#include "firmware_like/scene/text_format.hpp"
 #include "tests/firmware_like/ssl_rig.hpp"
 #include "tests/firmware_like/xml_check.hpp"
+#include "toolchain/report/fired_rays_plot.hpp"
+#include "toolchain/report/html.hpp"
 
 namespace sortie::testing {
 namespace {
 
-const firmware::Series* series_named(const firmware::Plot& plot, const std::string& name) {
-  for (const firmware::Series& series : plot.series)
+const toolchain::Series* series_named(const toolchain::Plot& plot, const std::string& name) {
+  for (const toolchain::Series& series : plot.series)
     if (series.name == name) return &series;
   return nullptr;
 }
 
-std::string value_of(const std::vector<firmware::FigureRow>& rows, const std::string& name) {
-  for (const firmware::FigureRow& row : rows)
+std::string value_of(const std::vector<toolchain::FigureRow>& rows, const std::string& name) {
+  for (const toolchain::FigureRow& row : rows)
     if (row.name == name) return row.value;
   return "no such row";
 }
 
 // Two commands of three rays, two seconds apart; the second one's last ray meets nothing.
-firmware::FiredRays two_commands() {
-  firmware::FiredRays fired;
+toolchain::FiredRays two_commands() {
+  toolchain::FiredRays fired;
   for (std::uint32_t command = 1; command <= 2; ++command) {
     for (int i = 0; i < 3; ++i) {
-      firmware::FiredRay ray;
+      toolchain::FiredRay ray;
       ray.at_ns = (command - 1) * 2'000'000'000LL + i * 1'000'000;
       ray.command = command;
       ray.from_m[0] = command;
@@ -46,15 +46,15 @@ firmware::FiredRays two_commands() {
 
 TEST_CASE(
     "the picture of fired rays shows each return once, the newest over older ones, and silence dashed") {
-  firmware::FiredRays fired = two_commands();
-  firmware::FiredRay over = fired.rays[4];  // the second command, at (6, 0)
-  over.to_m[0] = fired.rays[1].to_m[0];     // met what the first command's middle ray had met
+  toolchain::FiredRays fired = two_commands();
+  toolchain::FiredRay over = fired.rays[4];  // the second command, at (6, 0)
+  over.to_m[0] = fired.rays[1].to_m[0];      // met what the first command's middle ray had met
   fired.rays.push_back(over);
-  const std::vector<firmware::MapPoint> occupied{{5.0, 0.0, 0.1}, {5.0, 0.0, 1.7}, {900.0, 0.0, 0.0}};
-  const firmware::Plot plot = firmware::plot_fired_rays(fired, occupied, {});
-  const firmware::Series* grey = series_named(plot, "occupied");
-  const firmware::Series* old = series_named(plot, "0.0 to 0.5 s");
-  const firmware::Series* fresh = series_named(plot, "1.5 to 2.0 s");
+  const std::vector<toolchain::MapPoint> occupied{{5.0, 0.0, 0.1}, {5.0, 0.0, 1.7}, {900.0, 0.0, 0.0}};
+  const toolchain::Plot plot = toolchain::plot_fired_rays(fired, occupied, {});
+  const toolchain::Series* grey = series_named(plot, "occupied");
+  const toolchain::Series* old = series_named(plot, "0.0 to 0.5 s");
+  const toolchain::Series* fresh = series_named(plot, "1.5 to 2.0 s");
   REQUIRE(grey != nullptr);
   REQUIRE(old != nullptr);
   REQUIRE(fresh != nullptr);
@@ -63,7 +63,7 @@ TEST_CASE(
   CHECK(fresh->x.size() == 3);  // two of their own, and that one
   std::size_t lines = 0;
   std::size_t dashed = 0;
-  for (const firmware::Series& series : plot.series) {
+  for (const toolchain::Series& series : plot.series) {
     if (!series.name.empty()) continue;
     (series.dashed ? dashed : lines) += series.x.size() / 3;
     for (std::size_t i = 0; i + 2 < series.x.size(); i += 3) {
@@ -74,11 +74,11 @@ TEST_CASE(
   CHECK(lines == 3 + 3);
   CHECK(dashed == 1);
   CHECK(plot.x.high < 20.0);
-  CHECK(xml_fault(firmware::render(plot)).empty());
-  CHECK(firmware::plot_fired_rays({}, occupied, {}).series.empty());
+  CHECK(xml_fault(toolchain::render(plot)).empty());
+  CHECK(toolchain::plot_fired_rays({}, occupied, {}).series.empty());
   // Rays that all meet nothing have a picture, too.
-  for (firmware::FiredRay& ray : fired.rays) ray.hit = false;
-  CHECK(xml_fault(firmware::render(firmware::plot_fired_rays(fired, {}, {}))).empty());
+  for (toolchain::FiredRay& ray : fired.rays) ray.hit = false;
+  CHECK(xml_fault(toolchain::render(toolchain::plot_fired_rays(fired, {}, {}))).empty());
 }
 
 TEST_CASE(
@@ -94,10 +94,10 @@ TEST_CASE(
   options.virtual_time = true;
   options.record = log_path;
   options.lcm_url = "none";
-  const firmware::BenchFactory bench = [&traffic](firmware::Profile&, drivers::ScanSink*) {
+  const firmware::SimulatorFactory simulator = [&traffic](firmware::Profile&, drivers::ScanSink*) {
     return std::make_unique<SslBench>(traffic);
   };
-  const firmware::LiveRunOutcome run = firmware::run_live(standing_vehicles(), bench, options);
+  const firmware::LiveRunOutcome run = firmware::run_live(standing_vehicles(), simulator, options);
   const firmware::LogFile log(log_path);
   firmware::Trajectory path;
   for (int i = 0; i <= 30; ++i) {
@@ -109,7 +109,7 @@ TEST_CASE(
   }
   firmware::Profile profile(run.runtime->profile().canonical(), "log");
   const double mount_x = firmware::read_ssl_mount(profile).place_m[0];
-  const firmware::FiredRays fired = firmware::fired_rays(log, std::move(profile), path);
+  const toolchain::FiredRays fired = toolchain::fired_rays(log, std::move(profile), path);
   // What the runtime took, and the answer to its last command, which no job saw. Those of no command are left
   // out.
   CHECK(fired.frames == run.results.counters.at("ssl_frames") + 1);
@@ -117,7 +117,7 @@ TEST_CASE(
   CHECK(fired.unplaced == 0);
   std::size_t hits = 0;
   std::uint32_t command = 0;
-  for (const firmware::FiredRay& ray : fired.rays) {
+  for (const toolchain::FiredRay& ray : fired.rays) {
     REQUIRE(ray.command >= command);
     command = ray.command;
     REQUIRE(std::fabs(ray.from_m[0] - path[0].p[0] - mount_x) < 1e-9);
@@ -133,7 +133,7 @@ TEST_CASE(
   CHECK(hits > 100);
 
   // The table, from the jobs of a replay.
-  firmware::RayFigures figures;
+  toolchain::RayFigures figures;
   firmware::ReplayOptions replaying;
   std::uint64_t spent = 0;
   replaying.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
@@ -145,7 +145,7 @@ TEST_CASE(
   };
   const firmware::ReplayOutcome again = firmware::replay(log, standing_vehicles(), replaying);
   CHECK(again.results.digest == run.results.digest);
-  const std::vector<firmware::FigureRow> rows = figures.rows(0);
+  const std::vector<toolchain::FigureRow> rows = figures.rows(0);
   CHECK(value_of(rows, "commands") == "30");
   CHECK(value_of(rows, "late plans, whose command was dropped") == "0");
   CHECK(value_of(rows, "commands without a plan (strides)") == "1");
@@ -155,12 +155,12 @@ TEST_CASE(
   CHECK(spent > 100'000);
   CHECK(value_of(figures.rows(2000), "commands") == "10");
   CHECK(figures.rows(1'000'000).empty());
-  CHECK(firmware::RayFigures().rows(0).empty());
+  CHECK(toolchain::RayFigures().rows(0).empty());
 
   // Planned faults of the executive show: a job that missed its deadline, one that was cut, one that was left
   // out.
   rt::JobRecord record;
-  firmware::RayFigures wrong;
+  toolchain::RayFigures wrong;
   const firmware::Runtime& runtime = *again.runtime;
   for (std::uint32_t g = 0; g < runtime.executive().group_count(); ++g) {
     const auto& group = runtime.executive().group(g);
@@ -180,11 +180,11 @@ TEST_CASE(
   CHECK(value_of(wrong.rows(0), "releases that the ladder left out") == "1");
 
   // And a page with it.
-  firmware::ReportInput page;
+  toolchain::ReportInput page;
   page.results.scene = "standing";
   page.tables.push_back({"Solid-state lidar", rows});
   page.tables.push_back({"Nothing", {}});
-  const std::string html = firmware::render_report(page);
+  const std::string html = toolchain::render_report(page);
   CHECK(mentions(html, "Solid-state lidar"));
   CHECK(mentions(html, "units spent, median"));
   CHECK_FALSE(mentions(html, "Nothing"));

@@ -9,14 +9,15 @@
 #include <set>
 #include <sstream>
 
-#include "firmware_like/commands/gate.hpp"
-#include "firmware_like/profile.hpp"
-#include "firmware_like/recorded_times.hpp"
+#include "firmware_like/log/recorded_times.hpp"
+#include "firmware_like/scene/profile.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/stall_vehicle.hpp"
+#include "toolchain/judge/gate.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -32,8 +33,11 @@ struct LiveHall {
     options.realtime = false;
     options.record = log;
     options.lcm_url = "none";
-    run = run_live(own_vehicles(), make_own_bench, options);
-    checked = replay_log(log).results;
+    run = run_live(own_vehicles(), make_simulated_robot, options);
+    judge(run);
+    ReplayOutcome replayed = replay_log(log);
+    judge(replayed);
+    checked = std::move(replayed.results);
     set_heap_watch({});
   }
   TempFolder folder;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Release gates: each kind of bound kept and broken, one line for each that is broken, no bound that cannot
 // fail.
-#include "firmware_like/commands/gate.hpp"
+#include "toolchain/judge/gate.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "firmware_like/profile.hpp"
+#include "firmware_like/scene/profile.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
 
 namespace {
@@ -51,7 +51,7 @@ firmware::Results gated_results() {
 
 std::vector<std::string> gate(const std::string& text) {
   const testing::TempFolder folder;
-  return firmware::check_gate(folder.write("gate.toml", text), gated_results());
+  return toolchain::check_gate(folder.write("gate.toml", text), gated_results());
 }
 
 bool tells(const std::vector<std::string>& lines, const std::string& words) {
@@ -89,7 +89,7 @@ TEST_CASE("A figure that is no number breaks every bound") {
   firmware::Results results = gated_results();
   results.live.tasks[0].max_us = std::nan("");  // and the task after it has a number
   const testing::TempFolder folder;
-  CHECK(firmware::check_gate(folder.write("gate.toml", "[max]\nall.max_us = 1e300"), results).size() == 1);
+  CHECK(toolchain::check_gate(folder.write("gate.toml", "[max]\nall.max_us = 1e300"), results).size() == 1);
 }
 
 TEST_CASE("What no job was measured for is refused, not kept") {

@@ -5,12 +5,13 @@
 #include <set>
 #include <string>
 
-#include "firmware_like/bench/knob_bench.hpp"
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/bench/knob_bench.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -80,7 +81,7 @@ TEST_CASE("a knob alone moves its own error, and the map is left out where it is
   run.virtual_time = true;
   run.lcm_url = "none";
   run.record = folder.file("hall.lcm");
-  static_cast<void>(run_live(own_vehicles(), make_own_bench, run));
+  static_cast<void>(run_live(own_vehicles(), make_simulated_robot, run));
   const KnobSet set{"hall", run.record, "ugv_hall", {"limits.voxels=32768"}, {}};
   const std::vector<KnobSweep> sweeps = sweep_knobs(set, own_vehicles(), 1, {});
   const Sweep& aid = sweep_of(sweeps, "attitude.track_aid").sweep;

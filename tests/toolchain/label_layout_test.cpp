@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Texts beside points: none covers another, none leaves the picture, and one that has room stays beside its
 // point.
-#include "firmware_like/report/label_layout.hpp"
+#include "toolchain/report/label_layout.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
 using namespace sortie::firmware;
+
+using namespace sortie::toolchain;
 
 namespace {
 

@@ -4,9 +4,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "firmware_like/report/map_plot.hpp"
+#include "toolchain/report/map_plot.hpp"
 
 using namespace sortie::firmware;
+
+using namespace sortie::toolchain;
 
 namespace {
 

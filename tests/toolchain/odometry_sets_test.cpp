@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sets of samples as a slower sensor had sent them.
-#include "firmware_like/bench/odometry_sets.hpp"
+#include "toolchain/bench/odometry_sets.hpp"
 
 #include <catch2/catch.hpp>
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 
 TEST_CASE("the mean of thinned samples is over the readings that are there") {
   OdometrySet set;

@@ -4,14 +4,15 @@
 #include <catch2/catch.hpp>
 #include <map>
 
-#include "firmware_like/bench/odometry_bench.hpp"
-#include "firmware_like/vehicles/odometry_state.hpp"
+#include "firmware_like/parts/odometry_state.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
+#include "toolchain/bench/odometry_bench.hpp"
 
 namespace {
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 /// Up the first steps of the stairs, recorded once a program.
@@ -25,7 +26,7 @@ struct RecordedClimb {
     options.record = log;
     options.record_fields = true;
     options.lcm_url = "none";
-    run = run_live(own_vehicles(), make_own_bench, options);
+    run = run_live(own_vehicles(), make_simulated_robot, options);
   }
   TempFolder folder;
   std::string log = folder.file("climb.lcm");
@@ -109,13 +110,13 @@ TEST_CASE("the vehicle's odometry is the bare chain over the same samples, to th
 }
 
 TEST_CASE("modes make the height of stairs better by half, and switched off they are the plain method") {
-  const double with = climb().run.results.errors.at("vertical_rmse_m");
+  const auto errors = errors_of(climb().run);
   ReplayOptions off;
   off.overrides = {"odometry.obstacles=\"off\""};
   const ReplayOutcome plain = replay_log(climb().log, off);
-  CHECK(with < 0.5 * plain.results.errors.at("vertical_rmse_m"));
-  CHECK(climb().run.results.errors.count("drift_vertical_percent") == 1);
-  CHECK(climb().run.results.errors.count("drift_horizontal_percent") == 1);
+  CHECK(errors.at("vertical_rmse_m") < 0.5 * errors_of(plain).at("vertical_rmse_m"));
+  CHECK(errors.count("drift_vertical_percent") == 1);
+  CHECK(errors.count("drift_horizontal_percent") == 1);
 }
 
 TEST_CASE("a run with obstacles replays to its digest, whole and from keyframes") {
@@ -229,7 +230,7 @@ TEST_CASE("The attitude in single precision leads where the one in double does, 
   options.lcm_url = "none";
   TempFolder folder;
   options.record = folder.file("float.lcm");
-  const LiveRunOutcome run = run_live(own_vehicles(), make_own_bench, options);
+  const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot, options);
   const ReplayOutcome again = replay_log(options.record);
   CHECK(again.results.digest == run.results.digest);
   ReplayOptions in_double;

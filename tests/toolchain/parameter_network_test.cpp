@@ -4,13 +4,14 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "firmware_like/commands/parameter_client.hpp"
-#include "firmware_like/parameter_desk.hpp"
+#include "firmware_like/link/request_door.hpp"
 #include "tests/drivers/own_network.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/commands/parameter_client.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 using std::chrono::milliseconds;
 
@@ -59,13 +60,13 @@ class Sender {
   drivers::LcmPublisher publisher_;
 };
 
-std::uint64_t handled(const ParameterDeskCounters& c) {
+std::uint64_t handled(const RequestDoorCounters& c) {
   return c.admitted + c.unknown + c.not_finite + c.out_of_range + c.full + c.malformed + c.bad_tag +
          c.wrong_session + c.wrong_time + c.stale;
 }
 
 // Every datagram is counted exactly once, by its reason.
-void wait_for(ParameterDesk& desk, std::uint64_t sent) {
+void wait_for(RequestDoor& desk, std::uint64_t sent) {
   for (int i = 0; i < 2000 && handled(desk.counters()) < sent; ++i) {
     desk.poll(1);
     std::this_thread::sleep_for(milliseconds(5));
@@ -82,7 +83,7 @@ TEST_CASE("the desk takes requests with the right tag, session and counter, and 
                                           "parameters.remote=true",
                                           "parameters.secret_file=" + secret_file(folder, "s", '7')}),
                   own_vehicles(), RuntimeStart{});
-  ParameterDesk desk(runtime);
+  RequestDoor desk(runtime);
   REQUIRE(desk.open(kUrl).empty());
   const drivers::SipKey key = read_secret(folder.file("s"));
   drivers::SipKey other = key;
@@ -103,7 +104,7 @@ TEST_CASE("the desk takes requests with the right tag, session and counter, and 
   sender.ask({1, session, 5, 12, "drive.max", 0.3}, &key);
   sender.ask({1, session, 5, 13, name, std::numeric_limits<double>::quiet_NaN()}, &key);
   wait_for(desk, sender.sent);
-  const ParameterDeskCounters counters = desk.counters();
+  const RequestDoorCounters counters = desk.counters();
   CHECK(counters.malformed == 2);
   CHECK(counters.bad_tag == 2);
   CHECK(counters.wrong_session == 1);
@@ -126,7 +127,7 @@ TEST_CASE("the desk refuses a friend's request that was held back, and takes the
   Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true",
                                           "parameters.secret_file=" + secret_file(folder, "s", '7')}),
                   own_vehicles(), RuntimeStart{});
-  ParameterDesk desk(runtime);
+  RequestDoor desk(runtime);
   REQUIRE(desk.open(kUrl).empty());
   const drivers::SipKey key = read_secret(folder.file("s"));
   const std::int64_t session = desk.describe().session;
@@ -147,7 +148,7 @@ TEST_CASE("a flood of requests is refused beyond the ring and counted") {
   Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true",
                                           "parameters.without_secret=true"}),
                   own_vehicles(), RuntimeStart{});
-  ParameterDesk desk(runtime);
+  RequestDoor desk(runtime);
   CHECK(desk.open(kUrl).find("anybody") != std::string::npos);
   const std::int64_t session = desk.describe().session;
   Sender sender;
@@ -163,7 +164,7 @@ TEST_CASE("without a secret nothing is taken, and the cure is told") {
   Runtime runtime(
       load_scene("ugv_hall", {"limits.voxels=1024", "parameters.remote=true", "drive.remote=true"}),
       own_vehicles(), RuntimeStart{});
-  ParameterDesk desk(runtime);
+  RequestDoor desk(runtime);
   const std::string warning = desk.open(kUrl);
   CHECK(warning.find("no requests are taken") != std::string::npos);
   CHECK(warning.find("secret_file") != std::string::npos);
@@ -180,7 +181,7 @@ TEST_CASE("without a secret nothing is taken, and the cure is told") {
 TEST_CASE("without remote control nothing is listened to") {
   if (!has_network()) return;
   Runtime runtime(load_scene("ugv_hall", {"limits.voxels=1024"}), own_vehicles(), RuntimeStart{});
-  ParameterDesk desk(runtime);
+  RequestDoor desk(runtime);
   CHECK(desk.open(kUrl).empty());
   CHECK_FALSE(desk.describe().remote);
   Sender sender;

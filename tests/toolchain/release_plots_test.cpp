@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lateness counted from jobs, and its plots: one bin a microsecond, nothing lost, deadline and maximum shown.
-#include "firmware_like/report/release_plots.hpp"
+#include "toolchain/report/release_plots.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "firmware_like/releases.hpp"
-#include "firmware_like/report/html.hpp"
+#include "firmware_like/log/releases.hpp"
 #include "tests/firmware_like/xml_check.hpp"
+#include "toolchain/report/html.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using sortie::testing::xml_fault;
 
 namespace {

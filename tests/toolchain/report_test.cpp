@@ -4,15 +4,16 @@
 #include <cmath>
 #include <random>
 
-#include "firmware_like/report/axis.hpp"
-#include "firmware_like/report/html.hpp"
-#include "firmware_like/report/plots.hpp"
-#include "firmware_like/report/svg_path.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
 #include "tests/firmware_like/xml_check.hpp"
+#include "toolchain/report/axis.hpp"
+#include "toolchain/report/html.hpp"
+#include "toolchain/report/plots.hpp"
+#include "toolchain/report/svg_path.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using sortie::testing::xml_fault;
 
 namespace {
@@ -25,7 +26,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 std::vector<std::string> labels(const Scale& scale, int wanted) {
   std::vector<std::string> texts;
-  for (const firmware::Tick& tick : make_ticks(scale, wanted)) {
+  for (const toolchain::Tick& tick : make_ticks(scale, wanted)) {
     if (!tick.label.empty()) texts.push_back(tick.label);
   }
   return texts;

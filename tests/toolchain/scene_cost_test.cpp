@@ -4,14 +4,15 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "firmware_like/bench/scene_cost.hpp"
-#include "firmware_like/json.hpp"
-#include "firmware_like/scene_parts.hpp"
-#include "firmware_like/telemetry.hpp"
+#include "firmware_like/link/telemetry.hpp"
+#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/scene_parts.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/bench/scene_cost.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -35,7 +36,7 @@ SceneCostOptions small_hall() {
 }  // namespace
 
 TEST_CASE("the cost of each part is that of a run without it") {
-  const SceneCosts costs = measure_scene_cost(own_vehicles(), make_own_bench, small_hall());
+  const SceneCosts costs = measure_scene_cost(own_vehicles(), make_simulated_robot, small_hall());
   CHECK(costs.ticks == 3000);
   CHECK(costs.whole.us_per_tick > 0);
   CHECK(costs.whole.errors.at("ate_n") > 100);
@@ -74,7 +75,7 @@ TEST_CASE("a live drive shows what the threads of recorder and telemetry take") 
   options.seconds = 0.2;
   options.live_s = 1;
   options.lcm_url = "file://" + folder.file("told.lcm") + "?mode=w";
-  const SceneCosts costs = measure_scene_cost(own_vehicles(), make_own_bench, options);
+  const SceneCosts costs = measure_scene_cost(own_vehicles(), make_simulated_robot, options);
   REQUIRE(costs.has_live);
   CHECK(costs.recorder_us > 0);
   CHECK(costs.telemetry_us > 0);
@@ -109,6 +110,6 @@ TEST_CASE("costs as an object and as a table say the same") {
 TEST_CASE("a scene without a simulated robot needs a log for its costs") {
   SceneCostOptions options;
   options.scene = "imu_bench";
-  CHECK_THROWS_WITH(measure_scene_cost(own_vehicles(), make_own_bench, options),
+  CHECK_THROWS_WITH(measure_scene_cost(own_vehicles(), make_simulated_robot, options),
                     Catch::Contains("imu_bench has no simulated robot: give --log LOG"));
 }

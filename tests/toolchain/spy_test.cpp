@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The spy's statistics against numbers worked out by hand, its bounds, and the whole command in a network of
 // its own.
-#include "firmware_like/commands/spy.hpp"
+#include "toolchain/commands/spy.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -11,14 +11,15 @@
 
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/wire.hpp"
-#include "firmware_like/commands/spy_table.hpp"
-#include "firmware_like/commands/spy_values.hpp"
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "tests/drivers/own_network.hpp"
+#include "toolchain/commands/spy_table.hpp"
+#include "toolchain/commands/spy_values.hpp"
 
 using namespace sortie;
 using namespace sortie::drivers;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 
 namespace {
 

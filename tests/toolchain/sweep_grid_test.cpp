@@ -6,15 +6,16 @@
 #include <limits>
 #include <random>
 
-#include "firmware_like/bench/pareto.hpp"
-#include "firmware_like/bench/sweep.hpp"
-#include "firmware_like/bench/sweep_jobs.hpp"
-#include "firmware_like/bench/sweep_set.hpp"
-#include "firmware_like/bench/sweep_slurm.hpp"
 #include "tests/firmware_like/run_support.hpp"
+#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/sweep/sweep.hpp"
+#include "toolchain/sweep/sweep_jobs.hpp"
+#include "toolchain/sweep/sweep_set.hpp"
+#include "toolchain/sweep/sweep_slurm.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using Catch::Matchers::Contains;
 
 TEST_CASE("A knob is a key and its values, commas within brackets and quotes are no divider") {

@@ -8,15 +8,16 @@
 #include <sstream>
 #include <tuple>
 
-#include "firmware_like/bench/map_volume.hpp"
-#include "firmware_like/bench/sweep_report.hpp"
-#include "firmware_like/json.hpp"
-#include "firmware_like/program.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/xml_check.hpp"
+#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/program/program.hpp"
+#include "toolchain/sweep/sweep_report.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using Catch::Matchers::Contains;
 
 namespace {

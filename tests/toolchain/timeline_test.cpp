@@ -6,14 +6,15 @@
 #include <random>
 
 #include "estimators/obstacle_modes.hpp"
-#include "firmware_like/evaluation/job_timeline.hpp"
-#include "firmware_like/report/html.hpp"
-#include "firmware_like/report/timeline_plot.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/xml_check.hpp"
+#include "toolchain/judge/job_timeline.hpp"
+#include "toolchain/report/html.hpp"
+#include "toolchain/report/timeline_plot.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 using namespace sortie::testing;
 
 namespace {
@@ -97,7 +98,7 @@ TEST_CASE(
   options.virtual_time = true;
   options.record = log;
   options.lcm_url = "none";
-  static_cast<void>(run_live(own_vehicles(), make_own_bench, options));
+  static_cast<void>(run_live(own_vehicles(), make_simulated_robot, options));
   JobTimeline timeline;
   std::map<std::string, std::uint64_t> jobs;
   std::uint64_t planar = 0;

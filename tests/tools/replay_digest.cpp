@@ -10,11 +10,11 @@
 #include <memory>
 #include <string>
 
-#include "firmware_like/importers/input_error.hpp"
-#include "firmware_like/keyframe_state.hpp"
-#include "firmware_like/keyframes.hpp"
-#include "firmware_like/replay.hpp"
-#include "firmware_like/vehicles/registry.hpp"
+#include "firmware_like/log/keyframe_state.hpp"
+#include "firmware_like/log/keyframes.hpp"
+#include "firmware_like/log/replay.hpp"
+#include "firmware_like/robots/registry.hpp"
+#include "firmware_like/scene/input_error.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;

@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
-FOLDERS = ("rt", "drivers", "estimators", "mapping", "planner", "hil", "firmware_like", "tests")
+FOLDERS = ("rt", "drivers", "estimators", "mapping", "planner", "hil", "firmware_like", "toolchain", "tests")
 
 
 def include_graph(root):

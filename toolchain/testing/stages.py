@@ -20,7 +20,7 @@ class Stage:
 
 
 ROBOT = ["-DSORTIE_DESK=OFF", "-DSORTIE_LONG_TESTS=OFF"]
-ON_BOARD = ["rt/", "drivers/", "estimators/", "mapping/", "planner/", "firmware_like/"]
+ON_BOARD = ["rt/", "drivers/", "estimators/", "mapping/", "planner/", "firmware_like/", "toolchain/(calibration|export|import|trajectory)_"]
 THREADS = ["rt/(queue|live|ledger|guards|posix|parameter|delay|spin|flight_ring|crash|fast_clock|executive|ports|schedule|anytime|miss|ladder|cause|usual|command_outlet|interval_log)",
            "drivers/(can_socket|can_stub|datagram_link|lcm_network|lcm_publisher|lcm_requests)",
            "firmware_like/(live|recorder|refusal|outlets|parameters|drive_requests|fly_requests|request_desk|plant_process|flight_ring_run|input_port|replay)_test"]

@@ -11,13 +11,13 @@
 #include <string>
 
 #include "estimators/attitude.hpp"
-#include "firmware_like/bench/child_process.hpp"
-#include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/attitude/attitude_sweep.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/counted_child.hpp"
 #include "tests/bench/vqf_peer.hpp"
 #include "tests/estimators/recorded.hpp"
+#include "toolchain/bench/child_process.hpp"
+#include "toolchain/bench/instruction_count.hpp"
 
 namespace sortie::bench {
 
@@ -60,11 +60,11 @@ int count_child() {
   VqfPeer peer(0.0035);
   const auto each = [](auto update) {
     for (std::uint32_t i = 0; i < kWarm; ++i) update(counted_sample(i));
-    firmware::mark_count();
+    toolchain::mark_count();
     for (std::uint32_t i = kWarm; i < kWarm + kCounted; ++i) update(counted_sample(i));
-    firmware::mark_count();
+    toolchain::mark_count();
   };
-  firmware::start_counting();
+  toolchain::start_counting();
   each([&](const rt::ImuSample& sample) { static_cast<void>(wide.update(sample)); });
   each([&](const rt::ImuSample& sample) { static_cast<void>(narrow.update(sample)); });
   each([&](const rt::ImuSample& s) {
@@ -75,7 +75,7 @@ int count_child() {
 }
 
 int gate() {
-  const Marks marks = count_instructions({firmware::own_program_path(), "--count-child"});
+  const Marks marks = count_instructions({toolchain::own_program_path(), "--count-child"});
   if (!marks.why_none.empty()) {
     std::cerr << "skipped: " << marks.why_none << "\n";
     return 77;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "mapping/occupancy.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 #include "planner/ray_scheduler.hpp"
 #include "tests/bench/campaign/trial.hpp"
 #include "tests/bench/campaign/trials.hpp"

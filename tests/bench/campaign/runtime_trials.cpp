@@ -7,19 +7,19 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "firmware_like/heap_watch.hpp"
-#include "firmware_like/importers/log_builder.hpp"
-#include "firmware_like/replay.hpp"
-#include "firmware_like/vehicles/registry.hpp"
+#include "firmware_like/log/replay.hpp"
+#include "firmware_like/robots/registry.hpp"
+#include "firmware_like/runtime/heap_watch.hpp"
 #include "tests/bench/campaign/trial.hpp"
 #include "tests/bench/campaign/trials.hpp"
+#include "toolchain/import/log_builder.hpp"
 
 namespace sortie::bench {
 
 namespace {
 
 // Receipts go forward, as a recorder writes them; stamps do what they like.
-void fill_log(std::span<const CampaignOp> ops, firmware::LogBuilder& log, std::uint64_t (&samples)[3]) {
+void fill_log(std::span<const CampaignOp> ops, toolchain::LogBuilder& log, std::uint64_t (&samples)[3]) {
   rt::Nanoseconds receipt = 1'000'000'000;
   CampaignClock clock{receipt};
   log.add(receipt, rt::ImuSample{receipt, {0, 0, 0.01}, {0, 0, 9.81}, rt::kImuGyr | rt::kImuAcc});
@@ -64,11 +64,11 @@ std::string log_path() {
 
 CampaignOutcome run_runtime_trial(std::span<const CampaignOp> ops) {
   CampaignTrial trial;
-  firmware::LogBuilder builder;
+  toolchain::LogBuilder builder;
   std::uint64_t samples[3]{};
   fill_log(ops, builder, samples);
   const std::string path = log_path();
-  firmware::ImportReport report;
+  toolchain::ImportReport report;
   builder.write(path, "campaign", report);
   firmware::ReplayOutcome outcome;
   {

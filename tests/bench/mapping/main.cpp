@@ -6,8 +6,6 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "firmware_like/bench/child_process.hpp"
-#include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/mapping/insertion.hpp"
 #include "tests/bench/mapping/map_bytes.hpp"
 #include "tests/bench/mapping/normal_error.hpp"
@@ -18,6 +16,8 @@
 #include "tests/bench/report/figures.hpp"
 #include "tests/mapping/owned_map.hpp"
 #include "tests/mapping/recorded_scans.hpp"
+#include "toolchain/bench/child_process.hpp"
+#include "toolchain/bench/instruction_count.hpp"
 
 namespace sortie::bench {
 namespace {
@@ -84,22 +84,22 @@ mapping::SegmenterConfig segmenter_settings() {
 template <class Policy>
 void count_drive(const std::vector<tests::RecordedScan>& scans, std::uint32_t stride) {
   tests::OwnedMap<Policy> map(grid_settings(), segmenter_settings(), kSizes);
-  firmware::start_counting();
+  toolchain::start_counting();
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::vector<rt::ScanPoint> points = thinned(scans[s], stride);
     rt::PointScan scan = scans[s].view();
     scan.points = points.data();
     scan.header.points = static_cast<std::uint32_t>(points.size());
     const mapping::SensorPose pose = scans[s].pose();
-    firmware::mark_count();
+    toolchain::mark_count();
     (void)map.map.update(scan, {pose.p_world_sensor_m, pose.q_world_sensor}, s);
-    firmware::mark_count();
+    toolchain::mark_count();
   }
 }
 
 /// Worst step over the median one, after the first ten.
 void add_counts(const MappingArguments& arguments, const std::string& policy, Report& report) {
-  const Marks marks = count_instructions({firmware::own_program_path(), "--counted", policy, "--file",
+  const Marks marks = count_instructions({toolchain::own_program_path(), "--counted", policy, "--file",
                                           arguments.file, "--stride", std::to_string(arguments.stride)});
   if (!marks.why_none.empty()) return report.skip("instructions", marks.why_none);
   Rounds steps;

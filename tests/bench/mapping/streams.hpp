@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/rolling_grid_config.hpp"
+#include "mapping/grid/rolling_grid_config.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::bench {

@@ -2,9 +2,9 @@
 // Instructions of a step, exact: this program again, under callgrind.
 #include <cmath>
 
-#include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/plant/plant_parts.hpp"
 #include "tests/bench/report/counted_child.hpp"
+#include "toolchain/bench/instruction_count.hpp"
 
 namespace sortie::bench {
 
@@ -16,7 +16,7 @@ constexpr const char* kGroup = "instructions";
 }  // namespace
 
 int run_counted_drives(const PlantSettings& settings) {
-  firmware::start_counting();
+  toolchain::start_counting();
   for (const BenchScene* scene : chosen_scenes(settings)) {
     OwnVehicle ours(*scene);
     const std::unique_ptr<BenchVehicle> theirs = make_ode_vehicle(*scene, OdeSolver::quick);
@@ -26,10 +26,10 @@ int run_counted_drives(const PlantSettings& settings) {
       if (vehicle == nullptr) continue;
       const DrivePlan plan(*scene);
       const long steps = std::lround(scene->seconds / kStep_s);
-      firmware::mark_count();
+      toolchain::mark_count();
       for (long i = 0; i < steps; ++i)
         vehicle->step(plan.belts(static_cast<double>(i) * kStep_s, kStep_s), kStep_s);
-      firmware::mark_count();
+      toolchain::mark_count();
     }
   }
   return 0;

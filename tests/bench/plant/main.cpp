@@ -4,10 +4,10 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "firmware_like/bench/child_process.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "tests/bench/plant/plant_parts.hpp"
 #include "tests/bench/report/arguments.hpp"
+#include "toolchain/bench/child_process.hpp"
 
 namespace sortie::bench {
 
@@ -56,7 +56,7 @@ PlantArguments parse(int argc, char** argv) {
 
 int run(const PlantArguments& arguments) {
   PlantSettings settings = arguments.settings;
-  settings.program = firmware::own_program_path();
+  settings.program = toolchain::own_program_path();
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "hil/ssl_sensor.hpp"
-#include "mapping/voxel_walk.hpp"
+#include "mapping/occupancy/voxel_walk.hpp"
 
 namespace sortie::bench {
 

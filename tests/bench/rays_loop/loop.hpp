@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/occupancy.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 #include "planner/ssl_choice.hpp"
 #include "tests/bench/rays_loop/loop_worlds.hpp"
 

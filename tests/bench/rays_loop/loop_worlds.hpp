@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hil/ray_caster.hpp"
-#include "mapping/sensor_pose.hpp"
+#include "mapping/grid/sensor_pose.hpp"
 
 namespace sortie::bench {
 

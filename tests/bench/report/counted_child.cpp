@@ -4,27 +4,27 @@
 #include <charconv>
 #include <string_view>
 
-#include "firmware_like/bench/child_process.hpp"
-#include "firmware_like/bench/instruction_count.hpp"
+#include "toolchain/bench/child_process.hpp"
+#include "toolchain/bench/instruction_count.hpp"
 
 namespace sortie::bench {
 
 Marks count_instructions(const std::vector<std::string>& command) {
   Marks marks;
-  if (const char* why = firmware::why_not_counting(); why != nullptr) {
+  if (const char* why = toolchain::why_not_counting(); why != nullptr) {
     marks.why_none = why;
     return marks;
   }
-  if (firmware::find_in_path("valgrind").empty()) {
+  if (toolchain::find_in_path("valgrind").empty()) {
     marks.why_none = "valgrind is not in PATH; apt-get install valgrind";
     return marks;
   }
-  firmware::ChildCommand child;
+  toolchain::ChildCommand child;
   child.arguments = {"valgrind",           "--quiet",   "--tool=callgrind", "--callgrind-out-file=/dev/null",
                      "--instr-atstart=no", "--log-fd=9"};
   child.arguments.insert(child.arguments.end(), command.begin(), command.end());
   child.read_fd = 9;
-  const firmware::ChildEnd end = firmware::run_child(child, [&marks](std::string_view line) {
+  const toolchain::ChildEnd end = toolchain::run_child(child, [&marks](std::string_view line) {
     constexpr std::string_view kCount = "events-1: ";
     if (line.substr(0, kCount.size()) != kCount) return;
     line.remove_prefix(kCount.size());

@@ -15,7 +15,7 @@ struct Marks {
 };
 
 /// Runs `command` (program and arguments) under callgrind. It calls start_counting() and mark_count() of
-/// firmware_like/bench/instruction_count.hpp. Slow: about 50 times the time of what is counted.
+/// toolchain/bench/instruction_count.hpp. Slow: about 50 times the time of what is counted.
 Marks count_instructions(const std::vector<std::string>& command);
 
 }  // namespace sortie::bench

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/json.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "rt/histogram.hpp"
 
 namespace sortie::bench {

@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "firmware_like/bench/child_process.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/rt/measure.hpp"
+#include "toolchain/bench/child_process.hpp"
 
 namespace sortie::bench {
 
@@ -89,7 +89,7 @@ void choose_cores(Settings& settings, Report& report) {
 
 int run(const Arguments& arguments) {
   Settings settings = arguments.settings;
-  settings.program = firmware::own_program_path();
+  settings.program = toolchain::own_program_path();
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Instructions of a push and a pop, exact: this program again, under callgrind.
-#include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/report/counted_child.hpp"
 #include "tests/bench/rt/measure.hpp"
 #include "tests/bench/rt/queue_peers.hpp"
+#include "toolchain/bench/instruction_count.hpp"
 
 namespace sortie::bench {
 
@@ -56,15 +56,15 @@ template <class Queue>
 }  // namespace
 
 int run_counted_queues() {
-  firmware::start_counting();
+  toolchain::start_counting();
   const auto count = []<class Queue>() {
     // Round the ring once before, so that every page is there.
     std::uint64_t sum = pairs<Queue>(kQueueSlots + 16) + batches<Queue>(kQueueSlots);
-    firmware::mark_count();
+    toolchain::mark_count();
     sum += pairs<Queue>(kPairs);
-    firmware::mark_count();
+    toolchain::mark_count();
     sum += batches<Queue>(kPairs);
-    firmware::mark_count();
+    toolchain::mark_count();
     asm volatile("" : : "r"(sum));
   };
   for_each_queue(count);

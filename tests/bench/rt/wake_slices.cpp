@@ -7,10 +7,10 @@
 #include <memory>
 #include <thread>
 
-#include "firmware_like/bench/child_process.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/cpu_latency.hpp"
 #include "rt/posix/realtime.hpp"
+#include "toolchain/bench/child_process.hpp"
 
 namespace sortie::bench {
 
@@ -126,7 +126,7 @@ void wake_by_sleep(const Settings& settings, WakeSamples& samples) {
 CyclictestSlice run_cyclictest(const Settings& settings) {
   constexpr std::size_t kBins = 20000;
   CyclictestSlice slice;
-  if (firmware::find_in_path("cyclictest").empty()) {
+  if (toolchain::find_in_path("cyclictest").empty()) {
     slice.problem = "cyclictest is not in PATH; apt-get install rt-tests";
     return slice;
   }
@@ -135,7 +135,7 @@ CyclictestSlice run_cyclictest(const Settings& settings) {
     return slice;
   }
   const auto loops = static_cast<std::int64_t>(settings.slice_s * 1e9) / kPeriod;
-  firmware::ChildCommand command;
+  toolchain::ChildCommand command;
   command.arguments = {"cyclictest",
                        "--quiet",
                        "--mlockall",
@@ -147,7 +147,7 @@ CyclictestSlice run_cyclictest(const Settings& settings) {
                        "--histogram=" + std::to_string(kBins),
                        "--affinity=" + std::to_string(settings.core)};
   slice.bins_us.assign(kBins, 0);
-  const firmware::ChildEnd end = firmware::run_child(command, [&slice](std::string_view line) {
+  const toolchain::ChildEnd end = toolchain::run_child(command, [&slice](std::string_view line) {
     if (line.empty()) return;
     if (line.front() != '#') {
       std::size_t us = 0;

@@ -7,7 +7,7 @@
 #include "estimators/attitude.hpp"
 #include "estimators/slow_value.hpp"
 #include "estimators/turning_centre.hpp"
-#include "mapping/pose_history.hpp"
+#include "mapping/grid/pose_history.hpp"
 #include "tests/bench/stability/cases.hpp"
 
 namespace sortie::bench {

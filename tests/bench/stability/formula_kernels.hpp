@@ -10,7 +10,7 @@
 #include <cstddef>
 
 #include "estimators/real_rotation.hpp"
-#include "mapping/plane_batch.hpp"
+#include "mapping/grid/plane_batch.hpp"
 #include "planner/icr_model.hpp"
 
 namespace sortie::bench {

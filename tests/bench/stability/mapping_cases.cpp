@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/occupancy.hpp"
-#include "mapping/plane_batch.hpp"
+#include "mapping/grid/plane_batch.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 #include "tests/bench/stability/cases.hpp"
 #include "tests/mapping/owned_map.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mapping/occupancy.hpp"
+#include "mapping/occupancy/occupancy.hpp"
 #include "planner/coverage_table.hpp"
 #include "planner/icr_model.hpp"
 #include "planner/jerk_limiter.hpp"

@@ -4,9 +4,9 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "firmware_like/bench/child_process.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
+#include "toolchain/bench/child_process.hpp"
 
 namespace sortie::bench {
 namespace {
@@ -26,7 +26,7 @@ int run_uav(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (option == "--counted-pilots") return run_counted_pilots();
-    if (option == "--gate") return gate_pilots(firmware::own_program_path());
+    if (option == "--gate") return gate_pilots(toolchain::own_program_path());
     const char* value = ++i < argc ? argv[i] : nullptr;
     if (option == "--seeds")
       settings.seeds = static_cast<std::uint64_t>(number("--seeds", value, 1, 1000));
@@ -37,7 +37,7 @@ int run_uav(int argc, char** argv) {
     else
       throw std::invalid_argument("unknown option " + option);
   }
-  settings.program = firmware::own_program_path();
+  settings.program = toolchain::own_program_path();
   Report report;
   Json& root = report.root();
   root["load_before"] = load_average();

@@ -2,10 +2,10 @@
 // Instructions of a control step beside Lee's.
 #include <cstdio>
 
-#include "firmware_like/bench/instruction_count.hpp"
 #include "tests/bench/report/counted_child.hpp"
 #include "tests/bench/uav/lee.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
+#include "toolchain/bench/instruction_count.hpp"
 
 namespace sortie::bench {
 namespace {
@@ -24,9 +24,9 @@ int run_counted_pilots() {
   if (ours.start(flown.record[0].state) != Status::ok) return 1;
   std::vector<planner::FlatReference> wanted;
   for (const FlightSample& sample : flown.record) wanted.push_back(setup.path(sample.time_s));
-  firmware::start_counting();
+  toolchain::start_counting();
   for (int pilot = 0; pilot < 2; ++pilot) {
-    firmware::mark_count();
+    toolchain::mark_count();
     for (std::size_t k = 0; k < kCountedSteps; ++k) {
       rt::RotorCommand command;
       if (pilot == 0) {
@@ -36,7 +36,7 @@ int run_counted_pilots() {
         lee.update(flown.record[k].state, wanted[k], command);
       }
     }
-    firmware::mark_count();
+    toolchain::mark_count();
   }
   return 0;
 }

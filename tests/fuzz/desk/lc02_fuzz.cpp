@@ -9,7 +9,7 @@
 
 #include "drivers/lc02.hpp"
 #include "drivers/lcm_url.hpp"
-#include "firmware_like/commands/spy_table.hpp"
+#include "toolchain/commands/spy_table.hpp"
 
 using namespace sortie;
 using namespace sortie::drivers;
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(message.channel.find('\0') == std::string_view::npos);
     require(8 + message.channel.size() + 1 + message.payload.size() == size);
     require(message.payload.empty() || message.payload.data() + message.payload.size() == data + size);
-    firmware::SpyTable table(true);
+    toolchain::SpyTable table(true);
     table.add(message.channel, message.payload, 1);
     table.add(message.channel, message.payload, 2'000'000);
     std::ostringstream text;

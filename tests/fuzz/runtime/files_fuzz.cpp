@@ -10,13 +10,14 @@
 #include <sstream>
 #include <string>
 
-#include "firmware_like/exporters/tum.hpp"
-#include "firmware_like/importers/importer.hpp"
-#include "firmware_like/log_file.hpp"
+#include "firmware_like/log/log_file.hpp"
 #include "rt/posix/flight_reader.hpp"
+#include "toolchain/export/tum.hpp"
+#include "toolchain/import/importer.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
+using namespace sortie::toolchain;
 
 namespace {
 

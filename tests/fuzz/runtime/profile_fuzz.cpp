@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "firmware_like/profile.hpp"
-#include "firmware_like/vehicles/stored_cells.hpp"
+#include "firmware_like/parts/stored_cells.hpp"
+#include "firmware_like/scene/profile.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;

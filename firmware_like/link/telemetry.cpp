@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/link/telemetry.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "drivers/wire_segments.hpp"
+#include "drivers/wire_timing.hpp"
+#include "rt/posix/clock.hpp"
+#include "rt/posix/make_thread.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+drivers::LcmPublisherConfig publisher_config(const std::string& url) {
+  drivers::LcmPublisherConfig config;
+  config.url = url;
+  config.slot_bytes = Telemetry::kLongestMessage;
+  return config;
+}
+
+}  // namespace
+
+Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const RequestDoor& desk,
+                     const std::string& url, rt::Nanoseconds utc_minus_run_ns)
+    : runtime_(runtime),
+      recorder_(recorder),
+      desk_(desk),
+      utc_minus_run_ns_(utc_minus_run_ns),
+      publisher_(publisher_config(url)) {
+  std::size_t longest = 0;
+  for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
+    longest = std::max<std::size_t>(longest, runtime.executive().task(i).output_bytes());
+  }
+  canonical_.resize(longest);
+  for (const auto& group : runtime.parts().parameters().groups) in_force_.push_back(group->table.state());
+}
+
+Telemetry::~Telemetry() { stop(); }
+
+void Telemetry::publish_outputs(std::int64_t utime) {
+  rt::Executive& executive = runtime_.executive();
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
+    rt::TaskBase& task = executive.task(i);
+    if (!task.poll_output(canonical_.data())) continue;
+    std::vector<drivers::NamedValue> values;
+    task.describe(
+        canonical_.data(),
+        {&values, [](void* self, const char* name, int index, double value, std::uint64_t, std::uint32_t) {
+           std::string full = name;
+           if (index >= 0) full += "[" + std::to_string(index) + "]";
+           static_cast<std::vector<drivers::NamedValue>*>(self)->push_back({full, value});
+         }});
+    const std::string channel = std::string(drivers::kChannelFields) + "_" + task.name();
+    // What the network does not take is counted by the publisher.
+    static_cast<void>(
+        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode_fields(utime, task.name(), values, out, size);
+        }));
+    note_parameters(task);
+    note_state(task, values);
+    if (&task == runtime_.vehicle().pose_task()) {
+      rt::PoseEstimate pose;
+      rt::decode_canonical(canonical_.data(), pose);
+      static_cast<void>(publisher_.publish_encoded(
+          drivers::kChannelPose, [&](std::span<std::uint8_t> out, std::size_t& size) {
+            return drivers::encode(drivers::to_pose_message(pose, (pose.stamp_ns + utc_minus_run_ns_) / 1000),
+                                   out, size);
+          }));
+    }
+  }
+}
+
+void Telemetry::publish_motors(std::int64_t utime) {
+  const std::optional<MotorsNews> news = runtime_.vehicle().motors_news();
+  if (!news) return;
+  const std::vector<drivers::NamedValue> values = {{"emergency", news->emergency ? 1.0 : 0.0},
+                                                   {"running", news->running ? 1.0 : 0.0},
+                                                   {"stop_reason", static_cast<double>(news->stop_reason)}};
+  const std::string channel = std::string(drivers::kChannelFields) + "_motors";
+  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+    return drivers::encode_fields(utime, "motors", values, out, size);
+  }));
+}
+
+void Telemetry::note_parameters(const rt::TaskBase& task) {
+  const auto& groups = runtime_.parts().parameters().groups;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i]->task != &task) continue;
+    const std::uint32_t before = in_force_[i].applied + in_force_[i].refused;
+    rt::decode_canonical(canonical_.data(), in_force_[i]);
+    parameters_moved_ = parameters_moved_ || in_force_[i].applied + in_force_[i].refused != before;
+  }
+}
+
+void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
+  const auto& set = runtime_.parts().parameters();
+  const std::uint64_t version = desk_.version();
+  if (set.all.empty() || !(anyway || parameters_moved_ || version != desk_version_)) return;
+  desk_version_ = version;
+  parameters_moved_ = false;
+  drivers::ParametersMessage message = desk_.describe();
+  message.utime = utime;
+  for (std::size_t i = 0; i < set.all.size(); ++i) {
+    for (std::size_t group = 0; group < set.groups.size(); ++group) {
+      if (set.groups[group].get() == set.all[i].owner)
+        message.parameters[i].value = in_force_[group].value[set.all[i].index];
+    }
+  }
+  static_cast<void>(publisher_.publish_encoded(
+      drivers::kChannelParameters,
+      [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(message, out, size); }));
+}
+
+// Without the state, which must be read after them: of a task that puts nothing out there is none to tell.
+void Telemetry::read_answers() {
+  answers_.clear();
+  desk_.for_each_answer([this](drivers::AnswersMessage message) { answers_.push_back(std::move(message)); });
+}
+
+// What those who command want to hear of the task that obeys: all of it would be too long for one datagram.
+void Telemetry::note_state(const rt::TaskBase& task, const std::vector<drivers::NamedValue>& values) {
+  static constexpr std::string_view kTold[] = {"source",        "stop",          "speed_m_s", "turn_rad_s",
+                                               "step",          "remote",        "reached",   "setpoint_m[0]",
+                                               "setpoint_m[1]", "setpoint_m[2]", "error_m"};
+  for (drivers::AnswersMessage& message : answers_) {
+    if (message.task != task.name()) continue;
+    for (const drivers::NamedValue& value : values) {
+      if (std::find(std::begin(kTold), std::end(kTold), value.name) != std::end(kTold))
+        message.state.push_back(value);
+    }
+  }
+}
+
+void Telemetry::publish_answers(std::int64_t utime) {
+  for (drivers::AnswersMessage& message : answers_) {
+    message.utime = utime;
+    const std::string channel = std::string(drivers::kChannelAnswers) + "_" + message.task;
+    static_cast<void>(
+        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode(message, desk_.key(), out, size);
+        }));
+  }
+}
+
+void Telemetry::publish_statistics(std::int64_t utime) {
+  const std::vector<drivers::TaskTiming> timings = recorder_.timings();
+  static_cast<void>(
+      publisher_.publish_encoded(drivers::kChannelStats, [&](std::span<std::uint8_t> out, std::size_t& size) {
+        return drivers::encode(utime, timings, out, size);
+      }));
+  std::vector<drivers::PoolUse> pools;
+  for (const auto& port : runtime_.parts().ports()) {
+    const rt::StreamBase& stream = port->stream();
+    pools.push_back({port->channel(), stream.capacity(), stream.waiting(), stream.high_water(),
+                     static_cast<std::int64_t>(stream.refused())});
+  }
+  static_cast<void>(
+      publisher_.publish_encoded(drivers::kChannelPools, [&](std::span<std::uint8_t> out, std::size_t& size) {
+        return drivers::encode(utime, pools, out, size);
+      }));
+}
+
+void Telemetry::tell(const drivers::EventRecord& event) {
+  constexpr std::size_t kMostWaiting = 1000;  // nobody empties it when telemetry is off
+  const std::lock_guard lock(events_mutex_);
+  if (events_.size() < kMostWaiting) events_.push_back(event);
+}
+
+void Telemetry::publish_events() {
+  std::vector<drivers::EventRecord> events;
+  {
+    const std::lock_guard lock(events_mutex_);
+    events.swap(events_);
+  }
+  for (const drivers::EventRecord& event : events) {
+    static_cast<void>(publisher_.publish_encoded(
+        drivers::kChannelEvent,
+        [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(event, out, size); }));
+  }
+}
+
+void Telemetry::publish_segments() {
+  ReportQueue<rt::SegmentList>* lists = runtime_.vehicle().segment_lists();
+  if (lists == nullptr) return;
+  while (lists->take(segments_)) {
+    segments_.stamp_ns += utc_minus_run_ns_;
+    static_cast<void>(publisher_.publish_encoded(
+        drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode(segments_, segments_seq_++, out, size);
+        }));
+  }
+}
+
+void Telemetry::start() {
+  if (!publisher_.active()) return;
+  thread_ = rt::posix::make_thread("telemetry", [this] {
+    for (std::uint64_t round = 0; !stop_.load(std::memory_order_relaxed); ++round) {
+      const std::int64_t utime =
+          (runtime_.executive().now() + utc_minus_run_ns_) / rt::kNanosecondsPerMicrosecond;
+      // Answers first, then the state: "admitted" and "halted" in one message were true in that order.
+      read_answers();
+      publish_outputs(utime);
+      publish_motors(utime);
+      publish_answers(utime);
+      publish_events();
+      publish_segments();
+      if (round % 10 == 9) publish_statistics(utime);
+      publish_parameters(utime, round % 10 == 0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    cpu_ns_.store(rt::posix::thread_cpu_now(), std::memory_order_relaxed);
+  });
+}
+
+void Telemetry::stop() {
+  stop_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace sortie::firmware

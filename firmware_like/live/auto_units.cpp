@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/live/auto_units.hpp"
+
+#include <cstdio>
+
+#include "firmware_like/log/log_event.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+UnitTrial try_units_of(const Runtime& runtime) {
+  const auto* const tryer = dynamic_cast<const UnitTryer*>(&runtime.vehicle());
+  return tryer != nullptr ? tryer->try_units() : UnitTrial{};
+}
+
+std::uint32_t units_in_force(const Runtime& runtime, const std::string& task) {
+  const rt::Executive& executive = runtime.executive();
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i)
+    if (executive.task(i).name() == task) return executive.task(i).spec().units;
+  return 0;
+}
+
+}  // namespace
+
+BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& scene,
+                           const std::vector<std::string>& overrides, bool times) {
+  BootedRuntime booted;
+  booted.runtime = std::make_unique<Runtime>(load_scene(scene, overrides), vehicles, RuntimeStart{});
+  if (times) booted.trial = try_units_of(*booted.runtime);
+  UnitTrial& trial = booted.trial;
+  std::vector<std::string> numbers = overrides;
+  for (const std::string& task : booted.runtime->parts().auto_units()) {
+    ChosenUnits chosen{task, units_in_force(*booted.runtime, task), false};
+    if (trial.task == task && trial.ns_per_unit > 0.0) {
+      trial.units = chosen.units = units_that_fit(trial, kAutoShare);
+      chosen.timed = true;
+    }
+    numbers.push_back("tasks." + task + ".units=" + std::to_string(chosen.units));
+    booted.chosen.push_back(std::move(chosen));
+  }
+  if (booted.chosen.empty()) return booted;
+  booted.runtime.reset();  // two at a time are twice the memory
+  booted.runtime = std::make_unique<Runtime>(load_scene(scene, numbers), vehicles, RuntimeStart{});
+  return booted;
+}
+
+void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen, double ns_per_unit,
+                        rt::Nanoseconds utc_minus_run_ns) {
+  for (const ChosenUnits& one : chosen) {
+    drivers::EventRecord event;
+    event.kind = "calibration";
+    event.subject = one.task;
+    event.value = one.units;
+    char text[96];
+    std::snprintf(text, sizeof text, "units = \"auto\": a unit takes %.2f ns here", ns_per_unit);
+    event.text = one.timed ? text : "units = \"auto\": the default, as nothing was timed";
+    log_event(log, event, 0, utc_minus_run_ns);
+  }
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What moves around the executive in a live or a virtual run: the simulated robot, the devices, scripted
+// changes.
+#pragma once
+
+#include <string>
+
+#include "firmware_like/link/plant_link.hpp"
+#include "firmware_like/link/request_door.hpp"
+#include "firmware_like/live/simulated_robot.hpp"
+#include "firmware_like/live/truth_writer.hpp"
+#include "firmware_like/log/bounded_trajectory.hpp"
+#include "firmware_like/log/log_recorder.hpp"
+#include "firmware_like/runtime/runtime.hpp"
+#include "rt/virtual_runner.hpp"
+
+namespace sortie::firmware {
+
+/// Picks the pose out of the fields of each job: the task's value itself belongs to its worker.
+class PoseCollector {
+ public:
+  explicit PoseCollector(const Runtime& runtime) : task_(runtime.vehicle().pose_task()) {
+    if (task_ == nullptr) return;
+    for (const rt::TaskBase* task : runtime.executive().group(task_->group()).tasks) {
+      if (task == task_) break;
+      offset_ += task->output_bytes();
+    }
+  }
+  void job(const rt::JobRecord& record) {
+    if (task_ == nullptr || record.group != task_->group() ||
+        record.field_bytes < offset_ + task_->output_bytes())
+      return;
+    rt::PoseEstimate pose;
+    rt::decode_canonical(record.fields + offset_, pose);
+    if (pose.stamp_ns != 0) poses.add(to_timed_pose(pose));
+  }
+  BoundedTrajectory poses{1};
+
+ private:
+  const rt::Task<rt::PoseEstimate>* task_;
+  std::uint32_t offset_{};
+};
+
+/// Devices that are not simulated in this process.
+struct OutsideDevices {
+  drivers::CanBus* can{};      ///< null: there is no bus
+  PlantLink* link{};           ///< to a plant in a process of its own, or null
+  rt::Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at the start of the run: the devices' clock counts that
+};
+
+/// Everything around the executive that moves between ticks: the simulated robot, the devices, the truth.
+class Surroundings {
+ public:
+  /// `outside` counts only without a simulated robot.
+  Surroundings(Runtime& runtime, SimulatedRobot* robot, const OutsideDevices& outside, LogRecorder& recorder,
+               bool recording)
+      : runtime_(runtime), robot_(robot), recorder_(recorder) {
+    devices_.ssl = robot != nullptr ? robot->vehicle_ssl() : nullptr;
+    devices_.log = recording ? &recorder : nullptr;
+    devices_.can = robot != nullptr ? robot->vehicle_can() : outside.can;
+    if (robot != nullptr) return;
+    link_ = outside.link;
+    if (link_ != nullptr) devices_.ssl = link_->ssl();
+    devices_.device_epoch_ns = -outside.start_ns;
+  }
+  /// Moves the simulated robot, if there is one, and notes its truth.
+  void step_robot(rt::Nanoseconds now);
+  void poll_devices(rt::Nanoseconds now);
+  /// What a user wants to know at once, or empty. One thread that is not real-time.
+  std::string news() { return link_ != nullptr ? link_->news() : std::string(); }
+  TruthWriter truth;
+
+ private:
+  Runtime& runtime_;
+  SimulatedRobot* robot_;
+  LogRecorder& recorder_;
+  PlantLink* link_{};
+  Devices devices_;
+};
+
+/// Everything around the executive, moved between the ticks of a virtual run.
+class SimulatedFeed final : public rt::JobFeed {
+ public:
+  SimulatedFeed(Surroundings& surroundings, Runtime& runtime, LogRecorder& recorder, RequestDoor& desk)
+      : surroundings_(surroundings), runtime_(runtime), recorder_(recorder), desk_(desk) {}
+  void before_tick(rt::Tick tick) override {
+    const rt::Nanoseconds now = runtime_.executive().time_of(tick);
+    surroundings_.step_robot(now);
+    surroundings_.poll_devices(now);
+    desk_.run_script(now);
+    if (tick % 64 == 0) recorder_.drain();
+  }
+  bool prepare(std::uint32_t, std::uint64_t, rt::Tick, rt::JobOrder&) override { return true; }
+
+ private:
+  Surroundings& surroundings_;
+  Runtime& runtime_;
+  LogRecorder& recorder_;
+  RequestDoor& desk_;
+};
+
+}  // namespace sortie::firmware

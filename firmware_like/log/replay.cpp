@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/log/replay.hpp"
+
+#include <chrono>
+
+#include "firmware_like/log/log_clock.hpp"
+#include "firmware_like/log/log_recorder.hpp"
+#include "firmware_like/log/recorded_doctor.hpp"
+#include "firmware_like/log/replay_observer.hpp"
+#include "firmware_like/log/replay_part.hpp"
+#include "firmware_like/runtime/heap_watch.hpp"
+#include "firmware_like/scene/input_error.hpp"
+#include "rt/posix/fast_clock.hpp"
+#include "rt/posix/threaded_runner.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+// Progress is the only thing that happens between ticks; it goes through a feed so that both runners can show
+// it.
+class ProgressFeed final : public rt::JobFeed {
+ public:
+  ProgressFeed(LogFeed& feed, Runtime& runtime, const ReplayOptions& options, LogRecorder* recorder)
+      : feed_(feed),
+        runtime_(runtime),
+        on_tick_(options.on_tick),
+        progress_(options.progress),
+        recorder_(recorder) {}
+  void before_tick(rt::Tick tick) override {
+    if (on_tick_) on_tick_(tick, runtime_, feed_);
+    if (recorder_ != nullptr && tick % 64 == 0) recorder_->drain();
+    if (tick % 1024 == 0) rt::posix::anchor_fast_clock();
+    if (!progress_ || tick % 1024 != 0 || feed_.last_tick() <= feed_.first_tick() ||
+        tick < feed_.first_tick())
+      return;
+    progress_(static_cast<double>(tick - feed_.first_tick()) /
+              static_cast<double>(feed_.last_tick() - feed_.first_tick()));
+  }
+  bool prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt::JobOrder& order) override {
+    return feed_.prepare(group, job, tick, order);
+  }
+
+ private:
+  LogFeed& feed_;
+  Runtime& runtime_;
+  const std::function<void(rt::Tick, Runtime&, LogFeed&)>& on_tick_;
+  const std::function<void(double)>& progress_;
+  LogRecorder* recorder_;
+};
+
+// Source of a log that a replay writes: it has the verdicts of the run that was replayed.
+constexpr const char* kReplayOf = "replay of ";
+
+// In simulated time nothing comes late by accident.
+bool is_simulated(const LogFile& log) {
+  return log.header().has_ticks && log.header().utc_minus_monotonic_ns == 0;
+}
+
+// The times in a log are those of one profile, job by job: a what-if has none.
+std::string why_not_live(const LogFile& log, const ReplayOptions& options, bool use_ticks) {
+  if (std::string why = why_no_times(log); !why.empty()) return why;
+  if (!options.scene.empty() || !options.overrides.empty())
+    return "holds the times of its own scene; leave out --scene and --set";
+  return use_ticks ? "" : "holds the jobs of another build; take the version that recorded it";
+}
+
+rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
+  const std::size_t at = text.find('@');
+  const std::string target = text.substr(0, at);
+  const std::size_t dot = target.find('.');
+  try {
+    if (at == std::string::npos) throw ProfileError("");
+    const rt::Tick tick = std::stoull(text.substr(at + 1));
+    for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
+      rt::TaskBase& task = runtime.executive().task(i);
+      if (target.substr(0, dot) != task.name()) continue;
+      const std::uint32_t byte = dot == std::string::npos
+                                     ? task.output_bytes() - 1
+                                     : static_cast<std::uint32_t>(std::stoul(target.substr(dot + 1)));
+      task.plant_fault({true, tick, byte});
+      return tick;
+    }
+  } catch (const std::exception&) {
+  }
+  throw ProfileError("--fault " + text +
+                     ": write task@tick or task.byte@tick with a task of this scene, e.g. odometry@1200");
+}
+
+std::unique_ptr<Runtime> make_runtime(const LogFile& log, const VehicleRegistry& vehicles,
+                                      const ReplayOptions& options) {
+  const drivers::LogHeader& header = log.header();
+  if (options.scene.empty() && header.scene_toml.empty()) {
+    throw ProfileError(log.path() +
+                       " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
+  }
+  if (options.scene.empty()) refuse_unknown_vehicle(log, vehicles);
+  Profile profile = options.scene.empty()
+                        ? Profile(header.scene_toml, log.path() + " (profile)", options.overrides)
+                        : load_scene(options.scene, options.overrides);
+  RuntimeStart start;
+  start.epoch_ns = header.epoch_ns;
+  start.has_initial = true;
+  for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];
+  for (int i = 0; i < 4; ++i) start.initial.q_world_body[i] = header.initial_q[i];
+  return std::make_unique<Runtime>(std::move(profile), vehicles, start);
+}
+
+// What was true in the log is true of its replay.
+std::unique_ptr<LogRecorder> open_recorder(const LogFile& log, Runtime& runtime, const std::string& path) {
+  RecorderOptions recording;
+  recording.path = path;
+  auto recorder =
+      std::make_unique<LogRecorder>(runtime, recording, make_header(runtime, kReplayOf + log.path(), 0));
+  for (const auto& port : runtime.parts().ports()) port->set_sink(recorder.get());
+  for (const std::string_view channel :
+       {drivers::kChannelTruth, drivers::kChannelContacts, drivers::kChannelSensorTruth}) {
+    for (const StoredEvent& stored : log.channel(std::string(channel))) {
+      recorder->sample(std::string(channel), stored.timestamp_us * rt::kNanosecondsPerMicrosecond,
+                       stored.message);
+    }
+  }
+  return recorder;
+}
+
+// Streams and channels of which nothing was used, and declared bounds that were exceeded where nothing can
+// come late by accident. `must_be_offered`: as of unused_streams().
+void add_failures(ReplayOutcome& outcome, const LogFile& log, const LogFeed& feed,
+                  const ReplayOptions& options, bool must_be_offered) {
+  Results& results = outcome.results;
+  const std::vector<StreamUse> uses = feed.stream_use();
+  std::vector<std::string> unused = unused_streams(*outcome.runtime, uses, must_be_offered);
+  const std::vector<std::string> homeless =
+      channels_without_stream(results.scene, uses, feed.unused_channels(), !log.header().has_ticks);
+  unused.insert(unused.end(), homeless.begin(), homeless.end());
+  results.warnings.insert(results.warnings.begin(), unused.begin(), unused.end());
+  for (const std::string& name : feed.unused_channels()) {
+    if (!homeless.empty()) break;  // told already
+    results.warnings.push_back("channel " + name + " is not used by scene " + results.scene);
+  }
+  if (!options.accept_unused) outcome.failures = std::move(unused);
+  if (!is_simulated(log)) return;
+  const std::vector<std::string> exceeded = exceeded_bounds(results);
+  outcome.failures.insert(outcome.failures.end(), exceeded.begin(), exceeded.end());
+}
+
+}  // namespace
+
+ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
+  const drivers::LogHeader& header = log.header();
+  // Read first: what cannot be used is told before the replay, not after it.
+  std::unique_ptr<TruthLog> truth;
+  if (!options.truth.empty()) truth = std::make_unique<TruthLog>(log, options.truth);
+  ReplayOutcome outcome;
+  outcome.runtime = make_runtime(log, vehicles, options);
+  Runtime& runtime = *outcome.runtime;
+  rt::Executive& executive = runtime.executive();
+  outcome.why_not_comparable = why_not_comparable(log, options, runtime);
+  outcome.comparable = outcome.why_not_comparable.empty();
+  if (options.must_compare && !outcome.comparable) {
+    throw InputError(
+        log.path() + ": cannot be checked: " + outcome.why_not_comparable + "; `sortie replay` still runs it",
+        2);
+  }
+  // Another profile takes the same jobs with the same samples again, as long as it has the same groups at the
+  // same phases.
+  const bool use_ticks = header.has_ticks && reads_ticks(log) && header.groups == runtime.group_table();
+  const rt::Tick fault_tick = options.fault.empty() ? ~rt::Tick{0} : plant_fault(runtime, options.fault);
+
+  LogFeed feed(log, runtime, use_ticks);
+  const ReplayPart part = choose_part(log, options, runtime, feed);
+  if (fault_tick < part.begin) {
+    throw InputError("--fault " + options.fault + ": lies before tick " + std::to_string(part.begin) +
+                         ", where this replay begins",
+                     2);
+  }
+  outcome.begin_tick = part.begin;
+  outcome.first_tick = part.asked;
+  outcome.restored_tick = part.restored;
+  const std::unique_ptr<LogRecorder> recorder =
+      options.record.empty() ? nullptr : open_recorder(log, runtime, options.record);
+  const bool whole = options.from.empty() && options.to.empty();
+  ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
+                          is_simulated(log) && header.source.rfind(kReplayOf, 0) != 0,
+                          RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
+  struct Sinks {
+    ReplayObserver* observer;
+    LogRecorder* recorder;
+  } sinks{&observer, recorder.get()};
+  executive.set_sink({&sinks, [](void* self, const rt::JobRecord& record) {
+                        auto* both = static_cast<Sinks*>(self);
+                        if (both->recorder != nullptr)
+                          both->recorder->job_sink().call(both->recorder, record);
+                        both->observer->job(record);
+                      }});
+  executive.set_record_fields(true);
+  rt::posix::start_fast_clock();
+  executive.set_clock([](void*) { return rt::posix::fast_now(); }, nullptr);
+  const HeapWatch heap = heap_watch();
+  const std::uint64_t heap_before = heap.calls != nullptr ? heap.calls() : 0;
+  executive.set_guard(heap.arm);
+
+  if (options.before_run) options.before_run(runtime);
+  ProgressFeed shown(feed, runtime, options, recorder.get());
+  const auto began = std::chrono::steady_clock::now();
+  if (options.threaded) {
+    rt::posix::run_virtual_threaded(executive, shown, part.begin, feed.last_tick());
+  } else {
+    rt::run_virtual(executive, shown, part.begin, feed.last_tick());
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  if (recorder) recorder->stop();
+
+  outcome.estimate = std::move(observer.estimate);
+  outcome.truth = truth ? std::move(truth->poses) : log.truth();
+  outcome.contacts = truth ? contact_summaries(truth->log, truth->offset.offset_ns) : contact_summaries(log);
+  tidy(outcome.estimate);
+  outcome.recorded = feed.recorded_digest();
+  outcome.divergence = observer.first;
+  outcome.diverged_jobs = observer.diverged_jobs;
+  outcome.compared_jobs = observer.compared_jobs;
+
+  Results& results = outcome.results;
+  results = collect_results(runtime, feed.last_tick() - part.asked + 1);
+  results.duration_s =
+      static_cast<double>(results.ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
+  results.speed = wall > 0 ? results.duration_s / wall : 0;
+  results.counters["log_events"] = log.events();
+  results.counters["samples_missing"] = feed.missing_samples();
+  results.counters["samples_damaged"] = feed.damaged_samples();
+  results.counters["samples_refused"] = feed.refused_samples();
+  if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
+  observer.times.add_to(results);
+  observer.chains.add_to(results);
+  add_failures(outcome, log, feed, options, whole && !use_ticks);
+  const std::vector<std::string> problems = log.problems();
+  results.doctor = recorded_doctor(log);
+  results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
+  outcome.damage = feed.damage().empty() ? log.damage() : feed.damage();
+  if (truth && !truth->offset.exact)
+    results.warnings.push_back(
+        options.truth + ": of another machine or start of it; laid beside the run by their dates (UTC)");
+  if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
+  if (feed.jobs_left_out() != 0) {
+    results.warnings.push_back(
+        std::to_string(feed.jobs_left_out()) +
+        " jobs at the end of the log are left out: it does not hold all that they took");
+  }
+  if (header.has_ticks && !outcome.comparable) {
+    results.warnings.push_back("digests are not comparable with the log: " + outcome.why_not_comparable +
+                               (use_ticks ? "" : "; its samples go to the jobs by their times of receipt"));
+  }
+  return outcome;
+}
+
+}  // namespace sortie::firmware

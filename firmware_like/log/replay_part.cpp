@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/log/replay_part.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "drivers/wire_cursor.hpp"
+#include "firmware_like/log/keyframe_state.hpp"
+#include "firmware_like/log/log_recorder.hpp"
+#include "firmware_like/log/log_time.hpp"
+#include "firmware_like/scene/input_error.hpp"
+
+namespace sortie::firmware {
+
+ReplayPart choose_part(const LogFile& log, const ReplayOptions& options, Runtime& runtime, LogFeed& feed) {
+  const rt::Nanoseconds tick_ns = runtime.executive().base_tick_ns();
+  ReplayPart part{feed.first_tick(), feed.first_tick(), 0};
+  const rt::Tick log_end = feed.last_tick() + 1;
+  const rt::Tick end = options.to.empty() ? log_end : parse_log_time(options.to, tick_ns, "--to");
+  if (!options.from.empty())
+    part.asked = std::max(part.asked, parse_log_time(options.from, tick_ns, "--from"));
+  if (part.asked >= std::min(end, log_end)) {
+    throw InputError("nothing lies between --from (tick " + std::to_string(part.asked) + ") and --to (tick " +
+                         std::to_string(end) + "); the log runs from tick " +
+                         std::to_string(feed.first_tick()) + " to " + std::to_string(feed.last_tick()),
+                     2);
+  }
+  feed.end_before(end);
+  const bool named = !options.keyframes.empty();
+  const std::string path = named ? options.keyframes : keyframe_path(log.path());
+  if (options.from.empty() || (!named && !std::filesystem::exists(path))) return part;
+  if (!options.record.empty()) {
+    throw InputError(
+        "--record does not go with --from and keyframes: such a log would lack what its jobs took before", 2);
+  }
+  const KeyframeFile file(path);
+  refuse_foreign(file, keyframe_head(log, runtime), log.path());
+  const KeyframeEntry* entry = file.nearest(part.asked);
+  if (entry == nullptr || entry->tick <= feed.first_tick()) return part;
+  restore_state(file.state(*entry), runtime, feed, entry->tick);
+  part.begin = part.restored = entry->tick;
+  return part;
+}
+
+bool reads_ticks(const LogFile& log) {
+  const auto& ticks = log.channel(std::string(drivers::kChannelTick));
+  return ticks.empty() || drivers::fingerprint_of(ticks.front().message) == drivers::kFingerprintTick;
+}
+
+std::string why_not_comparable(const LogFile& log, const ReplayOptions& options, const Runtime& runtime) {
+  const drivers::LogHeader& header = log.header();
+  if (!header.has_ticks) return "an imported log has no recorded outputs";
+  if (static_cast<std::uint64_t>(header.scene_hash) != runtime.profile().hash()) {
+    return options.scene.empty() && options.overrides.empty()
+               ? "the profile in the log is damaged: its hash differs"
+               : "replayed with another profile than it was recorded with";
+  }
+  if (header.version != version()) return "recorded by version " + header.version + ", this is " + version();
+  if (!reads_ticks(log)) return "its jobs are recorded in a message of another build of version " + version();
+  if (header.groups != runtime.group_table()) {
+    return "this build makes other groups of the same profile than the one that recorded it";
+  }
+  return {};
+}
+
+void refuse_unknown_vehicle(const LogFile& log, const VehicleRegistry& vehicles) {
+  std::string known;
+  for (const auto& [name, factory] : vehicles) {
+    if (name == log.header().vehicle) return;
+    known += (known.empty() ? "" : ", ") + name;
+  }
+  throw InputError(log.path() + ": recorded by vehicle " + log.header().vehicle + ", which this program (" +
+                       known + ") does not have; replay it with the program of that robot, or give --scene",
+                   2);
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A local map with the parts that a profile asks for, and memory for no others.
+#pragma once
+
+#include <optional>
+
+#include "mapping/grid/normals.hpp"
+#include "mapping/segments/local_map.hpp"
+#include "mapping/segments/segment_features.hpp"
+#include "rt/arena.hpp"
+#include "rt/built_parts.hpp"
+
+namespace sortie::firmware {
+
+/// How voxels become segments.
+enum class SegmentsBy : std::uint8_t { off, euclidean, smoothness };
+
+/// Settings and sizes of a local map.
+struct ChosenMapConfig {
+  mapping::RollingGridConfig grid;
+  mapping::NormalsConfig normals;
+  mapping::SegmenterConfig segments;
+  SegmentsBy by{SegmentsBy::off};
+  double most_angle_rad{0.07};  ///< of SmoothnessPolicy
+  double most_curvature{0.05};  ///< of SmoothnessPolicy
+  std::uint32_t voxels{};       ///< pools: a multiple of 4
+  std::uint32_t blocks{};
+  std::uint32_t most_segments{};
+  std::uint32_t scan_points{};  ///< of the longest scan
+};
+
+/// What the segmenter shows of itself as a whole.
+struct SegmentSummary {
+  std::uint32_t segments{};
+  std::uint32_t voxels{};   ///< in them; of smoothness, the flat ones
+  std::uint32_t largest{};  ///< voxels of the largest one
+  std::uint32_t backlog{};  ///< blocks that wait to be looked at
+  bool current{
+      true};  ///< what is shown is the exact partition of the map as it is now; never with a full pool
+  std::uint64_t born{};
+  std::uint64_t renamed{};
+  std::uint64_t gone{};
+  std::uint64_t cut{};     ///< of those that were born, the ones that were cut from another
+  std::uint64_t digest{};  ///< sum over the segments' ids and sizes, in no order
+  SORTIE_FIELDS(segments, voxels, largest, backlog, current, born, renamed, gone, cut, digest)
+};
+
+/// One voxel as a reader sees it.
+struct MapVoxel {
+  rt::Vector3 p_world_m;  ///< mean of its points
+  std::uint32_t count{};  ///< of points in that mean
+  mapping::SegmentId segment{};
+  rt::Vector3 normal_world;  ///< zero: none
+};
+
+/// Grid, normals where a policy needs them, segmenter. No heap after construction.
+class ChosenMap {
+ public:
+  /// Memory comes from `arena`; without enough of it nothing is ever taken.
+  ChosenMap(const ChosenMapConfig& config, rt::Arena& arena);
+  ChosenMap(const ChosenMap&) = delete;
+  ChosenMap& operator=(const ChosenMap&) = delete;
+
+  /// A scan taken at `pose`, as far as voxels and normals; segment() comes after it.
+  mapping::RollingInsert insert(const rt::PointScan& scan, const mapping::RigidPose& pose, rt::Tick tick);
+  /// A part of the segmenter's work: config.segments.units of it. Call it until done().
+  void segment(rt::Tick tick);
+  /// Nothing is left to do until the next scan. What is shown may still lack what a full pool had no room
+  /// for: summary() says whether it is current.
+  bool done() const { return done_; }
+  /// Of the newest call of segment() that finished a labelling: O(most_segments).
+  SegmentSummary summary() const;
+
+  mapping::RollingGrid& grid() { return grid_; }
+  const mapping::RollingGrid& grid() const { return grid_; }
+  bool has_normals() const { return normals_.has_value(); }
+  /// Null without segments.
+  const mapping::Labelling* labelling() const;
+  const mapping::FragmentGraph* graph() const;
+  std::uint64_t fragment_capacity() const { return fragment_capacity_; }
+  /// Chain over the changes of every scan so far: voxels and normals that changed, segments that came and
+  /// went. Within a scan in no order.
+  std::uint64_t change_digest() const { return change_digest_; }
+  /// Blocks whose normals wait.
+  std::uint32_t normals_backlog() const { return normals_backlog_; }
+  /// Events of labellings that nobody could see, because the next one was finished in the same call.
+  std::uint64_t events_unseen() const { return events_unseen_; }
+
+  /// Calls `put(const MapVoxel&)` for every active voxel. Not for the real-time path.
+  template <class Put>
+  void for_each_voxel(Put put) const {
+    for (std::uint32_t i = 0; i < grid_.block_numbers(); ++i) {
+      const auto index = static_cast<mapping::BlockIndex>(i);
+      const mapping::Block& block = grid_.block(index);
+      if (!block.in_use()) continue;
+      for (std::uint64_t cells = block.active; cells != 0; cells = mapping::without_lowest(cells))
+        put(voxel(index, mapping::lowest(cells)));
+    }
+  }
+
+  /// Grid, segments and their ids to bytes and back.
+  void archive(rt::Archive& archive);
+
+ private:
+  // A build of one scene has one kind of segmenter at most.
+  static constexpr bool kHasSmooth = rt::kBuilt<rt::Part::normals>;
+  static constexpr bool kHasEuclidean =
+      rt::kBuilt<rt::Part::segments> && (*rt::kOnlyScene == '\0' || !kHasSmooth);
+  template <class Self, class Use>
+  static void with_segmenter(Self& self, Use use) {
+    if constexpr (kHasEuclidean) {
+      if (self.euclidean_) use(*self.euclidean_);
+    }
+    if constexpr (kHasSmooth) {
+      if (self.smooth_) use(*self.smooth_);
+    }
+  }
+  MapVoxel voxel(mapping::BlockIndex block, unsigned cell) const;
+  void digest_changes();
+  void digest_events();
+
+  ChosenMapConfig config_;
+  mapping::RollingGrid grid_;
+  std::optional<mapping::Normals> normals_;
+  std::optional<mapping::Segmenter<mapping::EuclideanPolicy>> euclidean_;
+  std::optional<mapping::Segmenter<mapping::SmoothnessPolicy>> smooth_;
+  std::optional<mapping::LocalMap<mapping::EuclideanPolicy>> euclidean_map_;
+  std::optional<mapping::LocalMap<mapping::SmoothnessPolicy>> smooth_map_;
+  std::uint64_t fragment_capacity_{};
+  bool current_{true};
+  bool done_{true};
+  std::uint32_t backlog_{};
+  std::uint32_t normals_backlog_{};
+  std::uint64_t labellings_{};
+  std::uint64_t events_unseen_{};
+  std::uint64_t change_digest_{};
+};
+
+}  // namespace sortie::firmware

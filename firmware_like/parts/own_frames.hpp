@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot's own frames (drivers/dbc/robot.dbc) as a scene puts them on the bus, for the check of its load.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "firmware_like/runtime/vehicle.hpp"
+
+namespace sortie::firmware {
+
+/// Frames that the runtime sends, through one interface.
+void add_own_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanoseconds period_ns);
+
+/// Frames of a device that sends them together; how often is `key` of the profile, in Hz.
+void add_device_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, const char* key,
+                       double usual_hz, const char* device);
+
+}  // namespace sortie::firmware

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/parts/ugv_map.hpp"
+
+#include <tuple>
+
+#include "firmware_like/parts/ugv_map_config.hpp"
+
+namespace sortie::firmware {
+namespace {
+constexpr std::uint32_t kUsualUnits = 65'536;
+
+/// The map's clock: the same live and replayed, whatever the run's epoch was.
+rt::Tick milliseconds_of(const rt::JobContext& context) {
+  return context.job * static_cast<std::uint64_t>(context.period_ns) / 1'000'000u;
+}
+}  // namespace
+
+UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& sources) : poses_(sources.poses) {
+  UgvMapConfig config = read_map_config(builder.profile());
+  anytime_ = config.anytime;
+  config.map.segments.units = anytime_ ? kQuantum : 0;
+  whole_ = !anytime_ && config.map.normals.solves == 0;
+  const std::uint32_t most = config.map.scan_points;
+  std::tie(lidar_.scans, port_) = builder.scans(group, "SCAN", config.scan_buffers, most);
+  lidar_.p_body_m = config.sweep.p_body_sensor_m;
+  lidar_.q_body = config.sweep.q_body_sensor;
+  lidar_.time_offset_ns = config.sweep.time_offset_ns;
+  if (poses_ != nullptr) {
+    if (sources.flippers != nullptr) flippers_ = builder.input(group, sources.flippers, 1);
+    sweeps_ = std::make_unique<mapping::Sweeps>(
+        config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", most));
+  }
+  map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
+  if (rt::kBuilt<rt::Part::segment_lists> && config.publish) {
+    lists_ = builder.reports<rt::SegmentList>("segments", 4);
+    report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
+  }
+  // Pools and the size of a voxel are memory; how far the lidar is believed may change.
+  const auto set_ranges = [this](double min_m, double max_m) {
+    const Status status = map_->grid().set_ranges(min_m, max_m);
+    return status == Status::ok && sweeps_ ? sweeps_->set_ranges(min_m, max_m) : status;
+  };
+  builder.parameter(group, "map.min_range_m", [this, set_ranges](double value) {
+    return set_ranges(value, map_->grid().config().max_range_m);
+  });
+  builder.parameter(group, "map.max_range_m", [this, set_ranges](double value) {
+    return set_ranges(map_->grid().config().min_range_m, value);
+  });
+  add_task(builder, group);
+  add_counters(builder, config.map);
+}
+
+void UgvMap::add_task(VehicleBuilder& builder, rt::GroupId group) {
+  const rt::TaskBase* task = builder.task<MapOutput>(
+      group, "map", TaskDefaults{50'000, rt::Criticality::b, anytime_ ? kUsualUnits : 0},
+      [this](rt::JobContext& context, MapOutput& output) {
+        take_poses();
+        for (std::uint32_t i = 0; i < lidar_.scans->size(); ++i) {
+          const ScanStream::View view = (*lidar_.scans)[i];
+          context.add_units(view.header.points);
+          take({view.header, view.elements}, milliseconds_of(context));
+        }
+        segment(context);
+        output = output_;
+      });
+  // What a budget left undone is no part of the archived state.
+  if (!whole_) return;
+  if (sweeps_) {
+    builder.remembers(task, *map_, output_, next_pose_ns_, *sweeps_);
+  } else {
+    builder.remembers(task, *map_, output_);
+  }
+}
+
+void UgvMap::take_poses() {
+  if (poses_ == nullptr) return;
+  for (const rt::PoseEstimate& pose : *poses_) {
+    // The odometry puts out at every release, with the stamp of its last sample; a sweep and its delay must
+    // fit into the history.
+    if (pose.stamp_ns < next_pose_ns_) continue;
+    if (sweeps_->add({pose.stamp_ns, rt::to_vector(pose.p_world_body_m),
+                      rt::to_quaternion(pose.q_world_body)}) == Status::ok)
+      next_pose_ns_ = pose.stamp_ns + kPoseEveryNs;
+  }
+  if (flippers_ == nullptr) return;
+  for (const planner::FlipperOutput& output : *flippers_) {
+    if ((output.flags & planner::kFlippersMeasured) == 0) continue;
+    rt::FlipperSample sample;
+    for (std::uint32_t i = 0; i < rt::kFlippers; ++i) sample.angle_rad[i] = output.measured_rad[i];
+    static_cast<void>(sweeps_->add(sample));  // what is not finite does not come off the bus
+  }
+}
+
+void UgvMap::take(const rt::PointScan& scan, rt::Tick tick) {
+  ++output_.scans;
+  MapPoints& points = output_.points;
+  points.in += scan.header.points;
+  if ((scan.header.flags & rt::kScanPosed) != 0) {
+    const mapping::RigidPose pose{rt::to_vector(scan.header.p_world_sensor_m),
+                                  rt::to_quaternion(scan.header.q_world_sensor)};
+    count(map_->insert(scan, pose, tick).points);
+    output_.stamp_ns = scan.header.stamp_ns;
+    return;
+  }
+  if (!sweeps_) {
+    ++output_.scans_unplaced;
+    points.unplaced += scan.header.points;
+    return;
+  }
+  const mapping::StraightSweep sweep = sweeps_->straighten(scan);
+  points.not_finite += sweep.counts.not_finite;
+  points.too_near += sweep.counts.too_near;
+  points.too_far += sweep.counts.too_far;
+  points.on_robot += sweep.counts.on_robot;
+  points.unplaced += sweep.counts.unplaced;
+  points.scan_full += sweep.counts.no_room;
+  if (sweep.status != Status::ok) {
+    ++output_.scans_unplaced;
+    return;
+  }
+  count(map_->insert(sweep.scan, {sweep.pose.p_world_sensor_m, sweep.pose.q_world_sensor}, tick).points);
+  output_.stamp_ns = scan.header.stamp_ns;
+}
+
+void UgvMap::count(const mapping::RollingGridCounts& grid) {
+  MapPoints& points = output_.points;
+  points.used += grid.used;
+  points.not_finite += grid.not_finite;
+  points.too_near += grid.too_near;
+  points.too_far += grid.too_far;
+  points.outside += grid.outside;
+  points.out_of_grid += grid.out_of_grid;
+  points.pool_full += grid.pool_full;
+  points.scan_full += grid.scan_full;
+  points.bad_pose += grid.bad_pose;
+}
+
+void UgvMap::segment(rt::JobContext& context) {
+  while (!map_->done() && (!anytime_ || context.spend(kQuantum))) {
+    map_->segment(milliseconds_of(context));
+    if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->note(*map_);
+  }
+  if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->send(*map_, output_.stamp_ns);
+  const mapping::RollingGridOutput& grid = map_->grid().output();
+  output_.voxels = grid.voxels;
+  output_.blocks = grid.blocks;
+  output_.created = grid.points.created;
+  output_.evicted = grid.points.evicted;
+  output_.forced = grid.points.forced;
+  output_.normals_backlog = map_->normals_backlog();
+  output_.segments = map_->summary();
+  output_.change_digest = map_->change_digest();
+}
+
+void UgvMap::add_counters(VehicleBuilder& builder, const ChosenMapConfig& config) {
+  const mapping::RollingGridOutput& grid = map_->grid().output();
+  const MapOutput& output = output_;
+  builder.pool("voxels", [&grid, &output, size = std::uint64_t{config.voxels}] {
+    return PoolLevel{size, std::uint64_t{grid.most_chunks} * mapping::Block::kChunk, output.points.pool_full};
+  });
+  builder.pool("blocks", [&grid, size = std::uint64_t{config.blocks}] {
+    return PoolLevel{size, grid.most_blocks, grid.points.forced};
+  });
+  if (map_->has_normals()) {
+    builder.pool("normals", [&grid, size = std::uint64_t{config.voxels}] {
+      return PoolLevel{size, std::uint64_t{grid.most_chunks} * mapping::Block::kChunk, 0};
+    });
+  }
+  MapPoints::fields(output_.points, [&builder](const char* name, const std::uint64_t& value) {
+    builder.counter(std::string("points_") + name, [&value] { return value; });
+  });
+  builder.counter("scans", [&output] { return output.scans; });
+  builder.uses("SCAN", [&output] { return output.scans - output.scans_unplaced; });
+  builder.counter("scans_unplaced", [&output] { return output.scans_unplaced; });
+  builder.counter("map_voxels", [&output] { return std::uint64_t{output.voxels}; });
+  if (map_->labelling() == nullptr) return;
+  const ChosenMap& map = *map_;
+  builder.pool("fragments", [&map] {
+    return PoolLevel{map.fragment_capacity(), map.graph()->most_in_use(), map.graph()->refused()};
+  });
+  builder.counter("segments", [&output] { return std::uint64_t{output.segments.segments}; });
+  builder.counter("segments_born", [&output] { return output.segments.born; });
+  builder.counter("segments_renamed", [&output] { return output.segments.renamed; });
+  builder.counter("segments_gone", [&output] { return output.segments.gone; });
+  builder.counter("segments_cut", [&output] { return output.segments.cut; });
+  builder.counter("segments_refused", [&map] { return map.labelling()->counts().slots_full; });
+  builder.counter("segment_backlog", [&output] { return std::uint64_t{output.segments.backlog}; });
+  builder.counter("segment_events_lost",
+                  [&map] { return map.labelling()->counts().events_lost + map.events_unseen(); });
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ground robot's local map: its task, from sweeps and poses to voxels, normals and segments.
+#pragma once
+
+#include <memory>
+
+#include "firmware_like/parts/chosen_map.hpp"
+#include "firmware_like/parts/segment_report.hpp"
+#include "firmware_like/runtime/owned_part.hpp"
+#include "firmware_like/runtime/vehicle.hpp"
+#include "mapping/grid/sweep.hpp"
+#include "planner/flipper_postures.hpp"
+
+namespace sortie::firmware {
+
+/// What became of every return. in = used + all others.
+struct MapPoints {
+  std::uint64_t in{};
+  std::uint64_t used{};
+  std::uint64_t not_finite{};
+  std::uint64_t too_near{};
+  std::uint64_t too_far{};
+  std::uint64_t on_robot{};
+  std::uint64_t unplaced{};     ///< no pose for the scan, or none so old for the return
+  std::uint64_t outside{};      ///< of the local map
+  std::uint64_t out_of_grid{};  ///< of scans taken farther from the origin than the grid reaches
+  std::uint64_t pool_full{};
+  std::uint64_t scan_full{};
+  std::uint64_t bad_pose{};
+  SORTIE_FIELDS(in, used, not_finite, too_near, too_far, on_robot, unplaced, outside, out_of_grid, pool_full,
+                scan_full, bad_pose)
+};
+
+/// What the task puts out.
+struct MapOutput {
+  rt::Nanoseconds stamp_ns{};      ///< of the newest scan that was placed
+  std::uint64_t scans{};           ///< taken, placed or not
+  std::uint64_t scans_unplaced{};  ///< no pose at their stamp
+  MapPoints points;
+  std::uint32_t voxels{};
+  std::uint32_t blocks{};
+  std::uint64_t created{};          ///< voxels
+  std::uint64_t evicted{};          ///< voxels
+  std::uint64_t forced{};           ///< blocks that gave way in a full pool
+  std::uint32_t normals_backlog{};  ///< blocks whose normals wait
+  SegmentSummary segments;
+  std::uint64_t change_digest{};  ///< see ChosenMap
+  SORTIE_FIELDS(stamp_ns, scans, scans_unplaced, points, voxels, blocks, created, evicted, forced,
+                normals_backlog, segments, change_digest)
+};
+
+/// The lidar's scans as the group `mapping` has them, and how it sits on the body; no scans: no lidar.
+struct LidarScans {
+  ScanStream* scans{};
+  rt::Vector3 p_body_m;
+  rt::Quaternion q_body;
+  rt::Nanoseconds time_offset_ns{};  ///< added to the stamps of scans that carry no pose
+};
+
+/// Group `mapping`, task `map`. Scans that carry a pose go in as they are; others are straightened return by
+/// return with the odometry's poses, and freed of the robot itself. A scan for which there is no pose is
+/// refused and counted. Units of the task: one for each return, and the segmenter's.
+class UgvMap {
+ public:
+  /// What the map reads of other groups; null where the scene has no such task.
+  struct Sources {
+    rt::Input<rt::PoseEstimate>* poses{};  ///< of the group that the map is in
+    const rt::Task<planner::FlipperOutput>* flippers{};
+  };
+
+  /// Declares stream and task. Throws ProfileError.
+  UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& sources);
+
+  ScanPort* port() const { return port_; }
+  const LidarScans& lidar() const { return lidar_; }
+  /// Null without segments, or where the profile publishes none.
+  ReportQueue<rt::SegmentList>* segment_lists() const { return lists_.get(); }
+  const ChosenMap& map() const { return *map_; }
+  const MapOutput& output() const { return output_; }
+
+ private:
+  static constexpr std::uint32_t kQuantum = 256;  ///< units of the segmenter between two looks
+  static constexpr rt::Nanoseconds kPoseEveryNs = 2 * rt::kNanosecondsPerMillisecond;
+
+  void add_task(VehicleBuilder& builder, rt::GroupId group);
+  void add_counters(VehicleBuilder& builder, const ChosenMapConfig& config);
+  void take_poses();
+  void take(const rt::PointScan& scan, rt::Tick tick);
+  void count(const mapping::RollingGridCounts& points);
+  void segment(rt::JobContext& context);
+
+  rt::Input<rt::PoseEstimate>* poses_{};
+  rt::Input<planner::FlipperOutput>* flippers_{};
+  LidarScans lidar_;
+  ScanPort* port_{};
+  std::unique_ptr<ChosenMap> map_;
+  std::unique_ptr<mapping::Sweeps> sweeps_;                   ///< null without odometry
+  OwnedPart<SegmentReport, rt::Part::segment_lists> report_;  ///< null: no list of segments is published
+  std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;
+  rt::Nanoseconds next_pose_ns_{};
+  MapOutput output_;
+  bool anytime_{};
+  bool whole_{};  ///< no budget leaves anything for a later job
+};
+
+}  // namespace sortie::firmware

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The solid-state lidar's and its map's part of a scene profile.
+#pragma once
+
+#include "firmware_like/parts/sensor_mount.hpp"
+#include "firmware_like/runtime/vehicle.hpp"
+#include "mapping/occupancy/occupancy.hpp"
+#include "planner/ssl_choice.hpp"
+
+namespace sortie::firmware {
+
+/// Where the solid-state lidar sits on the body: [ssl].
+SensorMount read_ssl_mount(Profile& profile);
+
+/// What task `ssl` is built with.
+struct SslSettings {
+  planner::SslChoiceConfig choice;
+  std::uint32_t units{};  ///< of one execution where the profile says nothing else
+};
+
+/// The map that the scheduler looks at.
+struct OccupancySettings {
+  mapping::OccupancyConfig map;
+  std::uint32_t scan_stride{};  ///< each so many-th return of a scan is entered
+  double silent_free_m{};       ///< a ray without a return frees the cells up to here
+  rt::Nanoseconds max_pose_age_ns{};
+};
+
+/// Reader of [ssl]. Throws ProfileError.
+SslSettings read_ssl_settings(Profile& profile);
+
+/// Reader of [occupancy] alone. Throws ProfileError.
+OccupancySettings read_occupancy_settings(Profile& profile);
+
+/// Reader of [occupancy]; completes the scheduler's settings with those of the map. Throws ProfileError. Keys
+/// hold for every policy, so that another one may be tried with a single `--set`.
+OccupancySettings read_occupancy_settings(Profile& profile, SslSettings& ssl);
+
+}  // namespace sortie::firmware

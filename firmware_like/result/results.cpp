@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Results to JSON and back. The key order is the order of docs and of people's eyes, not of the alphabet.
+#include "firmware_like/result/results.hpp"
+
+#include "firmware_like/scene/json_reader.hpp"
+
+namespace sortie::firmware {
+namespace {
+
+Json to_json(const std::vector<HistogramBar>& histogram) {
+  Json bars = Json::array();
+  for (const HistogramBar& bar : histogram) {
+    bars.push_back(Json::array({json_number(bar.from_us), json_number(bar.to_us), bar.count}));
+  }
+  return bars;
+}
+
+Json to_json(const TaskResult& task) {
+  Json object{{"name", task.name},
+              {"group", task.group},
+              {"period_us", json_number(task.period_us)},
+              {"budget_us", json_number(task.budget_us)},
+              {"count", task.count},
+              {"missed", task.missed},
+              {"p50_us", json_number(task.p50_us)},
+              {"p99_us", json_number(task.p99_us)},
+              {"p999_us", json_number(task.p999_us)},
+              {"max_us", json_number(task.max_us)}};
+  if (!task.digest.empty()) object["digest"] = task.digest;
+  if (!task.histogram.empty()) object["histogram"] = to_json(task.histogram);
+  return object;
+}
+
+Json to_json(const GroupResult& group) {
+  Json object{{"name", group.name},
+              {"period_us", json_number(group.period_us)},
+              {"phase_us", json_number(group.phase_us)},
+              {"deadline_us", json_number(group.deadline_us)},
+              {"core", group.core},
+              {"jobs", group.jobs},
+              {"missed", group.missed},
+              {"skipped", group.skipped},
+              {"worst_in_row", group.worst_in_row},
+              {"promises_broken", group.promises_broken}};
+  if (group.lateness.empty()) return object;
+  object["late_p50_us"] = json_number(group.late_p50_us);
+  object["late_p99_us"] = json_number(group.late_p99_us);
+  object["late_p999_us"] = json_number(group.late_p999_us);
+  object["late_max_us"] = json_number(group.late_max_us);
+  object["response_max_us"] = json_number(group.response_max_us);
+  if (group.wake_known) {
+    object["spinning"] = json_number(group.spinning);
+    object["margin_us"] = json_number(group.margin_us);
+    object["stack_bytes"] = group.stack_bytes;
+  }
+  if (group.delays.known) object["delays"] = to_json(group.delays);
+  object["lateness"] = to_json(group.lateness);
+  object["response"] = to_json(group.response);
+  return object;
+}
+
+}  // namespace
+
+Json to_json(const Results& results) {
+  Json errors = Json::object();
+  for (const auto& [name, value] : results.errors) errors[name] = json_number(value);
+  Json tasks = Json::array();
+  for (const TaskResult& task : results.tasks) tasks.push_back(to_json(task));
+  Json groups = Json::array();
+  for (const GroupResult& group : results.groups) groups.push_back(to_json(group));
+  Json chains = Json::array();
+  for (const ChainResult& chain : results.chains) chains.push_back(to_json(chain));
+  Json pools = Json::array();
+  for (const PoolResult& pool : results.pools) {
+    pools.push_back({{"name", pool.name},
+                     {"capacity", pool.capacity},
+                     {"high_water", pool.high_water},
+                     {"refused", pool.refused},
+                     {"bytes", pool.bytes}});
+  }
+  Json counters = Json::object();
+  for (const auto& [name, value] : results.counters) counters[name] = value;
+  Json object{{"digest", results.digest},
+              {"ticks", results.ticks},
+              {"scene", results.scene},
+              {"vehicle", results.vehicle},
+              {"errors", std::move(errors)},
+              {"tasks", std::move(tasks)},
+              {"groups", std::move(groups)},
+              {"schedule", to_json(results.schedule)},
+              {"chains", std::move(chains)},
+              {"pools", std::move(pools)},
+              {"counters", std::move(counters)},
+              {"duration_s", json_number(results.duration_s)},
+              {"speed", json_number(results.speed)},
+              {"machine", results.machine},
+              {"compiler", results.compiler},
+              {"profile_hash", results.profile_hash},
+              {"left_out", results.left_out},
+              {"warnings", results.warnings}};
+  object["live"] = to_json(results.live);
+  if (results.doctor.present) object["doctor"] = to_json(results.doctor);
+  return object;
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/robot_commands.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "firmware_like/doctor/doctor_command.hpp"
+#include "firmware_like/live/live_options.hpp"
+#include "firmware_like/live/stop_signals.hpp"
+#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_verdict.hpp"
+#include "firmware_like/result/results_output.hpp"
+#include "firmware_like/scene/json.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+constexpr const char* kProgram = "sortie";
+
+struct RunOptions {
+  LiveRunOptions live;
+  bool json{};
+  bool quiet{};
+};
+
+struct LogOptions {
+  std::string log;
+  ReplayOptions replay;
+  bool accept_damage{};
+  bool json{};
+  bool quiet{};
+};
+
+void add_output(Command& command, bool& json, bool& quiet) {
+  command.add_flag("--json", json, "Print one JSON object");
+  command.add_flag("--quiet", quiet, "No progress bar; this program has none");
+}
+
+const std::vector<std::string>* judged(const std::vector<std::string>& failures) {
+  return failures.empty() ? nullptr : &failures;
+}
+
+int run(const VehicleRegistry& vehicles, RunOptions& options) {
+  const StopSignals stop;  // up to the last word
+  options.live.interrupted = &StopSignals::asked();
+  const LiveRunOutcome outcome = run_live(vehicles, nullptr, options.live);
+  print_results(outcome.results, options.json, judged(outcome.failures));
+  tell_files(outcome);
+  print_failures(outcome.failures, options.json);
+  return outcome.stopped.empty() && outcome.failures.empty() ? 0 : 1;
+}
+
+int replay_log(const VehicleRegistry& vehicles, const LogOptions& options) {
+  const LogFile log(options.log);
+  const ReplayOutcome outcome = replay(log, vehicles, options.replay);
+  print_results(outcome.results, options.json, judged(outcome.failures));
+  print_failures(outcome.failures, options.json);
+  return code_with_damage(kProgram, outcome.damage, options.accept_damage, outcome.failures.empty() ? 0 : 1);
+}
+
+int check(const VehicleRegistry& vehicles, LogOptions& options) {
+  const LogFile log(options.log);
+  options.replay.must_compare = true;  // without a gate there is nothing else to check
+  const ReplayOutcome outcome = replay(log, vehicles, options.replay);
+  const std::vector<std::string> failures = check_failures(log, outcome);
+  if (options.json) {
+    print_results(outcome.results, true, &failures);
+  } else {
+    for (const std::string& warning : outcome.results.warnings) std::cerr << "warning: " << warning << "\n";
+    if (failures.empty()) {
+      const bool is_part = !options.replay.from.empty() || !options.replay.to.empty();
+      std::cout << passed_line(log, outcome, is_part) << "\n";
+    }
+  }
+  print_failures(failures, options.json);
+  return code_with_damage(kProgram, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);
+}
+
+void add_run(Command& root, const VehicleRegistry& vehicles, std::function<int()>& chosen) {
+  auto options = std::make_shared<RunOptions>();
+  Command* command = root.add_subcommand("run", "Run the scene live, on devices or against a plant");
+  add_live_options(*command, options->live);
+  add_output(*command, options->json, options->quiet);
+  command->callback(
+      [&vehicles, &chosen, options] { chosen = [&vehicles, options] { return run(vehicles, *options); }; });
+}
+
+// Of `replay` and `check`.
+std::shared_ptr<LogOptions> add_log_options(Command& command) {
+  auto options = std::make_shared<LogOptions>();
+  ReplayOptions& replay = options->replay;
+  command.add_option("log", options->log, "LCM log from `run --record`")->required();
+  command.add_option("--scene", replay.scene, "Another scene than the log's own; needed for imported logs");
+  command.add_option("--from", replay.from, "Begin there: seconds since the start or @tick")
+      ->type_name("TIME");
+  command.add_option("--to", replay.to, "End before that time or @tick")->type_name("TIME");
+  command.add_option("--keyframes", replay.keyframes, "Keyframes, if not LOG.keyframes")->type_name("FILE");
+  command.add_flag("--threads", replay.threaded, "One worker a group; the outputs must not change");
+  command.add_option("--fault", replay.fault, "Flip a bit of a task's output: task@tick or task.byte@tick");
+  command.add_flag("--accept-unused", replay.accept_unused,
+                   "A channel of the log of which nothing is used is meant: do not exit with 1");
+  command.add_flag("--accept-damage", options->accept_damage,
+                   "The good part of a damaged log is enough: do not exit with 3");
+  add_output(command, options->json, options->quiet);
+  return options;
+}
+
+void add_replay(Command& root, const VehicleRegistry& vehicles, std::function<int()>& chosen) {
+  Command* command = root.add_subcommand("replay", "Run a log through the runtime again: timing, digest");
+  const auto options = add_log_options(*command);
+  command->add_option("--set", options->replay.overrides, "Override a key of the profile, key=value")
+      ->take_all();
+  command->add_option("--record", options->replay.record, "Write a log of this replay")->type_name("LOG");
+  command->callback([&vehicles, &chosen, options] {
+    chosen = [&vehicles, options] { return replay_log(vehicles, *options); };
+  });
+}
+
+void add_check(Command& root, const VehicleRegistry& vehicles, std::function<int()>& chosen) {
+  Command* command =
+      root.add_subcommand("check", "Replay a log and compare every output with what was recorded");
+  const auto options = add_log_options(*command);
+  command->callback(
+      [&vehicles, &chosen, options] { chosen = [&vehicles, options] { return check(vehicles, *options); }; });
+}
+
+}  // namespace
+
+void add_robot_commands(Command& root, const VehicleRegistry& vehicles, std::function<int()>& chosen) {
+  add_run(root, vehicles, chosen);
+  add_replay(root, vehicles, chosen);
+  add_check(root, vehicles, chosen);
+  add_doctor(root, chosen);
+}
+
+}  // namespace sortie::firmware

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/runtime/runtime.hpp"
+
+#include <sys/mman.h>
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <sstream>
+
+#include "rt/math.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+// Address space for the measuring pass; pages that nobody touches cost nothing. It grows until everything
+// fits: a 32-bit processor has little of it.
+constexpr std::size_t kFirstMeasureBytes = std::size_t{32} << 20;
+constexpr std::size_t kMostMeasureBytes = sizeof(void*) == 8 ? std::size_t{32} << 30 : std::size_t{1} << 30;
+
+std::byte* map_memory(std::size_t bytes) {
+  void* memory =
+      ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  return static_cast<std::byte*>(memory);
+}
+
+InitialPose read_initial(Profile& profile, const RuntimeStart& start) {
+  InitialPose pose = start.initial;
+  const double x =
+      profile.number("initial.x_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
+  const double y =
+      profile.number("initial.y_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
+  const double z =
+      profile.number("initial.z_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
+  const double yaw =
+      profile.number("initial.yaw_deg", {0, -360, 360, "deg", "start heading, if no log gives one"});
+  if (!start.has_initial) {
+    pose.p_world_body_m[0] = x;
+    pose.p_world_body_m[1] = y;
+    pose.p_world_body_m[2] = z;
+    const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
+    pose.q_world_body[0] = half.cos;
+    pose.q_world_body[3] = half.sin;
+  }
+  return pose;
+}
+
+}  // namespace
+
+Runtime::Runtime(Profile profile, const VehicleRegistry& vehicles, const RuntimeStart& start)
+    : profile_(std::move(profile)) {
+  for (std::size_t bytes = kFirstMeasureBytes; !measure(vehicles, start, bytes); bytes *= 4) {
+    if (bytes > kMostMeasureBytes / 4) throw std::bad_alloc();
+  }
+  mapping_ = map_memory(memory_bytes_);
+  try {
+    build(vehicles, start, mapping_, memory_bytes_);
+  } catch (...) {
+    drop();
+    ::munmap(mapping_, memory_bytes_);
+    throw;
+  }
+}
+
+bool Runtime::measure(const VehicleRegistry& vehicles, const RuntimeStart& start, std::size_t bytes) {
+  std::byte* scratch = map_memory(bytes);
+  bool fits = true;
+  try {
+    build(vehicles, start, scratch, bytes);
+    fits = arena_->refused() == 0;
+    profile_.refuse_unknown_keys("", "hil");  // [hil] is for a test bench, if there is one
+  } catch (...) {
+    // Whatever went wrong may be for want of room; then it is tried again with more.
+    fits = !arena_ || arena_->refused() == 0;
+    if (fits) {
+      drop();
+      ::munmap(scratch, bytes);
+      throw;
+    }
+  }
+  memory_bytes_ = static_cast<std::size_t>(arena_->needed_bytes());
+  drop();
+  ::munmap(scratch, bytes);
+  return fits;
+}
+
+Runtime::~Runtime() {
+  drop();
+  if (mapping_ != nullptr) ::munmap(mapping_, memory_bytes_);
+}
+
+void Runtime::drop() {
+  vehicle_.reset();
+  builder_.reset();
+  executive_.reset();
+  arena_.reset();
+}
+
+void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, std::byte* memory,
+                    std::size_t bytes) {
+  const auto tick_us = profile_.integer("time.base_tick_us", {1000, 50, 1e6, "us", "length of a tick"});
+  const InitialPose initial = read_initial(profile_, start);
+  live_settings_ = read_live_settings(profile_);
+  outlets_ = read_run_outlets(profile_);
+  arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(memory, bytes));
+  executive_ =
+      std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);
+  builder_ = std::make_unique<VehicleBuilder>(profile_, *executive_, initial);
+  const auto factory = std::find_if(vehicles.begin(), vehicles.end(),
+                                    [this](const auto& entry) { return entry.first == profile_.vehicle(); });
+  if (factory == vehicles.end()) {
+    std::string known;
+    for (const auto& [name, unused] : vehicles) known += (known.empty() ? "" : ", ") + name;
+    profile_.fail("scene.vehicle", "unknown vehicle \"" + profile_.vehicle() + "\"; known: " + known);
+  }
+  vehicle_ = factory->second(*builder_);
+  read_parameter_keys();
+  if (executive_->seal() != Status::ok) profile_.fail("scene", executive_->error());
+  schedule_ = check_schedule(profile_, *executive_);
+  chains_ = read_chains(profile_, *builder_, *executive_, schedule_.warnings);
+  bus_ = check_bus(profile_, builder_->bus_frames(), schedule_.warnings);
+}
+
+std::vector<PoolResult> Runtime::memory_plan() const {
+  std::vector<PoolResult> plan;
+  for (const rt::PoolRecord& record : arena_->report()) {
+    auto entry = std::find_if(plan.begin(), plan.end(),
+                              [&record](const PoolResult& pool) { return pool.name == record.name; });
+    if (entry == plan.end()) entry = plan.insert(plan.end(), PoolResult{record.name, 0, 0, 0, 0});
+    entry->capacity += record.capacity;
+    entry->bytes += record.bytes;
+  }
+  return plan;
+}
+
+std::string Runtime::group_table() const {
+  std::string table;
+  const auto us = [this](std::uint64_t ticks) {
+    return std::to_string(static_cast<std::int64_t>(ticks) * executive_->base_tick_ns() / 1000);
+  };
+  for (std::uint32_t i = 0; i < executive_->group_count(); ++i) {
+    const rt::Group& group = executive_->group(i);
+    table += std::string(group.spec.name) + " " + us(group.timing.period) + " " + us(group.timing.phase) +
+             " " + us(group.timing.deadline);
+    for (const rt::TaskBase* task : group.tasks) table += " " + std::string(task->name());
+    table += "\n";
+  }
+  return table;
+}
+
+std::string Runtime::task_table() const {
+  std::string table;
+  for (std::uint32_t i = 0; i < executive_->task_count(); ++i) {
+    const rt::TaskBase& task = executive_->task(i);
+    const rt::Group& group = executive_->group(task.group());
+    table += std::string(task.name()) + " " + group.spec.name + " " +
+             std::to_string(group.timing.period * executive_->base_tick_ns() / 1000) + " " +
+             std::to_string(task.budget_us()) + "\n";
+  }
+  return table;
+}
+
+namespace {
+
+std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
+  std::vector<HistogramBar> bars;
+  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
+    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
+  });
+  return bars;
+}
+
+GroupResult group_result(const rt::Executive& executive, const rt::Group& group) {
+  const double tick_us = static_cast<double>(executive.base_tick_ns()) * 1e-3;
+  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
+  GroupResult result;
+  result.name = group.spec.name;
+  result.period_us = group.timing.period * tick_us;
+  result.phase_us = group.timing.phase * tick_us;
+  result.deadline_us = group.timing.deadline * tick_us;
+  result.core = group.spec.core;
+  result.jobs = group.jobs;
+  result.missed = group.missed;
+  result.skipped = group.skipped;
+  result.worst_in_row = group.misses.worst_in_row();
+  result.promises_broken = group.misses.broken();
+  result.late_p50_us = us(group.lateness.percentile(0.5));
+  result.late_p99_us = us(group.lateness.percentile(0.99));
+  result.late_p999_us = us(group.lateness.percentile(0.999));
+  result.late_max_us = us(group.lateness.max());
+  result.response_max_us = us(group.response.max());
+  result.lateness = bars_of(group.lateness);
+  result.response = bars_of(group.response);
+  return result;
+}
+
+}  // namespace
+
+Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
+  const rt::Executive& executive = runtime.executive();
+  Results results;
+  results.digest = hex(executive.digest());
+  results.ticks = ticks;
+  results.scene = runtime.profile().name();
+  results.vehicle = runtime.profile().vehicle();
+  results.machine = machine_description();
+  results.compiler = compiler_description();
+  results.profile_hash = hex(runtime.profile().hash());
+  results.left_out = runtime.parts().left_out();
+  if (!runtime.outlets().telemetry) results.left_out.emplace_back("telemetry");
+  if (!runtime.outlets().recorder) results.left_out.emplace_back("recorder");
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
+    const rt::TaskBase& task = executive.task(i);
+    const rt::Group& group = executive.group(task.group());
+    const rt::LatencyHistogram& wall = task.wall_time();
+    TaskResult result;
+    result.name = task.name();
+    result.group = group.spec.name;
+    result.period_us =
+        static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
+    result.budget_us = task.budget_us();
+    result.count = wall.count();
+    result.missed = group.missed;
+    result.p50_us = static_cast<double>(wall.percentile(0.5)) * 1e-3;
+    result.p99_us = static_cast<double>(wall.percentile(0.99)) * 1e-3;
+    result.p999_us = static_cast<double>(wall.percentile(0.999)) * 1e-3;
+    result.max_us = static_cast<double>(wall.max()) * 1e-3;
+    result.digest = hex(task.chain());
+    wall.for_each_bucket([&result](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
+      result.histogram.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
+    });
+    results.counters["over_budget"] += task.over_budget();
+    results.counters["shed_jobs"] += task.shed();
+    results.counters["cut_jobs"] += task.cut();
+    results.tasks.push_back(std::move(result));
+  }
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
+    const rt::Group& group = executive.group(i);
+    results.counters["jobs"] += group.jobs;
+    results.counters["missed_jobs"] += group.missed;
+    results.counters["skipped_releases"] += group.skipped;
+    results.counters["promises_broken"] += group.misses.broken();
+    results.groups.push_back(group_result(executive, group));
+  }
+  results.schedule = schedule_result(runtime.schedule(), executive);
+  for (const DeclaredChain& chain : runtime.chains()) results.chains.push_back(chain_result(chain));
+  results.warnings = runtime.schedule().warnings;
+  const auto plan = runtime.memory_plan();
+  const auto bytes_of = [&plan](const std::string& name) -> std::uint64_t {
+    for (const PoolResult& pool : plan) {
+      if (pool.name == name) return pool.bytes;
+    }
+    return 0;
+  };
+  for (const auto& port : runtime.parts().ports()) {
+    const rt::StreamBase& stream = port->stream();
+    results.pools.push_back({port->channel(), stream.capacity(), stream.high_water(), stream.refused(),
+                             bytes_of(port->channel())});
+    results.counters["refused_samples"] += stream.refused();
+  }
+  for (const auto& [name, level] : runtime.parts().pools()) {
+    const PoolLevel now = level();
+    results.pools.push_back({name, now.capacity, now.high_water, now.refused, bytes_of(name)});
+  }
+  for (const auto& [name, value] : runtime.parts().counters()) results.counters[name] = value();
+  for (const auto& group : runtime.parts().parameters().groups) {
+    results.counters["parameters_applied"] += group->table.state().applied;
+    results.counters["parameters_not_applied"] += group->table.state().refused;
+  }
+  return results;
+}
+
+}  // namespace sortie::firmware

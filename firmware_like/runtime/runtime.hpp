@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One vehicle, built from one profile, in one block of memory, ready to be run.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/runtime/bus_check.hpp"
+#include "firmware_like/runtime/chain_declarations.hpp"
+#include "firmware_like/runtime/live_settings.hpp"
+#include "firmware_like/runtime/schedule_check.hpp"
+#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/scene/profile.hpp"
+#include "firmware_like/scene/text_format.hpp"
+#include "rt/executive.hpp"
+
+namespace sortie::firmware {
+
+/// Where a run begins.
+struct RuntimeStart {
+  rt::Nanoseconds epoch_ns{};  ///< run clock at tick 0
+  InitialPose initial{};
+  bool has_initial{};  ///< the log's header gives the pose; otherwise [initial] of the profile does
+};
+
+/// Who may change parameters from outside: [parameters] of the profile.
+struct ParameterAccess {
+  bool remote{};                  ///< requests over LCM are taken
+  std::string secret_file;        ///< only from those who know the secret
+  bool without_secret{};          ///< from everybody, where there is no secret
+  rt::Nanoseconds most_age_ns{};  ///< and whose clock is so near; 0: not judged
+  std::string robot;              ///< the name that the run answers by; empty: the computer's
+};
+
+/// A sealed executive with its vehicle. The vehicle is built twice: once to measure its memory, once into a
+/// block of exactly that size. After construction nothing allocates on behalf of the tasks.
+class Runtime {
+ public:
+  /// Throws ProfileError (unknown vehicle, unknown key, value out of range) or std::bad_alloc.
+  Runtime(Profile profile, const VehicleRegistry& vehicles, const RuntimeStart& start);
+  ~Runtime();
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+
+  const Profile& profile() const { return profile_; }
+  rt::Executive& executive() { return *executive_; }
+  const rt::Executive& executive() const { return *executive_; }
+  Vehicle& vehicle() { return *vehicle_; }
+  const Vehicle& vehicle() const { return *vehicle_; }
+  VehicleBuilder& parts() { return *builder_; }
+  const VehicleBuilder& parts() const { return *builder_; }
+  /// Changes that a run makes by itself, in order of time; each is known to be in range.
+  const std::vector<ScriptLine>& script() const { return script_; }
+  const ParameterAccess& parameter_access() const { return access_; }
+  const InitialPose& initial_pose() const { return builder_->initial_pose(); }
+  /// How the scene wants its live runs treated.
+  const rt::posix::LiveOptions& live_settings() const { return live_settings_; }
+  /// What its runs give to the outside.
+  const RunOutlets& outlets() const { return outlets_; }
+  /// The declared table with its verdict, and the chains through it with their bounds.
+  const ScheduleCheck& schedule() const { return schedule_; }
+  const std::vector<DeclaredChain>& chains() const { return chains_; }
+  /// The load of the CAN bus at worst; without frames for a vehicle that declares none.
+  const BusCheck& bus() const { return bus_; }
+  /// The whole state before the jobs of `tick`, to bytes and back into a runtime of the same profile and
+  /// start. Between jobs only. A task that has not declared what it remembers is a fault of the archive.
+  void archive(rt::Archive& archive, rt::Tick tick);
+  /// Tasks whose state nobody has declared, or that keep it where it cannot be reached: one line each, with
+  /// the cure. Empty: archive() is complete.
+  std::vector<std::string> undeclared_state() const;
+  /// Bytes of the memory block.
+  std::size_t memory_bytes() const { return memory_bytes_; }
+  /// Named pools of the block, in the order of their first use, allocations of one name summed up.
+  std::vector<PoolResult> memory_plan() const;
+  /// Text table of the groups: name period_us phase_us deadline_us task...
+  std::string group_table() const;
+  /// Text table of the tasks: name group period_us budget_us.
+  std::string task_table() const;
+
+ private:
+  void build(const VehicleRegistry& vehicles, const RuntimeStart& start, std::byte* memory,
+             std::size_t bytes);
+  /// Builds in `bytes` of scratch memory to learn what is needed. False: that was too little.
+  bool measure(const VehicleRegistry& vehicles, const RuntimeStart& start, std::size_t bytes);
+  void drop();
+  void read_parameter_keys();
+
+  Profile profile_;
+  rt::posix::LiveOptions live_settings_;
+  RunOutlets outlets_;
+  ScheduleCheck schedule_;
+  std::vector<DeclaredChain> chains_;
+  BusCheck bus_;
+  std::vector<ScriptLine> script_;
+  ParameterAccess access_;
+  std::byte* mapping_{};
+  std::size_t memory_bytes_{};
+  std::unique_ptr<rt::Arena> arena_;
+  std::unique_ptr<rt::Executive> executive_;
+  std::unique_ptr<VehicleBuilder> builder_;
+  std::unique_ptr<Vehicle> vehicle_;
+};
+
+/// Digest, timing, pools and counters of a run that has ended. Errors, speed and warnings are the caller's to
+/// add.
+Results collect_results(const Runtime& runtime, std::uint64_t ticks);
+
+}  // namespace sortie::firmware

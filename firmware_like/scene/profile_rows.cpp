@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lists in a profile: numbers, and rows of a table.
+#include <cmath>
+#include <sstream>
+
+#include "firmware_like/scene/profile_tree.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+std::string range_of(const NumberSpec& spec) {
+  std::ostringstream out;
+  out << spec.low << " .. " << spec.high << (*spec.unit != '\0' ? " " : "") << spec.unit;
+  return out.str();
+}
+
+std::string names_of(const std::vector<ColumnSpec>& columns) {
+  std::string names;
+  for (const ColumnSpec& column : columns) names += (names.empty() ? "" : ", ") + std::string(column.name);
+  return names;
+}
+
+}  // namespace
+
+std::vector<double> Profile::numbers(const std::string& path, const std::vector<double>& fallback,
+                                     const NumberSpec& spec) {
+  std::vector<double> result = fallback;
+  const TomlNode node = tree_->root.at_path(path);
+  const std::string count = std::to_string(fallback.size());
+  if (node) {
+    if (!node.is_list() || node.size() != fallback.size())
+      fail(path, "must be a list of " + count + " numbers");
+    for (std::size_t i = 0; i < fallback.size(); ++i) {
+      const std::optional<double> entry = node.at(i).number();
+      if (!entry) fail(path, "must be a list of " + count + " numbers");
+      result[i] = *entry;
+      if (!(result[i] >= spec.low && result[i] <= spec.high))
+        fail(path, "number " + std::to_string(i + 1) + " is outside " + range_of(spec));
+    }
+  }
+  std::ostringstream shown;
+  for (const double value : result) shown << (shown.tellp() == 0 ? "[" : ", ") << value;
+  NumberSpec without_unit = spec;
+  without_unit.unit = "";
+  declare(path, shown.str() + "]", spec.unit, range_of(without_unit), spec.meaning, !node);
+  return result;
+}
+
+std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector<ColumnSpec>& columns,
+                                      std::size_t most, const char* meaning) {
+  std::vector<ProfileRow> result;
+  const TomlNode list = tree_->root.at_path(path);
+  if (list && !list.is_list()) fail(path, "must be a list: [[" + path + "]], with " + names_of(columns));
+  if (list.size() > most)
+    fail(path, std::to_string(list.size()) + " rows; at most " + std::to_string(most) + " fit");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    ProfileRow& row = result.emplace_back();
+    row.path = path + "[" + std::to_string(i) + "]";
+    const TomlNode table = list.at(i);
+    if (!table.is_table()) fail(row.path, "must be a table with " + names_of(columns));
+    for (const auto& [key, unused] : table.entries()) {
+      bool known = false;
+      for (const ColumnSpec& column : columns) known = known || key == column.name;
+      if (!known) fail(row.path + "." + key, "unknown key; a row has " + names_of(columns));
+    }
+    for (const ColumnSpec& column : columns) {
+      const std::string place = row.path + "." + column.name;
+      const TomlNode entry = table.get(column.name);
+      if (!entry && column.needed) fail(row.path, "needs " + std::string(column.name));
+      if (column.kind == ColumnSpec::Kind::text) {
+        if (entry && !entry.is_string()) fail(place, "must be a text in quotes");
+        if (entry) row.texts[column.name] = *entry.text();
+      } else if (column.kind == ColumnSpec::Kind::flag) {
+        if (entry && !entry.is_boolean()) fail(place, "must be true or false");
+        row.numbers[column.name] = entry.flag().value_or(false) ? 1.0 : 0.0;
+      } else {
+        if (entry && !entry.number()) fail(place, "must be a number");
+        const double value = entry.number().value_or(column.number.fallback);
+        if (!(value >= column.number.low && value <= column.number.high))
+          fail(place, "must lie in " + range_of(column.number));
+        row.numbers[column.name] = value;
+      }
+    }
+  }
+  declare(path, std::to_string(result.size()) + " rows", "",
+          "at most " + std::to_string(most) + " rows of " + names_of(columns), meaning, !list);
+  return result;
+}
+
+}  // namespace sortie::firmware

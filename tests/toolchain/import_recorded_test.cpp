@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The recorded data sets: what must come out of them, judged by a dead reckoning written here again.
+#include <algorithm>
+#include <cmath>
+
+#include "rt/rotation.hpp"
+#include "tests/toolchain/import_support.hpp"
+#include "toolchain/judge/evaluate.hpp"
+
+using namespace sortie;
+using namespace sortie::firmware;
+using namespace sortie::toolchain;
+using namespace sortie::testing;
+
+namespace {
+std::string data(const std::string& name) { return std::string(SORTIE_DATA_DIR) + "/" + name; }
+
+bool absent(const std::string& path) {
+  if (std::filesystem::exists(path)) return false;
+  WARN("skipped: no recorded data at " << path);
+  return true;
+}
+
+/// Plain dead reckoning, written here again: heading from gyro z, travel from the mean of the sides.
+Trajectory dead_reckoning(const Log& log) {
+  Trajectory path;
+  const double yaw_0 = rt::yaw_of(rt::to_quaternion(log.header.initial_q));
+  std::vector<double> headings{yaw_0};
+  for (std::size_t i = 1; i < log.imu.size(); ++i) {
+    const double dt = rt::to_seconds(log.imu[i].stamp_ns - log.imu[i - 1].stamp_ns);
+    const bool mean = (log.imu[i].flags & rt::kImuMeanRate) != 0;
+    const double now = log.imu[i].gyr_rad_s[2];
+    headings.push_back(headings.back() + dt * (mean ? now : 0.5 * (now + log.imu[i - 1].gyr_rad_s[2])));
+  }
+  const auto heading_at = [&](std::int64_t stamp) {
+    const auto after =
+        std::lower_bound(log.imu.begin(), log.imu.end(), stamp,
+                         [](const rt::ImuSample& s, std::int64_t t) { return s.stamp_ns < t; });
+    if (after == log.imu.end()) return headings.back();
+    const auto i = static_cast<std::size_t>(after - log.imu.begin());
+    if (i == 0) return headings[0];
+    const double u = rt::to_seconds(stamp - log.imu[i - 1].stamp_ns) /
+                     rt::to_seconds(log.imu[i].stamp_ns - log.imu[i - 1].stamp_ns);
+    return headings[i - 1] + u * (headings[i] - headings[i - 1]);
+  };
+  double x = log.header.initial_p[0];
+  double y = log.header.initial_p[1];
+  for (std::size_t i = 0; i < log.tracks.size(); ++i) {
+    if (i > 0) {
+      const auto& a = log.tracks[i - 1];
+      const auto& b = log.tracks[i];
+      const double d = 0.5 * (b.left_m + b.right_m - a.left_m - a.right_m);
+      const double h = heading_at((a.stamp_ns + b.stamp_ns) / 2);
+      x += d * std::cos(h);
+      y += d * std::sin(h);
+    }
+    TimedPose pose;
+    pose.stamp_ns = log.tracks[i].stamp_ns;
+    pose.p[0] = x;
+    pose.p[1] = y;
+    path.push_back(pose);
+  }
+  return path;
+}
+
+Trajectory truth_of(const Log& log) {
+  Trajectory truth;
+  for (const rt::TruthSample& sample : log.truth) truth.push_back(to_timed_pose(sample));
+  return truth;
+}
+
+}  // namespace
+
+TEST_CASE("the recorded husky run imports, and dead reckoning on it comes within 3.3 m of the GPS") {
+  const std::string path = data("husky_skid");
+  if (absent(path)) return;
+  const TempFolder folder;
+  const Outcome outcome = run("husky", path, folder.file("out.lcm"), true);
+  REQUIRE(outcome.error.empty());
+  CHECK(outcome.report.imu == 6003);
+  CHECK(outcome.report.tracks == 1998);
+  CHECK(outcome.report.truth == 500);
+  CHECK(outcome.report.warnings.empty());
+  const Log log = read_log(folder.file("out.lcm"));
+  EvaluationOptions options;
+  options.align = Alignment::se2;
+  auto errors = evaluate(dead_reckoning(log), truth_of(log), options).errors;
+  CHECK(errors["ate_rmse_m"] <= 3.3);
+  CHECK(errors["ate_rmse_m"] >= 3.0);  // below the noise of the GPS something would be wrong with the figure
+  CHECK(errors["ate_n"] >= 498);
+  const auto& last = log.tracks.back();
+  CHECK(0.5 * (last.left_m + last.right_m) == Approx(195.5).margin(0.5));
+}
+
+TEST_CASE("the recorded plaza run imports, and dead reckoning on it comes within 2.0 m of the truth") {
+  const std::string path = data("plaza_odom");
+  if (absent(path)) return;
+  const TempFolder folder;
+  REQUIRE(run("plaza", path, folder.file("out.lcm"), true).error.empty());
+  const Log log = read_log(folder.file("out.lcm"));
+  auto errors = evaluate(dead_reckoning(log), truth_of(log)).errors;
+  CHECK(errors["ate_rmse_m"] <= 2.0);
+  CHECK(errors["ate_max_m"] == Approx(4.45).margin(0.05));
+  CHECK(log.tracks.back().left_m == Approx(1861.28).margin(0.05));
+}
+
+TEST_CASE("all recorded scans and trials import", "[heavy]") {
+  if (absent(data("lidar_os64"))) return;
+  const TempFolder folder;
+  const Outcome scans = run("rls", data("lidar_os64"), folder.file("scans.lcm"), true);
+  CHECK(scans.report.scans == 122);
+  CHECK(scans.report.warnings.empty());
+  const Log log = read_log(folder.file("scans.lcm"));
+  CHECK(std::is_sorted(log.receipts_us.begin(), log.receipts_us.end()));
+  for (const auto& entry : std::filesystem::directory_iterator(data("broad_imu"))) {
+    if (entry.path().extension() != ".imu") continue;
+    const Outcome trial = run("broad", entry.path().string(), folder.file("trial.lcm"), true);
+    INFO(entry.path() << " " << trial.error);
+    CHECK(trial.report.imu == trial.report.rows);
+    CHECK(trial.report.truth + trial.report.hidden_truth == trial.report.rows);
+    CHECK(trial.report.truth > 40000);
+    std::filesystem::remove(folder.file("trial.lcm"));
+  }
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Figures beside a peer's as benchmark programs report them: as a table of text and as Markdown.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "firmware_like/scene/json.hpp"
+
+namespace sortie::toolchain {
+
+/// Groups of figures and tables, in the order in which they come.
+std::vector<std::string> figure_groups(const firmware::Json& result);
+
+/// The words below a group's table, one line each.
+std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group);
+
+/// What could not be measured and why, one line each.
+std::vector<std::string> figure_skips(const firmware::Json& result);
+
+/// A group's figures: ours, theirs, ratio, each with its range over the rounds, and the goals; then its
+/// notes.
+void print_figures(std::ostream& out, const firmware::Json& result, const std::string& group, bool colour);
+
+/// The same as a Markdown table with the notes below it; empty where the group has neither.
+std::string figures_page(const firmware::Json& result, const std::string& group);
+
+/// A group's plain tables (columns and rows of texts and numbers) as text and as Markdown.
+void print_tables(std::ostream& out, const firmware::Json& result, const std::string& group);
+std::string tables_page(const firmware::Json& result, const std::string& group);
+
+}  // namespace sortie::toolchain

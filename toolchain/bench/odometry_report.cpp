@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Tables and plots of the odometry's benchmark.
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include "firmware_like/scene/text_format.hpp"
+#include "toolchain/bench/odometry_bench.hpp"
+
+namespace sortie::toolchain {
+namespace {
+
+struct Column {
+  const char* key;
+  const char* title;
+  double scale;
+};
+
+// In the order of the table; one that no cell has is left out.
+constexpr Column kErrorColumns[] = {{"inclination_rmse_deg", "inclination deg", 1},
+                                    {"heading_rmse_deg", "heading deg", 1},
+                                    {"vertical_rmse_m", "vertical mm", 1e3},
+                                    {"ate_rmse_m", "ate m", 1},
+                                    {"drift_horizontal_percent", "horizontal drift %", 1},
+                                    {"drift_vertical_percent", "vertical drift %", 1}};
+
+std::vector<std::vector<std::string>> lines_of(const OdometrySet& set,
+                                               const std::vector<OdometryCell>& cells) {
+  std::vector<Column> columns;
+  for (const Column& column : kErrorColumns) {
+    for (const OdometryCell& cell : cells) {
+      if (cell.errors.count(column.key) == 0) continue;
+      columns.push_back(column);
+      break;
+    }
+  }
+  std::vector<std::vector<std::string>> lines{{"rate Hz", "what", "cost us/s"}};
+  for (const Column& column : columns)
+    lines[0].push_back(column.title + std::string(set.error == column.key ? " (judged)" : ""));
+  if (set.has_odometry) lines[0].push_back("slips");
+  lines[0].push_back("");
+  for (const OdometryCell& cell : cells) {
+    std::vector<std::string>& line = lines.emplace_back(std::vector<std::string>{
+        firmware::format_fixed(cell.rate_hz, 0), cell.variant, firmware::format_short(cell.cost_us_per_s)});
+    for (const Column& column : columns) {
+      const auto found = cell.errors.find(column.key);
+      line.push_back(found == cell.errors.end() ? "-" : firmware::format_short(column.scale * found->second));
+    }
+    if (set.has_odometry) line.push_back(firmware::group_digits(cell.slips));
+    line.push_back(std::string(cell.on_front ? "front" : "") +
+                   (cell.profile_choice ? (cell.on_front ? ", **profile**" : "**profile**") : ""));
+  }
+  return lines;
+}
+
+}  // namespace
+
+void print_odometry(std::ostream& out, const OdometrySet& set, const std::vector<OdometryCell>& cells) {
+  const auto lines = lines_of(set, cells);
+  std::vector<std::size_t> widths(lines[0].size());
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  out << "\n" << set.name << "\n";
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const bool words = i == 1 || i + 1 == line.size();
+      out << "  "
+          << (words ? firmware::pad_right(line[i], widths[i]) : firmware::pad_left(line[i], widths[i]));
+    }
+    out << "\n";
+  }
+}
+
+std::string odometry_table(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
+  std::string text;
+  bool first = true;
+  for (const auto& line : lines_of(set, cells)) {
+    text += "|";
+    for (const std::string& cell : line) text += " " + cell + " |";
+    text += "\n";
+    if (!first) continue;
+    first = false;
+    text += "|";
+    for (std::size_t i = 0; i < line.size(); ++i) text += i == 1 || i + 1 == line.size() ? "---|" : "---:|";
+    text += "\n";
+  }
+  return text;
+}
+
+Plot plot_odometry(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
+  Plot plot;
+  plot.title = set.name + ": error over run time; a line a variant, its points the rates";
+  plot.x.label = "processor time, \u00b5s per second of robot time";
+  plot.x.log = true;
+  const bool vertical = set.error == "vertical_rmse_m";
+  plot.y.label = vertical                              ? "vertical error, mm rms"
+                 : set.error == "inclination_rmse_deg" ? "inclination error, deg rms"
+                                                       : "position error, m rms";
+  plot.y.log = true;
+  Series front{"Pareto front", Mark::dots, {}, {}, {}, {}, kBlack, 3, false};
+  Series own{"profile", Mark::dots, {}, {}, {}, {}, kVermilion, 7, false};
+  int colour = 0;
+  std::vector<Series> lines;
+  for (const char* variant : kOdometryVariants) {
+    Series line;
+    line.name = variant;
+    line.colour = colour++;
+    for (const OdometryCell& cell : cells) {
+      const auto found = cell.errors.find(set.error);
+      if (cell.variant != variant || found == cell.errors.end()) continue;
+      const double error = (vertical ? 1e3 : 1.0) * found->second;
+      line.x.push_back(cell.cost_us_per_s);
+      line.y.push_back(error);
+      Series* const marks[] = {cell.on_front ? &front : nullptr, cell.profile_choice ? &own : nullptr};
+      for (Series* mark : marks) {
+        if (mark == nullptr) continue;
+        mark->x.push_back(cell.cost_us_per_s);
+        mark->y.push_back(error);
+      }
+    }
+    if (!line.x.empty()) lines.push_back(std::move(line));
+  }
+  plot.series.push_back(std::move(own));
+  for (Series& line : lines) plot.series.push_back(std::move(line));
+  plot.series.push_back(std::move(front));
+  plot.height = 380;
+  return plot;
+}
+
+Plot plot_heights(const OdometrySet& set) {
+  const double every = set.profile_rate_hz > 0.0 ? set.rate_hz / set.profile_rate_hz : 1.0;
+  const OdometrySet own = thinned(set, static_cast<std::uint32_t>(std::lround(every)));
+  Plot plot;
+  plot.title = set.name + ": height along the way";
+  plot.x.label = "distance, m";
+  plot.y.label = "height, m";
+  Series truth{"truth", Mark::line, {}, {}, {}, {}, kBlack, 2.4, false};
+  const std::pair<const char*, Series> lines[] = {
+      {"no obstacle modes", {"plain method", Mark::line, {}, {}, {}, {}, kVermilion, 1.6, true}},
+      {"all, double", {"with obstacle modes", Mark::line, {}, {}, {}, {}, kBlue, 1.6, false}}};
+  for (const auto& [variant, look] : lines) {
+    const PairedTrajectories pairs = associate(run_odometry_variant(own, variant), own.truth);
+    Series line = look;
+    double way = 0.0;
+    for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
+      const firmware::TimedPose& now = pairs.truth[i];
+      const firmware::TimedPose& before = pairs.truth[i > 0 ? i - 1 : 0];
+      way += std::hypot(now.p[0] - before.p[0], now.p[1] - before.p[1], now.p[2] - before.p[2]);
+      line.x.push_back(way);
+      line.y.push_back(pairs.estimate[i].p[2]);
+      if (&look != &lines[0].second) continue;
+      truth.x.push_back(way);
+      truth.y.push_back(now.p[2]);
+    }
+    plot.series.push_back(std::move(line));
+  }
+  plot.series.insert(plot.series.begin(), std::move(truth));
+  return plot;
+}
+
+firmware::Json to_json(const std::vector<OdometryCell>& cells) {
+  firmware::Json rows = firmware::Json::array();
+  for (const OdometryCell& cell : cells) {
+    firmware::Json errors = firmware::Json::object();
+    for (const auto& [name, value] : cell.errors) errors[name] = value;
+    rows.push_back({{"set", cell.set},
+                    {"variant", cell.variant},
+                    {"rate_hz", cell.rate_hz},
+                    {"cost_us_per_s", cell.cost_us_per_s},
+                    {"errors", std::move(errors)},
+                    {"slips", cell.slips},
+                    {"front", cell.on_front},
+                    {"profile", cell.profile_choice}});
+  }
+  return rows;
+}
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a benchmark that has a program of its own looks from here: what it is asked, and how what it found is
+// shown.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "firmware_like/scene/json.hpp"
+#include "toolchain/report/svg.hpp"
+
+namespace sortie::toolchain {
+
+/// A picture, the name of its file, and the group of figures that shows it; other groups come behind.
+struct BenchPicture {
+  std::string file;
+  Plot plot;
+  std::string group;
+};
+
+/// An option of the command, handed on to the program as it stands. A text that is empty, a flag that is not
+/// set and a number that nobody gave are left out.
+struct PeerOption {
+  std::string name;  ///< --rounds
+  std::variant<int, double, std::uint64_t, std::optional<std::uint64_t>, bool, std::string> value;
+  std::string about;
+  double low{};                      ///< of a number
+  double high{};                     ///< 0: no bound
+  std::vector<std::string> choices;  ///< of a text; empty: any
+  std::string type;                  ///< what the help calls it, where that is not plain
+};
+
+/// One such benchmark. What is not said is as usual.
+struct PeerFront {
+  std::string name;  ///< of the command; the program is sortie-bench-NAME
+  std::string file;  ///< of page and JSON, without .md and .json
+  std::string about;
+  std::string footer;
+  std::vector<PeerOption> options;
+  bool has_passes{true};
+  bool all_timed{};                          ///< none of its figures is the same at every run
+  bool on_one_line{};                        ///< its JSON file, which is large
+  void (*finish)(firmware::Json&){};         ///< what is added to the result before it is shown
+  bool (*is_good)(const firmware::Json&){};  ///< false: exit code 1
+
+  std::string title;  ///< of the page
+  std::string intro;  ///< of the page, behind "Written by `...`. "
+  /// Lines below the machine's: settings, load.
+  std::vector<std::string> (*conditions)(const firmware::Json&){};
+  std::string (*heading)(const std::string& group){};  ///< what a group is called on the page
+  std::string (*overview)(const firmware::Json&){};    ///< before the first group, as Markdown
+  std::vector<BenchPicture> (*pictures)(const firmware::Json&){};
+  void (*print)(std::ostream&, const firmware::Json&, bool colour){};  ///< in place of print_bench()
+  std::string (*page)(const firmware::Json&, const std::string&){};    ///< in place of bench_page()
+};
+
+/// All of them, in the help's order.
+const std::vector<PeerFront>& peer_fronts();
+
+/// "N rounds", or whatever `settings` says, with the load average before and after, and the passes.
+std::string settings_line(const firmware::Json& result, const std::string& settings);
+/// Machine, compiler, the front's own conditions, and the doctor's verdict: a line each.
+std::vector<std::string> bench_conditions(const PeerFront& front, const firmware::Json& result);
+
+/// The conditions and each group's figures and tables.
+void print_bench(std::ostream& out, const PeerFront& front, const firmware::Json& result, bool colour);
+/// The same as a Markdown page with the pictures in their groups, and `command` as how to get it again.
+std::string bench_page(const PeerFront& front, const firmware::Json& result, const std::string& command);
+
+/// True where there are figures and each has met its goal.
+bool all_met(const firmware::Json& result);
+
+}  // namespace sortie::toolchain

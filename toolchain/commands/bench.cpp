@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "toolchain/commands/bench_commands.hpp"
+
+namespace sortie::toolchain {
+
+void add_passes(firmware::Command& command, unsigned& passes) {
+  command.add_option("--passes", passes, "Runs, a process each; ranges then hold all of them")
+      ->in_range(1, 100)
+      ->capture_default_str();
+}
+
+void add_bench(firmware::Command& app, CommandContext& context) {
+  firmware::Command* command =
+      app.add_subcommand("bench",
+                         "Measure: sweep a profile's keys over logs; all: every part; rt: the real-time "
+                         "ground; plant: the tracked plant; rays: the ray scheduler; uav: "
+                         "the multirotor; odometry: attitude and odometry; wcet: "
+                         "instructions of every job");
+  command->footer(
+      "Marks: * no other cell is as cheap and better, < what the profile says by itself.\n"
+      "Examples:\n"
+      "  sortie bench walk.lcm --scene building_walk --sweep map.voxel_m=0.05,0.1,0.2\n"
+      "  sortie bench husky.lcm --scene skid_outdoor --align se2 --sweep groups.control.rate_hz=50,100,200 "
+      "\\\n"
+      "    --sweep attitude.acc_time_constant_s=2,3,4 --repeat 5 --out out/husky\n"
+      "  sortie bench --scene ugv_hall --seeds 5 --seconds 20 --sweep map.voxel_m=0.1,0.2 --jobs 4 --out "
+      "out/hall\n"
+      "  sortie bench a.lcm b.lcm --sweep map.voxel_m=0.1,0.2 --slurm sweep.sh --out /shared/sweep");
+  add_bench_sweep(*command, context);
+  command->require_subcommand(0, 1);
+  add_bench_all(*command, context);
+  add_bench_peers(*command, context);
+  add_bench_rays(*command, context);
+  add_bench_odometry(*command, context);
+  add_bench_knobs(*command, context);
+  add_bench_wcet(*command, context);
+}
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `sortie bench rt`, `plant`, `mapping`, `uav`, `stability`, `campaign`: one command a benchmark that has a
+// program of its own.
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "firmware_like/result/results.hpp"
+#include "toolchain/bench/peer_front.hpp"
+#include "toolchain/bench/peer_program.hpp"
+#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/export/output_file.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+struct PeerCommand {
+  PeerFront front;  // holds the values of its options
+  std::string program;
+  unsigned passes{1};
+  OutputOptions output;
+};
+
+void add(firmware::Command& command, PeerOption& option) {
+  const auto add_number = [&](auto& value, auto low, auto high) {
+    firmware::Option* added = command.add_option(option.name, value, option.about)->in_range(low, high);
+    added->capture_default_str();
+  };
+  if (auto* whole = std::get_if<int>(&option.value))
+    return add_number(*whole, static_cast<int>(option.low), static_cast<int>(option.high));
+  if (auto* real = std::get_if<double>(&option.value)) return add_number(*real, option.low, option.high);
+  if (auto* count = std::get_if<std::uint64_t>(&option.value))
+    return add_number(*count, static_cast<std::uint64_t>(option.low),
+                      static_cast<std::uint64_t>(option.high));
+  if (auto* flag = std::get_if<bool>(&option.value)) {
+    command.add_flag(option.name, *flag, option.about);
+    return;
+  }
+  firmware::Option* added = nullptr;
+  if (auto* given = std::get_if<std::optional<std::uint64_t>>(&option.value)) {
+    added = command.add_option(option.name, *given, option.about);
+    added->in_range(static_cast<std::uint64_t>(option.low), static_cast<std::uint64_t>(option.high));
+  } else {
+    added = command.add_option(option.name, std::get<std::string>(option.value), option.about);
+    if (!option.choices.empty()) added->one_of(option.choices);
+  }
+  if (!option.type.empty()) added->type_name(option.type);
+}
+
+std::string text_of(const PeerOption& option) {
+  if (const auto* text = std::get_if<std::string>(&option.value)) return *text;
+  if (const auto* flag = std::get_if<bool>(&option.value)) return *flag ? "yes" : "";
+  if (const auto* whole = std::get_if<int>(&option.value)) return std::to_string(*whole);
+  if (const auto* real = std::get_if<double>(&option.value)) return std::to_string(*real);
+  if (const auto* count = std::get_if<std::uint64_t>(&option.value)) return std::to_string(*count);
+  const auto& given = std::get<std::optional<std::uint64_t>>(option.value);
+  return given ? std::to_string(*given) : "";
+}
+
+PeerProgram program_of(const PeerCommand& options) {
+  PeerProgram program{
+      "sortie-bench-" + options.front.name, options.program, {}, -1, options.passes, options.front.all_timed};
+  for (const PeerOption& option : options.front.options) {
+    const std::string text = text_of(option);
+    if (text.empty()) continue;
+    program.arguments.insert(program.arguments.end(), {option.name, text});
+    if (option.name == "--core") program.core = std::stoi(text);  // the doctor looks at it, too
+  }
+  return program;
+}
+
+int run(const CommandContext& context, const PeerCommand& options) {
+  const PeerFront& front = options.front;
+  firmware::Json result = run_peer_program(program_of(options));
+  if (front.finish != nullptr) front.finish(result);
+  if (options.output.json) {
+    std::cout << result.dump(2) << "\n";
+  } else {
+    print_bench(std::cout, front, result, firmware::wants_colour(STDOUT_FILENO));
+  }
+  if (const std::string& folder = options.output.out; !folder.empty()) {
+    std::filesystem::create_directories(folder);
+    const std::string file = folder + "/" + front.file;
+    write_file(file + ".json",
+               [&](std::ostream& out) { out << result.dump(front.on_one_line ? -1 : 2) << "\n"; });
+    write_file(file + ".md",
+               [&](std::ostream& out) { out << bench_page(front, result, context.command_line); });
+    if (front.pictures != nullptr) {
+      for (const BenchPicture& picture : front.pictures(result))
+        write_file(folder + "/" + picture.file,
+                   [&](std::ostream& out) { out << render(picture.plot) << "\n"; });
+    }
+    std::cerr << "report: " << file << ".{md,json}" << (front.pictures != nullptr ? " and pictures" : "")
+              << "\n";
+  }
+  return front.is_good == nullptr || front.is_good(result) ? 0 : 1;
+}
+
+void add_bench_peer(firmware::Command& bench, CommandContext& context, const PeerFront& front) {
+  auto options = std::make_shared<PeerCommand>();
+  options->front = front;
+  firmware::Command* command = bench.add_subcommand(front.name, front.about);
+  command->footer(front.footer);
+  for (PeerOption& option : options->front.options) add(*command, option);
+  command
+      ->add_option("--program", options->program,
+                   "sortie-bench-" + front.name + ", where it is not found by itself")
+      ->type_name("FILE");
+  if (front.has_passes) add_passes(*command, options->passes);
+  command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
+  command
+      ->add_option("--out", options->output.out,
+                   "Folder for " + front.file + ".md, " + front.file +
+                       (front.pictures != nullptr ? ".json and pictures" : ".json"))
+      ->type_name("DIR");
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace
+
+void add_bench_peers(firmware::Command& bench, CommandContext& context) {
+  for (const PeerFront& front : peer_fronts()) add_bench_peer(bench, context, front);
+}
+
+}  // namespace sortie::toolchain

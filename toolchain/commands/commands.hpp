@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commands of the command line. Each add_* function declares its options and what happens when it is
+// chosen.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "firmware_like/log/timed_pose.hpp"
+#include "firmware_like/scene/command_line.hpp"
+
+namespace sortie::firmware {
+class LogFile;
+class Runtime;
+struct ContactSummary;
+}  // namespace sortie::firmware
+
+namespace sortie::toolchain {
+
+struct ProgramParts;
+struct ReportInput;
+
+/// What all commands share.
+struct CommandContext {
+  const ProgramParts& parts;
+  std::string command_line;       ///< as typed, for reports
+  std::function<int()> chosen{};  ///< set by the command that was chosen; returns the exit code
+};
+
+/// Options that every command with a result has.
+struct OutputOptions {
+  bool json{};
+  bool quiet{};
+  std::string out;  ///< folder for results.json, report.html, trajectories; empty: none
+};
+
+/// Adds --json, --quiet and --out to a command.
+void add_output_options(firmware::Command& command, OutputOptions& options);
+/// Adds --align.
+void add_alignment_option(firmware::Command& command, std::string& alignment);
+
+/// Adds --truth: errors against the log of a plant that ran in a process of its own.
+void add_truth_option(firmware::Command& command, std::string& truth);
+
+/// Where a command that replays begins and ends: --from, --to, --keyframes.
+struct SpanOptions {
+  std::string from;
+  std::string to;
+  std::string keyframes;
+};
+/// Adds them.
+void add_span_options(firmware::Command& command, SpanOptions& options);
+
+/// A progress bar on stderr, if that is a terminal; otherwise null.
+std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
+
+/// Prints the result (table or JSON), writes the folder, tells where the report is. `judged`: what made the
+/// command fail, where something judged it; JSON then has `passed` and `failures`.
+void show_results(const OutputOptions& options, const ReportInput& report,
+                  const std::vector<std::string>* judged = nullptr);
+/// Prints a line for each reason why the command ends with 1; beside JSON on stderr.
+void show_failures(const OutputOptions& options, const std::vector<std::string>& failures);
+/// Adds --gate.
+void add_gate_option(firmware::Command& command, std::string& gate);
+
+/// Adds a picture of the map, if there is one, with the path that was estimated, before any alignment.
+void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const firmware::Trajectory& path);
+
+/// Adds a picture of the rays that a solid-state lidar fired, if the log has any, over the occupancy map.
+void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmware::Runtime& runtime,
+                  const firmware::Trajectory& path);
+
+/// Adds the pictures of contacts and flippers, where the truth of a simulation is known.
+void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactSummary>& contacts);
+
+/// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
+/// unless its good part was declared to be enough.
+int finish_with_log(const CommandContext& context, const firmware::LogFile& log, bool accept_damage,
+                    int code);
+/// The same for a replay's ReplayOutcome::damage.
+int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
+                       int code);
+/// Adds --accept-unused.
+void add_unused_option(firmware::Command& command, bool& accept_unused);
+/// Adds --accept-damage.
+void add_damage_option(firmware::Command& command, bool& accept_damage);
+
+/// The commands of this program, each by its own function from here on. The library's definition has all of
+/// them; a program that defines it again has those that it names.
+void add_commands(firmware::Command& app, CommandContext& context);
+void add_run(firmware::Command& app, CommandContext& context);
+void add_plant(firmware::Command& app, CommandContext& context);
+void add_replay(firmware::Command& app, CommandContext& context);
+void add_check(firmware::Command& app, CommandContext& context);
+void add_diff(firmware::Command& app, CommandContext& context);
+void add_index(firmware::Command& app, CommandContext& context);
+void add_import(firmware::Command& app, CommandContext& context);
+void add_export(firmware::Command& app, CommandContext& context);
+void add_report(firmware::Command& app, CommandContext& context);
+void add_bench(firmware::Command& app, CommandContext& context);
+void add_merge(firmware::Command& app, CommandContext& context);
+void add_scenes(firmware::Command& app, CommandContext& context);
+void add_spy(firmware::Command& app, CommandContext& context);
+void add_set(firmware::Command& app, CommandContext& context);
+void add_drive(firmware::Command& app, CommandContext& context);
+void add_fly(firmware::Command& app, CommandContext& context);
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `sortie fly`: asks the pilot of a live run to fly to a place, to hover, land, stop, or go on with its
+// mission.
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <limits>
+#include <memory>
+
+#include "firmware_like/link/secret.hpp"
+#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/profile.hpp"
+#include "firmware_like/scene/units.hpp"
+#include "planner/uav_pilot.hpp"
+#include "rt/uav_samples.hpp"
+#include "toolchain/commands/commands.hpp"
+#include "toolchain/commands/request_client.hpp"
+#include "toolchain/program/program.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+struct FlyOptions {
+  std::string what;
+  double x_m{std::numeric_limits<double>::quiet_NaN()};
+  double y_m{std::numeric_limits<double>::quiet_NaN()};
+  double z_m{std::numeric_limits<double>::quiet_NaN()};
+  double yaw_deg{};
+  double wait_s{};
+  std::string url{drivers::kDefaultLcmUrl};
+  std::string secret;
+  std::string robot;
+  double seconds{5};
+  bool json{};
+};
+
+enum FlyExit : int { kFlown = 0, kFlyNotTaken = 1, kFlyUnheard = 3 };
+
+std::chrono::milliseconds fly_ms(double seconds) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * seconds));
+}
+
+const char* step_name(std::uint32_t step) {
+  static const char* const kNames[] = {"waiting",       "taking off", "coming to rest", "asking for a way",
+                                       "without a way", "under way",  "there",          "without fixes",
+                                       "landing",       "landed",     "stopped"};
+  return step < std::size(kNames) ? kNames[step] : "doing something new";
+}
+
+rt::FlyMode mode_of(const std::string& what) {
+  return what == "go"      ? rt::FlyMode::go
+         : what == "hover" ? rt::FlyMode::hover
+         : what == "land"  ? rt::FlyMode::land
+         : what == "stop"  ? rt::FlyMode::stop
+                           : rt::FlyMode::release;
+}
+
+planner::PilotStep step_of(const RequestClient& client) {
+  return static_cast<planner::PilotStep>(client.value("step"));
+}
+
+// True when the vehicle itself says that what was asked is so: admitted, and the pilot is at it.
+bool is_flown(const RequestClient& client, const std::string& what, std::int64_t first) {
+  using Step = planner::PilotStep;
+  if (!client.is_admitted(first) || !client.has_state()) return false;
+  const Step step = step_of(client);
+  const bool rotors_stand = step == Step::waiting || step == Step::landed || step == Step::stopped;
+  const bool remote = client.value("remote") != 0;
+  if (what == "stop") return step == Step::stopped;
+  if (what == "land") return step == Step::landing || rotors_stand;
+  if (what == "hover") return remote && (step == Step::arrived || rotors_stand);
+  if (what == "release") return !remote;
+  return remote && step != Step::stopped;
+}
+
+std::string why_not_flown(const RequestClient& client, std::int64_t first) {
+  const std::optional<Status> answer = client.answer(first);
+  const std::string whose = client.robot() + ": ";
+  if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
+  if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
+  if (!client.has_state()) return whose + "the request was admitted, but the pilot does not say what it does";
+  const auto step = static_cast<std::uint32_t>(step_of(client));
+  return whose + "the request was admitted, but the vehicle is " + step_name(step) +
+         (step_of(client) == planner::PilotStep::stopped ? ", which a release ends" : "");
+}
+
+void show_pilot(const FlyOptions& options, const RequestClient& client, bool done, bool reached) {
+  const auto step = static_cast<std::uint32_t>(step_of(client));
+  const bool remote = client.value("remote") != 0;
+  const double at_m[] = {client.value("setpoint_m[0]"), client.value("setpoint_m[1]"),
+                         client.value("setpoint_m[2]")};
+  if (options.json) {
+    std::cout << firmware::Json{{"asked", options.what},
+                                {"robot", client.robot()},
+                                {"sent", client.sent()},
+                                {"taken", done},
+                                {"reached", reached},
+                                {"step", step_name(step)},
+                                {"in_control", remote ? "requests" : "mission"},
+                                {"setpoint_m", {at_m[0], at_m[1], at_m[2]}},
+                                {"error_m", client.value("error_m")}}
+                     .dump(2)
+              << "\n";
+    return;
+  }
+  std::printf("%s; %s; in control: %s; at %.2f %.2f %.2f m, %.3f m off\n", done ? "taken" : "not taken",
+              step_name(step), remote ? "requests" : "the mission", at_m[0], at_m[1], at_m[2],
+              client.value("error_m"));
+}
+
+int run_fly(const CommandContext& context, FlyOptions options) {
+  if (options.what != "go") options.x_m = options.y_m = options.z_m = 0.0;
+  if (!std::isfinite(options.x_m + options.y_m + options.z_m))
+    throw firmware::ProfileError("go needs a place: --x, --y and --z");
+  std::optional<drivers::SipKey> key;
+  if (!options.secret.empty()) key = firmware::read_secret(options.secret);
+  RequestClient client(options.url, key, {"pilot", "flight.remote", "fly"});
+  if (const std::string missing = client.find(options.robot, fly_ms(options.seconds)); !missing.empty()) {
+    std::cerr << context.parts.name << ": " << missing << "\n";
+    return kFlyUnheard;
+  }
+  drivers::FlyRequestMessage request;
+  request.x_m = options.x_m;
+  request.y_m = options.y_m;
+  request.z_m = options.z_m;
+  request.yaw_rad = firmware::kDegree * options.yaw_deg;
+  request.mode = static_cast<std::int32_t>(mode_of(options.what));
+  const double before = client.value("reached");
+  const std::int64_t first = client.ask(request);
+  bool done = false;
+  auto end = std::chrono::steady_clock::now() + fly_ms(options.seconds);
+  while (!done && std::chrono::steady_clock::now() < end) {
+    static_cast<void>(client.listen(std::chrono::milliseconds(200)));
+    done = is_flown(client, options.what, first);
+    if (!done) client.ask(request);  // a datagram may be lost, another sender may have come between
+  }
+  bool reached = false;
+  end = std::chrono::steady_clock::now() + fly_ms(options.wait_s);
+  while (done && !reached && options.what == "go" && std::chrono::steady_clock::now() < end) {
+    static_cast<void>(client.listen(std::chrono::milliseconds(200)));
+    reached = client.has_state() && client.value("reached") > before;
+  }
+  if (!done) std::cerr << context.parts.name << ": " << why_not_flown(client, first) << "\n";
+  show_pilot(options, client, done, reached);
+  return done && (reached || options.wait_s == 0 || options.what != "go") ? kFlown : kFlyNotTaken;
+}
+
+}  // namespace
+
+void add_fly(firmware::Command& app, CommandContext& context) {
+  auto options = std::make_shared<FlyOptions>();
+  firmware::Command* command =
+      app.add_subcommand("fly", "Fly the multirotor of a live run: go, hover, land, stop, release");
+  command->footer(
+      "go flies to a place, on a planned way where the scene plans; hover stops where it can; land sinks; "
+      "stop\n"
+      "lets the rotors stand at once, also in the air, until release, which hands control back to the "
+      "mission.\n"
+      "Each ends with 0 only when the vehicle says that it is so.\n"
+      "Examples:\n"
+      "  sortie fly go --x 3 --y 0.5 --z 1.5 --yaw 90 --wait 30\n"
+      "  sortie fly land --secret robot.secret");
+  command->add_option("what", options->what, "go, hover, land, stop or release")
+      ->one_of({"go", "hover", "land", "stop", "release"})
+      ->required();
+  command->add_option("--x", options->x_m, "m, in the world");
+  command->add_option("--y", options->y_m, "m, in the world");
+  command->add_option("--z", options->z_m, "m, in the world, upwards");
+  command->add_option("--yaw", options->yaw_deg, "deg, heading there")->capture_default_str();
+  command->add_option("--wait", options->wait_s, "go: seconds to wait until it is there; 0: none")
+      ->in_range(0.0, 3600.0)
+      ->capture_default_str();
+  command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
+  command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
+      ->type_name("FILE");
+  command->add_option("--robot", options->robot, "Its name (robot.name), where several are heard")
+      ->type_name("NAME");
+  command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
+      ->in_range(0.1, 3600.0)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback(
+      [&context, options] { context.chosen = [&context, options] { return run_fly(context, *options); }; });
+}
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <iostream>
+#include <memory>
+
+#include "firmware_like/scene/json.hpp"
+#include "toolchain/commands/commands.hpp"
+#include "toolchain/import/importer.hpp"
+
+namespace sortie::toolchain {
+
+void add_import(firmware::Command& app, CommandContext& context) {
+  struct Options {
+    ImportOptions import;
+    bool json{};
+  };
+  auto options = std::make_shared<Options>();
+  firmware::Command* command =
+      app.add_subcommand("import", "Turn a recorded data set into an LCM log that replays");
+  command->footer(
+      "Examples:\n"
+      "  sortie import husky data/husky_skid -o husky.lcm\n"
+      "  sortie import rls data/os64.rls -o walk.lcm\n"
+      "  sortie import broad data/trial.imu -o trial.lcm --strict");
+  command->add_option("kind", options->import.kind, "What the data set is")
+      ->required()
+      ->one_of(import_kinds());
+  command->add_option("path", options->import.path, "Folder of the data set, or one of its files")
+      ->required();
+  command->add_option("-o,--output", options->import.out, "LCM log to write")->required()->type_name("LOG");
+  command->add_flag("--strict", options->import.strict, "One bad row is an error");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([&context, options] {
+    context.chosen = [options] {
+      const ImportReport report = import_log(options->import);
+      for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
+      if (options->json) {
+        const firmware::Json object{{"log", options->import.out},
+                                    {"rows", report.rows},
+                                    {"events", report.events},
+                                    {"bad_rows", report.bad_rows},
+                                    {"hidden_truth", report.hidden_truth},
+                                    {"time_backwards", report.time_backwards},
+                                    {"imu", report.imu},
+                                    {"tracks", report.tracks},
+                                    {"scans", report.scans},
+                                    {"truth", report.truth},
+                                    {"sources", report.sources},
+                                    {"warnings", report.warnings}};
+        std::cout << object.dump(2) << "\n";
+      } else {
+        std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
+                  << report.tracks << " track, " << report.scans << " scans, " << report.truth
+                  << " truth) from " << report.rows << " rows, " << report.bad_rows << " bad rows dropped\n";
+      }
+      return 0;
+    };
+  });
+}
+
+}  // namespace sortie::toolchain

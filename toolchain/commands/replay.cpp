@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <mutex>
+
+#include "firmware_like/scene/text_format.hpp"
+#include "rt/built_parts.hpp"
+#include "toolchain/commands/replay_report.hpp"
+#include "toolchain/judge/alignment.hpp"
+#include "toolchain/program/program.hpp"
+#include "toolchain/report/map_plot.hpp"
+#include "toolchain/report/timeline_plot.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+// Of every task, so that they are not taken for those of the replay, which the table of tasks shows.
+std::vector<FigureRow> live_rows(const firmware::Results& results) {
+  std::vector<FigureRow> rows;
+  for (const firmware::LiveTask& task : results.live.tasks) {
+    rows.push_back({task.name + ", p50", firmware::format_short(task.p50_us), "us"});
+    rows.push_back({task.name + ", p99", firmware::format_short(task.p99_us), "us"});
+    rows.push_back({task.name + ", max", firmware::format_short(task.max_us), "us"});
+  }
+  return rows;
+}
+
+}  // namespace
+
+void add_replay_report_options(firmware::Command& command, ReplayReportOptions& options) {
+  command.add_option("--scene", options.replay.scene,
+                     "Another scene than the log's own; needed for imported logs");
+  command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
+      ->take_all();
+  add_truth_option(command, options.replay.truth);
+  add_span_options(command, options.span);
+  add_alignment_option(command, options.align);
+  command
+      .add_option("--calibrate-s", options.evaluation.calibrate_s,
+                  "The truth of the first seconds calibrates heading, gyro bias and wheel scale; errors are "
+                  "those of the rest, in place of --align")
+      ->in_range(0.0, 1e6)
+      ->type_name("SECONDS");
+  add_unused_option(command, options.replay.accept_unused);
+  add_damage_option(command, options.accept_damage);
+}
+
+ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions& options,
+                              const OutputOptions& output, const std::string& path) {
+  const firmware::LogFile log(path);
+  options.replay.from = options.span.from;
+  options.replay.to = options.span.to;
+  options.replay.keyframes = options.span.keyframes;
+  options.evaluation.align = parse_alignment(options.align);
+  options.replay.progress = progress_bar(output, "replay");
+  RayFigures figures;
+  JobTimeline timeline;
+  std::mutex one_at_a_time;  // with --threads each group has a thread
+  options.replay.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
+    const std::lock_guard guard(one_at_a_time);
+    if (rt::kBuilt<rt::Part::ssl>) figures.job(record, runtime);
+    timeline.job(record, runtime);
+  };
+  firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
+  Evaluation evaluation = judge(outcome, options.evaluation);
+  ReplayedLog replayed;
+  ReportInput& report = replayed.report;
+  report.results = std::move(outcome.results);
+  report.command = context.command_line;
+  report.source = path;
+  report.alignment = options.align;
+  report.timeline = plot_timeline(timeline);
+  report.tables.push_back({"Run times on the robot", live_rows(report.results)});
+  add_contact_plots(report, outcome.contacts);
+  add_map_plot(report, *outcome.runtime, outcome.estimate);
+  add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
+  if (rt::kBuilt<rt::Part::ssl>)
+    report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
+  report.estimate =
+      evaluation.pairs.estimate.empty() ? std::move(outcome.estimate) : std::move(evaluation.pairs.estimate);
+  report.truth = std::move(evaluation.pairs.truth);
+  report.errors = std::move(evaluation.series);
+  replayed.ground = plot_map(map_points(outcome.runtime->vehicle()), {});
+  replayed.damage = outcome.damage;
+  replayed.failures = outcome.failures;
+  return replayed;
+}
+
+int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
+                    const OutputOptions& output) {
+  const ReplayedLog replayed = replay_for_report(context, options, output, options.log);
+  show_results(output, replayed.report, replayed.failures.empty() ? nullptr : &replayed.failures);
+  show_failures(output, replayed.failures);
+  return finish_with_damage(context, replayed.damage, options.accept_damage,
+                            replayed.failures.empty() ? 0 : 1);
+}
+
+void add_replay(firmware::Command& app, CommandContext& context) {
+  struct Options {
+    ReplayReportOptions replay;
+    OutputOptions output;
+  };
+  auto options = std::make_shared<Options>();
+  firmware::Command* command =
+      app.add_subcommand("replay", "Run a log through the runtime again: errors, timing, digest");
+  command->footer(
+      "Examples:\n"
+      "  sortie replay hall.lcm\n"
+      "  sortie replay husky.lcm --scene skid_outdoor --align se2 --json\n"
+      "  sortie replay drive.lcm --truth plant.lcm\n"
+      "  sortie replay hall.lcm --from 60 --to 70\n"
+      "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
+  command->add_option("log", options->replay.log, "LCM log from `run --record` or `import`")->required();
+  add_replay_report_options(*command, options->replay);
+  command->add_option("--record", options->replay.replay.record, "Write a log of this replay")
+      ->type_name("LOG");
+  command->add_flag("--threads", options->replay.replay.threaded,
+                    "One worker a group; the outputs must not change");
+  command->add_option("--fault", options->replay.replay.fault,
+                      "Flip a bit of a task's output: task@tick or task.byte@tick");
+  add_output_options(*command, options->output);
+  command->callback([&context, options] {
+    context.chosen = [&context, options] {
+      return replay_and_show(context, options->replay, options->output);
+    };
+  });
+}
+
+}  // namespace sortie::toolchain

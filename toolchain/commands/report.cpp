@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
+#include "toolchain/commands/commands.hpp"
+#include "toolchain/commands/report_sweeps.hpp"
+#include "toolchain/export/output_file.hpp"
+#include "toolchain/report/html.hpp"
+#include "toolchain/sweep/sweep_report.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+struct PageOptions {
+  std::vector<std::string> logs;
+  SweepsOnPage sweeps;
+  ReplayReportOptions replay;
+  OutputOptions output;
+};
+
+void write_json(const std::string& path, const firmware::Json& json) {
+  write_file(path, [&json](std::ostream& out) { out << json.dump(2) << "\n"; });
+}
+
+void write_sweeps(const PageOptions& options, const std::vector<std::vector<Sweep>>& sweeps) {
+  firmware::Json all = firmware::Json::array();
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    for (const Sweep& sweep : sweeps[i]) {
+      firmware::Json entry = to_json(sweep);
+      entry["log"] = options.logs[i];
+      all.push_back(std::move(entry));
+    }
+  }
+  write_json(options.output.out + "/sweeps.json", firmware::Json{{"sweeps", all}});
+}
+
+// Several logs on one page; their results in one file, in the order of the logs.
+void show_all(const PageOptions& options, const std::vector<ReportInput>& reports, const Plot& ground) {
+  firmware::Json runs = firmware::Json::array();
+  for (const ReportInput& report : reports) {
+    firmware::print_table(std::cout, report.results, firmware::wants_colour(STDOUT_FILENO));
+    runs.push_back(to_json(report.results));
+  }
+  std::filesystem::create_directories(options.output.out);
+  write_json(options.output.out + "/results.json", firmware::Json{{"runs", runs}});
+  const std::string page = options.output.out + "/report.html";
+  write_report(page, render_report(reports, ground));
+  std::cerr << "report: " << page << "\n";
+}
+
+int write_page(const CommandContext& context, PageOptions& options) {
+  std::vector<ReportInput> reports;
+  Plot ground;
+  std::string damage;
+  std::vector<std::string> failures;
+  for (const std::string& log : options.logs) {
+    ReplayedLog replayed = replay_for_report(context, options.replay, options.output, log);
+    if (ground.series.empty()) ground = std::move(replayed.ground);
+    if (damage.empty()) damage = replayed.damage;
+    for (const std::string& failure : replayed.failures) failures.push_back(log + ": " + failure);
+    reports.push_back(std::move(replayed.report));
+  }
+  const std::vector<std::vector<Sweep>> sweeps =
+      sweep_for_report(context, options.logs, options.sweeps, options.replay, options.output);
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    for (const Sweep& sweep : sweeps[i]) reports[i].sweeps.push_back(sweep_figures(sweep));
+  }
+  if (reports.size() == 1) {
+    show_results(options.output, reports.front());
+  } else {
+    show_all(options, reports, ground);
+  }
+  if (!options.sweeps.knobs.empty()) write_sweeps(options, sweeps);
+  for (const auto& of_log : sweeps) {
+    for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, firmware::wants_colour(STDOUT_FILENO));
+  }
+  show_failures(options.output, failures);
+  return finish_with_damage(context, damage, options.replay.accept_damage, failures.empty() ? 0 : 1);
+}
+
+}  // namespace
+
+void add_report(firmware::Command& app, CommandContext& context) {
+  auto options = std::make_shared<PageOptions>();
+  options->output.out = "report";
+  firmware::Command* command =
+      app.add_subcommand("report", "Replay logs and write one page about them: report.html");
+  command->footer(
+      "Examples:\n"
+      "  sortie report hall.lcm --out out/hall\n"
+      "  sortie report husky.lcm --scene skid_outdoor --align se2 --out out/husky\n"
+      "  sortie report ugv.lcm uav.lcm --out out/mission --sweep map.voxel_m=0.05,0.1,0.2");
+  command->add_option("logs", options->logs, "LCM logs from `run --record` or `import`")
+      ->required()
+      ->type_name("LOG");
+  add_replay_report_options(*command, options->replay);
+  command
+      ->add_option(
+          "--sweep", options->sweeps.knobs,
+          "Error over run time of a key of the profile, too, over every log that knows it: key=v1,v2,v3")
+      ->take_all();
+  command
+      ->add_option("--sweep-to", options->sweeps.to,
+                   "End sweeps before that time or @tick of their log; default: --to")
+      ->type_name("TIME");
+  command->add_option("--out", options->output.out, "Folder")->type_name("DIR")->capture_default_str();
+  command->callback([&context, options] {
+    context.chosen = [&context, options] { return write_page(context, *options); };
+  });
+}
+
+}  // namespace sortie::toolchain

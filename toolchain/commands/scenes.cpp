@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "drivers/lcm_url.hpp"
+#include "firmware_like/result/results.hpp"
+#include "firmware_like/runtime/runtime.hpp"
+#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/profile.hpp"
+#include "firmware_like/scene/scene_parts.hpp"
+#include "rt/built_parts.hpp"
+#include "toolchain/bench/scene_cost.hpp"
+#include "toolchain/commands/commands.hpp"
+#include "toolchain/program/program.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+using firmware::Runtime;
+
+struct SceneLine {
+  std::string name;
+  std::string vehicle;
+  std::string about;
+  std::string base;
+  std::string use;
+  std::string leaves_out;
+  std::size_t bytes{};
+  double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
+  std::string tasks;
+  std::vector<std::string> parts;
+  std::map<std::string, std::vector<std::string>> without;  // overrides for each part that can be left out
+  firmware::ScheduleResult schedule;
+  std::vector<firmware::ChainResult> chains;
+  firmware::BusCheck bus;
+};
+
+SceneLine measure(const CommandContext& context, const std::string& scene) {
+  const Runtime runtime(firmware::load_scene(scene), context.parts.vehicles, {});
+  SceneLine line{runtime.profile().name(),
+                 runtime.profile().vehicle(),
+                 runtime.profile().about(),
+                 runtime.profile().base(),
+                 runtime.profile().use(),
+                 runtime.profile().leaves_out(),
+                 runtime.memory_bytes(),
+                 0,
+                 "",
+                 {},
+                 {},
+                 firmware::schedule_result(runtime.schedule(), runtime.executive()),
+                 {},
+                 runtime.bus()};
+  const auto parts = firmware::parts_of(runtime.profile());
+  for (const firmware::ScenePart* part : parts) {
+    line.parts.emplace_back(part->name);
+    const auto gone = firmware::with_dependants(*part, parts);
+    if (part->code != rt::Part::count)
+      line.without[firmware::joined_names(gone)] = firmware::overrides_without(gone);
+  }
+  for (const firmware::DeclaredChain& chain : runtime.chains())
+    line.chains.push_back(firmware::chain_result(chain));
+  for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
+    const rt::TaskBase& task = runtime.executive().task(i);
+    line.declared_us_per_tick +=
+        static_cast<double>(task.budget_us()) / runtime.executive().group(task.group()).timing.period;
+    line.tasks += (i == 0 ? "" : " ") + std::string(task.name());
+  }
+  return line;
+}
+
+// Scenes of vehicles that this program has: an own program need not know those that the library brings.
+std::vector<std::string> runnable_scenes(const CommandContext& context) {
+  std::vector<std::string> names;
+  for (const firmware::BuiltInScene& scene : firmware::built_in_scenes()) {
+    const std::string vehicle = firmware::load_scene(scene.name).vehicle();
+    const auto& known = context.parts.vehicles;
+    if (std::any_of(known.begin(), known.end(), [&](const auto& entry) { return entry.first == vehicle; }))
+      names.emplace_back(scene.name);
+  }
+  return names;
+}
+
+// `tables`: show each scene's groups and chains as well.
+int list(const CommandContext& context, const std::vector<std::string>& scenes, bool tables, bool json) {
+  firmware::Json rows = firmware::Json::array();
+  if (!json)
+    std::printf("%-14s %-8s %10s %14s  %-28s %s\n", "scene", "vehicle", "memory", "budget/tick", "tasks",
+                "what for");
+  std::ostringstream more;
+  for (const std::string& scene : scenes) {
+    const SceneLine line = measure(context, scene);
+    if (json) {
+      rows.push_back({{"scene", line.name},
+                      {"vehicle", line.vehicle},
+                      {"base", line.base},
+                      {"use", line.use},
+                      {"leaves_out", line.leaves_out},
+                      {"bytes", line.bytes},
+                      {"budget_us_per_tick", line.declared_us_per_tick},
+                      {"tasks", line.tasks},
+                      {"parts", line.parts},
+                      {"without", line.without},
+                      {"about", line.about},
+                      {"schedule", to_json(line.schedule)}});
+      rows.back()["chains"] = firmware::Json::array();
+      for (const firmware::ChainResult& chain : line.chains) rows.back()["chains"].push_back(to_json(chain));
+      rows.back()["bus"] = to_json(line.bus);
+    } else {
+      std::printf("%-14s %-8s %7.2f MB %11.1f us  %-28s %s\n", line.name.c_str(), line.vehicle.c_str(),
+                  static_cast<double>(line.bytes) * 1e-6, line.declared_us_per_tick, line.tasks.c_str(),
+                  line.about.c_str());
+      if (!tables) continue;
+      more << "\n" << line.name << "\n";
+      if (!line.leaves_out.empty()) more << "for " << line.use << "; without " << line.leaves_out << "\n";
+      firmware::print_schedule(more, line.schedule);
+      firmware::print_chains(more, line.chains);
+      firmware::print_bus(more, line.bus);
+    }
+  }
+  std::fputs(more.str().c_str(), stdout);
+  if (json) std::cout << firmware::Json{{"scenes", rows}}.dump(2) << "\n";
+  return 0;
+}
+
+int show_keys(const CommandContext& context, const std::string& scene, bool json) {
+  firmware::Profile for_robot = firmware::load_scene(scene);
+  if (context.parts.simulator)
+    static_cast<void>(context.parts.simulator(for_robot, nullptr));  // declares its keys
+  const Runtime runtime(firmware::load_scene(scene), context.parts.vehicles, {});
+  std::vector<firmware::ProfileKey> keys = runtime.profile().keys();
+  for (const firmware::ProfileKey& key : for_robot.keys()) {
+    if (key.path.rfind("hil.", 0) == 0) keys.push_back(key);
+  }
+  firmware::Json rows = firmware::Json::array();
+  for (const firmware::ProfileKey& key : keys) {
+    if (json) {
+      rows.push_back({{"key", key.path},
+                      {"value", key.value},
+                      {"unit", key.unit},
+                      {"range", key.range},
+                      {"default", key.is_default},
+                      {"changeable", key.is_changeable},
+                      {"meaning", key.meaning}});
+    } else {
+      std::printf("%-34s = %-18s %-6s %s%s%s\n", key.path.c_str(), key.value.c_str(), key.unit.c_str(),
+                  key.meaning.c_str(), key.range.empty() ? "" : (" (" + key.range + ")").c_str(),
+                  key.is_changeable ? "; may change while running" : "");
+    }
+  }
+  if (json) std::cout << firmware::Json{{"scene", scene}, {"keys", rows}}.dump(2) << "\n";
+  return 0;
+}
+
+int show_memory(const CommandContext& context, const std::string& scene, bool json) {
+  const Runtime runtime(firmware::load_scene(scene), context.parts.vehicles, {});
+  firmware::Json rows = firmware::Json::array();
+  for (const firmware::PoolResult& pool : runtime.memory_plan()) {
+    if (json) {
+      rows.push_back({{"pool", pool.name}, {"capacity", pool.capacity}, {"bytes", pool.bytes}});
+    } else {
+      std::printf("%-16s %10llu x  %12llu bytes\n", pool.name.c_str(),
+                  static_cast<unsigned long long>(pool.capacity),
+                  static_cast<unsigned long long>(pool.bytes));
+    }
+  }
+  if (json) {
+    std::cout << firmware::Json{{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}}.dump(2)
+              << "\n";
+  } else {
+    std::printf("%-16s %10s    %12zu bytes\n", "together", "", runtime.memory_bytes());
+  }
+  return 0;
+}
+
+struct CostLine {
+  SceneCostOptions cost;
+  bool asked{};
+};
+
+// One object or table for each scene; without names, the scenes for real uses that have a simulated robot.
+int show_costs(const CommandContext& context, std::vector<std::string> scenes, const CostLine& line,
+               bool json) {
+  if (scenes.empty()) {
+    for (const std::string& name : runnable_scenes(context)) {
+      const firmware::Profile profile = firmware::load_scene(name);
+      if (!profile.use().empty() && profile.has("hil")) scenes.push_back(name);
+    }
+  }
+  firmware::Json rows = firmware::Json::array();
+  for (const std::string& scene : scenes) {
+    SceneCostOptions options = line.cost;
+    options.scene = scene;
+    const SceneCosts costs = measure_scene_cost(context.parts.vehicles, context.parts.simulator, options);
+    if (json) {
+      rows.push_back(to_json(costs));
+    } else {
+      std::cout << scene_cost_table(costs) << "\n";
+    }
+  }
+  if (json) std::cout << firmware::Json{{"costs", rows}}.dump(2) << "\n";
+  return 0;
+}
+
+// What runs scenes with parts left out, where there are all parts to leave out.
+void add_costs(firmware::Command& command, CostLine& line) {
+  command.add_flag(
+      "--cost", line.asked,
+      "Run each scene with one part left out at a time: what that saves, and what it costs in error");
+  command.add_option("--log", line.cost.log, "With --cost: over this recorded log, not a simulated drive")
+      ->type_name("LOG");
+  command.add_option("--set", line.cost.overrides, "With --cost: key=value of the whole scene")->take_all();
+  command.add_option("--seconds", line.cost.seconds, "With --cost: length of the simulated drive")
+      ->in_range(0.1, 1e5)
+      ->capture_default_str();
+  command.add_option("--runs", line.cost.runs, "With --cost: replays of each; times are the median's")
+      ->in_range(1, 1000)
+      ->capture_default_str();
+  command
+      .add_option("--live", line.cost.live_s,
+                  "With --cost: seconds of a live drive that shows what recorder and telemetry take")
+      ->in_range(0.1, 100000.0);
+  line.cost.lcm_url = std::string(drivers::kDefaultLcmUrl);
+  command.add_option("--lcm-url", line.cost.lcm_url, "With --live: where its telemetry goes");
+  command.add_flag("--instructions", line.cost.instructions, "With --cost: count them under callgrind, too");
+}
+
+}  // namespace
+
+void add_scenes(firmware::Command& app, CommandContext& context) {
+  struct Options {
+    std::vector<std::string> scenes;
+    std::string keys;
+    std::string memory;
+    CostLine cost;
+    bool json{};
+  };
+  auto options = std::make_shared<Options>();
+  firmware::Command* command =
+      app.add_subcommand("scenes", "List the scene profiles with their memory and declared time");
+  command->footer(
+      "Examples:\n"
+      "  sortie scenes\n"
+      "  sortie scenes ugv_hall own.toml   # with the tables of groups, chains and bus\n"
+      "  sortie scenes --keys ugv_hall\n"
+      "  sortie scenes --memory ugv_hall\n"
+      "  sortie scenes --cost ugv_stairs --seconds 20\n"
+      "  sortie scenes --cost imu_bench --log slow.lcm --json");
+  command->add_option("scenes", options->scenes,
+                      "These scenes or .toml files only, each with its groups, their worst responses, its "
+                      "chains and its bus");
+  command
+      ->add_option("--keys", options->keys,
+                   "Every key that this scene understands, with unit, range and meaning")
+      ->type_name("SCENE");
+  command->add_option("--memory", options->memory, "The memory plan of this scene, pool by pool")
+      ->type_name("SCENE");
+  command->add_flag("--json", options->json, "Print one JSON object");
+  constexpr bool kHasAll = *rt::kOnlyScene == '\0';
+  if (kHasAll) add_costs(*command, options->cost);
+  command->callback([&context, options] {
+    context.chosen = [&context, options] {
+      if (kHasAll && options->cost.asked)
+        return show_costs(context, options->scenes, options->cost, options->json);
+      if (!options->keys.empty()) return show_keys(context, options->keys, options->json);
+      if (!options->memory.empty()) return show_memory(context, options->memory, options->json);
+      const bool named = !options->scenes.empty();
+      return list(context, named ? options->scenes : runnable_scenes(context), named, options->json);
+    };
+  });
+}
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "toolchain/commands/spy_segments.hpp"
+
+#include <string>
+
+#include "drivers/wire_segments.hpp"
+
+namespace sortie::toolchain {
+
+Status read_segments(std::span<const std::uint8_t> message, std::vector<drivers::NamedValue>& values) {
+  const auto add = [&values](std::string name, auto number) {
+    values.push_back({std::move(name), static_cast<double>(number)});
+  };
+  rt::SegmentList list;
+  std::int64_t seq = 0;
+  const Status status = drivers::decode(message, list, seq);
+  if (status != Status::ok) return status;
+  add("seq", seq);
+  add("stamp_ns", list.stamp_ns);
+  add("segments", list.segments);
+  std::uint32_t changes[4]{};
+  for (const rt::ListedEvent& event : std::span(list.event, list.listed_events)) {
+    const bool cut = event.change == rt::ListedEvent::kBorn && event.other != 0;
+    ++changes[cut ? 3 : event.change];
+  }
+  add("born", changes[rt::ListedEvent::kBorn]);
+  add("cut", changes[3]);
+  add("renamed", changes[rt::ListedEvent::kRenamed]);
+  add("gone", changes[rt::ListedEvent::kGone]);
+  for (const rt::ListedSegment& segment : std::span(list.segment, list.listed)) {
+    const std::string name = "segment " + std::to_string(segment.id) + " ";
+    add(name + "voxels", segment.voxels);
+    if (!list.features) continue;
+    const char* const axes[] = {"x_m", "y_m", "z_m"};
+    for (int i = 0; i < 3; ++i)
+      add(name + axes[i], list.origin_m[i] + static_cast<double>(segment.centroid_m[i]));
+    add(name + "linearity", segment.feature[0]);
+    add(name + "planarity", segment.feature[1]);
+    add(name + "scattering", segment.feature[2]);
+  }
+  return status;
+}
+
+}  // namespace sortie::toolchain

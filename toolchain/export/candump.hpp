@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// CAN frames as a candump log for can-utils, SavvyCAN and python-can.
+#pragma once
+
+#include <iosfwd>
+#include <span>
+#include <string_view>
+
+#include "drivers/can_bus.hpp"
+
+namespace sortie::toolchain {
+
+/// What was written and what could not be.
+struct CandumpCounts {
+  std::size_t frames{};
+  std::size_t
+      refused{};  ///< frames that the format cannot hold: stamp before 1970, size above 8, id too wide
+};
+
+/// One line a frame, microseconds; frames in the order given.
+CandumpCounts write_candump(std::ostream& out, std::span<const drivers::CanFrame> frames,
+                            std::string_view interface = "can0");
+
+}  // namespace sortie::toolchain

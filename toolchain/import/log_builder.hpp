@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Collects samples in any order and writes them as an LCM log in order of receipt.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "drivers/wire_records.hpp"
+#include "rt/samples.hpp"
+#include "toolchain/import/importer.hpp"
+
+namespace sortie::toolchain {
+
+/// Samples of one import. Memory: all samples at once; a data set is read to its end before anything is
+/// written.
+class LogBuilder {
+ public:
+  /// Adds a sample that was received at `receipt_ns`. Equal receipts keep the order of the calls.
+  void add(rt::Nanoseconds receipt_ns, const rt::ImuSample& sample);
+  void add(rt::Nanoseconds receipt_ns, const rt::TrackSample& sample);
+  void add(rt::Nanoseconds receipt_ns, const rt::TruthSample& sample);
+  /// `header.points` is taken from `points`.
+  void add(rt::Nanoseconds receipt_ns, const rt::ScanHeader& header, std::vector<rt::ScanPoint> points);
+
+  /// The pose at which the log begins; the identity unless set.
+  void set_initial_pose(const double (&p)[3], const double (&q)[4]);
+
+  /// Writes SORTIE_HEADER and all events to `path`; counts them in `report`. Receipts are rounded up to whole
+  /// microseconds, so that no sample is received before its own stamp. The file appears under its name only
+  /// when it is whole. Throws InputError (file, reason) if it cannot be written, or if there is no sample at
+  /// all.
+  void write(const std::string& path, const std::string& kind, ImportReport& report) const;
+
+ private:
+  enum class Kind : std::uint8_t { imu, track, truth, scan };
+  struct Entry {
+    std::int64_t receipt_us;
+    Kind kind;
+    std::size_t index;
+  };
+  struct Scan {
+    rt::ScanHeader header;
+    std::vector<rt::ScanPoint> points;
+  };
+  void push(rt::Nanoseconds receipt_ns, Kind kind, std::size_t index);
+
+  std::vector<Entry> entries_;
+  std::vector<rt::ImuSample> imu_;
+  std::vector<rt::TrackSample> tracks_;
+  std::vector<rt::TruthSample> truth_;
+  std::vector<Scan> scans_;
+  double initial_p_[3]{};
+  double initial_q_[4]{1, 0, 0, 0};
+};
+
+}  // namespace sortie::toolchain

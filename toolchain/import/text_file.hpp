@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rows of numbers from text files, independent of the locale and with line numbers for messages.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sortie::toolchain {
+
+/// A decimal number, blanks around it allowed; "nan" and "inf" are numbers, too. False where it is none.
+bool parse_double(std::string_view text, double& value);
+
+/// Decimal seconds, with or without exponent, as nanoseconds: exact, rounded half away from zero. A double
+/// would keep only 0.2 us of a stamp of today. False where it is no finite number or leaves +-292 years.
+bool parse_seconds(std::string_view text, std::int64_t& nanoseconds);
+
+/// A text file in memory, read line by line.
+class TextFile {
+ public:
+  /// Reads the whole file. Throws InputError if it cannot be read or holds a zero byte (then it is no text).
+  explicit TextFile(const std::string& path);
+
+  /// The next line without its end (LF or CRLF). False at the end. A last line without a line end may have
+  /// been cut: it is not given out but kept in tail().
+  bool next(std::string_view& line);
+
+  /// Number of the line given out last, from 1.
+  std::uint64_t line_number() const { return line_; }
+  /// Byte offset of the start of the line given out last.
+  std::uint64_t offset() const { return start_; }
+  /// What stands behind the last line end; empty for a whole file.
+  std::string_view tail() const;
+  /// Bytes of the whole file.
+  std::uint64_t size() const { return text_.size(); }
+  /// The path as it was given.
+  const std::string& path() const { return path_; }
+  /// "file:line", for messages.
+  std::string place() const;
+
+ private:
+  std::string path_;
+  std::string text_;
+  std::size_t next_{};
+  std::size_t start_{};
+  std::uint64_t line_{};
+};
+
+/// Cuts a line at commas (`separator` ',') or at runs of blanks (`separator` ' '). `fields` is overwritten.
+void split(std::string_view line, char separator, std::vector<std::string_view>& fields);
+
+}  // namespace sortie::toolchain

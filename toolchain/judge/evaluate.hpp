@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From two trajectories to the `errors` of a result: association, alignment, and every error that the truth
+// allows.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "toolchain/judge/alignment.hpp"
+#include "toolchain/judge/calibration.hpp"
+#include "toolchain/judge/errors.hpp"
+#include "toolchain/judge/trajectory.hpp"
+
+namespace sortie::toolchain {
+
+/// How to judge.
+struct EvaluationOptions {
+  Alignment align{Alignment::none};
+  AssociationOptions association;
+  /// Path length between the poses of a relative error; 0: 10, 1 or 0.1 m, the longest that gives ten of
+  /// them.
+  double rpe_delta_m{0.0};
+  /// The first so many seconds calibrate heading, gyro bias and wheel scale; errors are those of the rest,
+  /// without any other alignment. 0: no such thing.
+  double calibrate_s{0.0};
+};
+
+/// One point of an error plot. A figure that the truth does not allow is NaN.
+struct ErrorSample {
+  double time_s{};  ///< since the first pair
+  double position_m{};
+  double inclination_deg{};
+  double heading_deg{};
+};
+
+/// Errors by name, and what a plot needs.
+struct Evaluation {
+  /// ate_{rmse,mean,median,max}_m, ate_n; rpe_rmse_m, rpe_rmse_deg, rpe_n, rpe_delta_m;
+  /// inclination_{rmse,max}_deg, heading_{rmse,max}_deg, orientation_n; drift_horizontal_percent,
+  /// drift_vertical_percent, vertical_rmse_m, distance_m; with a calibration calibrated_{scale,
+  /// bias_deg_s,rmse_m,n}. Only what the truth allows is present.
+  std::map<std::string, double> errors;
+  PairedTrajectories pairs;  ///< estimate aligned
+  RigidTransform alignment;
+  std::vector<ErrorSample> series;
+};
+
+/// Judges `estimate` by `truth`. Both are tidied first. Without a common stamp `errors` holds only ate_n = 0.
+Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
+                    const EvaluationOptions& options = {});
+
+/// Judges what a run or a replay gave (its `estimate` by its `truth`, where both are known) and puts the
+/// errors into its `results`: neither knows how it is judged.
+template <class Outcome>
+Evaluation judge(Outcome& outcome, const EvaluationOptions& options = {}) {
+  if (outcome.truth.empty() || outcome.estimate.empty()) return {};
+  Evaluation evaluation = evaluate(outcome.estimate, outcome.truth, options);
+  outcome.results.errors = evaluation.errors;
+  return evaluation;
+}
+
+}  // namespace sortie::toolchain

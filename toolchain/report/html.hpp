@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One self-contained page about one run: opens anywhere, prints well, needs no script and no network.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware_like/result/results.hpp"
+#include "toolchain/judge/evaluate.hpp"
+#include "toolchain/judge/ray_figures.hpp"
+#include "toolchain/report/svg.hpp"
+
+namespace sortie::toolchain {
+
+/// A table of figures with a head line of its own.
+struct FigureTable {
+  std::string title;
+  std::vector<FigureRow> rows;
+};
+
+/// Error over run time of one knob or several: a plot, and its figures as text, a row a cell.
+struct SweepFigures {
+  Plot plot;
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  std::string note;
+};
+
+/// What the page tells. Everything but `results` may be left empty; then its section is left out.
+struct ReportInput {
+  firmware::Results results;
+  std::string command;                        ///< what was typed
+  std::string source;                         ///< log or data set
+  std::string alignment;                      ///< name of the alignment before errors
+  std::vector<firmware::TimedPose> estimate;  ///< aligned, all samples
+  std::vector<firmware::TimedPose> truth;
+  std::vector<ErrorSample> errors;
+  std::vector<FigureTable> tables;  ///< before the plots
+  std::vector<SweepFigures> sweeps;
+  Plot timeline;                 ///< run time over time; without series: not shown
+  std::vector<Plot> more_plots;  ///< of any task output; shown at the end
+};
+
+/// The page, as XHTML-conforming HTML 5. Cost: linear in the input; size bounded by the number of plots.
+std::string render_report(const ReportInput& input);
+
+/// The same of several runs on one page: a table of them all, one picture of where they went, then each run.
+/// The picture's ground is `ground`, a map that any of them made; it may be empty.
+std::string render_report(const std::vector<ReportInput>& inputs, const Plot& ground);
+
+/// Writes a page to `path`. Throws InputError if it cannot be written.
+void write_report(const std::string& path, const std::string& page);
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Truth is a broad grey line below, the estimate a thin blue one above: apart also on a black and white
+// printer.
+#include "toolchain/report/plots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace sortie::toolchain {
+namespace {
+
+constexpr double kBinsPerDecade = 20.0;
+
+/// Counts by equal steps of log time: recorded buckets are far finer than a picture shows. A log axis has no
+/// zero, so what was faster than 10 ns counts as 10 ns.
+std::map<int, std::uint64_t> rebin(const std::vector<firmware::HistogramBar>& bars) {
+  std::map<int, std::uint64_t> bins;
+  for (const firmware::HistogramBar& bar : bars) {
+    const double centre = 0.5 * (bar.from_us + bar.to_us);
+    const double middle = centre > 0.01 ? std::min(centre, 1e12) : 0.01;  // also for a NaN
+    if (bar.count > 0) bins[static_cast<int>(std::floor(std::log10(middle) * kBinsPerDecade))] += bar.count;
+  }
+  return bins;
+}
+
+Series truth_series(const char* name) {
+  Series s;
+  s.name = name;
+  s.colour = kGrey;
+  s.width = 4.0;
+  return s;
+}
+
+Series estimate_series(const char* name) {
+  Series s;
+  s.name = name;
+  s.colour = kBlue;
+  s.width = 1.6;
+  return s;
+}
+
+Series marker(const char* name, const firmware::TimedPose& pose, int colour) {
+  Series s;
+  s.name = name;
+  s.mark = Mark::dots;
+  s.x = {pose.p[0]};
+  s.y = {pose.p[1]};
+  s.colour = colour;
+  s.width = 3.0;
+  return s;
+}
+
+bool has(const firmware::TimedPose& pose, std::uint32_t flags) { return (pose.flags & flags) == flags; }
+
+/// Seen along the world's y axis.
+void add_side_view(std::span<const firmware::TimedPose> poses, Series& series) {
+  for (const firmware::TimedPose& pose : poses) {
+    const bool shown = has(pose, rt::kTruthPosition | rt::kTruthHeight);
+    series.x.push_back(shown ? pose.p[0] : std::nan(""));
+    series.y.push_back(shown ? pose.p[2] : std::nan(""));
+  }
+}
+
+struct Extent {
+  double low{1e300};
+  double high{-1e300};
+  void take(const std::vector<double>& values) {
+    for (const double v : values) {
+      if (!std::isfinite(v)) continue;
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+  }
+  double size() const { return std::max(0.0, high - low); }
+};
+
+}  // namespace
+
+Plot plot_latency(const firmware::TaskResult& task) {
+  Plot plot;
+  plot.title = task.name;
+  plot.x = {"execution time, \u00b5s", true};
+  plot.y = {"jobs", true, 0.7};
+  plot.width = 480;
+  plot.height = 250;
+  Series bars;
+  bars.mark = Mark::bars;
+  for (const auto& [bin, count] : rebin(task.histogram)) {
+    bars.x.push_back(std::pow(10.0, bin / kBinsPerDecade));
+    bars.x_end.push_back(std::pow(10.0, (bin + 1) / kBinsPerDecade));
+    bars.y.push_back(static_cast<double>(count));
+  }
+  plot.series.push_back(std::move(bars));
+  if (task.budget_us > 0.0) plot.rules.push_back({task.budget_us, "budget", kVermilion});
+  if (task.period_us > 0.0 && task.period_us < 1e3 * std::max(task.max_us, 1.0)) {
+    plot.rules.push_back({task.period_us, "period", kBlack});
+  }
+  return plot;
+}
+
+Plot plot_top(std::span<const firmware::TimedPose> estimate, std::span<const firmware::TimedPose> truth) {
+  Plot plot;
+  plot.title = "From above";
+  plot.x = {"x, m"};
+  plot.y = {"y, m"};
+  plot.equal_aspect = true;
+  plot.width = 640;
+  plot.height = 470;
+  Series reference = truth_series("truth");
+  for (const firmware::TimedPose& pose : truth) {
+    const bool shown = has(pose, rt::kTruthPosition);
+    reference.x.push_back(shown ? pose.p[0] : std::nan(""));
+    reference.y.push_back(shown ? pose.p[1] : std::nan(""));
+  }
+  Series path = estimate_series("estimate");
+  for (const firmware::TimedPose& pose : estimate) {
+    path.x.push_back(pose.p[0]);
+    path.y.push_back(pose.p[1]);
+  }
+  if (!truth.empty()) plot.series.push_back(std::move(reference));
+  plot.series.push_back(std::move(path));
+  if (!estimate.empty()) {
+    plot.series.push_back(marker("start", estimate.front(), kGreen));
+    plot.series.push_back(marker("end", estimate.back(), kVermilion));
+  }
+  return plot;
+}
+
+Plot plot_side(std::span<const firmware::TimedPose> estimate, std::span<const firmware::TimedPose> truth) {
+  Plot plot;
+  plot.title = "From the side";
+  plot.x = {"x, m"};
+  plot.y = {"z, m"};
+  plot.width = 640;
+  plot.height = 240;
+  const bool has_height = std::any_of(truth.begin(), truth.end(), [](const firmware::TimedPose& pose) {
+    return has(pose, rt::kTruthPosition | rt::kTruthHeight);
+  });
+  if (has_height) {
+    plot.series.push_back(truth_series("truth"));
+    add_side_view(truth, plot.series.back());
+  }
+  plot.series.push_back(estimate_series("estimate"));
+  add_side_view(estimate, plot.series.back());
+  Extent x;
+  Extent z;
+  for (const Series& s : plot.series) {
+    x.take(s.x);
+    z.take(s.y);
+  }
+  if (z.size() > 0.1 * x.size()) {
+    plot.equal_aspect = true;
+    plot.height = z.size() > 0.4 * x.size() ? 330 : 240;
+  } else {
+    plot.y.label = "z, m (stretched)";
+    if (z.size() < 0.2) {  // a flat floor shall look flat
+      plot.y.low = 0.5 * (z.low + z.high) - 0.1;
+      plot.y.high = 0.5 * (z.low + z.high) + 0.1;
+    }
+  }
+  return plot;
+}
+
+Plot plot_position_error(std::span<const ErrorSample> errors) {
+  Plot plot;
+  plot.title = "Position error";
+  plot.x = {"time, s"};
+  plot.y = {"error, m", false, 0.0};
+  plot.width = 640;
+  plot.height = 230;
+  Series s;
+  for (const ErrorSample& e : errors) {
+    s.x.push_back(e.time_s);
+    s.y.push_back(e.position_m);
+  }
+  plot.series.push_back(std::move(s));
+  return plot;
+}
+
+Plot plot_orientation_error(std::span<const ErrorSample> errors) {
+  Plot plot;
+  plot.title = "Orientation error";
+  plot.x = {"time, s"};
+  plot.y = {"error, degrees"};
+  plot.width = 640;
+  plot.height = 230;
+  Series inclination;
+  inclination.name = "inclination";
+  Series heading;
+  heading.name = "heading (from the first truth on)";
+  heading.colour = kVermilion;
+  for (const ErrorSample& e : errors) {
+    inclination.x.push_back(e.time_s);
+    inclination.y.push_back(e.inclination_deg);
+    heading.x.push_back(e.time_s);
+    heading.y.push_back(e.heading_deg);
+  }
+  plot.series.push_back(std::move(heading));
+  plot.series.push_back(std::move(inclination));
+  return plot;
+}
+
+}  // namespace sortie::toolchain

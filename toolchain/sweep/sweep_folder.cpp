@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "toolchain/sweep/sweep_folder.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "firmware_like/scene/input_error.hpp"
+#include "firmware_like/scene/json.hpp"
+#include "rt/digest.hpp"
+#include "toolchain/export/output_file.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+constexpr int kPlanFormat = 1;
+
+std::string hex_digest(const std::string& bytes) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::uint64_t digest = rt::digest_bytes(bytes.data(), bytes.size());
+  std::string text(16, '0');
+  for (std::size_t i = 16; i-- > 0; digest >>= 4) text[i] = kDigits[digest & 15];
+  return text;
+}
+
+std::string whole_file(const std::string& path, const std::string& cure) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw firmware::InputError(path + ": cannot be read; " + cure);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+firmware::Json to_json(const PlannedLog& log) {
+  firmware::Json cells = firmware::Json::array();
+  for (std::size_t i = 0; i < log.plan.sweep.cells.size(); ++i) {
+    cells.push_back({{"values", log.plan.sweep.cells[i].values},
+                     {"profile_choice", log.plan.sweep.cells[i].profile_choice},
+                     {"overrides", log.plan.overrides[i]},
+                     {"profile", log.plan.profiles[i]}});
+  }
+  return {{"path", log.path},
+          {"identity", log.identity},
+          {"simulated", log.simulated},
+          {"scene", log.plan.sweep.scene},
+          {"keys", log.plan.sweep.keys},
+          {"tasks", log.plan.sweep.tasks},
+          {"repeat", log.plan.sweep.repeat},
+          {"warnings", log.plan.sweep.warnings},
+          {"cells", std::move(cells)}};
+}
+
+PlannedLog log_from_json(const firmware::Json& json) {
+  PlannedLog log;
+  json.at("path").get_to(log.path);
+  json.at("identity").get_to(log.identity);
+  json.at("simulated").get_to(log.simulated);
+  json.at("scene").get_to(log.plan.sweep.scene);
+  json.at("keys").get_to(log.plan.sweep.keys);
+  json.at("tasks").get_to(log.plan.sweep.tasks);
+  json.at("repeat").get_to(log.plan.sweep.repeat);
+  json.at("warnings").get_to(log.plan.sweep.warnings);
+  for (const firmware::Json& entry : json.at("cells")) {
+    SweepCell cell;
+    entry.at("values").get_to(cell.values);
+    entry.at("profile_choice").get_to(cell.profile_choice);
+    log.plan.sweep.cells.push_back(std::move(cell));
+    log.plan.overrides.push_back(entry.at("overrides").get<std::vector<std::string>>());
+    log.plan.profiles.push_back(entry.at("profile").get<std::uint64_t>());
+  }
+  return log;
+}
+
+firmware::Json to_json(const SweepRequest& request) {
+  return {{"logs", request.logs},   {"scene", request.scene},   {"set", request.overrides},
+          {"sweep", request.knobs}, {"tasks", request.tasks},   {"error", request.error},
+          {"align", request.align}, {"repeat", request.repeat}, {"instructions", request.instructions}};
+}
+
+SweepRequest request_from_json(const firmware::Json& json) {
+  SweepRequest request;
+  json.at("logs").get_to(request.logs);
+  json.at("scene").get_to(request.scene);
+  json.at("set").get_to(request.overrides);
+  json.at("sweep").get_to(request.knobs);
+  json.at("tasks").get_to(request.tasks);
+  json.at("error").get_to(request.error);
+  json.at("align").get_to(request.align);
+  json.at("repeat").get_to(request.repeat);
+  json.at("instructions").get_to(request.instructions);
+  return request;
+}
+
+}  // namespace
+
+SweepOptions sweep_options(const SweepRequest& request) {
+  SweepOptions options;
+  options.replay.scene = request.scene;
+  options.replay.overrides = request.overrides;
+  options.evaluation.align = parse_alignment(request.align);
+  options.knobs = parse_knobs(request.knobs);
+  options.tasks = request.tasks;
+  options.error = request.error;
+  options.repeat = request.repeat;
+  options.instructions = request.instructions;
+  return options;
+}
+
+std::size_t SweepFolderPlan::cell_count() const {
+  std::size_t count = 0;
+  for (const PlannedLog& log : logs) count += log.plan.sweep.cells.size();
+  return count;
+}
+
+std::pair<std::size_t, std::size_t> SweepFolderPlan::locate(std::size_t cell) const {
+  std::size_t log = 0;
+  while (cell >= logs.at(log).plan.sweep.cells.size()) cell -= logs[log++].plan.sweep.cells.size();
+  return {log, cell};
+}
+
+std::string SweepFolderPlan::key(std::size_t cell) const {
+  const auto [l, c] = locate(cell);
+  std::string text = program + " " + logs[l].identity + " " + std::to_string(logs[l].plan.profiles[c]) + " " +
+                     std::to_string(request.repeat) + (request.instructions ? " counted " : " ") +
+                     request.align;
+  for (const std::string& task : logs[l].plan.sweep.tasks) text += " " + task;
+  return hex_digest(text);
+}
+
+std::string SweepFolderPlan::title(std::size_t cell) const {
+  const auto [l, c] = locate(cell);
+  std::string text;
+  for (std::size_t i = 0; i < logs[l].plan.sweep.keys.size(); ++i) {
+    text +=
+        (text.empty() ? "" : " ") + logs[l].plan.sweep.keys[i] + "=" + logs[l].plan.sweep.cells[c].values[i];
+  }
+  return text + " of " + std::filesystem::path(logs[l].path).filename().string();
+}
+
+std::string digest_of_file(const std::string& path) {
+  return hex_digest(whole_file(path, "give the path of a file"));
+}
+
+void write_plan(const std::string& folder, const SweepFolderPlan& plan) {
+  std::filesystem::create_directories(folder);
+  firmware::Json logs = firmware::Json::array();
+  for (const PlannedLog& log : plan.logs) logs.push_back(to_json(log));
+  const firmware::Json json{{"format", kPlanFormat},
+                            {"request", to_json(plan.request)},
+                            {"program", plan.program},
+                            {"logs", std::move(logs)}};
+  write_shared(folder + "/plan.json", json.dump(1) + "\n");
+}
+
+SweepFolderPlan read_plan(const std::string& folder) {
+  const std::string path = folder + "/plan.json";
+  const std::string text =
+      whole_file(path, "give the folder of a sweep with --jobs, --shard or --slurm, its --out");
+  try {
+    const firmware::Json json = firmware::Json::parse(text);
+    if (json.at("format").get<int>() != kPlanFormat)
+      throw firmware::InputError(path + ": is of another version; start the sweep again");
+    SweepFolderPlan plan;
+    plan.request = request_from_json(json.at("request"));
+    json.at("program").get_to(plan.program);
+    for (const firmware::Json& log : json.at("logs")) plan.logs.push_back(log_from_json(log));
+    return plan;
+  } catch (const firmware::JsonError& error) {
+    throw firmware::InputError(path + ": is damaged (" + error.what() + "); start the sweep again");
+  }
+}
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the cells of a sweep are worth: maps against the finest one, the error that counts, the Pareto front.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/sweep/sweep.hpp"
+
+namespace sortie::toolchain {
+
+/// Judges all cells of a sweep, `maps` one a cell, and chooses the error that counts: `asked`, or by knob and
+/// by what the truth allows. Throws ProfileError when no cell has the error that was asked for.
+void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, const std::string& asked, Sweep& sweep);
+
+/// For each pair of cost and error whether no other is as cheap (within 5 %) and better (by 0.1 %), or as
+/// good and cheaper. NaN never is.
+std::vector<bool> sweep_front(std::vector<CostAndError> points);
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "toolchain/report/svg.hpp"
+#include "toolchain/sweep/sweep_report.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+// A log axis where the figures span more than a factor of ten: then all of them are told apart.
+bool wants_log(const std::vector<double>& values) {
+  double low = 1e300;
+  double high = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return low > 0 && high > 10 * low;
+}
+
+std::string axis_name(const std::string& error) {
+  if (error == "map_disagreement") return "occupied volume not shared with finest";
+  const auto ends = [&error](const std::string& end) {
+    return error.size() > end.size() && error.compare(error.size() - end.size(), end.size(), end) == 0;
+  };
+  std::string name = error.substr(0, error.rfind('_'));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  if (ends("_m")) return name + ", m";
+  if (ends("_deg")) return name + ", degrees";
+  if (ends("_percent")) return name + ", %";
+  name = error;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+}  // namespace
+
+Plot plot_sweep(const Sweep& sweep) {
+  Plot plot;
+  for (const std::string& key : sweep.keys) plot.title += (plot.title.empty() ? "" : ", ") + key;
+  std::string tasks;
+  for (const std::string& task : sweep.tasks) tasks += (tasks.empty() ? "" : " + ") + task;
+  plot.title += " (" + sweep.scene + ")";
+  Series others;
+  others.name = "tried";
+  others.mark = Mark::dots;
+  others.colour = kGrey;
+  others.width = 4;
+  Series front = others;
+  front.name = "Pareto front";
+  front.colour = kBlue;
+  Series own = others;
+  own.name = "profile";
+  own.colour = kVermilion;
+  own.width = 6;
+  std::vector<double> costs;
+  std::vector<double> errors;
+  std::vector<std::pair<double, double>> path;
+  for (const SweepCell& cell : sweep.cells) {
+    const auto found = cell.errors.find(sweep.error);
+    const double error = sweep.error.empty()          ? static_cast<double>(cell.memory_bytes) * 1e-6
+                         : found != cell.errors.end() ? found->second
+                                                      : std::nan("");
+    costs.push_back(cell.load_us_per_s);
+    errors.push_back(error);
+    Series& series = cell.on_front ? front : others;
+    series.x.push_back(cell.load_us_per_s);
+    series.y.push_back(error);
+    series.labels.push_back(cell_name(cell));
+    if (cell.on_front) path.emplace_back(cell.load_us_per_s, error);
+    if (cell.profile_choice) {
+      own.x.push_back(cell.load_us_per_s);
+      own.y.push_back(error);
+    }
+  }
+  plot.x = {"run time of " + tasks + ", \u00b5s per second of robot time", wants_log(costs)};
+  plot.y = {sweep.error.empty() ? "memory, MB" : axis_name(sweep.error), wants_log(errors)};
+  // From zero, so that a difference that hardly is one looks like it.
+  const auto make_room = [](Axis& axis, const std::vector<double>& values) {
+    double high = 0;
+    for (const double value : values) high = std::isfinite(value) ? std::max(high, value) : high;
+    if (axis.log || !(high > 0)) return;
+    axis.low = 0;
+    axis.high = 1.08 * high;
+  };
+  make_room(plot.x, costs);
+  make_room(plot.y, errors);
+  Series steps;
+  steps.mark = Mark::steps;
+  steps.colour = kBlue;
+  steps.width = 1.2;
+  steps.dashed = true;
+  std::sort(path.begin(), path.end());
+  for (const auto& [x, y] : path) {
+    steps.x.push_back(x);
+    steps.y.push_back(y);
+  }
+  plot.series = {std::move(own), std::move(steps)};  // a ring around the dot that comes after
+  if (!others.x.empty()) plot.series.push_back(std::move(others));
+  if (!front.x.empty()) plot.series.push_back(std::move(front));
+  plot.height = 360;
+  return plot;
+}
+
+}  // namespace sortie::toolchain

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <filesystem>
+#include <ostream>
+
+#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/text_format.hpp"
+#include "toolchain/export/output_file.hpp"
+#include "toolchain/sweep/sweep_report.hpp"
+#include "toolchain/sweep/sweep_set.hpp"
+
+namespace sortie::toolchain {
+
+namespace {
+
+firmware::Json to_json(const Spread& spread) {
+  return {{"mean", spread.mean}, {"low", spread.low}, {"high", spread.high}};
+}
+
+std::string quoted(const std::string& text) {
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + "\"";
+}
+
+std::string range_text(const Spread& spread) {
+  return firmware::format_short(spread.mean) + " (" + firmware::format_short(spread.low) + " to " +
+         firmware::format_short(spread.high) + ")";
+}
+
+void print_spread(std::ostream& out, const SweepSet& set) {
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> head = set.logs.front().sweep.keys;
+  head.insert(head.end(), {"logs", set.error, "load us/s", ""});
+  rows.push_back(head);
+  for (const SweepSpread& row : set.spread) {
+    std::vector<std::string> texts = row.values;
+    const bool any = row.logs != 0;
+    texts.insert(texts.end(), {std::to_string(row.logs), any ? range_text(row.error) : "-",
+                               any ? range_text(row.load_us_per_s) : "-",
+                               std::string(row.on_front ? "*" : "") + (row.profile_choice ? "<" : "")});
+    rows.push_back(std::move(texts));
+  }
+  std::vector<std::size_t> width(head.size(), 0);
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+  out << "over all logs: mean (lowest to highest)\n";
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i + 1 < row.size(); ++i)
+      out << (i == 0 ? "" : "  ") << firmware::pad_left(row[i], width[i]);
+    out << (row.back().empty() ? "" : " ") << row.back() << "\n";
+  }
+}
+
+void write_spread_csv(std::ostream& out, const SweepSet& set) {
+  for (const std::string& key : set.logs.front().sweep.keys) out << quoted(key) << ",";
+  out << "logs,profile_choice,on_front";
+  for (const std::string& name : {set.error, std::string("load_us_per_s")})
+    for (const char* figure : {"_mean", "_low", "_high"}) out << "," << quoted(name + figure);
+  out << "\n";
+  for (const SweepSpread& row : set.spread) {
+    for (const std::string& value : row.values) out << quoted(value) << ",";
+    out << row.logs << "," << row.profile_choice << "," << row.on_front;
+    for (const Spread& spread : {row.error, row.load_us_per_s})
+      for (const double figure : {spread.mean, spread.low, spread.high})
+        out << "," << (row.logs == 0 ? std::string() : firmware::format_exact(figure));
+    out << "\n";
+  }
+}
+
+}  // namespace
+
+void print_sweep_set(std::ostream& out, const SweepSet& set, bool colour) {
+  for (const LogSweep& log : set.logs) {
+    if (set.logs.size() > 1) out << "log   " << log.log << "\n";
+    print_sweep(out, log.sweep, colour);
+    if (set.logs.size() > 1) out << "\n";
+  }
+  if (!set.spread.empty()) print_spread(out, set);
+  for (const std::string& warning : set.warnings) out << "warning   " << warning << "\n";
+}
+
+firmware::Json to_json(const SweepSet& set) {
+  if (set.logs.size() == 1) {
+    firmware::Json object = to_json(set.logs.front().sweep);
+    object["log"] = set.logs.front().log;
+    return object;
+  }
+  firmware::Json logs = firmware::Json::array();
+  for (const LogSweep& log : set.logs) {
+    logs.push_back(to_json(log.sweep));
+    logs.back()["log"] = log.log;
+  }
+  firmware::Json rows = firmware::Json::array();
+  for (const SweepSpread& row : set.spread) {
+    firmware::Json values = firmware::Json::object();
+    for (std::size_t i = 0; i < row.values.size(); ++i)
+      values[set.logs.front().sweep.keys[i]] = row.values[i];
+    rows.push_back({{"values", std::move(values)},
+                    {"logs", row.logs},
+                    {"error", row.logs == 0 ? firmware::Json(nullptr) : to_json(row.error)},
+                    {"load_us_per_s", row.logs == 0 ? firmware::Json(nullptr) : to_json(row.load_us_per_s)},
+                    {"profile_choice", row.profile_choice},
+                    {"on_front", row.on_front}});
+  }
+  return firmware::Json{{"logs", std::move(logs)},
+                        {"error", set.error},
+                        {"spread", std::move(rows)},
+                        {"warnings", set.warnings}};
+}
+
+void write_sweep_set(const std::string& folder, const SweepSet& set, const firmware::Json& object) {
+  std::filesystem::create_directories(folder);
+  write_file(folder + "/sweep.json", [&object](std::ostream& out) { out << object.dump(2) << "\n"; });
+  for (std::size_t i = 0; i < set.logs.size(); ++i) {
+    const Sweep& sweep = set.logs[i].sweep;
+    const std::string name = folder + "/sweep" + (set.logs.size() == 1 ? "" : "-" + std::to_string(i + 1));
+    write_file(name + ".csv", [&sweep](std::ostream& out) { write_sweep_csv(out, sweep); });
+    write_file(name + ".svg", [&sweep](std::ostream& out) { out << render(plot_sweep(sweep)); });
+  }
+  if (!set.spread.empty())
+    write_file(folder + "/spread.csv", [&set](std::ostream& out) { write_spread_csv(out, set); });
+}
+
+}  // namespace sortie::toolchain
