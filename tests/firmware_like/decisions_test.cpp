@@ -102,53 +102,53 @@ TEST_CASE("a log with one altered field is refused, whatever the field, and the 
     const char* was_is;  // "was X, is Y" as it is told, or how it begins; empty: as it comes
     int ticks_later{};   // most ticks until it shows
   };
-  using Tick = drivers::TickRecord;
-  const auto work = [](const Tick& job) { return job.group == kWork && job.tick > 300; };
+  using Job = drivers::TickRecord;
+  const auto work = [](const Job& job) { return job.group == kWork && job.tick > 300; };
   const std::vector<Case> cases{
-      {"level up", [&](const Tick& j) { return work(j) && j.level == 0 && j.job % 2 == 1; },
-       [](Tick& j) { j.level = 1; }, "tasks left out at level 1", "was none, is extra"},
-      {"level down", [&](const Tick& j) { return work(j) && j.level == 4; }, [](Tick& j) { j.level = 2; },
+      {"level up", [&](const Job& j) { return work(j) && j.level == 0 && j.job % 2 == 1; },
+       [](Job& j) { j.level = 1; }, "tasks left out at level 1", "was none, is extra"},
+      {"level down", [&](const Job& j) { return work(j) && j.level == 4; }, [](Job& j) { j.level = 2; },
        "tasks left out at level 2", "was refine, extra, is extra"},
-      {"level to zero, the tasks left out too", [&](const Tick& j) { return work(j) && j.level == 4; },
-       [](Tick& j) { j.level = 0, j.shed = 0; }, "units", "was 0, is "},
-      {"shed", [&](const Tick& j) { return work(j) && j.level == 0; }, [](Tick& j) { j.shed = 4; },
+      {"level to zero, the tasks left out too", [&](const Job& j) { return work(j) && j.level == 4; },
+       [](Job& j) { j.level = 0, j.shed = 0; }, "units", "was 0, is "},
+      {"shed", [&](const Job& j) { return work(j) && j.level == 0; }, [](Job& j) { j.shed = 4; },
        "tasks left out at level 0", "was extra, is none"},
-      {"a cut is gone", [&](const Tick& j) { return work(j) && (j.cut & kRefineBit) != 0 && j.level == 0; },
-       [](Tick& j) { j.cut = 0; }, "units", "was 15, is "},
+      {"a cut is gone", [&](const Job& j) { return work(j) && (j.cut & kRefineBit) != 0 && j.level == 0; },
+       [](Job& j) { j.cut = 0; }, "units", "was 15, is "},
       {"a cut where none was, in a job that had enough",
-       [&](const Tick& j) { return work(j) && j.cut == 0 && j.job % 3 == 0 && ran(j, kRefine); },
-       [](Tick& j) { j.cut = kRefineBit; }, "cut", "was after 12 units, is none, 12 units"},
+       [&](const Job& j) { return work(j) && j.cut == 0 && j.job % 3 == 0 && ran(j, kRefine); },
+       [](Job& j) { j.cut = kRefineBit; }, "cut", "was after 12 units, is none, 12 units"},
       {"a cut where none was, in a job that used all its units",
-       [&](const Tick& j) { return work(j) && j.cut == 0 && j.job % 3 == 1 && j.level == 0; },
-       [](Tick& j) { j.cut = kRefineBit; }, "cut", "was after 40 units, is none, 40 units"},
-      {"a cut of a task without units", [&](const Tick& j) { return work(j); },
-       [](Tick& j) { j.cut = static_cast<std::int16_t>(j.cut | 1); }, "cut", "was after 0 units, is none"},
-      {"units", [&](const Tick& j) { return work(j) && j.cut == 0 && j.level == 0; },
-       [](Tick& j) { j.tasks[kRefine].units += 1; }, "units", ""},
-      {"units of a cut", [&](const Tick& j) { return work(j) && (j.cut & kRefineBit) != 0; },
-       [](Tick& j) { j.tasks[kRefine].units -= 1; }, "", ""},
-      {"samples", [&](const Tick& j) { return work(j) && j.streams[0].count > 0; },
-       [](Tick& j) { j.streams[0].count -= 1; }, "", ""},
-      {"first sample", [&](const Tick& j) { return work(j) && j.streams[0].count > 0; },
-       [](Tick& j) { j.streams[0].first_seq -= 1; }, "samples of stream", ""},
-      {"last job taken, less", [](const Tick& j) { return j.group == kPlan && j.channels[0].last > 300; },
-       [](Tick& j) { j.channels[0].last -= 1; }, "", ""},
-      {"last job taken, more", [](const Tick& j) { return j.group == kPlan && j.channels[0].last > 300; },
-       [](Tick& j) { j.channels[0].last += 100; }, "jobs taken of task steer", ""},
-      {"first job taken", [](const Tick& j) { return j.group == kPlan && j.channels[0].last > 300; },
-       [](Tick& j) { j.channels[0].first -= 100; }, "jobs taken of task steer", ""},
+       [&](const Job& j) { return work(j) && j.cut == 0 && j.job % 3 == 1 && j.level == 0; },
+       [](Job& j) { j.cut = kRefineBit; }, "cut", "was after 40 units, is none, 40 units"},
+      {"a cut of a task without units", [&](const Job& j) { return work(j); },
+       [](Job& j) { j.cut = static_cast<std::int16_t>(j.cut | 1); }, "cut", "was after 0 units, is none"},
+      {"units", [&](const Job& j) { return work(j) && j.cut == 0 && j.level == 0; },
+       [](Job& j) { j.tasks[kRefine].units += 1; }, "units", ""},
+      {"units of a cut", [&](const Job& j) { return work(j) && (j.cut & kRefineBit) != 0; },
+       [](Job& j) { j.tasks[kRefine].units -= 1; }, "", ""},
+      {"samples", [&](const Job& j) { return work(j) && j.streams[0].count > 0; },
+       [](Job& j) { j.streams[0].count -= 1; }, "", ""},
+      {"first sample", [&](const Job& j) { return work(j) && j.streams[0].count > 0; },
+       [](Job& j) { j.streams[0].first_seq -= 1; }, "samples of stream", ""},
+      {"last job taken, less", [](const Job& j) { return j.group == kPlan && j.channels[0].last > 300; },
+       [](Job& j) { j.channels[0].last -= 1; }, "", ""},
+      {"last job taken, more", [](const Job& j) { return j.group == kPlan && j.channels[0].last > 300; },
+       [](Job& j) { j.channels[0].last += 100; }, "jobs taken of task steer", ""},
+      {"first job taken", [](const Job& j) { return j.group == kPlan && j.channels[0].last > 300; },
+       [](Job& j) { j.channels[0].first -= 100; }, "jobs taken of task steer", ""},
       {"done that others took becomes missed",
-       [&](const Tick& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::done); },
-       [](Tick& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "", "", 15},
+       [&](const Job& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::done); },
+       [](Job& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "", "", 15},
       {"missed becomes done",
-       [&](const Tick& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::missed); },
-       [](Tick& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::done); }, "verdict",
+       [&](const Job& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::missed); },
+       [](Job& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::done); }, "verdict",
        "was done, is missed by its times: it ended "},
       {"done that nobody takes becomes missed",
-       [](const Tick& j) { return j.group == kShown && j.verdict == static_cast<int>(rt::Verdict::done); },
-       [](Tick& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "verdict",
+       [](const Job& j) { return j.group == kShown && j.verdict == static_cast<int>(rt::Verdict::done); },
+       [](Job& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "verdict",
        "was missed, is done by its times: it ended "},
-      {"digest", [&](const Tick& j) { return work(j); }, [](Tick& j) { j.tasks[0].digest ^= 1; }, "", ""},
+      {"digest", [&](const Job& j) { return work(j); }, [](Job& j) { j.tasks[0].digest ^= 1; }, "", ""},
   };
   const TempFolder folder;
   const LadderRun run(folder);
@@ -158,7 +158,7 @@ TEST_CASE("a log with one altered field is refused, whatever the field, and the 
     std::int64_t altered = -1;
     rewrite_log(run.log, path, [&](EditableEvent& event, std::size_t) {
       if (event.channel != drivers::kChannelTick || altered >= 0) return true;
-      Tick record;
+      Job record;
       REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
       if (!item.picks(record)) return true;
       altered = record.tick;

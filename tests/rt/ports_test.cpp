@@ -16,7 +16,7 @@ using namespace sortie::rt::test;
 namespace {
 
 // A writer that runs every tick, with a ring of four jobs, and a reader that looks four jobs back.
-struct Pair {
+struct PortPair {
   std::atomic<std::uint32_t> words[4]{};
   std::atomic<std::uint32_t> slots[4 * LetChannel<Sum>::kWords]{};
   JobLedger ledger{words, 4};
@@ -72,7 +72,7 @@ struct Narrow {
 }  // namespace
 
 TEST_CASE("a reader that was overtaken in the middle of its range keeps only what its record can tell") {
-  Pair live;
+  PortPair live;
   for (const std::uint64_t job : {5, 6, 7, 8}) live.run(job);
   live.run(10);  // 9 was skipped; 10 takes the place of 6 before the reader comes
   const InputRange taken = live.latch(9);
@@ -81,7 +81,7 @@ TEST_CASE("a reader that was overtaken in the middle of its range keeps only wha
   CHECK(taken.last == 8);
 
   // In the replay job 6 is there, for its own record says done; the reader must not see it either.
-  Pair replayed;
+  PortPair replayed;
   for (const std::uint64_t job : {5, 6, 7, 8}) replayed.run(job);
   const InputRange again = replayed.latch(9, &taken);
   CHECK(replayed.seen() == live.seen());
@@ -90,7 +90,7 @@ TEST_CASE("a reader that was overtaken in the middle of its range keeps only wha
 }
 
 TEST_CASE("a missed job leaves a hole in the range, not its end") {
-  Pair pair;
+  PortPair pair;
   pair.run(5);
   pair.run(6, false);
   pair.run(7);  // 8 never ran
@@ -106,7 +106,7 @@ TEST_CASE("a recorded range from a damaged log stays within what is due and what
   for (const InputRange range : {InputRange{-5, std::int64_t{1} << 62}, InputRange{0, 100},
                                  InputRange{std::int64_t{1} << 62, 3}, InputRange{-9, -8}}) {
     INFO(range.first << ".." << range.last);
-    Pair pair;
+    PortPair pair;
     for (const std::uint64_t job : {5, 6, 7, 8}) pair.run(job);
     pair.latch(9, &range);
     CHECK(pair.input.size() <= 4);
@@ -117,7 +117,7 @@ TEST_CASE("a recorded range from a damaged log stays within what is due and what
 TEST_CASE(
     "an input grows old while its writer is silent, late or shed, and its rule says when that is too old") {
   for (const bool hide : {false, true}) {
-    Pair pair;
+    PortPair pair;
     pair.input.set_stale_rule({3, hide});
     CHECK(pair.latch(2).last == -1);
     CHECK_FALSE(pair.input.stale());

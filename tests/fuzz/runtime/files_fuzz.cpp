@@ -14,6 +14,7 @@
 #include "rt/posix/flight_reader.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/import/importer.hpp"
+#include "toolchain/judge/trajectory.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
