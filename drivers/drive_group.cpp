@@ -51,9 +51,9 @@ Status DriveGroup::say(std::size_t which, SourceSays says, std::uint32_t asked, 
   if (source.heard && stamp_ns < source.stamp_ns) return Status::time_backwards;
   source.on = says == SourceSays::on;
   // A request that comes while a stop is going on, or with the end of a silence, may have been made before
-  // its maker could know of it.
-  const bool hears =
-      !hit_ && fresh(source, now_ns) && (state_ != GroupState::stopping || reason_ == StopReason::disarmed);
+  // its maker could know of it. No silence is before the first.
+  const bool hears = !hit_ && (!source.heard || fresh(source, now_ns)) &&
+                     (state_ != GroupState::stopping || reason_ == StopReason::disarmed);
   const bool anew = source.latch.hear(asked, hears && source.on);
   if (!source.on) source.latch.spend();  // who is on again without a request is not obeyed
   const bool stands = state_ == GroupState::off || state_ == GroupState::stopping;

@@ -11,17 +11,17 @@ namespace sortie::drivers {
 /// none, for the robot itself takes that back and gives it again as it likes.
 ///
 /// A stop uses up what was asked before it; each source has a latch of its own, so that nobody's request
-/// revives another's. 12 bytes, plain.
+/// revives another's. 8 bytes, plain.
 class RequestLatch {
  public:
   /// `spent`: whether something must be asked for before anything is obeyed at all.
   explicit RequestLatch(bool spent = true) noexcept : spent_(spent) {}
 
   /// A command of the source. `counts`: a request may count now; one that may not is used up at once. True:
-  /// it is a new request that counts. The first command tells where its numbers begin, and is none.
+  /// it is a new request that counts. Numbers begin at 0 with the program, so that what was asked before the
+  /// first command came here is not lost: who polls may miss the first ones.
   bool hear(std::uint32_t asked, bool counts) noexcept {
-    const bool anew = heard_ && asked != asked_ && counts;
-    heard_ = true;
+    const bool anew = asked != asked_ && counts;
     asked_ = asked;
     if (anew) spent_ = revives_ = false;
     return anew;
@@ -41,7 +41,6 @@ class RequestLatch {
 
  private:
   std::uint32_t asked_{};
-  bool heard_{};
   bool spent_;
   bool revives_{};
 };

@@ -128,7 +128,7 @@ class DrivesOracle {
       if (!speaks) return;
       const bool says = flags != 0;
       // What was asked in a silence was asked before its end was known.
-      if (says && asked != number && now - spoken_ns <= 200 * kMs) {
+      if (says && asked > number && (spoken_ns == -kLong || now - spoken_ns <= 200 * kMs)) {
         edge_ns = now;
         stopped = ran = false;
       }

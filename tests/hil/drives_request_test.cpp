@@ -13,6 +13,14 @@ using drivers::StopReason;
 
 }  // namespace
 
+TEMPLATE_TEST_CASE("drives: what was asked before the first command came here starts them", "", CanopenKind,
+                   OdriveKind) {
+  DrivesWorld<TestType> world(false);
+  world.ask(true);  // who polls may have missed the commands before it
+  world.run(8000);
+  CHECK(way(world, 1000) > 0.01);
+}
+
 TEMPLATE_TEST_CASE("drives: a press that was released before anybody looked stops all the same", "",
                    CanopenKind, OdriveKind) {
   DrivesWorld<TestType> world(true);

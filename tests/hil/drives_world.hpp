@@ -184,6 +184,7 @@ class DrivesWorld {
 
   /// The process is killed, and another begins.
   void restart(typename Kind::Config config = {}) {
+    drive_.asked = flipper_.asked = 0;  // with the program its numbers begin anew
     runtime_.~Runtime();
     new (&runtime_) Runtime(with(config, flippers_));
     inbox_.clear();
