@@ -16,6 +16,8 @@ class Asker {
     on_ = on;
     command.asked = asked_;
   }
+  /// Another program that commands: its numbers begin anew.
+  void begin_anew() { *this = Asker(); }
 
  private:
   std::uint32_t asked_{};

@@ -36,6 +36,8 @@ class CanopenRig {
   }
 
   void restart(const drivers::canopen::UgvNodesConfig& config = {}) {
+    drive_asks_.begin_anew();
+    flippers_ask_.begin_anew();
     drives_ = std::make_unique<drivers::canopen::UgvNodes>(config);
     lives_ = true;
   }

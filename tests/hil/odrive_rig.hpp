@@ -40,6 +40,8 @@ class OdriveRig {
   }
 
   void restart(const drivers::odrive::UgvAxesConfig& config = {}) {
+    drive_asks_.begin_anew();
+    flippers_ask_.begin_anew();
     axes_ = std::make_unique<drivers::odrive::UgvAxes>(config);
     alive_ = true;
   }
