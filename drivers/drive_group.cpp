@@ -51,8 +51,8 @@ Status DriveGroup::say(std::size_t which, SourceSays says, std::uint32_t asked, 
   if (source.heard && stamp_ns < source.stamp_ns) return Status::time_backwards;
   source.on = says == SourceSays::on;
   // A request that comes while a stop is going on, or with the end of a silence, may have been made before
-  // its maker could know of it. No silence is before the first.
-  const bool hears = !hit_ && (!source.heard || fresh(source, now_ns)) &&
+  // its maker could know of it. No silence is before the first, but an emergency stop may have been.
+  const bool hears = !hit_ && (source.heard ? fresh(source, now_ns) : !was_pressed_) &&
                      (state_ != GroupState::stopping || reason_ == StopReason::disarmed);
   const bool anew = source.latch.hear(asked, hears && source.on);
   if (!source.on) source.latch.spend();  // who is on again without a request is not obeyed
@@ -66,7 +66,7 @@ Status DriveGroup::say(std::size_t which, SourceSays says, std::uint32_t asked, 
 void DriveGroup::press(bool pressed) noexcept {
   pressed_ = pressed;
   if (!pressed) return;
-  hit_ = true;
+  hit_ = was_pressed_ = true;
   asked_ = rearms_ = false;
   for (Source& source : sources_) source.latch.spend();
 }

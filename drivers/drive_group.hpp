@@ -127,6 +127,7 @@ class DriveGroup {
   bool rearms_{};  // after this stop they may
   bool pressed_{};
   bool hit_{};                  // now, or since decide() looked last
+  bool was_pressed_{};          // ever
   rt::Nanoseconds since_ns_{};  // of the state
   rt::Nanoseconds ill_ns_{};    // when last not all were ready, or nobody looked
   rt::Nanoseconds looked_ns_{};

@@ -7,7 +7,7 @@
 namespace sortie::drivers {
 
 /// One source's requests. Its commands carry the number of its newest request (rt::DriveCommand::asked): a
-/// request is a number that has changed. That its motors are enabled again, or a speed is wanted again, is
+/// request is a number that has risen. That its motors are enabled again, or a speed is wanted again, is
 /// none, for the robot itself takes that back and gives it again as it likes.
 ///
 /// A stop uses up what was asked before it; each source has a latch of its own, so that nobody's request
@@ -18,10 +18,10 @@ class RequestLatch {
   explicit RequestLatch(bool spent = true) noexcept : spent_(spent) {}
 
   /// A command of the source. `counts`: a request may count now; one that may not is used up at once. True:
-  /// it is a new request that counts. Numbers begin at 0 with the program, so that what was asked before the
-  /// first command came here is not lost: who polls may miss the first ones.
+  /// it is a new request that counts. Numbers begin at 0 with the program, so that the very first command may
+  /// bring a request: who polls may have missed those before it.
   bool hear(std::uint32_t asked, bool counts) noexcept {
-    const bool anew = asked != asked_ && counts;
+    const bool anew = asked > asked_ && counts;
     asked_ = asked;
     if (anew) spent_ = revives_ = false;
     return anew;

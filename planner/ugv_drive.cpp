@@ -88,8 +88,7 @@ Status UgvDrive::update(const rt::PoseEstimate& pose, const UgvDriveInputs& inpu
   return Status::ok;
 }
 
-// The start is asked for once, one update after the first at the soonest: motors that have heard nobody yet
-// could not tell that it is new.
+// The start is asked for once, when the wait is over, one update after the first at the soonest.
 void UgvDrive::begin(rt::Nanoseconds now_ns) {
   if (!started_) {
     start_ns_ = now_ns;

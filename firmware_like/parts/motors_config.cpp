@@ -41,7 +41,7 @@ Shared read_shared(Profile& profile) {
   shared.group.rearm_ns = milliseconds(
       1e3 * profile.number("drives.rearm_s", {0, 0, 3600, "s",
                                               "after a stop the drives run again when all have been well for "
-                                              "so long; 0: when the command was off in between"}));
+                                              "so long; 0: only when they are asked anew"}));
   return shared;
 }
 

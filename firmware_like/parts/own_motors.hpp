@@ -58,8 +58,9 @@ class OwnMotors {
   drivers::RequestLatch drive_latch_{false};  // until the first stop they do what they are told
   drivers::RequestLatch flipper_latch_{false};
   rt::Nanoseconds tracks_ns_{};
-  rt::Nanoseconds drive_ns_{};  // when a command came
-  rt::Nanoseconds flippers_ns_{};
+  // When a command came. Never yet: what the first one brings was asked before any stop that it finds.
+  rt::Nanoseconds drive_ns_{-1 - kSilence};
+  rt::Nanoseconds flippers_ns_{-1 - kSilence};
   rt::Nanoseconds next_drive_ns_{};
   rt::Nanoseconds next_flippers_ns_{};
   Counters drive_counters_{};

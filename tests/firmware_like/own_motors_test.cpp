@@ -125,6 +125,24 @@ TEST_CASE("own motors: a pressed emergency stop speaks for itself, and its relea
   CHECK(rig.flippers_on());
 }
 
+TEST_CASE("own motors: the first command is obeyed, whatever its number, unless a stop came before") {
+  Rig rig;
+  const bool pressed_before = GENERATE(false, true);
+  const int waited_ms = GENERATE(5, 1000);
+  rig.speaks = false;
+  rig.pressed = pressed_before;
+  rig.run(waited_ms);
+  rig.pressed = false;
+  rig.run(5);
+  rig.speaks = true;
+  rig.drive.left_m_s = rig.drive.right_m_s = 0.4;
+  rig.drive.flags = rig.flippers.flags = 1;
+  rig.drive.asked = rig.flippers.asked = 1;
+  rig.run(100);
+  CHECK((rig.fastest() > 0.3) == !pressed_before);
+  CHECK(rig.flippers_on() == !pressed_before);
+}
+
 TEST_CASE("own motors: tracks that fall silent are lost until they are asked for anew") {
   Rig rig;
   rig.start();

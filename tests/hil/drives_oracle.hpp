@@ -118,7 +118,7 @@ class DrivesOracle {
   static constexpr rt::Nanoseconds kLong = 1'000'000 * kMs;
   static constexpr int kSurelyStarved = 165;  // longer than any drive waits for us
 
-  /// What was heard of one source: a request is on after off, or a new number.
+  /// What was heard of one source: a request is a number that has risen, while it is on.
   struct Source {
     bool on{true};
     std::uint32_t number{};

@@ -18,7 +18,40 @@ TEMPLATE_TEST_CASE("drives: what was asked before the first command came here st
   DrivesWorld<TestType> world(false);
   world.ask(true);  // who polls may have missed the commands before it
   world.run(8000);
-  CHECK(way(world, 1000) > 0.01);
+  CHECK(way(world, 1000) > 0.3);
+}
+
+TEMPLATE_TEST_CASE(
+    "drives: what was asked during an emergency stop starts nothing, also if nobody was heard before", "",
+    CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world(false);
+  world.drive_speaks_ = world.flippers_speak_ = false;
+  world.runtime().press(true);
+  world.run(6000);
+  world.ask(true);
+  world.run(100);
+  world.runtime().press(false);
+  world.run(100);
+  world.drive_speaks_ = world.flippers_speak_ = true;
+  CHECK(way(world, 8000) < 1e-3);
+  world.request();
+  world.run(1500);
+  CHECK(way(world, 1000) > 0.3);
+}
+
+TEMPLATE_TEST_CASE("drives: a number that falls asks for nothing", "", CanopenKind, OdriveKind) {
+  DrivesWorld<TestType> world(false);
+  REQUIRE(world.bring_up());
+  world.request();
+  world.run(1500);
+  REQUIRE(world.runtime().running());
+  world.runtime().press(true);
+  world.run(1500);
+  world.runtime().press(false);
+  world.run(1500);
+  world.drive_.asked = world.flipper_.asked = 0;  // whoever commands began anew, at once
+  CHECK(way(world, 3000) < 1e-3);
+  CHECK_FALSE(world.torque());
 }
 
 TEMPLATE_TEST_CASE("drives: a press that was released before anybody looked stops all the same", "",

@@ -18,7 +18,7 @@ void say(Bench& bench, rt::DriveMode mode, double seconds = 0.05) {
 
 }  // namespace
 
-TEST_CASE("A start asks for motion once, after its wait, and not in the first command") {
+TEST_CASE("A start asks for motion once, after its wait") {
   UgvDriveConfig config = usual();
   SECTION("at once") {}
   SECTION("later") { config.start_wait_ns = 500'000'000; }
@@ -26,7 +26,7 @@ TEST_CASE("A start asks for motion once, after its wait, and not in the first co
   const Waypoint far[] = {{1000, 0}};
   REQUIRE(bench.drive.set_route(far) == Status::ok);
   bench.run(0.005);
-  CHECK(asked(bench) == 0);  // else who hears it first could not tell that it is new
+  CHECK(asked(bench) == 0);
   CHECK_FALSE(bench.has(kDriveWanted));
   bench.run(1.0);
   CHECK(asked(bench) == 1);

@@ -193,6 +193,12 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
   bool done = false;
   std::int64_t first = 0;
   if (options.what == "go") {
+    // After a go that was cut off the robot still holds its flag: anew is what comes behind one without it.
+    const auto wish = request;
+    request.speed_m_s = request.turn_rad_s = 0;
+    request.flags &= ~static_cast<std::int32_t>(rt::kDriveAnew);
+    repeat(client, request, kRepeat, [](std::int64_t) { return false; });
+    request = wish;
     const auto patience = Clock::now() + ms_of(options.seconds);
     first =
         repeat(client, request, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
