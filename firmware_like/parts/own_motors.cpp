@@ -15,7 +15,7 @@ void OwnMotors::poll(drivers::CanBus& can, const rt::DriveCommand* drive, const 
   const bool lost = tracks_heard_ && now_ns - tracks_ns_ > kTracksLostAfter;
   const bool stops = pressed || lost;
   const auto hear = [&](drivers::RequestLatch& latch, rt::Nanoseconds& heard_ns, std::uint32_t asked) {
-    static_cast<void>(latch.hear(asked, !stops && now_ns - heard_ns <= kSilence));
+    static_cast<void>(latch.hear(asked, now_ns - heard_ns <= kSilence));
     heard_ns = now_ns;
   };
   if (drive != nullptr) hear(drive_latch_, drive_ns_, drive->asked);
