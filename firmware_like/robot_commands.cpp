@@ -64,16 +64,8 @@ int check(const VehicleRegistry& vehicles, LogOptions& options) {
   options.replay.must_compare = true;  // without a gate there is nothing else to check
   const ReplayOutcome outcome = replay(log, vehicles, options.replay);
   const std::vector<std::string> failures = check_failures(log, outcome);
-  if (options.json) {
-    print_results(outcome.results, true, &failures);
-  } else {
-    for (const std::string& warning : outcome.results.warnings) std::cerr << "warning: " << warning << "\n";
-    if (failures.empty()) {
-      const bool is_part = !options.replay.from.empty() || !options.replay.to.empty();
-      std::cout << passed_line(log, outcome, is_part) << "\n";
-    }
-  }
-  print_failures(failures, options.json);
+  const bool is_part = !options.replay.from.empty() || !options.replay.to.empty();
+  print_check(log, outcome, failures, is_part, options.json);
   return code_with_damage(kProgram, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);
 }
 

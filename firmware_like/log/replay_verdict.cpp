@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/log/replay_verdict.hpp"
 
+#include <algorithm>
 #include <iostream>
+
+#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 
@@ -13,6 +16,12 @@ std::string extent(const ReplayOutcome& outcome, bool has_ticks, bool is_part) {
   const std::uint64_t jobs = has_ticks ? outcome.compared_jobs : outcome.results.counters.at("jobs");
   return std::to_string(jobs) + " jobs in " + ticks +
          (is_part ? " (" + std::to_string(outcome.begin_tick) + " to " + std::to_string(last) + ")" : "");
+}
+
+std::string passed_line(const LogFile& log, const ReplayOutcome& outcome, bool is_part) {
+  const bool has_ticks = log.header().has_ticks;
+  return "passed  " + extent(outcome, has_ticks, is_part) + " give digest " + outcome.results.digest +
+         (has_ticks ? ", as recorded" : "");
 }
 
 }  // namespace
@@ -33,10 +42,30 @@ std::vector<std::string> check_failures(const LogFile& log, const ReplayOutcome&
   return failures;
 }
 
-std::string passed_line(const LogFile& log, const ReplayOutcome& outcome, bool is_part) {
-  const bool has_ticks = log.header().has_ticks;
-  return "passed  " + extent(outcome, has_ticks, is_part) + " give digest " + outcome.results.digest +
-         (has_ticks ? ", as recorded" : "");
+void print_check(const LogFile& log, const ReplayOutcome& outcome, const std::vector<std::string>& failures,
+                 bool is_part, bool json) {
+  if (json) {
+    Json object = to_json(outcome.results);
+    object["recorded_digest"] = log.header().has_ticks ? hex(outcome.recorded.all) : "";
+    object["compared_jobs"] = outcome.compared_jobs;
+    object["passed"] = failures.empty();
+    object["failures"] = failures;
+    if (const auto& divergence = outcome.divergence) {
+      object["divergence"] = {{"tick", divergence->tick},     {"group", divergence->group},
+                              {"task", divergence->task},     {"field", divergence->field},
+                              {"was", divergence->was},       {"is", divergence->is},
+                              {"jobs", outcome.diverged_jobs}};
+    }
+    std::cout << object.dump(2) << "\n";
+    return;
+  }
+  for (const std::string& warning : outcome.results.warnings) {
+    // These are told otherwise.
+    const bool failed = std::find(failures.begin(), failures.end(), warning) != failures.end();
+    if (warning != outcome.damage && !failed) std::cerr << "warning: " << warning << "\n";
+  }
+  for (const std::string& failure : failures) std::cout << "FAILED  " << failure << "\n";
+  if (failures.empty()) std::cout << passed_line(log, outcome, is_part) << "\n";
 }
 
 int code_with_damage(const std::string& program, const std::string& damage, bool accept_damage, int code) {

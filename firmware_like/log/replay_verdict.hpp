@@ -13,9 +13,11 @@ namespace sortie::firmware {
 /// streams of which nothing was used. Empty: it passes.
 std::vector<std::string> check_failures(const LogFile& log, const ReplayOutcome& outcome);
 
-/// "passed  ...": what was compared, or of an imported log only run, and its digest. A part (`is_part`) is
-/// named by its ticks, the keyframe's on.
-std::string passed_line(const LogFile& log, const ReplayOutcome& outcome, bool is_part);
+/// Prints what a check found: as JSON the results with recorded_digest, compared_jobs, passed, failures and
+/// divergence, else warnings on stderr and then FAILED lines or one that says what was compared. A part
+/// (`is_part`) is named by its ticks, the keyframe's on.
+void print_check(const LogFile& log, const ReplayOutcome& outcome, const std::vector<std::string>& failures,
+                 bool is_part, bool json);
 
 /// Exit code of a command that used a log: `code`, or 3 with a line on stderr that tells where the file is
 /// damaged, unless its good part was declared to be enough. `program`: what the line begins with.

@@ -13,7 +13,6 @@ GROUND = {"rt", "rt/posix", "rt/convex"}
 BELOW = GROUND | {"planner", "estimators", "drivers"} | MAPPING
 # What is flashed, floor by floor: a room sees the floors below it.
 FLOORS = [["scene"], ["result"], ["runtime"], ["log", "parts"], ["link", "doctor", "robots"], ["live"]]
-MOST_FLOORS = 6
 FLASHED = {}
 for _floor in FLOORS:
     _lower = set(FLASHED)
@@ -94,8 +93,6 @@ def judge(path, room, kind, include):
 
 def main(root):
     findings, checked = [], 0
-    if len(FLOORS) > MOST_FLOORS:
-        findings.append(f"check_layers.py: {len(FLOORS)} floors in firmware_like, at most {MOST_FLOORS}")
     for path in tree.files(root, {".hpp", ".cpp", ".h"}, tree.FOLDERS):
         room = room_of(path.as_posix())
         if homeless(path.as_posix()):

@@ -100,7 +100,7 @@ TEST_CASE("a knob alone moves its own error, and the map is left out where it is
   REQUIRE(rows.size() == cells);
   for (const auto& row : rows)
     names.insert(row["part"].get<std::string>() + row["knob"].get<std::string>() + row["value"].dump());
-  CHECK(names.size() == cells);  // `bench all --compare` tells them by these
+  CHECK(names.size() == cells);
   const std::string table = knob_table(sweeps);
   CHECK(table.find("`attitude.track_aid`: the tracks' acceleration is taken out") != std::string::npos);
   CHECK(plot_knobs("hall", sweeps).series.size() == 2);

@@ -37,8 +37,7 @@ std::vector<KnobSweep> sweep_knobs(const KnobSet& set, const firmware::VehicleRe
                                    std::uint32_t repeat, const std::function<void(double share)>& progress);
 
 /// A row a cell: {set, part, knob, value, error, errors{}, load_us_per_s, p50_us, p99_us, max_us,
-/// memory_bytes, front, profile}. Names and values are texts, so that `bench all --compare` tells cells by
-/// them.
+/// memory_bytes, front, profile}. Names and values are texts.
 firmware::Json to_json(const std::string& set, const std::vector<KnobSweep>& sweeps);
 
 /// The same as Markdown, each knob with unit, range and meaning; and as text.

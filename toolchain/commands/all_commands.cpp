@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every command, in the order of the help. A program with fewer defines add_commands() itself: what is not
-// named there is not linked.
+// Every command, in the order of the help.
 #include "firmware_like/doctor/doctor_command.hpp"
 #include "toolchain/commands/commands.hpp"
 

@@ -10,12 +10,8 @@ void add_passes(firmware::Command& command, unsigned& passes) {
 }
 
 void add_bench(firmware::Command& app, CommandContext& context) {
-  firmware::Command* command =
-      app.add_subcommand("bench",
-                         "Measure: sweep a profile's keys over logs; all: every part; rt: the real-time "
-                         "ground; plant: the tracked plant; rays: the ray scheduler; uav: "
-                         "the multirotor; odometry: attitude and odometry; wcet: "
-                         "instructions of every job");
+  firmware::Command* command = app.add_subcommand(
+      "bench", "Measure: sweep a profile's keys over logs, or one of the benchmarks below");
   command->footer(
       "Marks: * no other cell is as cheap and better, < what the profile says by itself.\n"
       "Examples:\n"

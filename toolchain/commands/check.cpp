@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <iostream>
 #include <memory>
 #include <optional>
 
 #include "firmware_like/log/replay.hpp"
 #include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/judge/gate.hpp"
@@ -30,10 +27,6 @@ struct CheckOptions {
   bool accept_unused{};
   OutputOptions output;
 };
-
-bool is_among(const std::string& line, const std::vector<std::string>& lines) {
-  return std::find(lines.begin(), lines.end(), line) != lines.end();
-}
 
 int run(const CommandContext& context, const CheckOptions& options) {
   // First: a gate that cannot be used is told before the replay, not after it.
@@ -63,36 +56,13 @@ int run(const CommandContext& context, const CheckOptions& options) {
   firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, replay_options);
   judge(outcome, judging);
 
-  const std::string recorded = firmware::hex(outcome.recorded.all);
   std::vector<std::string> failures = firmware::check_failures(log, outcome);
   if (gate) {
     for (std::string& line : gate->judge(outcome.results)) failures.push_back(std::move(line));
   }
 
-  if (options.output.json) {
-    firmware::Json object = to_json(outcome.results);
-    object["recorded_digest"] = log.header().has_ticks ? recorded : "";
-    object["compared_jobs"] = outcome.compared_jobs;
-    object["passed"] = failures.empty();
-    object["failures"] = failures;
-    if (outcome.divergence) {
-      object["divergence"] = {{"tick", outcome.divergence->tick}, {"group", outcome.divergence->group},
-                              {"task", outcome.divergence->task}, {"field", outcome.divergence->field},
-                              {"was", outcome.divergence->was},   {"is", outcome.divergence->is},
-                              {"jobs", outcome.diverged_jobs}};
-    }
-    std::cout << object.dump(2) << "\n";
-  } else {
-    for (const std::string& warning : outcome.results.warnings) {
-      if (warning != outcome.damage && !is_among(warning, failures))
-        std::cerr << "warning: " << warning << "\n";
-    }
-    for (const std::string& failure : failures) std::cout << "FAILED  " << failure << "\n";
-    if (failures.empty()) {
-      const bool is_part = !options.span.from.empty() || !options.span.to.empty();
-      std::cout << firmware::passed_line(log, outcome, is_part) << "\n";
-    }
-  }
+  const bool is_part = !options.span.from.empty() || !options.span.to.empty();
+  firmware::print_check(log, outcome, failures, is_part, options.output.json);
   return finish_with_damage(context, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);
 }
 

@@ -59,8 +59,6 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
 /// command fail, where something judged it; JSON then has `passed` and `failures`.
 void show_results(const OutputOptions& options, const ReportInput& report,
                   const std::vector<std::string>* judged = nullptr);
-/// Prints a line for each reason why the command ends with 1; beside JSON on stderr.
-void show_failures(const OutputOptions& options, const std::vector<std::string>& failures);
 /// Adds --gate.
 void add_gate_option(firmware::Command& command, std::string& gate);
 
@@ -76,9 +74,6 @@ void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactS
 
 /// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
 /// unless its good part was declared to be enough.
-int finish_with_log(const CommandContext& context, const firmware::LogFile& log, bool accept_damage,
-                    int code);
-/// The same for a replay's ReplayOutcome::damage.
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code);
 /// Adds --accept-unused.
@@ -86,8 +81,7 @@ void add_unused_option(firmware::Command& command, bool& accept_unused);
 /// Adds --accept-damage.
 void add_damage_option(firmware::Command& command, bool& accept_damage);
 
-/// The commands of this program, each by its own function from here on. The library's definition has all of
-/// them; a program that defines it again has those that it names.
+/// The commands of this program, each by its own function from here on.
 void add_commands(firmware::Command& app, CommandContext& context);
 void add_run(firmware::Command& app, CommandContext& context);
 void add_plant(firmware::Command& app, CommandContext& context);

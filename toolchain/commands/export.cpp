@@ -10,7 +10,6 @@
 #include "firmware_like/log/replay.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/profile.hpp"
-#include "rt/built_parts.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/export/candump.hpp"
@@ -236,20 +235,14 @@ int run(const CommandContext& context, ExportOptions& options) {
   write_file(options.path, [&](std::ostream& out) {
     if (options.kind == "tum") export_tum(context, options, log, out);
     if (options.kind == "ply") export_ply(context, options, log, out);
-    if (options.kind == "flight_map") {
-      // One vehicle's map for another's scene: a program of one scene knows but one of them.
-      if constexpr (rt::kBuilt<rt::Part::ugv> && rt::kBuilt<rt::Part::uav>)
-        export_flight_map(context, options, log, out);
-      else
-        throw InputError("flight_map: this program was built for one scene; use the one that has all", 2);
-    }
+    if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
     if (options.kind == "candump") export_candump(log, out);
     if (options.kind == "trace") export_trace(log, out);
     if (options.kind == "latency")
       out << render_latency_file(firmware::releases_of(log), log.header().scene + ", " + options.log);
   });
-  return finish_with_log(context, log, options.accept_damage, 0);
+  return finish_with_damage(context, log.damage(), options.accept_damage, 0);
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #include <memory>
 #include <mutex>
 
+#include "firmware_like/result/results_output.hpp"
 #include "firmware_like/scene/text_format.hpp"
-#include "rt/built_parts.hpp"
 #include "toolchain/commands/replay_report.hpp"
 #include "toolchain/judge/alignment.hpp"
 #include "toolchain/program/program.hpp"
@@ -58,7 +58,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   std::mutex one_at_a_time;  // with --threads each group has a thread
   options.replay.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
     const std::lock_guard guard(one_at_a_time);
-    if (rt::kBuilt<rt::Part::ssl>) figures.job(record, runtime);
+    figures.job(record, runtime);
     timeline.job(record, runtime);
   };
   firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
@@ -74,8 +74,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
-  if (rt::kBuilt<rt::Part::ssl>)
-    report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
+  report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
   report.estimate =
       evaluation.pairs.estimate.empty() ? std::move(outcome.estimate) : std::move(evaluation.pairs.estimate);
   report.truth = std::move(evaluation.pairs.truth);
@@ -90,7 +89,7 @@ int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
                     const OutputOptions& output) {
   const ReplayedLog replayed = replay_for_report(context, options, output, options.log);
   show_results(output, replayed.report, replayed.failures.empty() ? nullptr : &replayed.failures);
-  show_failures(output, replayed.failures);
+  firmware::print_failures(replayed.failures, output.json);
   return finish_with_damage(context, replayed.damage, options.accept_damage,
                             replayed.failures.empty() ? 0 : 1);
 }

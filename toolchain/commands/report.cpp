@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "firmware_like/result/results.hpp"
+#include "firmware_like/result/results_output.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/json_reader.hpp"
 #include "toolchain/commands/commands.hpp"
@@ -80,7 +81,7 @@ int write_page(const CommandContext& context, PageOptions& options) {
   for (const auto& of_log : sweeps) {
     for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, firmware::wants_colour(STDOUT_FILENO));
   }
-  show_failures(options.output, failures);
+  firmware::print_failures(failures, options.output.json);
   return finish_with_damage(context, damage, options.replay.accept_damage, failures.empty() ? 0 : 1);
 }
 

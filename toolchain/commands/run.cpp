@@ -5,6 +5,7 @@
 
 #include "firmware_like/live/live_options.hpp"
 #include "firmware_like/live/stop_signals.hpp"
+#include "firmware_like/result/results_output.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
@@ -58,7 +59,7 @@ int run(const CommandContext& context, RunOptions& options) {
   show_results(options.output, report, (gate && !unanswered) || !failures.empty() ? &failures : nullptr);
   firmware::tell_files(outcome);
   if (unanswered) throw firmware::ProfileError(*unanswered);
-  show_failures(options.output, failures);
+  firmware::print_failures(failures, options.output.json);
   if (gate && failures.empty() && !options.output.json) std::cout << "passed  the gate\n";
   return outcome.stopped.empty() && failures.empty() ? 0 : 1;
 }

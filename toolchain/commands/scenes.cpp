@@ -207,7 +207,7 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
   return 0;
 }
 
-// What runs scenes with parts left out, where there are all parts to leave out.
+// What runs scenes with parts left out.
 void add_costs(firmware::Command& command, CostLine& line) {
   command.add_flag(
       "--cost", line.asked,
@@ -261,12 +261,10 @@ void add_scenes(firmware::Command& app, CommandContext& context) {
   command->add_option("--memory", options->memory, "The memory plan of this scene, pool by pool")
       ->type_name("SCENE");
   command->add_flag("--json", options->json, "Print one JSON object");
-  constexpr bool kHasAll = *rt::kOnlyScene == '\0';
-  if (kHasAll) add_costs(*command, options->cost);
+  add_costs(*command, options->cost);
   command->callback([&context, options] {
     context.chosen = [&context, options] {
-      if (kHasAll && options->cost.asked)
-        return show_costs(context, options->scenes, options->cost, options->json);
+      if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->json);
       if (!options->keys.empty()) return show_keys(context, options->keys, options->json);
       if (!options->memory.empty()) return show_memory(context, options->memory, options->json);
       const bool named = !options->scenes.empty();

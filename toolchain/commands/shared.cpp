@@ -12,7 +12,6 @@
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"
-#include "rt/built_parts.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/export/tum.hpp"
@@ -70,11 +69,6 @@ void add_span_options(firmware::Command& command, SpanOptions& options) {
       ->type_name("FILE");
 }
 
-int finish_with_log(const CommandContext& context, const firmware::LogFile& log, bool accept_damage,
-                    int code) {
-  return finish_with_damage(context, log.damage(), accept_damage, code);
-}
-
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code) {
   return firmware::code_with_damage(context.parts.name, damage, accept_damage, code);
@@ -89,7 +83,6 @@ void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const f
 
 void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmware::Runtime& runtime,
                   const firmware::Trajectory& path) {
-  if (!rt::kBuilt<rt::Part::ssl>) return;
   firmware::Profile profile(runtime.profile().canonical(), log.path());
   if (profile.vehicle() != "ugv" || log.channel(std::string(drivers::kChannelSsl)).empty()) return;
   const FiredRays fired = fired_rays(log, std::move(profile), path);
@@ -114,10 +107,6 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
                  std::string(static_cast<std::size_t>(kWidth - filled), ' ').c_str(), percent);
     if (percent >= 100) std::fputc('\n', stderr);
   };
-}
-
-void show_failures(const OutputOptions& options, const std::vector<std::string>& failures) {
-  firmware::print_failures(failures, options.json);
 }
 
 void show_results(const OutputOptions& options, const ReportInput& report,

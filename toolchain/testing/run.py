@@ -222,9 +222,9 @@ def main():
     # The long stages build some presets again, differently.
     early = [stage for stage in wanted[1:] if not stage.long and not (options.resume and state.passed(stage.name))]
     for stage in wanted:
-        def begin_early():
+        def begin_early(stage=stage):
             nonlocal ahead
-            ahead = ahead or Builds(early)
+            ahead = ahead or Builds([one for one in early if wanted.index(one) > wanted.index(stage)])
 
         row = state.passed(stage.name) if options.resume else None
         if row:
