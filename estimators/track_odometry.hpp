@@ -130,7 +130,7 @@ class TrackOdometry {
   void archive(rt::Archive& archive);
 
  private:
-  static constexpr bool kHasObstacles = rt::kBuilt<rt::Part::obstacles>;
+  static constexpr bool kHasObstacles = rt::kBuilt<"obstacles">;
   Status check(const rt::TrackSample& sample);
   bool plausible(const rt::TrackSample& from, const rt::TrackSample& to) const;
   void watch_belts(const rt::TrackSample& to);

@@ -32,7 +32,7 @@ void EventDesk::tell(const std::string& kind, const std::string& subject, const 
 
 void EventDesk::write(const drivers::EventRecord& record, rt::Nanoseconds now_ns) {
   log_event(recorder_, record, now_ns, utc_minus_run_ns_);
-  if (rt::kBuilt<rt::Part::telemetry> && telemetry_ != nullptr) telemetry_->tell(record);
+  if (rt::kBuilt<"telemetry"> && telemetry_ != nullptr) telemetry_->tell(record);
   ring_.event(now_ns, static_cast<rt::Tick>(record.tick), record.text);
   ++count;
 }

@@ -159,7 +159,7 @@ void LiveSession::attach() {
 }
 
 void LiveSession::open_telemetry() {
-  if constexpr (rt::kBuilt<rt::Part::telemetry>) {
+  if constexpr (rt::kBuilt<"telemetry">) {
     if (runtime_.outlets().telemetry)
       telemetry_ =
           std::make_unique<Telemetry>(runtime_, *recorder_, *parameters_, options_.lcm_url, utc_minus_run_);

@@ -82,7 +82,7 @@ class LiveSession {
   std::optional<Surroundings> surroundings_;
   std::uint64_t heap_before_{};
   rt::Tick last_{};
-  OwnedPart<Telemetry, rt::Part::telemetry> telemetry_;
+  OwnedPart<Telemetry, "telemetry"> telemetry_;
   // What the run leaves behind.
   LiveMeasured live_;
   rt::Tick ticks_{};

@@ -16,11 +16,11 @@ namespace sortie::firmware {
 
 // A build of a scene without recorder neither makes nor destroys a writer.
 struct LogRecorder::Log {
-  OwnedPart<rt::posix::FilePlace, rt::Part::recorder> place;
-  OwnedPart<drivers::LcmLogWriter, rt::Part::recorder> writer;
+  OwnedPart<rt::posix::FilePlace, "recorder"> place;
+  OwnedPart<drivers::LcmLogWriter, "recorder"> writer;
 };
 
-inline bool LogRecorder::has_log() const { return rt::kBuilt<rt::Part::recorder> && log_ != nullptr; }
+inline bool LogRecorder::has_log() const { return rt::kBuilt<"recorder"> && log_ != nullptr; }
 
 LogRecorder::LogRecorder(const Runtime& runtime, const RecorderOptions& options,
                          const drivers::LogHeader& header)
@@ -36,12 +36,12 @@ LogRecorder::LogRecorder(const Runtime& runtime, const RecorderOptions& options,
   for (std::uint32_t i = 0; i < executive.group_count(); ++i)
     whole_.push_back(executive.group(i).timing.release(0));
   if (options.path.empty()) return;
-  if (!rt::kBuilt<rt::Part::recorder> || !runtime.outlets().recorder)
-    throw ProfileError(rt::kBuilt<rt::Part::recorder>
+  if (!rt::kBuilt<"recorder"> || !runtime.outlets().recorder)
+    throw ProfileError(rt::kBuilt<"recorder">
                            ? "live.recorder = false in " + runtime.profile().name() +
                                  ": it is not recorded; leave out --record, or take --set live.recorder=true"
                            : not_in_this_build("recorder", runtime.profile().name()));
-  if constexpr (rt::kBuilt<rt::Part::recorder>) open_log(header);
+  if constexpr (rt::kBuilt<"recorder">) open_log(header);
 }
 
 void LogRecorder::open_log(const drivers::LogHeader& header) {

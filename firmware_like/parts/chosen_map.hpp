@@ -103,9 +103,8 @@ class ChosenMap {
 
  private:
   // A build of one scene has one kind of segmenter at most.
-  static constexpr bool kHasSmooth = rt::kBuilt<rt::Part::normals>;
-  static constexpr bool kHasEuclidean =
-      rt::kBuilt<rt::Part::segments> && (*rt::kOnlyScene == '\0' || !kHasSmooth);
+  static constexpr bool kHasSmooth = rt::kBuilt<"normals">;
+  static constexpr bool kHasEuclidean = rt::kBuilt<"segments"> && (*rt::kOnlyScene == '\0' || !kHasSmooth);
   template <class Self, class Use>
   static void with_segmenter(Self& self, Use use) {
     if constexpr (kHasEuclidean) {

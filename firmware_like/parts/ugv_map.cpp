@@ -15,7 +15,9 @@ rt::Tick milliseconds_of(const rt::JobContext& context) {
 }
 }  // namespace
 
-UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& sources) : poses_(sources.poses) {
+UgvMap::UgvMap(VehicleBuilder& builder) {
+  const rt::GroupId group = builder.group("mapping", 10);
+  poses_ = poses_since_last_job(builder, group);
   UgvMapConfig config = read_map_config(builder.profile());
   anytime_ = config.anytime;
   config.map.segments.units = anytime_ ? kQuantum : 0;
@@ -25,13 +27,14 @@ UgvMap::UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& source
   lidar_.p_body_m = config.sweep.p_body_sensor_m;
   lidar_.q_body = config.sweep.q_body_sensor;
   lidar_.time_offset_ns = config.sweep.time_offset_ns;
+  builder.offer(lidar_);
   if (poses_ != nullptr) {
-    if (sources.flippers != nullptr) flippers_ = builder.input(group, sources.flippers, 1);
+    flippers_ = builder.input(group, builder.find<rt::Task<planner::FlipperOutput>>(), 1);
     sweeps_ = std::make_unique<mapping::Sweeps>(
         config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", most));
   }
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
-  if (rt::kBuilt<rt::Part::segment_lists> && config.publish) {
+  if (rt::kBuilt<"segment_lists"> && config.publish) {
     lists_ = builder.reports<rt::SegmentList>("segments", 4);
     report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
   }
@@ -138,9 +141,9 @@ void UgvMap::count(const mapping::RollingGridCounts& grid) {
 void UgvMap::segment(rt::JobContext& context) {
   while (!map_->done() && (!anytime_ || context.spend(kQuantum))) {
     map_->segment(milliseconds_of(context));
-    if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->note(*map_);
+    if (rt::kBuilt<"segment_lists"> && report_) report_->note(*map_);
   }
-  if (rt::kBuilt<rt::Part::segment_lists> && report_) report_->send(*map_, output_.stamp_ns);
+  if (rt::kBuilt<"segment_lists"> && report_) report_->send(*map_, output_.stamp_ns);
   const mapping::RollingGridOutput& grid = map_->grid().output();
   output_.voxels = grid.voxels;
   output_.blocks = grid.blocks;
@@ -166,9 +169,7 @@ void UgvMap::add_counters(VehicleBuilder& builder, const ChosenMapConfig& config
       return PoolLevel{size, std::uint64_t{grid.most_chunks} * mapping::Block::kChunk, 0};
     });
   }
-  MapPoints::fields(output_.points, [&builder](const char* name, const std::uint64_t& value) {
-    builder.counter(std::string("points_") + name, [&value] { return value; });
-  });
+  builder.counters("points_", output_.points);
   builder.counter("scans", [&output] { return output.scans; });
   builder.uses("SCAN", [&output] { return output.scans - output.scans_unplaced; });
   builder.counter("scans_unplaced", [&output] { return output.scans_unplaced; });
@@ -188,5 +189,16 @@ void UgvMap::add_counters(VehicleBuilder& builder, const ChosenMapConfig& config
   builder.counter("segment_events_lost",
                   [&map] { return map.labelling()->counts().events_lost + map.events_unseen(); });
 }
+
+void UgvMap::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
+  map_->for_each_voxel([&put](const MapVoxel& voxel) {
+    put({{voxel.p_world_m.x, voxel.p_world_m.y, voxel.p_world_m.z},
+         voxel.count,
+         voxel.segment,
+         {voxel.normal_world.x, voxel.normal_world.y, voxel.normal_world.z}});
+  });
+}
+
+std::unique_ptr<Part> make_map(VehicleBuilder& builder) { return std::make_unique<UgvMap>(builder); }
 
 }  // namespace sortie::firmware

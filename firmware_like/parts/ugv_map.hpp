@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "firmware_like/parts/chosen_map.hpp"
+#include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/segment_report.hpp"
 #include "firmware_like/runtime/owned_part.hpp"
-#include "firmware_like/runtime/vehicle.hpp"
 #include "mapping/grid/sweep.hpp"
 #include "planner/flipper_postures.hpp"
 
@@ -49,7 +49,7 @@ struct MapOutput {
                 normals_backlog, segments, change_digest)
 };
 
-/// The lidar's scans as the group `mapping` has them, and how it sits on the body; no scans: no lidar.
+/// The lidar's scans as the group `mapping` has them, and how it sits on the body.
 struct LidarScans {
   ScanStream* scans{};
   rt::Vector3 p_body_m;
@@ -60,23 +60,15 @@ struct LidarScans {
 /// Group `mapping`, task `map`. Scans that carry a pose go in as they are; others are straightened return by
 /// return with the odometry's poses, and freed of the robot itself. A scan for which there is no pose is
 /// refused and counted. Units of the task: one for each return, and the segmenter's.
-class UgvMap {
+class UgvMap final : public Part {
  public:
-  /// What the map reads of other groups; null where the scene has no such task.
-  struct Sources {
-    rt::Input<rt::PoseEstimate>* poses{};  ///< of the group that the map is in
-    const rt::Task<planner::FlipperOutput>* flippers{};
-  };
+  explicit UgvMap(VehicleBuilder& builder);
 
-  /// Declares stream and task. Throws ProfileError.
-  UgvMap(VehicleBuilder& builder, rt::GroupId group, const Sources& sources);
-
-  ScanPort* port() const { return port_; }
-  const LidarScans& lidar() const { return lidar_; }
+  void finish(VehicleBuilder& builder) override { builder.chain({"scan_to_map", {"SCAN", "map"}}); }
+  drivers::ScanSink* scan_sink() override { return port_; }
   /// Null without segments, or where the profile publishes none.
-  ReportQueue<rt::SegmentList>* segment_lists() const { return lists_.get(); }
-  const ChosenMap& map() const { return *map_; }
-  const MapOutput& output() const { return output_; }
+  ReportQueue<rt::SegmentList>* segment_lists() override { return lists_.get(); }
+  void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 
  private:
   static constexpr std::uint32_t kQuantum = 256;  ///< units of the segmenter between two looks
@@ -89,13 +81,13 @@ class UgvMap {
   void count(const mapping::RollingGridCounts& points);
   void segment(rt::JobContext& context);
 
-  rt::Input<rt::PoseEstimate>* poses_{};
+  rt::Input<rt::PoseEstimate>* poses_{};  // null without odometry
   rt::Input<planner::FlipperOutput>* flippers_{};
   LidarScans lidar_;
   ScanPort* port_{};
   std::unique_ptr<ChosenMap> map_;
-  std::unique_ptr<mapping::Sweeps> sweeps_;                   ///< null without odometry
-  OwnedPart<SegmentReport, rt::Part::segment_lists> report_;  ///< null: no list of segments is published
+  std::unique_ptr<mapping::Sweeps> sweeps_;           ///< null without odometry
+  OwnedPart<SegmentReport, "segment_lists"> report_;  ///< null: no list of segments is published
   std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;
   rt::Nanoseconds next_pose_ns_{};
   MapOutput output_;

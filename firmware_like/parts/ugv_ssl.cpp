@@ -20,42 +20,46 @@ constexpr rt::Nanoseconds kMostAheadNs = 2'000'000'000;
 }  // namespace
 
 UgvSsl::UgvSsl(VehicleBuilder& builder)
-    : settings_(read_ssl_settings(builder.profile())),
+    : group_(builder.group("mapping", 10)),
+      settings_(read_ssl_settings(builder.profile())),
       map_settings_(read_occupancy_settings(builder.profile(), settings_)) {
   const SensorMount mount = read_ssl_mount(builder.profile());
   p_body_ssl_ = rt::to_vector(mount.place_m);
   q_body_ssl_ = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
                                         mount.yaw_pitch_roll_rad[2]);
+  if (schedules()) add_occupancy(builder);
+  add_task(builder);
 }
 
-void UgvSsl::add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSources& sources) {
-  sources_ = sources;
-  if (schedules()) add_occupancy(builder, group);
+void UgvSsl::add_task(VehicleBuilder& builder) {
   const std::uint64_t bytes = planner::SslChoice::memory_bytes(settings_.choice);
   choice_ = std::make_unique<planner::SslChoice>(
       settings_.choice,
       bytes == 0 ? std::span<std::byte>{}
                  : builder.arena().make_array<std::byte>("ray scheduler", static_cast<std::size_t>(bytes),
                                                          alignof(std::max_align_t)));
-  std::tie(returns_, port_) = builder.stream<rt::SslReturns>(group, std::string(drivers::kChannelSsl), 8, 4);
-  outlet_ = builder.outlet<rt::SslCommand>(group, "ssl");
+  std::tie(returns_, port_) = builder.stream<rt::SslReturns>(group_, std::string(drivers::kChannelSsl), 8, 4);
+  outlet_ = builder.outlet<rt::SslCommand>(group_, "ssl");
   const TaskDefaults defaults{schedules() ? 30'000.0 : 100.0, rt::Criticality::b, settings_.units, true};
-  task_ = builder.task<SslOutput>(group, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
-    for (const rt::SslReturns& returns : *returns_) take(returns, output);
-    if (schedules()) plan(context, output);
-    rt::SslCommand command;
-    choice_->choose(context.due_ns, command);
-    output.asked = command.number;
-    output.rays_digest = rt::digest_bytes(command.direction, command.rays * sizeof(command.direction[0]));
-    output.unplanned = choice_->unplanned();
-    outlet_->put(command);
-  });
+  task_ =
+      builder.task<SslOutput>(group_, "ssl", defaults, [this](rt::JobContext& context, SslOutput& output) {
+        for (const rt::SslReturns& returns : *returns_) take(returns, output);
+        if (schedules()) plan(context, output);
+        rt::SslCommand command;
+        choice_->choose(context.due_ns, command);
+        output.asked = command.number;
+        output.rays_digest = rt::digest_bytes(command.direction, command.rays * sizeof(command.direction[0]));
+        output.unplanned = choice_->unplanned();
+        outlet_->put(command);
+      });
   builder.remembers(task_, *choice_, planned_job_);
   add_counters(builder, task_);
 }
 
-void UgvSsl::add_occupancy(VehicleBuilder& builder, rt::GroupId group) {
-  if (sources_.poses == nullptr)
+void UgvSsl::add_occupancy(VehicleBuilder& builder) {
+  lidar_ = builder.find<LidarScans>();
+  poses_ = poses_since_last_job(builder, group_);
+  if (poses_ == nullptr)
     builder.profile().fail("ssl.policy", "\"scheduled\" needs poses: tasks.attitude and tasks.odometry");
   map_ = std::make_unique<mapping::OccupancyMap>(
       map_settings_.map,
@@ -63,14 +67,13 @@ void UgvSsl::add_occupancy(VehicleBuilder& builder, rt::GroupId group) {
           "occupancy", static_cast<std::size_t>(mapping::OccupancyMap::memory_bytes(map_settings_.map))));
   history_ = std::make_unique<mapping::PoseHistory>();
   const rt::TaskBase* task = builder.task<mapping::OccupancyOutput>(
-      group, "occupancy", TaskDefaults{15'000, rt::Criticality::b},
+      group_, "occupancy", TaskDefaults{15'000, rt::Criticality::b},
       [this](rt::JobContext& context, mapping::OccupancyOutput& output) {
         take_poses();
         // A place that is none leaves the window where it is; rays from outside are counted.
         if (newest_.stamp_ns != 0) static_cast<void>(map_->centre_on(rt::to_vector(newest_.p_world_body_m)));
-        const ScanStream* const scans = sources_.lidar.scans;
-        for (std::uint32_t i = 0; scans != nullptr && i < scans->size(); ++i) {
-          const ScanStream::View view = (*scans)[i];
+        for (std::uint32_t i = 0; lidar_ != nullptr && i < lidar_->scans->size(); ++i) {
+          const ScanStream::View view = (*lidar_->scans)[i];
           context.add_units(view.header.points / map_settings_.scan_stride);
           enter_scan({view.header, view.elements});
         }
@@ -110,7 +113,7 @@ UnitTrial UgvSsl::try_units() const {
 void UgvSsl::take_poses() {
   // Refusals are poses without news: the odometry puts out at every release, with the stamp of its last
   // sample.
-  for (const rt::PoseEstimate& pose : *sources_.poses) {
+  for (const rt::PoseEstimate& pose : *poses_) {
     if (history_->add({pose.stamp_ns, rt::to_vector(pose.p_world_body_m),
                        rt::to_quaternion(pose.q_world_body)}) == Status::ok)
       newest_ = pose;
@@ -122,12 +125,12 @@ void UgvSsl::enter_scan(const rt::PointScan& scan) {
                              rt::to_quaternion(scan.header.q_world_sensor)};
   if ((scan.header.flags & rt::kScanPosed) == 0) {
     mapping::StampedPose body;
-    const rt::Nanoseconds at = scan.header.stamp_ns + sources_.lidar.time_offset_ns;
+    const rt::Nanoseconds at = scan.header.stamp_ns + lidar_->time_offset_ns;
     if (history_->at(at, map_settings_.max_pose_age_ns, body) != Status::ok) {
       ++scans_unplaced_;
       return;
     }
-    sensor = planner::mounted({body.p, body.q}, sources_.lidar.p_body_m, sources_.lidar.q_body);
+    sensor = planner::mounted({body.p, body.q}, lidar_->p_body_m, lidar_->q_body);
   }
   // What is refused stands in the map's output.
   static_cast<void>(map_->update(scan, sensor, map_settings_.scan_stride));
@@ -222,7 +225,7 @@ void UgvSsl::send(const Devices& devices, const rt::SslCommand& command, rt::Nan
   ++commands_sent_;
 }
 
-void UgvSsl::poll(const Devices& devices, rt::Nanoseconds now_ns) {
+void UgvSsl::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   rt::SslCommand command;
   if (outlet_->take(now_ns, command)) send(devices, command, now_ns);
   if (devices.ssl == nullptr) return;
@@ -231,5 +234,7 @@ void UgvSsl::poll(const Devices& devices, rt::Nanoseconds now_ns) {
   for (int taken = 0; taken < 8 && devices.ssl->receive(returns) == Status::ok; ++taken)
     static_cast<void>(port_->push(returns, now_ns));
 }
+
+std::unique_ptr<Part> make_ssl(VehicleBuilder& builder) { return std::make_unique<UgvSsl>(builder); }
 
 }  // namespace sortie::firmware

@@ -6,10 +6,9 @@
 #include <memory>
 
 #include "drivers/ssl_port.hpp"
+#include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/ugv_map.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
-#include "firmware_like/runtime/unit_trial.hpp"
-#include "firmware_like/runtime/vehicle.hpp"
 #include "mapping/grid/pose_history.hpp"
 #include "rt/built_parts.hpp"
 
@@ -42,40 +41,30 @@ struct SslOutput {
                 unplanned)
 };
 
-/// What the vehicle has that the map is fed with; null where it has none.
-struct SslSources {
-  LidarScans lidar;
-  rt::Input<rt::PoseEstimate>* poses{};
-};
-
 /// Tasks of the group `mapping`. `occupancy`, only where rays are scheduled: moves the map's window with the
 /// robot and enters the lidar's scans. `ssl`, an anytime task: enters what came back, plans over the map, and
 /// asks for the next rays, which leave at the job's deadline. Both share the map, and one group has one
 /// thread.
-class UgvSsl {
+class UgvSsl final : public Part {
  public:
-  /// What [ssl] says; before the tasks of the group are declared.
   explicit UgvSsl(VehicleBuilder& builder);
-  /// True when the map needs poses and scans.
-  bool schedules() const {
-    return rt::kBuilt<rt::Part::ray_scheduler> && settings_.choice.policy == planner::SslPolicy::scheduled;
-  }
-  /// Declares stream, tasks and outlet. Throws ProfileError.
-  void add_tasks(VehicleBuilder& builder, rt::GroupId group, const SslSources& sources);
 
   /// Times a unit of the scheduler on this machine; nothing where rays are not scheduled.
-  UnitTrial try_units() const;
-
-  /// The map; nothing where rays are not scheduled. When no job runs.
-  std::optional<mapping::OccupancyView> occupancy() const {
+  UnitTrial try_units() const override;
+  /// Nothing where rays are not scheduled.
+  std::optional<mapping::OccupancyView> occupancy() const override {
     return map_ ? std::optional(map_->view()) : std::nullopt;
   }
-
-  /// I/O thread: commands that are due go to the device and into the log, frames come in.
-  void poll(const Devices& devices, rt::Nanoseconds now_ns);
+  /// Commands that are due go to the device and into the log, frames come in.
+  void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
 
  private:
-  void add_occupancy(VehicleBuilder& builder, rt::GroupId group);
+  // True when the map needs poses and scans.
+  bool schedules() const {
+    return rt::kBuilt<"ray_scheduler"> && settings_.choice.policy == planner::SslPolicy::scheduled;
+  }
+  void add_task(VehicleBuilder& builder);
+  void add_occupancy(VehicleBuilder& builder);
   void add_counters(VehicleBuilder& builder, const rt::Task<SslOutput>* task);
   void send(const Devices& devices, const rt::SslCommand& command, rt::Nanoseconds now_ns);
   void take_poses();
@@ -84,9 +73,11 @@ class UgvSsl {
   void enter(const rt::SslReturns& returns, SslOutput& output);
   void plan(rt::JobContext& context, SslOutput& output);
 
+  rt::GroupId group_;
   SslSettings settings_;
   OccupancySettings map_settings_;
-  SslSources sources_;
+  const LidarScans* lidar_{};             // null without one
+  rt::Input<rt::PoseEstimate>* poses_{};  // only where rays are scheduled
   rt::Vector3 p_body_ssl_;
   rt::Quaternion q_body_ssl_;
   const rt::Task<SslOutput>* task_{};

@@ -21,7 +21,7 @@ struct AbsentPart {
 };
 
 /// A std::unique_ptr<T> where `part` is built.
-template <class T, rt::Part part>
+template <class T, rt::PartName part>
 using OwnedPart = std::conditional_t<rt::kBuilt<part>, std::unique_ptr<T>, AbsentPart<T>>;
 
 }  // namespace sortie::firmware

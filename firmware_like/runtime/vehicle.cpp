@@ -27,6 +27,9 @@ bool VehicleBuilder::archive_memory(const rt::TaskBase& task, rt::Archive& archi
 }
 
 rt::GroupId VehicleBuilder::group(const std::string& name, double default_rate_hz) {
+  for (std::uint16_t i = 0; i < executive_.group_count(); ++i) {
+    if (executive_.group(i).spec.name == name) return {i};
+  }
   const std::string path = "groups." + name + ".rate_hz";
   const double rate = profile_.number(path, {default_rate_hz, 0.01, 1e5, "Hz", "releases a second"});
   const double ticks = 1e9 / rate / static_cast<double>(executive_.base_tick_ns());

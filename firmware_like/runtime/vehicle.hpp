@@ -14,6 +14,7 @@
 #include "firmware_like/runtime/chain_declarations.hpp"
 #include "firmware_like/runtime/factories.hpp"
 #include "firmware_like/runtime/input_port.hpp"
+#include "firmware_like/runtime/offers.hpp"
 #include "firmware_like/runtime/parameters.hpp"
 #include "firmware_like/runtime/report_queue.hpp"
 #include "firmware_like/scene/profile.hpp"
@@ -66,7 +67,7 @@ class VehicleBuilder {
   const InitialPose& initial_pose() const { return initial_; }
 
   /// A group at the rate of [groups.NAME] rate_hz. Rates that are no whole number of base ticks are errors
-  /// that name the nearest legal ones.
+  /// that name the nearest legal ones. A group that is there already is given again, at its own rate.
   rt::GroupId group(const std::string& name, double default_rate_hz);
 
   /// Between two releases of a group.
@@ -101,25 +102,52 @@ class VehicleBuilder {
   /// Archives what `task` remembers. False: it has not said what that is.
   bool archive_memory(const rt::TaskBase& task, rt::Archive& archive) const;
 
-  /// The outputs of `task`, for a task of another group, with logical execution time.
+  /// The outputs of `task`, for tasks of another group, with logical execution time. One input a group and
+  /// task: whoever asks first says how many jobs it looks back.
   template <rt::Described T>
   rt::Input<T>* input(rt::GroupId reader, const rt::Task<T>* task, std::uint32_t history = 4) {
+    if (task == nullptr) return nullptr;
+    const std::string name = std::string(task->name()) + "_in_" + group_name(reader);
+    if (rt::Input<T>* known = offers_.find<rt::Input<T>>(name); known != nullptr) return known;
     rt::Input<T>* input = executive_.add_input<T>(reader, task, history);
-    if (input != nullptr) apply_stale_rule(*input, std::string(task->name()) + "_in_" + group_name(reader));
+    if (input == nullptr) return nullptr;
+    apply_stale_rule(*input, name);
+    offers_.put(name, input);
     return input;
   }
 
-  /// A stream of samples from outside; `channel` is its name in the log.
+  /// A stream of samples from outside; `channel` is its name in the log. A stream that is there already is
+  /// given again: all its readers are of one group.
   template <rt::Described T>
   std::pair<rt::Stream<T>*, InputPort<T>*> stream(rt::GroupId reader, const std::string& channel,
                                                   std::uint32_t capacity, std::uint32_t batch) {
+    if (auto* known = offers_.find<rt::Stream<T>>(channel); known != nullptr)
+      return {known, offers_.find<InputPort<T>>(channel)};
     auto* stream = executive_.add_stream<T>(reader, keep(channel), capacity, batch);
     check();
     auto port = std::make_unique<InputPort<T>>(channel, *stream);
     InputPort<T>* handle = port.get();
     ports_.push_back(std::move(port));
     apply_stale_rule(*stream, channel);
+    offers_.put(channel, stream);
+    offers_.put(channel, handle);
     return {stream, handle};
+  }
+  /// Where samples of `channel` come in, or null where nothing in the scene reads them.
+  template <rt::Described T>
+  InputPort<T>* find_port(const std::string& channel) const {
+    return offers_.find<InputPort<T>>(channel);
+  }
+
+  /// Hands an object of one part to those that are made behind it; it lives as long as the vehicle.
+  template <class T>
+  void offer(T& object) {
+    offers_.put("", &object);
+  }
+  /// What was offered as a T, or null.
+  template <class T>
+  T* find() const {
+    return offers_.find<T>("");
   }
 
   /// Lets the number at `path`, which profile().number() has read, be changed while the group runs: between
@@ -160,6 +188,13 @@ class VehicleBuilder {
   }
   void counter(const std::string& name, std::function<std::uint64_t()> value) {
     counters_.emplace_back(name, std::move(value));
+  }
+  /// A counter for each field of `counts`, which lives as long as the vehicle: PREFIX and the field's name.
+  template <rt::Described T>
+  void counters(const std::string& prefix, const T& counts) {
+    T::fields(counts, [&](const char* name, const auto& count) {
+      counter(prefix + name, [&count] { return std::uint64_t{count}; });
+    });
   }
 
   /// How many samples of `channel` a task has made use of: a run in which samples came and this stayed 0 has
@@ -226,6 +261,7 @@ class VehicleBuilder {
   Counters counters_;
   Counters uses_;
   ParameterSet parameters_;
+  Offers offers_;
 };
 
 /// What a vehicle's devices are reached by. Members that a vehicle does not use stay null.

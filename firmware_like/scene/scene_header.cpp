@@ -23,12 +23,10 @@ int main(int argc, char** argv) {
   }
   try {
     const sortie::firmware::Profile profile = sortie::firmware::load_scene(argv[1]);
-    write(argv[2],
-          "#pragma once\n\n#include <cstdint>\n\nnamespace sortie::rt {\n\ninline constexpr std::uint32_t "
-          "kSceneParts = " +
-              std::to_string(sortie::firmware::code_of(profile)) +
-              "u;\ninline constexpr const char* kSceneName = \"" + profile.name() +
-              "\";\n\n}  // namespace sortie::rt\n");
+    write(argv[2], "#pragma once\n\nnamespace sortie::rt {\n\ninline constexpr const char* kSceneParts = \"" +
+                       sortie::firmware::code_of(profile) +
+                       "\";\ninline constexpr const char* kSceneName = \"" + profile.name() +
+                       "\";\n\n}  // namespace sortie::rt\n");
     write(argv[3],
           "#include \"firmware_like/scene/profile.hpp\"\n\nnamespace sortie::firmware {\n"
           "const std::vector<BuiltInScene>& built_in_scenes() {\n  static const std::vector<BuiltInScene> "

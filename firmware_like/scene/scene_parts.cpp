@@ -5,73 +5,22 @@
 #include <sstream>
 #include <string_view>
 
+#include "firmware_like/scene/part_list.hpp"
+#include "rt/built_parts.hpp"
+
 namespace sortie::firmware {
 
 namespace {
 
-using rt::Part;
-
 constexpr ScenePart kParts[] = {
-    {"attitude", "which way is down, from the IMU", "ugv", "", "tasks.attitude.enabled", "", "yes",
-     "tasks.attitude.enabled=false", Part::attitude},
-    {"gyro_bias", "the gyro's bias is estimated", "ugv", "attitude", "attitude.bias_sigma_rad_s", "", "yes",
-     "attitude.bias_sigma_rad_s=0", Part::count},
-    {"odometry", "dead reckoning from tracks and attitude", "ugv", "attitude", "tasks.odometry.enabled", "",
-     "yes", "tasks.odometry.enabled=false", Part::odometry},
-    {"track_aid", "the tracks' acceleration is taken out of the specific force", "ugv", "odometry",
-     "attitude.track_aid", "on", "yes", "attitude.track_aid=off", Part::count},
-    {"steering", "slip is judged by what the gyro has shown", "ugv", "odometry", "odometry.steering",
-     "learned", "no", "odometry.steering=fixed", Part::count},
-    {"obstacles", "edges, falls and flippers under the robot are modelled", "ugv", "odometry",
-     "odometry.obstacles", "on", "no", "odometry.obstacles=off", Part::obstacles},
-    {"odometry_state", "the odometry tells its mode, slip and health", "ugv", "odometry",
-     "tasks.odometry_state.enabled", "", "obstacles", "tasks.odometry_state.enabled=false", Part::count},
-    {"drive", "the route is driven", "ugv", "odometry", "tasks.drive.enabled", "", "no",
-     "tasks.drive.enabled=false", Part::drive},
-    {"flippers", "flippers are set", "ugv", "drive", "tasks.flippers.enabled", "", "no",
-     "tasks.flippers.enabled=false", Part::flippers},
-    {"canopen", "the drives speak CANopen", "ugv", "drive", "drives.protocol", "canopen", "no",
-     "drives.protocol=own", Part::canopen},
-    {"odrive", "the drives are ODrives, on CANSimple", "ugv", "drive", "drives.protocol", "odrive", "no",
-     "drives.protocol=own", Part::odrive},
-    {"map", "a local map of voxels", "ugv", "", "tasks.map.enabled", "", "no", "tasks.map.enabled=false",
-     Part::map},
-    {"self_filter", "returns from the robot itself are taken out", "ugv", "map", "outline.flipper_length_m",
-     "", "no", "outline.flipper_length_m=0 outline.body_m=[0,0,0,0,0,0] outline.tracks_m=[0,0,0,0,0,0]",
-     Part::count},
-    {"segments", "the map is divided into segments", "ugv", "map", "map.segments", "euclidean smoothness",
-     "yes", "map.segments=off", Part::segments},
-    {"normals", "segments are smooth surfaces, by normals", "ugv", "segments", "map.segments", "smoothness",
-     "no", "map.segments=euclidean", Part::normals},
-    {"segment_lists", "lists of segments are published", "ugv", "segments", "map.publish",
-     "segments features", "yes", "map.publish=off", Part::segment_lists},
-    {"ssl", "a solid-state lidar is asked for rays", "ugv", "", "tasks.ssl.enabled", "", "no",
-     "tasks.ssl.enabled=false", Part::ssl},
-    {"ray_scheduler", "rays are planned over a map of what is known", "ugv", "ssl", "ssl.policy", "scheduled",
-     "yes", "ssl.policy=grid", Part::ray_scheduler},
-    {"pilot", "the vehicle is flown", "uav", "", "tasks.pilot.enabled", "", "yes",
-     "tasks.pilot.enabled=false", Part::pilot},
-    {"path", "ways around what is in the way", "uav", "pilot", "tasks.path.enabled", "", "no",
-     "tasks.path.enabled=false", Part::path},
-    {"sensed_map", "what is in the way is seen by a lidar", "uav", "path", "flight_map.source", "lidar", "no",
-     "flight_map.source=given", Part::sensed_map},
-    {"parameters", "numbers may change while a run goes on", "", "", "tasks.parameters.enabled", "", "yes",
-     "tasks.parameters.enabled=false", Part::count},
-    {"telemetry", "a live run tells over LCM what it does", "", "", "live.telemetry", "", "yes",
-     "live.telemetry=false", Part::telemetry},
-    {"recorder", "a run can be recorded", "", "", "live.recorder", "", "yes", "live.recorder=false",
-     Part::recorder},
+#define SORTIE_PART(name, what, vehicle, parent, usual) \
+  {#name, what, vehicle, parent, "tasks." #name ".enabled", "", usual, "tasks." #name ".enabled=false", true},
+#define SORTIE_OPTION(name, what, vehicle, parent, usual, key, there, without, code) \
+  {#name, what, vehicle, parent, key, there, usual, without, code},
+    SORTIE_PARTS(SORTIE_PART, SORTIE_OPTION)
+#undef SORTIE_PART
+#undef SORTIE_OPTION
 };
-
-constexpr bool is_among(std::string_view word, std::string_view words) {
-  std::size_t at = words.find(word);
-  for (; at != std::string_view::npos; at = words.find(word, at + 1)) {
-    const bool begins = at == 0 || words[at - 1] == ' ';
-    const std::size_t end = at + word.size();
-    if (begins && (end == words.size() || words[end] == ' ')) return true;
-  }
-  return false;
-}
 
 std::vector<std::string> words_of(const std::string& text) {
   std::istringstream in(text);
@@ -92,7 +41,7 @@ bool is_there(Profile& profile, const ScenePart& part, const std::vector<const S
   const std::string_view usual = part.usual;
   const bool fallback = usual == "yes" || (usual != "no" && holds(before, usual));
   if (!profile.has(part.key)) return fallback;
-  if (*part.there != '\0') return is_among(profile.text(part.key, "", ""), part.there);
+  if (*part.there != '\0') return rt::is_among(profile.text(part.key, "", ""), part.there);
   if (std::string_view(part.without).find("=false") != std::string_view::npos)
     return profile.flag(part.key, fallback, "");
   return profile.number(part.key, {0, -1e12, 1e12, "", ""}) != 0.0;
@@ -141,7 +90,7 @@ namespace {
 
 // What only refines its parent goes with it; what has a task of its own needs it.
 bool has_task(const ScenePart& part) {
-  return part.code != Part::count && std::string_view(part.key).rfind("tasks.", 0) == 0;
+  return part.code && std::string_view(part.key).rfind("tasks.", 0) == 0;
 }
 
 }  // namespace
@@ -158,12 +107,12 @@ std::vector<const ScenePart*> with_dependants(const ScenePart& part,
   return all;
 }
 
-rt::PartMask code_of(const Profile& profile) {
-  rt::PartMask mask = rt::mask_of(profile.vehicle() == "uav" ? Part::uav : Part::ugv);
+std::string code_of(const Profile& profile) {
+  std::string names = profile.vehicle();
   for (const ScenePart* part : parts_of(profile)) {
-    if (part->code != Part::count) mask |= rt::mask_of(part->code);
+    if (part->code) names += std::string(" ") + part->name;
   }
-  return mask;
+  return names;
 }
 
 std::string not_in_this_build(const std::string& what, const std::string& scene) {
@@ -174,7 +123,7 @@ std::string not_in_this_build(const std::string& what, const std::string& scene)
 void refuse_unbuilt_parts(const Profile& profile) {
   if (*rt::kOnlyScene == '\0') return;
   for (const ScenePart* part : parts_of(profile)) {
-    if (part->code == Part::count || rt::is_built(part->code)) continue;
+    if (!part->code || rt::is_built(part->name)) continue;
     profile.fail(part->key,
                  not_in_this_build(std::string(part->name) + " (" + part->what + ")", profile.name()));
   }

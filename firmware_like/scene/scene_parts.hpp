@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "firmware_like/scene/profile.hpp"
-#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
-/// One part. A part is there when its vehicle is the scene's, its parent is there, and its key says so.
+/// One part of part_list.hpp. A part is there when its vehicle is the scene's, its parent is there, and its
+/// key says so.
 struct ScenePart {
   const char* name;
   const char* what;     ///< half a sentence
@@ -22,7 +22,7 @@ struct ScenePart {
   const char* there;    ///< of a text: the values that mean "there", between spaces; otherwise empty
   const char* usual;    ///< without the key: "yes", "no", or the name of the part that it goes with
   const char* without;  ///< overrides that leave it out, between spaces
-  rt::Part code;        ///< Part::count: its code is not separate from its parent's
+  bool code;            ///< false: its code is not separate from its parent's
 };
 
 /// Every part, parents before children. Set-up only.
@@ -48,8 +48,8 @@ std::vector<std::string> overrides_without(const ScenePart& part);
 std::vector<const ScenePart*> with_dependants(const ScenePart& part,
                                               const std::vector<const ScenePart*>& present);
 
-/// The code that a build of that profile alone must have.
-rt::PartMask code_of(const Profile& profile);
+/// Names of the vehicle and of the parts whose code a build of that profile alone must have, between spaces.
+std::string code_of(const Profile& profile);
 
 /// One line for a build of one scene: that it has no `what`, and which build has it.
 std::string not_in_this_build(const std::string& what, const std::string& scene);

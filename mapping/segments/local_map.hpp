@@ -43,7 +43,7 @@ class LocalMap {
     NormalsStep step;
     for (const BlockChange& change : grid_->changes())
       segmenter_->mark(change.block, change.moved, change.drift);
-    if (!rt::kBuilt<rt::Part::normals> || normals_ == nullptr) return step;
+    if (!rt::kBuilt<"normals"> || normals_ == nullptr) return step;
     step = normals_->update(*grid_);
     for (const BlockIndex block : normals_->turned_blocks()) segmenter_->mark(block, normals_->turned(block));
     return step;
@@ -54,7 +54,7 @@ class LocalMap {
 
  private:
   void forget(BlockIndex block) {
-    if (rt::kBuilt<rt::Part::normals> && normals_ != nullptr) normals_->forget(*grid_, block);
+    if (rt::kBuilt<"normals"> && normals_ != nullptr) normals_->forget(*grid_, block);
     segmenter_->forget(*grid_, block);
   }
 

@@ -94,20 +94,20 @@ class SslBench final : public firmware::SimulatedRobot {
 /// Stands at one place from the first job on, and says so.
 class StandingVehicle final : public firmware::Vehicle {
  public:
-  explicit StandingVehicle(firmware::VehicleBuilder& builder) : ssl_(builder) {
+  explicit StandingVehicle(firmware::VehicleBuilder& builder) {
     const rt::GroupId control = builder.group("control", 1000);
-    const rt::Task<rt::PoseEstimate>* pose = builder.task<rt::PoseEstimate>(
+    rt::Task<rt::PoseEstimate>* pose = builder.task<rt::PoseEstimate>(
         control, "pose", 20, [](rt::JobContext& context, rt::PoseEstimate& output) {
           output = place();
           output.stamp_ns = context.release_ns;
         });
     builder.remembers(pose);
-    const rt::GroupId mapping = builder.group("mapping", 10);
-    ssl_.add_tasks(builder, mapping, {{}, builder.input(mapping, pose, 1000)});
+    builder.offer(*pose);
+    ssl_ = firmware::make_ssl(builder);
     builder.check();
   }
   void poll_devices(const firmware::Devices& devices, rt::Nanoseconds now_ns) override {
-    ssl_.poll(devices, now_ns);
+    ssl_->poll_devices(devices, now_ns);
   }
   static rt::PoseEstimate place() {
     rt::PoseEstimate pose;
@@ -117,7 +117,7 @@ class StandingVehicle final : public firmware::Vehicle {
   }
 
  private:
-  firmware::UgvSsl ssl_;
+  std::unique_ptr<firmware::Part> ssl_;
 };
 
 inline firmware::VehicleRegistry standing_vehicles() {

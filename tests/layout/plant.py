@@ -16,7 +16,7 @@ CLEAN = {
     "rt/base.cpp": '// Its body.\n#include "rt/base.hpp"\nnamespace tiny {\nstd::uint32_t next(std::uint32_t x) { return x + 1; }\n}  // namespace tiny\n',
     "estimators/filter.hpp": '// A filter.\n#pragma once\n#include "rt/base.hpp"\n',
     "drivers/bus.cpp": "// A bus.\n#include <sys/socket.h>\n",
-    "firmware_like/robots/ugv.cpp": '// A vehicle.\n#include "estimators/filter.hpp"\n',
+    "firmware_like/robots/robot.cpp": '// A vehicle.\n#include "estimators/filter.hpp"\n',
     "firmware_like/scene/command_line.cpp": "// Options.\n#include <CLI/CLI.hpp>\n",
     "firmware_like/scene/toml_file.cpp": "// Scenes.\n#include <toml++/toml.h>\n",
 }
@@ -42,7 +42,7 @@ FAULTS = {
         ("hil/plant.cpp", '#include "toolchain/simulate/course.hpp"\n', "hil may not include toolchain"),
         ("hil/plant.cpp", '#include "estimators/filter.hpp"\n', "hil may not include estimators"),
         ("planner/plan.cpp", '#include "firmware_like/scene/profile.hpp"\n', "planner may not include firmware_like"),
-        ("firmware_like/robots/ugv.cpp", '#include "hil/plant.hpp"\n', "firmware_like/robots may not include hil"),
+        ("firmware_like/robots/robot.cpp", '#include "hil/plant.hpp"\n', "firmware_like/robots may not include hil"),
         ("rt/base.hpp", "#include <Eigen/Core>\n", "rt may not see Eigen"),
         ("rt/base.hpp", "#include <thread>\n", "rt/base.hpp:8: rt may not see the operating system"),
         ("rt/base.cpp", '#include "rt/posix/clock.hpp"\n', "rt may not include rt/posix"),
@@ -88,7 +88,7 @@ FAULTS = {
         ("rt/base.cpp", "double f(double x) { return std::exp(x); }\n", "rt/base.cpp:7: std::exp(: use rt/math.hpp"),
         ("hil/plant.cpp", "std::normal_distribution<double> noise;\n", "hil/plant.cpp:2: std::normal_distribution"),
         ("mapping/grid/grid.hpp", "std::unordered_map<int, int> cells;\n", "std::unordered_map"),
-        ("firmware_like/robots/ugv.cpp", "double f(double x) { return std::hypot(x, x); }\n", "firmware_like/robots/ugv.cpp:4: std::hypot("),
+        ("firmware_like/robots/robot.cpp", "double f(double x) { return std::hypot(x, x); }\n", "firmware_like/robots/robot.cpp:4: std::hypot("),
     ],
     "atomics": [
         ("rt/base.hpp", "std::atomic<std::uint64_t> refused{};\n", "rt/base.hpp:8: atomic<std::uint64_t>"),

@@ -56,7 +56,7 @@ class Measurement {
       PartCost& line = costs.without.emplace_back();
       line.part = firmware::joined_names(gone);
       line.what = part->what;
-      line.is_outlet = part->code == rt::Part::recorder || part->code == rt::Part::telemetry;
+      line.is_outlet = line.part == "recorder" || line.part == "telemetry";
       try {
         const Overrides without = firmware::overrides_without(gone);
         // First by itself: what cannot be left out is told with the place in the scene's own file.

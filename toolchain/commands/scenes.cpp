@@ -12,7 +12,6 @@
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/scene_parts.hpp"
-#include "rt/built_parts.hpp"
 #include "toolchain/bench/scene_cost.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/program/program.hpp"
@@ -60,8 +59,7 @@ SceneLine measure(const CommandContext& context, const std::string& scene) {
   for (const firmware::ScenePart* part : parts) {
     line.parts.emplace_back(part->name);
     const auto gone = firmware::with_dependants(*part, parts);
-    if (part->code != rt::Part::count)
-      line.without[firmware::joined_names(gone)] = firmware::overrides_without(gone);
+    if (part->code) line.without[firmware::joined_names(gone)] = firmware::overrides_without(gone);
   }
   for (const firmware::DeclaredChain& chain : runtime.chains())
     line.chains.push_back(firmware::chain_result(chain));

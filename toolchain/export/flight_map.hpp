@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/robots/uav_config.hpp"
+#include "firmware_like/parts/uav_config.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 
 namespace sortie::toolchain {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/robots/uav.hpp"
+#include "firmware_like/parts/flight_part.hpp"
 
 #include <tuple>
 
+#include "drivers/can_codec.hpp"
 #include "firmware_like/parts/own_frames.hpp"
 
 namespace sortie::firmware {
@@ -26,43 +27,41 @@ void put_known(const GuideConfig& config, planner::FlightMap& map) {
 
 }  // namespace
 
-Uav::Uav(VehicleBuilder& builder) {
-  const rt::GroupId control = builder.group("control", 200);
+FlightPart::FlightPart(VehicleBuilder& builder) : control_(builder.group("control", 200)) {
   // What is asked for and not built was refused before.
   const bool wants_pilot = builder.wants("pilot");
-  const bool flies = rt::kBuilt<rt::Part::pilot> && wants_pilot;
-  if (rt::kBuilt<rt::Part::pilot> && flies) make_pilot(builder, control);
-  add_state(builder, control);
-  if (rt::kBuilt<rt::Part::pilot> && flies) {
-    add_pilot(builder, control);
-    const bool wants_path = builder.wants("path", false);
-    if (rt::kBuilt<rt::Part::path> && wants_path) add_path(builder, control);
-    builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
-  }
-  add_bus_frames(builder, control, flies);
-  builder.check();
+  const bool flies = rt::kBuilt<"pilot"> && wants_pilot;
+  if (rt::kBuilt<"pilot"> && flies) make_pilot(builder, control_);
+  add_state(builder, control_);
+  builder.offer(imu_kind_);
+  builder.offer(*pose_task_);
+  if (!(rt::kBuilt<"pilot"> && flies)) return;
+  add_pilot(builder, control_);
+  const bool wants_path = builder.wants("path", false);
+  if (rt::kBuilt<"path"> && wants_path) add_path(builder, control_);
 }
 
-void Uav::add_bus_frames(VehicleBuilder& builder, rt::GroupId control, bool flies) {
+void FlightPart::finish(VehicleBuilder& builder) {
   using namespace drivers;
   const std::uint32_t imu[] = {kCanImuGyrId, kCanImuAccId};
   const std::uint32_t fix[] = {kCanFixAcrossId, kCanFixUpId};
   const std::uint32_t rotors[] = {kCanRotorsId, kCanRotorsId + 1, kCanRotorsId + 2};
   add_device_frames(builder, imu, "can.imu_hz", 200, "how often the IMU sends");
   add_device_frames(builder, fix, "can.fix_hz", 20, "how often a fix of the place comes");
-  if (!flies) return;
+  if (outlet_ == nullptr) return;
   const std::size_t frames = (rotor_count_ + 2) / 3;  // three rotors each
-  add_own_frames(builder, {rotors, frames}, builder.period_ns(control));
+  add_own_frames(builder, {rotors, frames}, builder.period_ns(control_));
+  builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
 }
 
-void Uav::add_state(VehicleBuilder& builder, rt::GroupId group) {
-  std::tie(imu_, imu_port_) = builder.stream<rt::ImuSample>(group, "IMU", 256, 64);
-  std::tie(fixes_, fix_port_) = builder.stream<rt::UavFix>(group, "FIX", 32, 8);
+void FlightPart::add_state(VehicleBuilder& builder, rt::GroupId group) {
+  imu_ = builder.stream<rt::ImuSample>(group, "IMU", 256, 64).first;
+  fixes_ = builder.stream<rt::UavFix>(group, "FIX", 32, 8).first;
   estimator_ = std::make_unique<estimators::UavEstimator>(read_uav_estimator_config(builder));
   const rt::TaskBase* task =
       builder.task<rt::UavState>(group, "state", 200, [this](rt::JobContext&, rt::UavState& output) {
         // A backward read: what the pilot's last command makes of the rotors. Refusals are counted.
-        const double thrust_m_s2 = rt::kBuilt<rt::Part::pilot> && pilot_ ? pilot_->mean_thrust_m_s2() : 9.81;
+        const double thrust_m_s2 = rt::kBuilt<"pilot"> && pilot_ ? pilot_->mean_thrust_m_s2() : 9.81;
         for (const rt::ImuSample& sample : *imu_) static_cast<void>(estimator_->imu(sample, thrust_m_s2));
         for (const rt::UavFix& fix : *fixes_) static_cast<void>(estimator_->fix(fix));
         output = estimator_->state();
@@ -72,15 +71,12 @@ void Uav::add_state(VehicleBuilder& builder, rt::GroupId group) {
       group, "pose", 20, [this](rt::JobContext&, rt::PoseEstimate& output) { put_pose(output); });
   builder.remembers(pose_task_, distance_m_, last_m_, located_);
   const estimators::UavEstimator* estimator = estimator_.get();
-  estimators::UavEstimatorCounters::fields(
-      estimator->counters(), [&](const char* name, const std::uint64_t& count) {
-        builder.counter(std::string("state_") + name, [&count] { return count; });
-      });
+  builder.counters("state_", estimator->counters());
   builder.uses("IMU", [estimator] { return estimator->counters().imu_used; });
   builder.uses("FIX", [estimator] { return estimator->counters().fixes_used; });
 }
 
-void Uav::put_pose(rt::PoseEstimate& pose) {
+void FlightPart::put_pose(rt::PoseEstimate& pose) {
   const rt::UavState& state = estimator_->state();
   if (state.verdict == rt::UavVerdict::starting) return;  // no place yet: no pose
   pose.stamp_ns = state.stamp_ns;
@@ -109,7 +105,7 @@ void Uav::put_pose(rt::PoseEstimate& pose) {
 }
 
 // Before the group's first task: it has a run-time parameter.
-void Uav::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
+void FlightPart::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
   planner::UavPilotConfig config = read_pilot_config(builder);
   rotor_count_ = config.control.model.rotors;
   config.plans = builder.wants("path", false);
@@ -121,7 +117,7 @@ void Uav::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
   builder.parameter(group, "flight.reach_m", [this](double value) { return pilot_->set_reach(value); });
 }
 
-void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
+void FlightPart::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
   if (builder.profile().flag("flight.remote", false, "requests over LCM may fly the vehicle"))
     std::tie(requests_, request_port_) = builder.stream<rt::FlyRequest>(group, "FLY", 16, 8);
   outlet_ = builder.outlet<rt::RotorCommand>(group, "rotors");
@@ -141,7 +137,7 @@ void Uav::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
   add_pilot_counters(builder);
 }
 
-void Uav::add_pilot_counters(VehicleBuilder& builder) {
+void FlightPart::add_pilot_counters(VehicleBuilder& builder) {
   builder.counter("commands_sent", [this] { return commands_sent_; });
   builder.counter("commands_refused", [this] { return commands_refused_; });
   const planner::UavPilotOutput& output = pilot_->output();
@@ -149,17 +145,12 @@ void Uav::add_pilot_counters(VehicleBuilder& builder) {
   builder.counter("goals_without_way", [&output] { return std::uint64_t{output.no_way}; });
   builder.counter("ways_given_up", [&output] { return std::uint64_t{output.replans}; });
   builder.counter("times_without_fixes", [&output] { return std::uint64_t{output.blinded}; });
-  planner::UavControlCounters::fields(output.control, [&](const char* name, const std::uint64_t& count) {
-    builder.counter(std::string("flight_") + name, [&count] { return count; });
-  });
-  if (requests_ == nullptr) return;
-  planner::RequestCounters::fields(output.requests, [&](const char* name, const std::uint32_t& count) {
-    builder.counter(std::string("fly_requests_") + name, [&count] { return std::uint64_t{count}; });
-  });
+  builder.counters("flight_", output.control);
+  if (requests_ != nullptr) builder.counters("fly_requests_", output.requests);
 }
 
-std::unique_ptr<planner::FlightMap> Uav::make_flight_map(VehicleBuilder& builder,
-                                                         const planner::FlightMapConfig& size) {
+std::unique_ptr<planner::FlightMap> FlightPart::make_flight_map(VehicleBuilder& builder,
+                                                                const planner::FlightMapConfig& size) {
   rt::Arena& arena = builder.arena();
   const std::uint32_t bricks = planner::FlightMap::bricks_for(size);
   return std::make_unique<planner::FlightMap>(
@@ -168,8 +159,8 @@ std::unique_ptr<planner::FlightMap> Uav::make_flight_map(VehicleBuilder& builder
       arena.make_array<std::uint64_t>("flight map", planner::FlightMap::dirty_words_for(size)));
 }
 
-void Uav::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
-                      double bubble_m) {
+void FlightPart::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
+                             double bubble_m) {
   sensing_ = std::make_unique<UavSensing>(builder);
   // All poses since the job before; at most five seconds of them.
   rt::Input<rt::PoseEstimate>* poses = builder.input(group, pose_task_, 1000);
@@ -181,15 +172,12 @@ void Uav::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner:
   if (sensing_->map().config().voxel_size_m != size.voxel_m)
     builder.profile().fail("occupancy.voxel_m",
                            "must be flight_map.voxel_m: voxels are taken from its cells");
-  const planner::GuideCounts& counts = guide_->counts();
-  planner::GuideCounts::fields(counts, [&](const char* name, const std::uint64_t& count) {
-    builder.counter(std::string("ways_") + name, [&count] { return count; });
-  });
+  builder.counters("ways_", guide_->counts());
 }
 
 // On a stored map the vehicle takes off from where it was set down, seen or not: with a lidar, UavSensing
 // does this as it flies.
-void Uav::clear_start(const VehicleBuilder& builder, const GuideConfig& config) {
+void FlightPart::clear_start(const VehicleBuilder& builder, const GuideConfig& config) {
   const rt::Vector3 start = rt::to_vector(builder.initial_pose().p_world_body_m);
   const double more = config.bubble_m;
   const rt::Vector3 r = config.map.radii_m + rt::Vector3{more, more, more};
@@ -206,7 +194,7 @@ void Uav::clear_start(const VehicleBuilder& builder, const GuideConfig& config) 
   }
 }
 
-void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
+void FlightPart::add_path(VehicleBuilder& builder, rt::GroupId control) {
   GuideConfig config = read_guide_config(builder);
   boxes_ = std::move(config.boxes);
   rt::Arena& arena = builder.arena();
@@ -231,7 +219,7 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
     builder.profile().fail("airframe.radius_m", "the vehicle is too large for voxels of this size");
   const rt::GroupId group = builder.group(config.sensed ? "mapping" : "planning", 10);
   question_input_ = builder.input(group, pilot_task_, 1);
-  if (rt::kBuilt<rt::Part::sensed_map> && config.sensed) {
+  if (rt::kBuilt<"sensed_map"> && config.sensed) {
     planner::FlightMapConfig hope = config.map;
     hope.unknown_is_blocked = false;
     hope_ = make_flight_map(builder, hope);
@@ -243,7 +231,7 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
       group, "path", TaskDefaults{5000, rt::Criticality::b, 100'000},
       [this](rt::JobContext& context, planner::UavWay& output) {
         const planner::UavPilotOutput* pilot = question_input_->latest();
-        if (rt::kBuilt<rt::Part::sensed_map> && sensing_) guide_->sense(sensing_->map().view());
+        if (rt::kBuilt<"sensed_map"> && sensing_) guide_->sense(sensing_->map().view());
         guide_->look(pilot != nullptr ? &pilot->question : nullptr, context.release_ns);
         while (guide_->works() && context.spend(planner::UavGuide::kSlice)) guide_->step();
         output = guide_->way();
@@ -252,45 +240,21 @@ void Uav::add_path(VehicleBuilder& builder, rt::GroupId control) {
   way_input_ = builder.input(control, task, 1);
 }
 
-void Uav::take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns) {
-  if (devices.log != nullptr) {
-    std::uint8_t message[drivers::kCanBytes];
-    std::size_t size = 0;
-    if (drivers::encode(frame, message, size) == Status::ok)
-      devices.log->sample(std::string(drivers::kChannelCan), now_ns, {message, size});
-  }
-  drivers::CanSample sample;
-  if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
-  // A full stream counts its refusals.
-  if (sample.kind == drivers::CanSampleKind::imu) {
-    sample.imu.flags |= rt::kImuMeanRate;
-    static_cast<void>(imu_port_->push(sample.imu, now_ns));
-  } else if (sample.kind == drivers::CanSampleKind::fix) {
-    static_cast<void>(fix_port_->push(sample.fix, now_ns));
-  }
-}
-
-void Uav::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
+void FlightPart::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   if (devices.can == nullptr) return;
-  if (devices.device_epoch_ns != device_epoch_ns_) {  // at the first call
-    drivers::CanCodecConfig codec;
-    codec.epoch_ns = device_epoch_ns_ = devices.device_epoch_ns;
-    decoder_ = drivers::CanSampleDecoder(codec);
-  }
-  drivers::CanFrame frame;
-  for (int taken = 0; taken < 256 && devices.can->receive(frame) == Status::ok; ++taken)
-    take_frame(frame, devices, now_ns);
   rt::RotorCommand command;
   if (outlet_ != nullptr && outlet_->take(now_ns, command)) send_command(*devices.can, command);
 }
 
 /// All of a command or a refusal; the counter rises with every attempt that put something on the bus.
-void Uav::send_command(drivers::CanBus& can, const rt::RotorCommand& command) {
+void FlightPart::send_command(drivers::CanBus& can, const rt::RotorCommand& command) {
   drivers::CanFrame frames[drivers::kCanRotorFrames];
   bool sent = drivers::encode_rotors(command, command_counter_, frames) == Status::ok;
   if (sent) ++command_counter_;
   for (std::uint32_t f = 0; sent && 3 * f < command.rotors; ++f) sent = can.send(frames[f]) == Status::ok;
   ++(sent ? commands_sent_ : commands_refused_);
 }
+
+std::unique_ptr<Part> make_flight(VehicleBuilder& builder) { return std::make_unique<FlightPart>(builder); }
 
 }  // namespace sortie::firmware

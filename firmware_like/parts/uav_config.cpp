@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/robots/uav_config.hpp"
+#include "firmware_like/parts/uav_config.hpp"
 
 #include <cmath>
 #include <stdexcept>

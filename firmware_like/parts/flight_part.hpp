@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The multirotor: IMU, fixes of its place and requests in; state, ways through the map, and commands to its
-// rotors out.
+// What every multirotor has: IMU, fixes of its place and requests in; state, ways through the map, and
+// commands to its rotors out.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "drivers/can_codec.hpp"
 #include "estimators/uav_state/uav_estimator.hpp"
+#include "firmware_like/parts/part.hpp"
+#include "firmware_like/parts/uav_config.hpp"
 #include "firmware_like/parts/uav_sensing.hpp"
-#include "firmware_like/robots/uav_config.hpp"
 #include "firmware_like/runtime/owned_part.hpp"
-#include "firmware_like/runtime/vehicle.hpp"
 #include "planner/uav_guide.hpp"
 #include "planner/uav_pilot.hpp"
 
@@ -20,28 +19,27 @@ namespace sortie::firmware {
 /// Group `control`: state -> pose -> pilot, hop-free; group `planning`: path; where the map is sensed, group
 /// `mapping`: occupancy -> path. Without the path task the pilot
 /// flies straight to its goals.
-class Uav final : public Vehicle {
+class FlightPart final : public Part {
  public:
-  explicit Uav(VehicleBuilder& builder);
+  explicit FlightPart(VehicleBuilder& builder);
 
+  void finish(VehicleBuilder& builder) override;
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   RequestEntry<rt::FlyRequest> fly_requests() override {
     return {request_port_, {0, planner::kMostFlyRequestAge_ns}};
   }
   drivers::ScanSink* scan_sink() override {
-    return rt::kBuilt<rt::Part::sensed_map> && sensing_ ? sensing_->scan_sink() : nullptr;
+    return rt::kBuilt<"sensed_map"> && sensing_ ? sensing_->scan_sink() : nullptr;
   }
   const rt::Task<rt::PoseEstimate>* pose_task() const override { return pose_task_; }
   std::optional<mapping::OccupancyView> occupancy() const override {
-    return rt::kBuilt<rt::Part::sensed_map> && sensing_ ? std::optional(sensing_->map().view())
-                                                        : std::nullopt;
+    return rt::kBuilt<"sensed_map"> && sensing_ ? std::optional(sensing_->map().view()) : std::nullopt;
   }
 
  private:
   void add_state(VehicleBuilder& builder, rt::GroupId group);
   void make_pilot(VehicleBuilder& builder, rt::GroupId group);
   void add_pilot(VehicleBuilder& builder, rt::GroupId group);
-  void add_bus_frames(VehicleBuilder& builder, rt::GroupId control, bool flies);
   void add_path(VehicleBuilder& builder, rt::GroupId control);
   void clear_start(const VehicleBuilder& builder, const GuideConfig& config);
   void add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
@@ -50,23 +48,21 @@ class Uav final : public Vehicle {
                                                       const planner::FlightMapConfig& size);
   void add_pilot_counters(VehicleBuilder& builder);
   void put_pose(rt::PoseEstimate& pose);
-  void take_frame(const drivers::CanFrame& frame, const Devices& devices, rt::Nanoseconds now_ns);
   void send_command(drivers::CanBus& can, const rt::RotorCommand& command);
 
+  rt::GroupId control_;
   // Inputs.
   rt::Stream<rt::ImuSample>* imu_{};
   rt::Stream<rt::UavFix>* fixes_{};
   rt::Stream<rt::FlyRequest>* requests_{};
-  InputPort<rt::ImuSample>* imu_port_{};
-  InputPort<rt::UavFix>* fix_port_{};
   InputPort<rt::FlyRequest>* request_port_{};
   // Algorithms; null where the scene leaves them out.
   std::unique_ptr<estimators::UavEstimator> estimator_;
   std::unique_ptr<planner::UavPilot> pilot_;
   std::vector<planner::KnownBox> boxes_;
   std::unique_ptr<planner::FlightMap> map_;
-  std::unique_ptr<planner::FlightMap> hope_;             // only where the map is sensed
-  OwnedPart<UavSensing, rt::Part::sensed_map> sensing_;  // the same
+  std::unique_ptr<planner::FlightMap> hope_;     // only where the map is sensed
+  OwnedPart<UavSensing, "sensed_map"> sensing_;  // the same
   std::unique_ptr<planner::UavPath> path_;
   std::unique_ptr<planner::UavGuide> guide_;
   // Tasks and what crosses groups.
@@ -79,12 +75,14 @@ class Uav final : public Vehicle {
   rt::Vector3 last_m_;
   bool located_{};
   // Devices.
-  drivers::CanSampleDecoder decoder_;
-  rt::Nanoseconds device_epoch_ns_{};
+  ImuKind imu_kind_{rt::kImuMeanRate};
   std::uint8_t command_counter_{};
   std::uint32_t rotor_count_{};
   std::uint64_t commands_sent_{};
   std::uint64_t commands_refused_{};
 };
+
+/// The core of the robot "uav". Set-up only; throws ProfileError.
+std::unique_ptr<Part> make_flight(VehicleBuilder& builder);
 
 }  // namespace sortie::firmware

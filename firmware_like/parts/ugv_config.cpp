@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/robots/ugv_config.hpp"
+#include "firmware_like/parts/ugv_config.hpp"
 
 #include "estimators/turning_centre.hpp"
 #include "firmware_like/scene/units.hpp"

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/parts/attitude_part.hpp"
+
+#include "drivers/can_frames.hpp"
+#include "firmware_like/parts/own_frames.hpp"
+#include "firmware_like/parts/ugv_config.hpp"
+
+namespace sortie::firmware {
+
+namespace {
+
+ImuKind read_imu_kind(Profile& profile) {
+  const bool mean =
+      profile.text("imu.samples", "mean", "what the IMU on the bus sends: means over the interval, or points",
+                   {"mean", "point"}) == "mean";
+  return {mean ? rt::kImuMeanRate : 0u};
+}
+
+ChosenAttitude read_filter(VehicleBuilder& builder) {
+  const estimators::AttitudeConfig config = read_attitude_config(builder);
+  return {config, builder.profile().text(
+                      "attitude.precision", "double",
+                      "numbers of the attitude filter: double, or float for a board without double",
+                      {"double", "float"}) == "float"};
+}
+
+}  // namespace
+
+AttitudePart::AttitudePart(VehicleBuilder& builder)
+    : group_(builder.group("control", 1000)),
+      imu_(builder.stream<rt::ImuSample>(group_, "IMU", 256, kBatch).first),
+      kind_(read_imu_kind(builder.profile())),
+      filter_(read_filter(builder)),
+      track_aid_(builder.profile().text("attitude.track_aid", "on",
+                                        "the tracks' acceleration is taken out of the specific force",
+                                        {"on", "off"}) == "on") {
+  builder.offer(*this);
+  builder.offer(kind_);
+  add_parameters(builder);
+  task_ = builder.task<rt::AttitudeEstimate>(group_, "attitude", 50,
+                                             [this](rt::JobContext&, rt::AttitudeEstimate& output) {
+                                               step_count_ = 0;
+                                               if (aid_) aid_(filter_);
+                                               for (const rt::ImuSample& sample : *imu_) {
+                                                 // A refused sample is counted by the filter, by reason.
+                                                 if (filter_.update(sample) != Status::ok) continue;
+                                                 steps_[step_count_++] = {filter_.estimate(), &sample};
+                                               }
+                                               output = filter_.estimate();
+                                             });
+  builder.remembers(task_, filter_);
+  builder.counters("imu_", filter_.counters());
+  builder.uses("IMU", [this] { return filter_.counters().used; });
+}
+
+void AttitudePart::add_parameters(VehicleBuilder& builder) {
+  const auto adjust = [&](const char* path, void (ChosenAttitude::*set)(double)) {
+    builder.parameter(group_, path, [this, set](double value) {
+      (filter_.*set)(value);
+      return Status::ok;
+    });
+  };
+  adjust("attitude.acc_time_constant_s", &ChosenAttitude::set_acc_time_constant);
+  adjust("attitude.bias_forgetting_s", &ChosenAttitude::set_bias_forgetting);
+}
+
+void AttitudePart::finish(VehicleBuilder& builder) {
+  const std::uint32_t imu[] = {drivers::kCanImuGyrId, drivers::kCanImuAccId};
+  add_device_frames(builder, imu, "can.imu_hz", 200, "how often the IMU sends");
+}
+
+std::unique_ptr<Part> make_attitude(VehicleBuilder& builder) {
+  return std::make_unique<AttitudePart>(builder);
+}
+
+}  // namespace sortie::firmware

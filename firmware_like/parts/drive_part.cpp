@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ground robot's drive and flippers: their tasks and what is told of them.
+#include "firmware_like/parts/drive_part.hpp"
+
+#include <stdexcept>
+#include <tuple>
+
+#include "drivers/can_frames.hpp"
+#include "firmware_like/parts/own_frames.hpp"
+#include "firmware_like/parts/ugv_drive_config.hpp"
+#include "firmware_like/parts/ugv_motors.hpp"
+
+namespace sortie::firmware {
+
+DrivePart::DrivePart(VehicleBuilder& builder)
+    : odometry_(*builder.find<OdometryPart>()), group_(builder.find<AttitudePart>()->group()) {
+  Profile& profile = builder.profile();
+  DriveSetup setup = read_drive_setup(builder);
+  std::vector<std::string> postures;
+  const bool wants_flippers = builder.wants("flippers", false);
+  if (rt::kBuilt<"flippers"> && wants_flippers) {
+    const FlipperSetup flippers = read_flipper_setup(builder);
+    postures = flippers.names;
+    flippers_ = std::make_unique<planner::FlipperPostures>();
+    if (flippers_->set_up(flippers.postures, flippers.config) != Status::ok)
+      profile.fail("flippers.postures", "cannot be used");
+  }
+  setup.config.postures = static_cast<std::int32_t>(postures.size());
+  request_rules_ = {setup.config.postures, setup.config.max_command_age_ns};
+  drive_ = std::make_unique<planner::UgvDrive>(setup.config);
+  if (drive_->set_route(read_route(builder)) != Status::ok)
+    profile.fail("mission.waypoints", "every waypoint must lie within 1000 km of the origin");
+  if (drive_->set_mission(read_mission(builder, postures)) != Status::ok)
+    profile.fail("mission.commands", "rows of one nanosecond are one row");
+  add_parameters(builder, setup.efficiency);
+  if (setup.remote)
+    std::tie(requests_, request_port_) = builder.stream<rt::DriveRequest>(group_, "DRIVE", 16, 8);
+  add_task(builder);
+  add_counters(builder);
+  if (rt::kBuilt<"flippers"> && flippers_) add_flippers(builder);
+  add_motors(builder);
+  emergency_.set_up(builder);
+}
+
+void DrivePart::add_task(VehicleBuilder& builder) {
+  drive_outlet_ = builder.outlet<rt::DriveCommand>(group_, "drive");
+  const rt::Stream<rt::ImuSample>& imu = builder.find<AttitudePart>()->imu();
+  const rt::TaskBase* task = builder.task<planner::UgvDriveOutput>(
+      group_, "drive", 50, [this, &imu](rt::JobContext& context, planner::UgvDriveOutput& output) {
+        if (requests_ != nullptr) {
+          // A refusal is counted in the output, by its reason.
+          for (const rt::DriveRequest& request : *requests_)
+            static_cast<void>(drive_->request(request, context.release_ns));
+        }
+        // Whatever cannot be used makes the robot stop, and the output says why.
+        static_cast<void>(drive_->update(odometry_.pose_task()->value(),
+                                         {imu.stale(), odometry_.tracks().stale()}, context.release_ns));
+        output = drive_->output();
+        drive_outlet_->put(drive_->command());
+      });
+  builder.remembers(task, *drive_);
+}
+
+void DrivePart::add_parameters(VehicleBuilder& builder, double efficiency) {
+  const auto adjust = [&](const char* path, Status (planner::UgvDrive::*set)(double), double scale) {
+    builder.parameter(group_, path,
+                      [this, set, scale](double value) { return (drive_.get()->*set)(scale * value); });
+  };
+  adjust("drive.max_speed_m_s", &planner::UgvDrive::set_max_speed, 1.0);
+  adjust("drive.max_turn_rate_rad_s", &planner::UgvDrive::set_max_turn_rate, 1.0);
+  adjust("drive.max_acceleration_m_s2", &planner::UgvDrive::set_max_acceleration, 1.0);
+  adjust("drive.track_width_m", &planner::UgvDrive::set_track_width, 1.0 / efficiency);
+}
+
+void DrivePart::add_counters(VehicleBuilder& builder) {
+  builder.counter("commands_sent",
+                  [this] { return drive_commands_.sent + own_motors_.drive_counters().sent; });
+  builder.counter("commands_refused",
+                  [this] { return drive_commands_.refused + own_motors_.drive_counters().refused; });
+  builder.counter("waypoints_reached", [this] { return drive_->follower().reached; });
+  // Every reason to stop by its name, and what became of requests.
+  builder.counters("drive_stops_", drive_->output().stops);
+  if (requests_ != nullptr) builder.counters("drive_requests_", drive_->output().requests);
+}
+
+void DrivePart::add_flippers(VehicleBuilder& builder) {
+  flipper_states_ = flipper_states(builder, group_).first;
+  own_motors_ = OwnMotors(true);
+  flipper_outlet_ = builder.outlet<rt::FlipperCommand>(group_, "flippers");
+  rt::Task<planner::FlipperOutput>* task = builder.task<planner::FlipperOutput>(
+      group_, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
+        // What is not finite does not come off the bus; a posture that does not exist is counted in the
+        // output.
+        for (const rt::FlipperSample& sample : *flipper_states_)
+          static_cast<void>(flippers_->observe(sample));
+        const planner::UgvDriveOutput& drive = drive_->output();
+        const bool hold = (drive.stop & (planner::kStopHalt | planner::kStopTilted)) != 0;
+        static_cast<void>(flippers_->update(drive.posture, hold, context.release_ns));
+        output = flippers_->output();
+        rt::FlipperCommand command;
+        command.stamp_ns = output.stamp_ns;
+        for (std::uint32_t i = 0; i < rt::kFlippers; ++i) command.angle_rad[i] = output.angle_rad[i];
+        command.flags = output.flags & planner::kFlippersEnabled;
+        command.asked = drive.asked;  // who asks for motion asks for all of it
+        flipper_outlet_->put(command);
+      });
+  builder.offer(*task);
+  builder.remembers(task, *flippers_);
+  builder.counter("flipper_commands_sent",
+                  [this] { return flipper_commands_.sent + own_motors_.flipper_counters().sent; });
+  builder.counter("flipper_commands_refused",
+                  [this] { return flipper_commands_.refused + own_motors_.flipper_counters().refused; });
+}
+
+void DrivePart::add_motors(VehicleBuilder& builder) {
+  track_port_ = builder.find_port<rt::TrackSample>("TRACK");
+  flipper_port_ = builder.find_port<rt::FlipperSample>("FLIPPER");
+  const MotorsConfig config = read_motors(builder.profile(), flippers_ != nullptr);
+  try {
+    // Guarded so that a build without a protocol has no code of it; what it lacks was refused before.
+    if constexpr (rt::kBuilt<"canopen">) {
+      if (config.canopen) motors_ = make_canopen(builder, *config.canopen);
+    }
+    if constexpr (rt::kBuilt<"odrive">) {
+      if (config.odrive) motors_ = make_odrive(builder, *config.odrive);
+    }
+  } catch (const std::runtime_error& error) {
+    builder.profile().fail("drives.protocol", error.what());
+  }
+  if (motors_) builder.offer(*motors_);
+}
+
+void DrivePart::finish(VehicleBuilder& builder) {
+  builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
+  if (motors_) return;  // motors on a protocol of their own have said their frames
+  using namespace drivers;
+  const std::uint32_t drive[] = {kCanDriveId};
+  const std::uint32_t flippers[] = {kCanFlipperFrontId, kCanFlipperRearId};
+  add_own_frames(builder, drive, OwnMotors::kDriveEvery);
+  if (flipper_outlet_ != nullptr) add_own_frames(builder, flippers, OwnMotors::kFlippersEvery);
+}
+
+std::unique_ptr<Part> make_drive(VehicleBuilder& builder) { return std::make_unique<DrivePart>(builder); }
+
+}  // namespace sortie::firmware
