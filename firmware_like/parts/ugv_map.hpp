@@ -76,6 +76,9 @@ class UgvMap {
   /// Null without segments, or where the profile publishes none.
   ReportQueue<rt::SegmentList>* segment_lists() const { return lists_.get(); }
   const ChosenMap& map() const { return *map_; }
+  const mapping::RollingGridConfig& config() const { return map_->grid().config(); }
+  /// As those of grid and sweeps, both at once.
+  Status set_ranges(double min_m, double max_m);
   const MapOutput& output() const { return output_; }
 
  private:

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "firmware_like/robots/ugv_config.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
 
@@ -54,14 +55,7 @@ void Ugv::add_attitude(VehicleBuilder& builder, rt::GroupId group) {
   track_aid_ = builder.profile().text("attitude.track_aid", "on",
                                       "the tracks' acceleration is taken out of the specific force",
                                       {"on", "off"}) == "on";
-  const auto adjust = [&](const char* path, void (ChosenAttitude::*set)(double)) {
-    builder.parameter(group, path, [this, set](double value) {
-      (attitude_.get()->*set)(value);
-      return Status::ok;
-    });
-  };
-  adjust("attitude.acc_time_constant_s", &ChosenAttitude::set_acc_time_constant);
-  adjust("attitude.bias_forgetting_s", &ChosenAttitude::set_bias_forgetting);
+  live_keys<estimators::AttitudeConfig>(builder, group, "attitude", *attitude_);
   attitude_task_ = builder.task<rt::AttitudeEstimate>(
       group, "attitude", 50, [this](rt::JobContext&, rt::AttitudeEstimate& output) {
         job_attitude_count_ = 0;

@@ -58,7 +58,6 @@ class Ugv final : public Vehicle, public UnitTryer {
   void listen_to_flippers(VehicleBuilder& builder, rt::GroupId group);
   void run_odometry();
   void add_drive(VehicleBuilder& builder, rt::GroupId group);
-  void add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency);
   void add_drive_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder, rt::GroupId group);
   void add_motors(VehicleBuilder& builder);

@@ -7,6 +7,7 @@
 #include "firmware_like/parts/ugv_drive_config.hpp"
 #include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/robots/ugv.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
 
@@ -29,7 +30,8 @@ void Ugv::add_drive(VehicleBuilder& builder, rt::GroupId group) {
     profile.fail("mission.waypoints", "every waypoint must lie within 1000 km of the origin");
   if (drive_->set_mission(read_mission(builder, postures)) != Status::ok)
     profile.fail("mission.commands", "rows of one nanosecond are one row");
-  add_drive_parameters(builder, group, setup.efficiency);
+  live_keys<planner::UgvDriveConfig>(builder, group, "drive", *drive_);
+  live_keys(builder, group, "drive", *drive_, setup.icr);
   if (setup.remote)
     std::tie(requests_, request_port_) = builder.stream<rt::DriveRequest>(group, "DRIVE", 16, 8);
   drive_outlet_ = builder.outlet<rt::DriveCommand>(group, "drive");
@@ -85,17 +87,6 @@ void Ugv::add_bus_frames(VehicleBuilder& builder) {
     add_device_frames(builder, states, "can.flipper_hz", 100, "how often the flippers tell their state");
   if (drive_outlet_ != nullptr) add_own_frames(builder, drive, OwnMotors::kDriveEvery);
   if (flipper_outlet_ != nullptr) add_own_frames(builder, flippers, OwnMotors::kFlippersEvery);
-}
-
-void Ugv::add_drive_parameters(VehicleBuilder& builder, rt::GroupId group, double efficiency) {
-  const auto adjust = [&](const char* path, Status (planner::UgvDrive::*set)(double), double scale) {
-    builder.parameter(group, path,
-                      [this, set, scale](double value) { return (drive_.get()->*set)(scale * value); });
-  };
-  adjust("drive.max_speed_m_s", &planner::UgvDrive::set_max_speed, 1.0);
-  adjust("drive.max_turn_rate_rad_s", &planner::UgvDrive::set_max_turn_rate, 1.0);
-  adjust("drive.max_acceleration_m_s2", &planner::UgvDrive::set_max_acceleration, 1.0);
-  adjust("drive.track_width_m", &planner::UgvDrive::set_track_width, 1.0 / efficiency);
 }
 
 void Ugv::add_drive_counters(VehicleBuilder& builder) {

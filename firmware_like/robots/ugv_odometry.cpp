@@ -5,6 +5,7 @@
 #include "firmware_like/parts/odometry_state.hpp"
 #include "firmware_like/robots/ugv.hpp"
 #include "firmware_like/robots/ugv_config.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
 
@@ -15,10 +16,7 @@ void Ugv::add_odometry(VehicleBuilder& builder, rt::GroupId group) {
   obstacle_flippers_ = obstacles_ && config.obstacle.modes.profile.flippers;
   if (rt::kBuilt<rt::Part::obstacles> && obstacle_flippers_) listen_to_flippers(builder, group);
   odometry_ = std::make_unique<estimators::TrackOdometry>(config);
-  builder.parameter(group, "odometry.scale", [this](double value) {
-    odometry_->set_scale(value);
-    return Status::ok;
-  });
+  live_keys<estimators::TrackOdometryConfig>(builder, group, "odometry", *odometry_);
   odometry_task_ = builder.task<rt::PoseEstimate>(group, "odometry", 50,
                                                   [this](rt::JobContext&, rt::PoseEstimate& output) {
                                                     run_odometry();
