@@ -10,6 +10,7 @@
 
 #include "drivers/motor_drive.hpp"
 #include "drivers/request_latch.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::drivers {
 
@@ -38,6 +39,15 @@ struct DriveGroupConfig {
   rt::Nanoseconds start_timeout_ns = 500 * rt::kNanosecondsPerMillisecond;
   /// How long drives may take to stop; then torque is taken off, at rest or not.
   rt::Nanoseconds stop_timeout_ns = 800 * rt::kNanosecondsPerMillisecond;
+
+  SORTIE_KEYS(c, key) {
+    key("command_timeout_ms", c.command_timeout_ns,
+        {1, 10'000, rt::kMsInNs, "without a new command for so long all drives stop"});
+    key("rearm_s", c.rearm_ns,
+        {0, 3600, rt::kSInNs,
+         "after a stop the drives run again when all have been well for so long; 0: only when they are asked "
+         "anew"});
+  }
 };
 
 /// Where a group stands.

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "drivers/can_bus.hpp"
+#include "rt/keys.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers {
@@ -14,6 +15,13 @@ struct EmergencyButtonConfig {
   /// The button says every so often how it is; silence longer than this counts as pressed, and so does the
   /// time before its first frame. 0: there need not be a button; only a frame that says "pressed" counts.
   rt::Nanoseconds silence_ns = 0;
+
+  SORTIE_KEYS(c, key) {
+    key("button_timeout_ms", c.silence_ns,
+        {0, 10'000, rt::kMsInNs,
+         "silence of the emergency stop's button on the bus that counts as pressed; 0: there need not be "
+         "one"});
+  }
 };
 
 /// The button. What cannot be read counts as pressed; a frame with the counter of the one before tells

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "rt/keys.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::drivers {
@@ -14,6 +15,13 @@ struct GpioLineConfig {
   std::string chip = "/dev/gpiochip0";
   std::uint32_t line = 0;
   bool active_low = false;
+
+  /// `chip` decides whether there is a line at all.
+  SORTIE_KEYS(c, key) {
+    key("gpio_line", c.line, {0, 1023, "", "line of the emergency stop's contact on that chip"});
+    key("gpio_active_low", c.active_low,
+        {"pressed is the low level, as where a broken wire counts as pressed"});
+  }
 };
 
 /// An input line. After open() no call allocates or blocks; a reading is one system call. One thread.

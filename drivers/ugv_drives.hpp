@@ -10,6 +10,7 @@
 #include "drivers/drive_group.hpp"
 #include "drivers/soft_target.hpp"
 #include "drivers/ugv_motors.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::drivers {
 
@@ -24,6 +25,22 @@ struct UgvDrivesConfig {
   double soft_start_m_s2 = 2.0;
   double soft_start_rad_s = 1.0;
 };
+
+/// Keys of every protocol's config `c`, which calls its cycle and its silence by names of its own.
+template <class Config, class Span, class Key>
+constexpr void shared_drive_keys(Config& c, Span& cycle_ns, Span& silence_ns, Key&& key) {
+  constexpr rt::KeySpec kNode{1, 127, "", "number of this drive on the bus"};
+  key("node_left", c.track_nodes[0], kNode);
+  key("node_right", c.track_nodes[1], kNode);
+  key("node_front_left", c.flipper_nodes[0], kNode);
+  key("node_front_right", c.flipper_nodes[1], kNode);
+  key("node_rear_left", c.flipper_nodes[2], kNode);
+  key("node_rear_right", c.flipper_nodes[3], kNode);
+  key("sync_ms", cycle_ns, {1, 255, rt::kMsInNs, "between commands, whole ms"});
+  key("heartbeat_timeout_ms", silence_ns,
+      {1, 60'000, rt::kMsInNs, "silence after which a drive stops by itself, or counts as lost, whole ms"});
+  DriveGroupConfig::keys(c.group, key);
+}
 
 /// Tracks come first among the drives, flippers behind them.
 inline constexpr std::size_t kTracks = 2;

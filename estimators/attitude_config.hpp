@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
+#include "rt/status.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::estimators {
@@ -81,6 +83,25 @@ struct AttitudeConfig {
   rt::Nanoseconds max_aid_age_ns{200 * rt::kNanosecondsPerMillisecond};  ///< an older speed is no aid
   double aid_window_s{1.0};           ///< over which tracks and accelerometer are compared
   double aid_disagreement_m_s2{0.4};  ///< the tracks' acceleration may explain so much worse than none
+
+  SORTIE_KEYS(c, key) {
+    key("acc_time_constant_s", c.acc_time_constant_s,
+        {0.01, 100, "s", "low-pass of the specific force in the world frame", rt::kKnob},
+        [](auto& filter, double value) { return filter.set_acc_time_constant(value), Status::ok; });
+    key("bias_sigma_rad_s", c.bias_sigma_initial_rad_s,
+        {0, 1, "rad/s", "sigma of the gyro bias at start; 0: no bias filter", rt::kKnob});
+    key("bias_forgetting_s", c.bias_forgetting_s,
+        {1, 1e6, "s", "in which the gyro bias walks by 0.1 deg/s, 1 sigma", rt::kKnob},
+        [](auto& filter, double value) { return filter.set_bias_forgetting(value), Status::ok; });
+    key("block_ms", c.block_ns,
+        {0.001, 1000, rt::kMsInNs, "between looks at the accelerometer, the bias and rest", rt::kKnob});
+    constexpr const char* kArm = "place of the IMU, seen from the point whose speed the tracks tell";
+    key("imu.x_m", c.p_body_imu_m[0], {-10, 10, "m", kArm});
+    key("imu.y_m", c.p_body_imu_m[1], {-10, 10, "m", kArm});
+    key("imu.z_m", c.p_body_imu_m[2], {-10, 10, "m", kArm});
+    key("max_rate_rad_s", c.max_rate_rad_s, {0.1, 1e4, "rad/s", "a faster reading is no reading"});
+    key("max_coast_ms", c.max_coast_ns, {1, 1e5, rt::kMsInNs, "longest gap bridged with a held rate"});
+  }
 };
 
 /// What happened to the samples, since start. used + the refusals = all samples given.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 
 namespace sortie::estimators {
@@ -21,6 +22,22 @@ struct TrackProfile {
   double flipper_m{0.33}, tip_radius_m{0.029};  ///< length to the tip's wheel, its radius
   SORTIE_FIELDS(half_length_m, axle_m, radius_m, half_width_m, com_x_m, com_z_m, flippers, pivot_x_m,
                 pivot_z_m, pivot_radius_m, flipper_m, tip_radius_m)
+
+  SORTIE_KEYS(c, key) {
+    key("half_length_m", c.half_length_m, {0.01, 10, "m", "from the middle of a track to a wheel's axle"});
+    key("radius_m", c.radius_m, {0.001, 10, "m", "of the wheels, belt and grousers included"});
+    key("axle_m", c.axle_m, {-10, 10, "m", "height of the axles above the place that poses mean"});
+    key("half_width_m", c.half_width_m, {0.01, 10, "m", "from the middle to the middle of a track"});
+    key("com_x_m", c.com_x_m, {-10, 10, "m", "centre of mass ahead of the place that poses mean"});
+    key("com_z_m", c.com_z_m, {-10, 10, "m", "centre of mass above it"});
+    key("flippers", c.flippers, {"it has flippers, and they can carry it"});
+    if (!c.flippers) return;
+    key("pivot_x_m", c.pivot_x_m, {0, 10, "m", "the front flippers' joint ahead, the rear ones' behind"});
+    key("pivot_z_m", c.pivot_z_m, {-10, 10, "m", "and above the place that poses mean"});
+    key("pivot_radius_m", c.pivot_radius_m, {0.001, 10, "m", "of the wheel around the joint"});
+    key("flipper_m", c.flipper_m, {0.001, 10, "m", "from the joint to the tip's axle"});
+    key("tip_radius_m", c.tip_radius_m, {0.001, 10, "m", "of the wheel at the tip"});
+  }
 
   /// Height of the lower run: negative.
   constexpr double run_m() const { return axle_m - radius_m; }

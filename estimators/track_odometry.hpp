@@ -10,6 +10,7 @@
 #include "estimators/pose_covariance.hpp"
 #include "estimators/steering_efficiency.hpp"
 #include "rt/built_parts.hpp"
+#include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"
 #include "rt/stamp_gate.hpp"
@@ -50,6 +51,26 @@ struct TrackOdometryConfig {
   ObstacleOdometryConfig obstacle;
   bool learn_steering{};    ///< slip is judged by the steering efficiency that the gyro shows, not by 1
   SteeringConfig steering;  ///< its track width is the one above
+
+  /// One scale is written for both tracks; it is in `scale_left` then.
+  SORTIE_KEYS(c, key) {
+    key("scale", c.scale_left, {0.1, 10, "", "true metres per measured metre of both tracks"},
+        [](auto& odometry, double value) { return odometry.set_scale(value), Status::ok; });
+    key("track_width_m", c.track_width_m,
+        {0, 10, "m", "distance of the tracks' turning centres, for the slip check; 0: no check"});
+    key("max_speed_m_s", c.max_speed_m_s, {0.01, 100, "m/s", "a faster track is a counter that jumped"});
+    key("max_extrapolation_ms", c.max_extrapolation_ns,
+        {0, 1e4, rt::kMsInNs, "how far behind the newest attitude a track sample may lie", rt::kKnob});
+    key("steering", c.learn_steering,
+        {"slip is judged by the turn that the tracks' distance claims, or by what the gyro has shown",
+         {{"fixed", false}, {"learned", true}},
+         rt::kKnob});
+    key("obstacles", c.obstacles,
+        {"on: edges, falls and flippers are known; off: all ground is a plane, nothing is there or runs for "
+         "more",
+         {{"on", true}, {"off", false}},
+         rt::kKnob});
+  }
 };
 
 /// What happened to the samples, since start. used + the refusals = all track samples given.

@@ -6,6 +6,7 @@
 
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 #include "rt/time.hpp"
 
@@ -49,6 +50,16 @@ struct DriveGuardConfig {
   double tilt_hysteresis_rad{0.1};  ///< both must be this far below their limits again
   rt::Nanoseconds max_pose_age_ns{300 * rt::kNanosecondsPerMillisecond};
   rt::Nanoseconds resume_ns{200 * rt::kNanosecondsPerMillisecond};  ///< without any reason, at rest
+
+  SORTIE_KEYS(c, key) {
+    key("max_pose_age_ms", c.max_pose_age_ns, {1, 1e4, rt::kMsInNs, "with an older pose the robot stops"});
+    key("max_roll_deg", c.max_roll_rad, {1, 180, rt::kDegInRad, "tilted further the robot stops"});
+    key("max_pitch_deg", c.max_pitch_rad, {1, 90, rt::kDegInRad, "tilted further the robot stops"});
+    key("tilt_hysteresis_deg", c.tilt_hysteresis_rad,
+        {0, 90, rt::kDegInRad, "it goes on when both are so far below their limits"});
+    key("resume_ms", c.resume_ns,
+        {0, 1e5, rt::kMsInNs, "after a stop: at rest and without any reason for so long"});
+  }
 };
 
 /// What the guard judges at one moment.

@@ -8,6 +8,7 @@
 
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 
@@ -24,6 +25,11 @@ struct FlipperConfig {
   double rate_rad_s{0.8};      ///< of the flipper that has the longest way
   double tolerance_rad{0.05};  ///< a measured angle this near is there
   std::uint32_t initial{};     ///< posture at the start, where the flippers do not say where they are
+
+  SORTIE_KEYS(c, key) {
+    key("rate_deg_s", c.rate_rad_s, {0.1, 1000, rt::kDegSInRadS, "of the flipper that has the longest way"});
+    key("tolerance_deg", c.tolerance_rad, {0, 90, rt::kDegInRad, "a measured angle this near is there"});
+  }
 };
 
 /// What the flippers are asked to do, and how far they are.

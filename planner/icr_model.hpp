@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::planner {
 
@@ -59,6 +60,30 @@ struct IcrModel {
   /// Belt speed that a turn rate of 1 rad/s takes at most: |l|, |r| <= |v| + lever() |w|. With centres that
   /// lie evenly about the body this is an equality for the faster track.
   double lever_m() const { return std::max(std::fabs(y_left_m), std::fabs(y_right_m)); }
+};
+
+/// The same as it is measured and written. A new distance of the tracks comes to set_track_width() as that of
+/// their turning centres.
+struct WrittenIcr {
+  double track_width_m{0.4};
+  double efficiency{1.0};
+  double x_m{};
+  double y_m{};
+
+  IcrModel model() const { return IcrModel::from_efficiency(track_width_m, efficiency, x_m, y_m); }
+
+  SORTIE_KEYS(c, key) {
+    key("track_width_m", c.track_width_m,
+        {0.05, 10, "m", "distance of the tracks, or of their turning centres with efficiency 1"},
+        [widening = 1.0 / c.efficiency](auto& drive, double value) {
+          return drive.set_track_width(widening * value);
+        });
+    key("steering_efficiency", c.efficiency,
+        {0.05, 1, "", "distance of the tracks / distance of their turning centres"});
+    key("turning_centre_x_m", c.x_m, {-10, 10, "m", "forward place of the body's turning centre"});
+    key("turning_centre_y_m", c.y_m,
+        {-0.02, 0.02, "m", "middle of the tracks' turning centres, to the left"});
+  }
 };
 
 }  // namespace sortie::planner

@@ -10,6 +10,7 @@
 #include "planner/ray_scheduler.hpp"
 #include "planner/ray_stride.hpp"
 #include "rt/archive.hpp"
+#include "rt/keys.hpp"
 #include "rt/ssl_samples.hpp"
 
 namespace sortie::planner {
@@ -27,6 +28,24 @@ struct SslChoiceConfig {
   SslPolicy policy{SslPolicy::scheduled};
   RaySchedulerConfig scheduler;  ///< its `rays` hold for every policy, at most kSslMaxRays
   std::uint64_t seed{1};         ///< of `random`
+
+  SORTIE_KEYS(c, key) {
+    key("policy", c.policy,
+        {"who says which rays are fired: the scheduler over a map, the same even grid, chance, or strides "
+         "through all directions",
+         {{"scheduled", SslPolicy::scheduled},
+          {"grid", SslPolicy::grid},
+          {"random", SslPolicy::random},
+          {"stride", SslPolicy::stride}}});
+    key("rays", c.scheduler.rays, {1, rt::kSslMaxRays, "", "asked for at every release"});
+    key("seed", c.seed, {0, 4294967295.0, "", "of rays that are chosen by chance"});
+    key("positions", c.scheduler.positions,
+        {1, RaySizes::kMostPositions, "", "releases that are planned together, the next one among them"});
+    key("range_m", c.scheduler.sensor.range_m, {0.5, 65, "m", "rays are planned up to here"});
+    key("unknown", c.scheduler.model.unknown,
+        {"behind the first unknown cell a planned ray goes on with the prior, or ends",
+         {{"prior", UnknownSpace::prior}, {"stop", UnknownSpace::stop}}});
+  }
 };
 
 /// The next command, whatever the policy. Memory is the caller's, and only the scheduler has some; no heap.

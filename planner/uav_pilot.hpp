@@ -11,6 +11,7 @@
 #include "planner/uav_control/uav_control.hpp"
 #include "planner/uav_way.hpp"
 #include "rt/archive.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::planner {
 
@@ -42,6 +43,16 @@ struct UavPilotConfig {
   rt::Nanoseconds ask_again_ns{rt::kNanosecondsPerSecond};
   bool lands{};                                               ///< after the mission's last goal
   rt::Nanoseconds max_command_age_ns{kMostFlyRequestAge_ns};  ///< a request that waited longer is refused
+
+  SORTIE_KEYS(c, key) {
+    UavControlConfig::keys(c.control, key);
+    key("take_off_m", c.take_off_m, {0.3, 50, "m", "straight up, before all else"});
+    key("reach_m", c.reach_m, {0.005, 5, "m", "so near to a goal counts as there"},
+        [](auto& pilot, double value) { return pilot.set_reach(value); });
+    key("ask_again_s", c.ask_again_ns, {0.1, 1000, rt::kSInNs, "after there was no way to a goal"});
+    key("mission.start_s", c.start_wait_ns, {0, 3600, rt::kSInNs, "the vehicle stands this long"});
+    key("mission.land", c.lands, {"after the last goal it lands where it is"});
+  }
 };
 
 /// What the pilot decides. For telemetry, digest, the rotors and the planner.

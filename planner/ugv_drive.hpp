@@ -13,6 +13,7 @@
 #include "planner/waypoint_follower.hpp"
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
@@ -101,6 +102,27 @@ struct UgvDriveConfig {
   bool start_halted{};      ///< begins as if a halt had been asked for: only a release lets it drive
   DriveGuardConfig guard{};
   WaypointFollowerConfig follower{};
+
+  /// `icr` is written as a WrittenIcr, `step_ns` as the rate of a group.
+  SORTIE_KEYS(c, key) {
+    key("max_speed_m_s", c.max_speed_m_s, {0.01, 10, "m/s", "of the body along its way"},
+        [](auto& drive, double value) { return drive.set_max_speed(value); });
+    key("max_turn_rate_rad_s", c.max_turn_rad_s, {0.01, 10, "rad/s", "of the body"},
+        [](auto& drive, double value) { return drive.set_max_turn_rate(value); });
+    key("max_track_speed_m_s", c.max_track_m_s,
+        {0.01, 20, "m/s", "of either belt; what needs more is driven slower on the same curve"});
+    key("max_acceleration_m_s2", c.ramps.speed.acceleration, {0.01, 20, "m/s2", "of the body along its way"},
+        [](auto& drive, double value) { return drive.set_max_acceleration(value); });
+    key("max_jerk_m_s3", c.ramps.speed.jerk, {0.01, 1000, "m/s3", "how fast that builds up"});
+    key("max_turn_acceleration_rad_s2", c.ramps.turn.acceleration, {0.01, 100, "rad/s2", "of the body"});
+    key("max_turn_jerk_rad_s3", c.ramps.turn.jerk, {0.01, 10'000, "rad/s3", "how fast that builds up"});
+    key("stop_deceleration_m_s2", c.stop.acceleration,
+        {0.01, 20, "m/s2", "of every stop; turning stops by as much more firmly than it usually slows down"});
+    key("stop_jerk_m_s3", c.stop.jerk, {0.01, 1000, "m/s3", "how fast the deceleration of a stop builds up"});
+    DriveGuardConfig::keys(c.guard, key);
+    WaypointFollowerConfig::keys(c.follower, key);
+    key("mission.start_s", c.start_wait_ns, {0, 3600, rt::kSInNs, "the robot stands still this long"});
+  }
 };
 
 /// What the drive sees of the robot at one update.

@@ -9,6 +9,7 @@
 #include "planner/twist_limiter.hpp"
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
@@ -37,6 +38,17 @@ struct WaypointFollowerConfig {
   double back_off_m{0.3};           ///< drives back so far, then tries again
   std::uint32_t stuck_tries{3};     ///< then it stays where it is until it is told otherwise
   bool repeat{false};               ///< after the last waypoint comes the first
+
+  SORTIE_KEYS(c, key) {
+    key("reach_m", c.reach_radius_m, {0.01, 10, "m", "a waypoint this near counts as reached"});
+    key("creep_speed_m_s", c.creep_speed_m_s, {0.001, 1, "m/s", "least speed on the way"});
+    key("reverse_m", c.reverse_m,
+        {0, 1000, "m", "a waypoint behind and nearer than this is driven to in reverse"});
+    key("stuck_s", c.stuck_s, {0, 3600, "s", "so long without progress is stuck; 0: never"});
+    key("stuck_tries", c.stuck_tries, {0, 1000, "", "times it backs off and tries again, for each waypoint"});
+    key("back_off_m", c.back_off_m, {0, 10, "m", "how far it drives back when it is stuck"});
+    key("mission.repeat", c.repeat, {"after the last waypoint comes the first"});
+  }
 };
 
 /// What happened, since start.

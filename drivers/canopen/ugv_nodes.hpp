@@ -10,6 +10,7 @@
 #include "drivers/can_load.hpp"
 #include "drivers/canopen/node_line.hpp"
 #include "drivers/ugv_drives.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::drivers::canopen {
 
@@ -26,6 +27,16 @@ struct UgvNodesConfig {
   NodeLineConfig line{};
   DriveGroupConfig group{};
   rt::Nanoseconds heartbeat_timeout_ns = 150 * rt::kNanosecondsPerMillisecond;
+
+  SORTIE_KEYS(c, key) {
+    shared_drive_keys(c, c.line.sync_period_ns, c.heartbeat_timeout_ns, key);
+    key("node_master", c.line.node, {1, 127, "", "number of this drive on the bus"});
+    key("increments_per_m", c.increments_per_m, {1, 1e8, "1/m", "canopen: of a track's encoder"});
+    key("increments_per_rad", c.increments_per_rad, {1, 1e8, "1/rad", "canopen: of a flipper's encoder"});
+    key("rated_torque_n_m", c.rated_torque_n_m, {0.001, 1e6, "N m", "canopen: of a flipper, for its torque"});
+    key("heartbeat_ms", c.line.heartbeat_ns,
+        {1, 10'000, rt::kMsInNs, "canopen: of each drive and of the runtime, whole ms"});
+  }
 };
 
 /// What these drives and the runtime put on the bus again and again, for can_load(). Set-up only.

@@ -9,6 +9,7 @@
 #include "drivers/can_load.hpp"
 #include "drivers/odrive/axis_line.hpp"
 #include "drivers/ugv_drives.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::drivers::odrive {
 
@@ -26,6 +27,18 @@ struct UgvAxesConfig {
   bool prove_watchdog = true;
   AxisLineConfig line{};
   DriveGroupConfig group{};
+
+  SORTIE_KEYS(c, key) {
+    shared_drive_keys(c, c.line.period_ns, c.silence_ns, key);
+    key("turns_per_m", c.turns_per_m, {1e-3, 1e6, "1/m", "odrive: of a track's motor"});
+    key("turns_per_rad", c.turns_per_rad, {1e-3, 1e6, "1/rad", "odrive: of a flipper's motor"});
+    key("torque_per_a_n_m", c.torque_per_a_n_m,
+        {-1e4, 1e4, "N m/A", "odrive: of a flipper, by the current of its motor"});
+    key("velocity_limit_turn_s", c.velocity_limit_turn_s,
+        {1e-3, 1e4, "1/s", "odrive: no motor turns faster"});
+    key("current_limit_a", c.current_limit_a, {1e-3, 1e4, "A", "odrive: of each motor"});
+    key("prove_watchdog", c.prove_watchdog, {"odrive: each axis must stop by itself once before it may run"});
+  }
 };
 
 /// What these axes and the runtime put on the bus again and again, for can_load(): estimates (and currents

@@ -9,6 +9,7 @@
 #include "estimators/uav_state/inertial_step.hpp"
 #include "estimators/uav_state/refused_run.hpp"
 #include "rt/archive.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 #include "rt/stamp_gate.hpp"
 #include "rt/status.hpp"
@@ -41,6 +42,23 @@ struct UavEstimatorConfig {
   double max_rate_rad_s{40.0};      ///< a larger reading is no reading
   double max_acc_m_s2{400.0};
   DisturbanceConfig disturbance;
+
+  SORTIE_KEYS(c, key) {
+    key("fix_sigma_m", c.fix_sigma_m, {1e-4, 10, "m", "of a fix, each axis", rt::kKnob});
+    key("fix_yaw_sigma_rad", c.fix_yaw_sigma_rad, {1e-4, 1, "rad", "of a fix's heading", rt::kKnob});
+    constexpr const char* kDensity = "density that the filter reckons with";
+    key("gyr_noise_rad_s_rt_hz", c.noise.gyr_rad_s_rt_hz, {1e-6, 1, "rad/s/rtHz", kDensity, rt::kKnob});
+    key("acc_noise_m_s2_rt_hz", c.noise.acc_m_s2_rt_hz, {1e-5, 10, "m/s2/rtHz", kDensity, rt::kKnob});
+    constexpr const char* kArm = "where the IMU sits, from the body's origin";
+    key("imu.x_m", c.p_body_imu_m.x, {-10, 10, "m", kArm});
+    key("imu.y_m", c.p_body_imu_m.y, {-10, 10, "m", kArm});
+    key("imu.z_m", c.p_body_imu_m.z, {-10, 10, "m", kArm});
+    key("dead_after_s", c.dead_after_s, {0.05, 10, "s", "without a fix: dead reckoning, it hovers"});
+    key("lost_after_s", c.lost_after_s, {0.1, 60, "s", "without a fix: lost, it sinks level"});
+    key("lost_sigma_m", c.lost_sigma_m, {0.05, 100, "m", "also lost: standard deviation of the worst axis"});
+    key("disturbance_hz", c.disturbance.across_hz,
+        {0.1, 50, "Hz", "bandwidth of the observed wind, square to the rotors' axis", rt::kKnob});
+  }
 };
 
 /// What happened to the samples, since start. fixes_used + fixes_refused + fixes_gated = all fixes given.

@@ -4,6 +4,7 @@
 #include "drivers/can_frames.hpp"
 #include "firmware_like/parts/own_frames.hpp"
 #include "firmware_like/parts/ugv_config.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
 
@@ -36,7 +37,7 @@ AttitudePart::AttitudePart(VehicleBuilder& builder)
                                         {"on", "off"}) == "on") {
   builder.offer(*this);
   builder.offer(kind_);
-  add_parameters(builder);
+  live_keys<estimators::AttitudeConfig>(builder, group_, "attitude", filter_);
   task_ = builder.task<rt::AttitudeEstimate>(group_, "attitude", 50,
                                              [this](rt::JobContext&, rt::AttitudeEstimate& output) {
                                                step_count_ = 0;
@@ -51,17 +52,6 @@ AttitudePart::AttitudePart(VehicleBuilder& builder)
   builder.remembers(task_, filter_);
   builder.counters("imu_", filter_.counters());
   builder.uses("IMU", [this] { return filter_.counters().used; });
-}
-
-void AttitudePart::add_parameters(VehicleBuilder& builder) {
-  const auto adjust = [&](const char* path, void (ChosenAttitude::*set)(double)) {
-    builder.parameter(group_, path, [this, set](double value) {
-      (filter_.*set)(value);
-      return Status::ok;
-    });
-  };
-  adjust("attitude.acc_time_constant_s", &ChosenAttitude::set_acc_time_constant);
-  adjust("attitude.bias_forgetting_s", &ChosenAttitude::set_bias_forgetting);
 }
 
 void AttitudePart::finish(VehicleBuilder& builder) {

@@ -38,8 +38,6 @@ class AttitudePart final : public Part {
 
  private:
   static constexpr std::uint32_t kBatch = 64;
-  void add_parameters(VehicleBuilder& builder);
-
   rt::GroupId group_;
   rt::Stream<rt::ImuSample>* imu_{};
   ImuKind kind_;

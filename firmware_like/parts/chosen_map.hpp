@@ -9,6 +9,7 @@
 #include "mapping/segments/segment_features.hpp"
 #include "rt/arena.hpp"
 #include "rt/built_parts.hpp"
+#include "rt/keys.hpp"
 
 namespace sortie::firmware {
 
@@ -27,6 +28,25 @@ struct ChosenMapConfig {
   std::uint32_t blocks{};
   std::uint32_t most_segments{};
   std::uint32_t scan_points{};  ///< of the longest scan
+
+  /// All but the grid's, which the defaults of others follow from, and the longest scan.
+  SORTIE_KEYS(c, key) {
+    key("segments", c.by,
+        {"what makes voxels a segment",
+         {{"off", SegmentsBy::off},
+          {"euclidean", SegmentsBy::euclidean},
+          {"smoothness", SegmentsBy::smoothness}}});
+    mapping::SegmenterConfig::keys(c.segments, key);
+    key("limits.segments", c.most_segments,
+        {1, 65534, "segments", "pool of the ids that are in use at a time"});
+    mapping::NormalsConfig::keys(c.normals, key);
+    key("most_angle_deg", c.most_angle_rad,
+        {0.1, 60, rt::kDegInRad, "between normals of neighbours in one segment"});
+    key("most_curvature", c.most_curvature, {0, 1.0 / 3, "", "of a voxel that a segment grows from"});
+    key("limits.voxels", c.voxels, {4, 262'136, "voxels", "pool of the map; whole fours of it", rt::kKnob});
+    key("limits.blocks", c.blocks,
+        {0, 65'534, "blocks", "pool of the map's blocks of 4 x 4 x 4 voxels; 0: one for 4 voxels"});
+  }
 };
 
 /// What the segmenter shows of itself as a whole.

@@ -9,6 +9,8 @@
 #include "firmware_like/parts/own_frames.hpp"
 #include "firmware_like/parts/ugv_drive_config.hpp"
 #include "firmware_like/parts/ugv_motors.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -32,7 +34,8 @@ DrivePart::DrivePart(VehicleBuilder& builder)
     profile.fail("mission.waypoints", "every waypoint must lie within 1000 km of the origin");
   if (drive_->set_mission(read_mission(builder, postures)) != Status::ok)
     profile.fail("mission.commands", "rows of one nanosecond are one row");
-  add_parameters(builder, setup.efficiency);
+  live_keys<planner::UgvDriveConfig>(builder, group_, "drive", *drive_);
+  live_keys(builder, group_, "drive", *drive_, setup.icr);
   if (setup.remote)
     std::tie(requests_, request_port_) = builder.stream<rt::DriveRequest>(group_, "DRIVE", 16, 8);
   add_task(builder);
@@ -59,17 +62,6 @@ void DrivePart::add_task(VehicleBuilder& builder) {
         drive_outlet_->put(drive_->command());
       });
   builder.remembers(task, *drive_);
-}
-
-void DrivePart::add_parameters(VehicleBuilder& builder, double efficiency) {
-  const auto adjust = [&](const char* path, Status (planner::UgvDrive::*set)(double), double scale) {
-    builder.parameter(group_, path,
-                      [this, set, scale](double value) { return (drive_.get()->*set)(scale * value); });
-  };
-  adjust("drive.max_speed_m_s", &planner::UgvDrive::set_max_speed, 1.0);
-  adjust("drive.max_turn_rate_rad_s", &planner::UgvDrive::set_max_turn_rate, 1.0);
-  adjust("drive.max_acceleration_m_s2", &planner::UgvDrive::set_max_acceleration, 1.0);
-  adjust("drive.track_width_m", &planner::UgvDrive::set_track_width, 1.0 / efficiency);
 }
 
 void DrivePart::add_counters(VehicleBuilder& builder) {

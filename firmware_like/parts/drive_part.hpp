@@ -29,7 +29,6 @@ class DrivePart final : public Part {
 
  private:
   void add_task(VehicleBuilder& builder);
-  void add_parameters(VehicleBuilder& builder, double efficiency);
   void add_counters(VehicleBuilder& builder);
   void add_flippers(VehicleBuilder& builder);
   void add_motors(VehicleBuilder& builder);

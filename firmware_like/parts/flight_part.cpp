@@ -5,6 +5,7 @@
 
 #include "drivers/can_codec.hpp"
 #include "firmware_like/parts/own_frames.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
 
@@ -114,7 +115,7 @@ void FlightPart::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
     builder.profile().fail("airframe.mass_kg", "no stable controller could be designed for this vehicle");
   if (pilot_->set_mission(read_uav_mission(builder)) != Status::ok)
     builder.profile().fail("mission.goals", "every goal must lie within 8 km of the origin");
-  builder.parameter(group, "flight.reach_m", [this](double value) { return pilot_->set_reach(value); });
+  live_keys<planner::UavPilotConfig>(builder, group, "flight", *pilot_);
 }
 
 void FlightPart::add_pilot(VehicleBuilder& builder, rt::GroupId group) {

@@ -7,6 +7,8 @@
 #include "firmware_like/parts/odometry_state.hpp"
 #include "firmware_like/parts/own_frames.hpp"
 #include "firmware_like/parts/ugv_config.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
+#include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
 
@@ -26,10 +28,7 @@ OdometryPart::OdometryPart(VehicleBuilder& builder)
   odometry_ = std::make_unique<estimators::TrackOdometry>(config);
   builder.offer(*this);
   attitude_.set_aid([this](ChosenAttitude& filter) { tell(filter); });
-  builder.parameter(group, "odometry.scale", [this](double value) {
-    odometry_->set_scale(value);
-    return Status::ok;
-  });
+  live_keys<estimators::TrackOdometryConfig>(builder, group, "odometry", *odometry_);
   task_ = builder.task<rt::PoseEstimate>(group, "odometry", 50,
                                          [this](rt::JobContext&, rt::PoseEstimate& output) {
                                            run();

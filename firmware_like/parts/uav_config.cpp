@@ -12,61 +12,14 @@ namespace sortie::firmware {
 
 namespace {
 
-// The AscTec Neo with propellers of 11 inches, as RotorS' controllers know it.
 planner::UavModel read_airframe(Profile& profile) {
-  planner::UavModel model;
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, unit, meaning});
-  };
-  const char* inertia = "moment of inertia of the whole vehicle";
-  model.mass_kg = number("airframe.mass_kg", 3.42, 0.05, 50, "kg", "of the whole vehicle");
-  model.inertia_kg_m2 = {number("airframe.inertia_xx_kg_m2", 0.0608, 1e-5, 50, "kg m2", inertia),
-                         number("airframe.inertia_yy_kg_m2", 0.0688, 1e-5, 50, "kg m2", inertia),
-                         number("airframe.inertia_zz_kg_m2", 0.1489, 1e-5, 50, "kg m2", inertia)};
-  const auto rotors = static_cast<std::uint32_t>(profile.integer(
-      "airframe.rotors", {6, 4, rt::kMaxRotors, "", "in a regular ring, turning by turns left and right"}));
-  const double arm_m = number("airframe.arm_m", 0.2895, 0.02, 3, "m", "from the middle to a rotor");
-  const double first_deg = number("airframe.first_rotor_deg", 30, -360, 360, "deg",
-                                  "of rotor 1, from ahead to the left; it turns left");
-  planner::place_rotors(model, rotors, arm_m, first_deg * kDegree);
-  model.thrust_n_s2 =
-      number("airframe.thrust_n_s2", 1.269e-5, 1e-9, 1, "N s2", "thrust / square of the speed");
-  model.moment_m = number("airframe.moment_m", 0.016754, 1e-6, 1, "m", "yaw torque / thrust");
-  model.tau_up_s =
-      1e-3 * number("airframe.tau_up_ms", 18.2, 0.01, 500, "ms", "lag of a rotor that speeds up");
-  model.tau_down_s =
-      1e-3 * number("airframe.tau_down_ms", 18.2, 0.01, 500, "ms", "lag of a rotor that slows down");
-  model.max_speed_rad_s =
-      number("airframe.max_rotor_rad_s", 1047.2, 10, 1310, "rad/s", "most that a rotor is asked for");
+  planner::RegularMultirotor airframe;
+  profile.read("airframe", airframe);
+  planner::UavModel& model = airframe.model;
+  planner::place_rotors(model, model.rotors, airframe.arm_m, airframe.first_rad);
   if (planner::check(model) != Status::ok)
     profile.fail("airframe.mass_kg", "the rotors cannot lift that: more weight than thrust");
   return model;
-}
-
-void read_flight(Profile& profile, planner::UavPilotConfig& pilot) {
-  planner::UavControlConfig& control = pilot.control;
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, unit, meaning});
-  };
-  planner::ProfileLimits& limits = control.profile;
-  limits.speed_m_s = number("flight.speed_m_s", limits.speed_m_s, 0.05, 10, "m/s", "most, across");
-  limits.climb_m_s = number("flight.climb_m_s", limits.climb_m_s, 0.05, 5, "m/s", "most, up and down");
-  limits.acceleration_m_s2 =
-      number("flight.acceleration_m_s2", limits.acceleration_m_s2, 0.1, 10, "m/s2", "most of a goal's way");
-  limits.turn_rad_s = number("flight.turn_rad_s", limits.turn_rad_s, 0.05, 6, "rad/s", "most of the heading");
-  control.max_tilt_rad =
-      kDegree * number("flight.max_tilt_deg", 35, 5, 60, "deg", "of the attitude that is asked for");
-  control.sink_m_s = number("flight.sink_m_s", control.sink_m_s, 0.1, 2, "m/s", "of a landing");
-  pilot.take_off_m =
-      number("flight.take_off_m", pilot.take_off_m, 0.3, 50, "m", "straight up, before all else");
-  pilot.reach_m = number("flight.reach_m", pilot.reach_m, 0.005, 5, "m", "so near to a goal counts as there");
-  pilot.ask_again_ns =
-      milliseconds(1e3 * number("flight.ask_again_s", 1, 0.1, 1000, "s", "after there was no way to a goal"));
-  pilot.start_wait_ns =
-      milliseconds(1e3 * number("mission.start_s", 0, 0, 3600, "s", "the vehicle stands this long"));
-  pilot.lands = profile.flag("mission.land", false, "after the last goal it lands where it is");
 }
 
 }  // namespace
@@ -80,37 +33,18 @@ planner::UavPilotConfig read_pilot_config(VehicleBuilder& builder) {
   if (rate_hz < 10 || rate_hz > 1000) profile.fail("groups.control.rate_hz", "must lie in 10 .. 1000 Hz");
   config.control.period_s = 1.0 / rate_hz;
   config.control.model = read_airframe(profile);
-  read_flight(profile, config);
+  config.control.max_tilt_rad = 35 * kDegree;
+  profile.read("flight", config);
   return config;
 }
 
 estimators::UavEstimatorConfig read_uav_estimator_config(VehicleBuilder& builder) {
   Profile& profile = builder.profile();
+  profile.knob("groups.control.rate_hz");
   estimators::UavEstimatorConfig config;
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, unit, meaning});
-  };
-  config.fix_sigma_m = number("state.fix_sigma_m", config.fix_sigma_m, 1e-4, 10, "m", "of a fix, each axis");
-  config.fix_yaw_sigma_rad =
-      number("state.fix_yaw_sigma_rad", config.fix_yaw_sigma_rad, 1e-4, 1, "rad", "of a fix's heading");
-  config.noise.gyr_rad_s_rt_hz = number("state.gyr_noise_rad_s_rt_hz", config.noise.gyr_rad_s_rt_hz, 1e-6, 1,
-                                        "rad/s/rtHz", "density that the filter reckons with");
-  config.noise.acc_m_s2_rt_hz = number("state.acc_noise_m_s2_rt_hz", config.noise.acc_m_s2_rt_hz, 1e-5, 10,
-                                       "m/s2/rtHz", "density that the filter reckons with");
-  const char* arm = "where the IMU sits, from the body's origin";
-  config.p_body_imu_m = {number("imu.x_m", 0, -10, 10, "m", arm), number("imu.y_m", 0, -10, 10, "m", arm),
-                         number("imu.z_m", 0, -10, 10, "m", arm)};
-  config.dead_after_s = number("state.dead_after_s", config.dead_after_s, 0.05, 10, "s",
-                               "without a fix: dead reckoning, it hovers");
-  config.lost_after_s =
-      number("state.lost_after_s", config.lost_after_s, 0.1, 60, "s", "without a fix: lost, it sinks level");
+  profile.read("state", config);
   if (config.lost_after_s <= config.dead_after_s)
     profile.fail("state.lost_after_s", "must be above state.dead_after_s");
-  config.lost_sigma_m = number("state.lost_sigma_m", config.lost_sigma_m, 0.05, 100, "m",
-                               "also lost: standard deviation of the worst axis");
-  config.disturbance.across_hz = number("state.disturbance_hz", config.disturbance.across_hz, 0.1, 50, "Hz",
-                                        "bandwidth of the observed wind, square to the rotors' axis");
   return config;
 }
 
@@ -175,17 +109,11 @@ void read_known(Profile& profile, bool stored, GuideConfig& config) {
 // Where the map's voxels are.
 GuideConfig read_voxels(Profile& profile) {
   GuideConfig config;
-  const auto number = [&profile](const char* path, double fallback, double low, double high,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, "m", meaning});
-  };
-  config.map.voxel_m = number("flight_map.voxel_m", 0.2, 0.05, 2, "edge of a voxel");
-  const char* origin = "lowest corner of the map";
-  config.map.origin_m = {number("flight_map.x_m", -2, -4000, 4000, origin),
-                         number("flight_map.y_m", -4, -4000, 4000, origin),
-                         number("flight_map.z_m", 0, -4000, 4000, origin)};
+  config.map.origin_m = {-2, -4, 0};
+  profile.read("flight_map", config.map);
   const auto voxels = [&](const char* path, double fallback) {
-    const double length = number(path, fallback, 0.4, 2000, "extent of the map; whole blocks of four voxels");
+    const double length =
+        profile.number(path, {fallback, 0.4, 2000, "m", "extent of the map; whole blocks of four voxels"});
     return static_cast<std::int32_t>(4.0 * std::ceil(length / (4.0 * config.map.voxel_m) - 1e-9));
   };
   config.map.nx = voxels("flight_map.length_m", 24);
@@ -236,13 +164,7 @@ GuideConfig read_guide_config(VehicleBuilder& builder) {
     if (given)
       config.boxes.push_back({rt::to_vector(box.lowest_m), rt::to_vector(box.highest_m), box.from_ns});
   }
-  const auto pool = [&profile](const char* path, double fallback, double least, const char* meaning) {
-    return static_cast<std::uint32_t>(profile.integer(path, {fallback, least, 1 << 20, "", meaning}));
-  };
-  config.parts = pool("limits.path_parts", 16'384, 256, "connected parts of blocks that a search may meet");
-  config.voxels = pool("limits.path_voxels", 16'384, 256, "of the fine search; a power of two");
-  config.corners =
-      pool("limits.path_corners", 4096, planner::CornerMemory::kFewest, "of a way before it is shortened");
+  profile.read("limits", config);
   if ((config.voxels & (config.voxels - 1)) != 0)
     profile.fail("limits.path_voxels", "must be a power of two");
   if (planner::FlightMap::bricks_for(config.map) == 0)

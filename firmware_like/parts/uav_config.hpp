@@ -20,9 +20,16 @@ struct GuideConfig {
   planner::SensedCells cells;
   double bubble_m{};  ///< taken for free around the vehicle's own size until the first question
   std::vector<planner::KnownBox> boxes;
-  std::uint32_t parts{};
-  std::uint32_t voxels{};
-  std::uint32_t corners{};
+  std::uint32_t parts{16'384};
+  std::uint32_t voxels{16'384};
+  std::uint32_t corners{4096};
+
+  SORTIE_KEYS(c, key) {
+    key("path_parts", c.parts, {256, 1 << 20, "", "connected parts of blocks that a search may meet"});
+    key("path_voxels", c.voxels, {256, 1 << 20, "", "of the fine search; a power of two"});
+    key("path_corners", c.corners,
+        {planner::CornerMemory::kFewest, 1 << 20, "", "of a way before it is shortened"});
+  }
 };
 
 /// Readers of [airframe] with [flight], [state], [mission], and [flight_map] with [limits]. Throw

@@ -18,10 +18,7 @@ constexpr double kBubbleChance = 0.01;
 
 UavSensing::UavSensing(VehicleBuilder& builder) : settings_(read_occupancy_settings(builder.profile())) {
   Profile& profile = builder.profile();
-  scan_buffers_ = static_cast<std::uint32_t>(
-      profile.integer("limits.scan_buffers", {4, 2, 64, "scans", "pooled buffers; a job takes up to half"}));
-  scan_points_ = static_cast<std::uint32_t>(profile.integer(
-      "limits.scan_points", {32'768, 1, 1 << 22, "points", "of one scan; a larger one is refused whole"}));
+  profile.read("limits", scan_limits_);
   const SensorMount mount = read_lidar_mount(profile);
   p_body_lidar_ = rt::to_vector(mount.place_m);
   q_body_lidar_ = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
@@ -36,7 +33,7 @@ void UavSensing::add_tasks(VehicleBuilder& builder, rt::GroupId group, rt::Input
       builder.arena().make_array<std::int8_t>(
           "occupancy", static_cast<std::size_t>(mapping::OccupancyMap::memory_bytes(settings_.map))));
   history_ = std::make_unique<mapping::PoseHistory>();
-  std::tie(scans_, port_) = builder.scans(group, "SCAN", scan_buffers_, scan_points_);
+  std::tie(scans_, port_) = builder.scans(group, "SCAN", scan_limits_.buffers, scan_limits_.points);
   const rt::TaskBase* task = builder.task<mapping::OccupancyOutput>(
       group, "occupancy", TaskDefaults{15'000, rt::Criticality::b},
       [this, poses, asked = std::move(asked)](rt::JobContext& context, mapping::OccupancyOutput& output) {

@@ -32,8 +32,7 @@ class UavSensing {
   void enter(const rt::PointScan& scan);
 
   OccupancySettings settings_;
-  std::uint32_t scan_buffers_{};
-  std::uint32_t scan_points_{};
+  ScanLimits scan_limits_;
   rt::Vector3 p_body_lidar_;
   rt::Quaternion q_body_lidar_;
   rt::Vector3 bubble_m_;

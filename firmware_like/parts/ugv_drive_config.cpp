@@ -8,68 +8,6 @@
 
 namespace sortie::firmware {
 
-namespace {
-
-void read_ramps(Profile& profile, planner::UgvDriveConfig& config) {
-  planner::TwistRamps& ramps = config.ramps;
-  ramps.speed.acceleration =
-      profile.number("drive.max_acceleration_m_s2",
-                     {ramps.speed.acceleration, 0.01, 20, "m/s2", "of the body along its way"});
-  ramps.speed.jerk = profile.number("drive.max_jerk_m_s3",
-                                    {ramps.speed.jerk, 0.01, 1000, "m/s3", "how fast that builds up"});
-  ramps.turn.acceleration = profile.number("drive.max_turn_acceleration_rad_s2",
-                                           {ramps.turn.acceleration, 0.01, 100, "rad/s2", "of the body"});
-  ramps.turn.jerk = profile.number("drive.max_turn_jerk_rad_s3",
-                                   {ramps.turn.jerk, 0.01, 10'000, "rad/s3", "how fast that builds up"});
-  config.stop.acceleration =
-      profile.number("drive.stop_deceleration_m_s2",
-                     {config.stop.acceleration, 0.01, 20, "m/s2",
-                      "of every stop; turning stops by as much more firmly than it usually slows down"});
-  config.stop.jerk =
-      profile.number("drive.stop_jerk_m_s3",
-                     {config.stop.jerk, 0.01, 1000, "m/s3", "how fast the deceleration of a stop builds up"});
-  if (config.stop.acceleration < ramps.speed.acceleration)
-    profile.fail("drive.stop_deceleration_m_s2", "must not be below drive.max_acceleration_m_s2");
-  if (config.stop.jerk < ramps.speed.jerk)
-    profile.fail("drive.stop_jerk_m_s3", "must not be below drive.max_jerk_m_s3");
-}
-
-void read_guard(Profile& profile, planner::DriveGuardConfig& guard) {
-  guard.max_pose_age_ns =
-      milliseconds(profile.number("drive.max_pose_age_ms", {in_ms(guard.max_pose_age_ns), 1, 1e4, "ms",
-                                                            "with an older pose the robot stops"}));
-  guard.max_roll_rad =
-      kDegree * profile.number("drive.max_roll_deg", {40, 1, 180, "deg", "tilted further the robot stops"});
-  guard.max_pitch_rad =
-      kDegree * profile.number("drive.max_pitch_deg", {45, 1, 90, "deg", "tilted further the robot stops"});
-  guard.tilt_hysteresis_rad =
-      kDegree * profile.number("drive.tilt_hysteresis_deg",
-                               {5, 0, 90, "deg", "it goes on when both are so far below their limits"});
-  guard.resume_ns = milliseconds(profile.number(
-      "drive.resume_ms",
-      {in_ms(guard.resume_ns), 0, 1e5, "ms", "after a stop: at rest and without any reason for so long"}));
-}
-
-void read_follower(Profile& profile, planner::WaypointFollowerConfig& follower) {
-  follower.reach_radius_m = profile.number(
-      "drive.reach_m", {follower.reach_radius_m, 0.01, 10, "m", "a waypoint this near counts as reached"});
-  follower.creep_speed_m_s = profile.number(
-      "drive.creep_speed_m_s", {follower.creep_speed_m_s, 0.001, 1, "m/s", "least speed on the way"});
-  follower.reverse_m = profile.number(
-      "drive.reverse_m",
-      {follower.reverse_m, 0, 1000, "m", "a waypoint behind and nearer than this is driven to in reverse"});
-  follower.stuck_s = profile.number(
-      "drive.stuck_s", {follower.stuck_s, 0, 3600, "s", "so long without progress is stuck; 0: never"});
-  follower.stuck_tries = static_cast<std::uint32_t>(
-      profile.integer("drive.stuck_tries", {static_cast<double>(follower.stuck_tries), 0, 1000, "",
-                                            "times it backs off and tries again, for each waypoint"}));
-  follower.back_off_m = profile.number(
-      "drive.back_off_m", {follower.back_off_m, 0, 10, "m", "how far it drives back when it is stuck"});
-  follower.repeat = profile.flag("mission.repeat", false, "after the last waypoint comes the first");
-}
-
-}  // namespace
-
 DriveSetup read_drive_setup(VehicleBuilder& builder) {
   Profile& profile = builder.profile();
   DriveSetup setup;
@@ -78,41 +16,16 @@ DriveSetup read_drive_setup(VehicleBuilder& builder) {
   const double rate_hz =
       profile.number("groups.control.rate_hz", {1000, 0.01, 1e5, "Hz", "releases a second"});
   config.step_ns = std::llround(1e9 / rate_hz);
-  const double width = profile.number(
-      "drive.track_width_m",
-      {0.4, 0.05, 10, "m", "distance of the tracks, or of their turning centres with efficiency 1"});
-  setup.efficiency =
-      profile.number("drive.steering_efficiency",
-                     {1, 0.05, 1, "", "distance of the tracks / distance of their turning centres"});
-  const double x = profile.number("drive.turning_centre_x_m",
-                                  {0, -10, 10, "m", "forward place of the body's turning centre"});
-  const double y =
-      profile.number("drive.turning_centre_y_m",
-                     {0, -0.02, 0.02, "m", "middle of the tracks' turning centres, to the left"});
-  config.icr = planner::IcrModel::from_efficiency(width, setup.efficiency, x, y);
-  config.max_speed_m_s = profile.number("drive.max_speed_m_s",
-                                        {config.max_speed_m_s, 0.01, 10, "m/s", "of the body along its way"});
-  config.max_turn_rad_s =
-      profile.number("drive.max_turn_rate_rad_s", {config.max_turn_rad_s, 0.01, 10, "rad/s", "of the body"});
-  config.max_track_m_s = profile.number(
-      "drive.max_track_speed_m_s",
-      {0.8, 0.01, 20, "m/s", "of either belt; what needs more is driven slower on the same curve"});
-  read_ramps(profile, config);
-  read_guard(profile, config.guard);
-  read_follower(profile, config.follower);
-  config.start_wait_ns = milliseconds(
-      1e3 * profile.number("mission.start_s", {0, 0, 3600, "s", "the robot stands still this long"}));
-  setup.remote = profile.flag("drive.remote", false, "requests over LCM may drive the robot");
-  if (setup.remote) {
-    config.start_halted = profile.flag("drive.start_halted", false,
-                                       "begins in a halt: nothing moves before a request says release");
-    config.max_command_age_ns = milliseconds(profile.number(
-        "drive.max_command_age_ms", {in_ms(config.max_command_age_ns), 10, 1e5, "ms",
-                                     "who is in control and silent for so long makes the robot stop"}));
-    config.recover_speed_m_s = profile.number(
-        "drive.recover_speed_m_s",
-        {config.recover_speed_m_s, 0.01, 1, "m/s", "most speed of a belt that drives a tilted robot off"});
-  }
+  config.max_track_m_s = 0.8;
+  config.guard.max_roll_rad = 40 * kDegree;
+  config.guard.max_pitch_rad = 45 * kDegree;
+  config.guard.tilt_hysteresis_rad = 5 * kDegree;
+  profile.read("drive", setup);
+  config.icr = setup.icr.model();
+  if (config.stop.acceleration < config.ramps.speed.acceleration)
+    profile.fail("drive.stop_deceleration_m_s2", "must not be below drive.max_acceleration_m_s2");
+  if (config.stop.jerk < config.ramps.speed.jerk)
+    profile.fail("drive.stop_jerk_m_s3", "must not be below drive.max_jerk_m_s3");
   return setup;
 }
 
@@ -141,12 +54,9 @@ FlipperSetup read_flipper_setup(VehicleBuilder& builder) {
       profile.text("flippers.initial", setup.names.front(), "posture at the start", setup.names);
   setup.config.initial = static_cast<std::uint32_t>(
       std::find(setup.names.begin(), setup.names.end(), initial) - setup.names.begin());
-  setup.config.rate_rad_s =
-      kDegree * profile.number("flippers.rate_deg_s",
-                               {45, 0.1, 1000, "deg/s", "of the flipper that has the longest way"});
-  setup.config.tolerance_rad =
-      kDegree *
-      profile.number("flippers.tolerance_deg", {3, 0, 90, "deg", "a measured angle this near is there"});
+  setup.config.rate_rad_s = 45 * kDegree;
+  setup.config.tolerance_rad = 3 * kDegree;
+  profile.read("flippers", setup.config);
   return setup;
 }
 

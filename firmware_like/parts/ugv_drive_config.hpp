@@ -21,8 +21,21 @@ struct FlipperSetup {
 /// [drive], as the drive's config, and what belongs to it outside of it.
 struct DriveSetup {
   planner::UgvDriveConfig config;
-  double efficiency{1};  ///< the run-time parameter is the tracks' distance, the drive's the turning centres'
-  bool remote{};         ///< requests over LCM are taken
+  planner::WrittenIcr icr;
+  bool remote{};  ///< requests over LCM are taken
+
+  SORTIE_KEYS(c, key) {
+    planner::WrittenIcr::keys(c.icr, key);
+    planner::UgvDriveConfig::keys(c.config, key);
+    key("remote", c.remote, {"requests over LCM may drive the robot"});
+    if (!c.remote) return;
+    key("start_halted", c.config.start_halted,
+        {"begins in a halt: nothing moves before a request says release"});
+    key("max_command_age_ms", c.config.max_command_age_ns,
+        {10, 1e5, rt::kMsInNs, "who is in control and silent for so long makes the robot stop"});
+    key("recover_speed_m_s", c.config.recover_speed_m_s,
+        {0.01, 1, "m/s", "most speed of a belt that drives a tilted robot off"});
+  }
 };
 
 /// Readers. `postures`: names that a mission may use; empty without flippers. Throw ProfileError.

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "firmware_like/parts/ugv_map_config.hpp"
+#include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -39,18 +40,14 @@ UgvMap::UgvMap(VehicleBuilder& builder) {
     report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
   }
   // Pools and the size of a voxel are memory; how far the lidar is believed may change.
-  const auto set_ranges = [this](double min_m, double max_m) {
-    const Status status = map_->grid().set_ranges(min_m, max_m);
-    return status == Status::ok && sweeps_ ? sweeps_->set_ranges(min_m, max_m) : status;
-  };
-  builder.parameter(group, "map.min_range_m", [this, set_ranges](double value) {
-    return set_ranges(value, map_->grid().config().max_range_m);
-  });
-  builder.parameter(group, "map.max_range_m", [this, set_ranges](double value) {
-    return set_ranges(map_->grid().config().min_range_m, value);
-  });
+  live_keys<mapping::RollingGridConfig>(builder, group, "map", *this);
   add_task(builder, group);
   add_counters(builder, config.map);
+}
+
+Status UgvMap::set_ranges(double min_m, double max_m) {
+  const Status status = map_->grid().set_ranges(min_m, max_m);
+  return status == Status::ok && sweeps_ ? sweeps_->set_ranges(min_m, max_m) : status;
 }
 
 void UgvMap::add_task(VehicleBuilder& builder, rt::GroupId group) {

@@ -70,6 +70,10 @@ class UgvMap final : public Part {
   ReportQueue<rt::SegmentList>* segment_lists() override { return lists_.get(); }
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 
+  const mapping::RollingGridConfig& config() const { return map_->grid().config(); }
+  /// As those of grid and sweeps, both at once.
+  Status set_ranges(double min_m, double max_m);
+
  private:
   static constexpr std::uint32_t kQuantum = 256;  ///< units of the segmenter between two looks
   static constexpr rt::Nanoseconds kPoseEveryNs = 2 * rt::kNanosecondsPerMillisecond;

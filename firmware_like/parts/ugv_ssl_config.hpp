@@ -18,12 +18,25 @@ struct SslSettings {
   std::uint32_t units{};  ///< of one execution where the profile says nothing else
 };
 
+/// What is entered into the map.
+struct OccupancyUse {
+  std::uint32_t scan_stride{1};  ///< each so many-th return of a scan is entered
+  double silent_free_m{};        ///< a ray without a return frees the cells up to here
+  rt::Nanoseconds max_pose_age_ns{100 * rt::kNanosecondsPerMillisecond};
+
+  SORTIE_KEYS(c, key) {
+    key("scan_stride", c.scan_stride,
+        {1, 1024, "", "each so many-th return of a scan is entered, if there is a lidar"});
+    key("silent_free_m", c.silent_free_m,
+        {0, 1000, "m", "a ray without a return frees the cells up to here; 0: it says nothing"});
+    key("max_pose_age_ms", c.max_pose_age_ns,
+        {0, 1e4, rt::kMsInNs, "what was measured this long after the newest pose is placed there"});
+  }
+};
+
 /// The map that the scheduler looks at.
-struct OccupancySettings {
+struct OccupancySettings : OccupancyUse {
   mapping::OccupancyConfig map;
-  std::uint32_t scan_stride{};  ///< each so many-th return of a scan is entered
-  double silent_free_m{};       ///< a ray without a return frees the cells up to here
-  rt::Nanoseconds max_pose_age_ns{};
 };
 
 /// Reader of [ssl]. Throws ProfileError.

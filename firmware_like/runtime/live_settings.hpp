@@ -11,6 +11,12 @@ namespace sortie::firmware {
 struct RunOutlets {
   bool telemetry{true};  ///< over LCM
   bool recorder{true};   ///< into a log, where one is asked for
+
+  SORTIE_KEYS(c, key) {
+    key("telemetry", c.telemetry,
+        {"a live run tells over LCM what it does, and answers requests; without it nobody can make one"});
+    key("recorder", c.recorder, {"runs and replays of this scene can be recorded"});
+  }
 };
 
 /// live.telemetry and live.recorder. Throws ProfileError.

@@ -106,6 +106,7 @@ ProfileKey* Profile::declare(const std::string& path, const std::string& value, 
     if (key.path == path) return &key;
   }
   keys_.push_back({path, value, unit, range, meaning, is_default});
+  keys_.back().is_knob = knobs_.count(path) != 0;
   return &keys_.back();
 }
 

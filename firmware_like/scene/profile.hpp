@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scene profile: one TOML file that names what a scene needs. Every key is declared where it is read, with
-// unit, range, default and meaning; what nobody declares is an error with its line.
+// A scene profile: one TOML file that names what a scene needs. Every key is declared, with unit, range,
+// default and meaning: by the config struct that it belongs to (rt/keys.hpp), or where it is read. What
+// nobody declares is an error with its line.
 #pragma once
 
 #include <array>
@@ -8,9 +9,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
+
+#include "rt/keys.hpp"
 
 namespace sortie::firmware {
 
@@ -34,6 +39,7 @@ struct ProfileKey {
   std::string meaning;
   bool is_default{};
   bool is_changeable{};  ///< a run-time parameter: may be set while a run goes on
+  bool is_knob{};        ///< trades error for run time or memory: of interest to a sweep
   double number{};       ///< of a number: its value and range
   double low{};
   double high{};
@@ -72,6 +78,9 @@ struct ProfileRow {
   std::map<std::string, std::string> texts;  ///< only those that stand there
 };
 
+/// Where a struct's key stands: in `table`, unless its name has a dot.
+std::string key_path(const std::string& table, const std::string& name);
+
 /// A parsed profile. Set-up only: reading throws ProfileError.
 class Profile {
  public:
@@ -81,6 +90,24 @@ class Profile {
   ~Profile();
   Profile(Profile&&) noexcept;
   Profile& operator=(Profile&&) noexcept;
+
+  /// Reads the keys that `config` lists into it, those of `table` and those that say where they stand, in the
+  /// list's order. What the profile does not say stays as it is in `config`, which may be no struct's
+  /// default, but must lie in its range, too. Errors as below.
+  template <rt::Keyed Config>
+  void read(const std::string& table, Config& config) {
+    Config::keys(config, [&](const char* name, auto& member, const rt::KeySpec& spec, auto&&...) {
+      using Member = std::remove_reference_t<decltype(member)>;
+      const std::string path = key_path(table, name);
+      if constexpr (std::is_same_v<Member, rt::Vector3>) {
+        read_point(path, spec, member);
+      } else {
+        double written = rt::as_written(member, spec);
+        if (read_key(path, spec, rt::kind_of<Member>(spec), written))
+          member = rt::from_written<Member>(written, spec);
+      }
+    });
+  }
 
   /// Reads a value, or gives the fallback when the key is absent. Out of range or of another type:
   /// ProfileError.
@@ -108,6 +135,8 @@ class Profile {
   /// Marks a number that was read as changeable while a run goes on. ProfileError when no number was read
   /// there.
   const ProfileKey& changeable(const std::string& path);
+  /// Marks a key as a knob that no struct lists, before or after it is read.
+  void knob(const std::string& path);
   bool has(const std::string& path) const;
   /// Names of the tables directly below `path`, in the file's order; those of a base come first.
   std::vector<std::string> tables(const std::string& path) const;
@@ -144,6 +173,9 @@ class Profile {
   Profile(std::unique_ptr<Tree> tree, const std::string& source, const std::vector<std::string>& overrides);
   ProfileKey* declare(const std::string& path, const std::string& value, const std::string& unit,
                       const std::string& range, const std::string& meaning, bool is_default);
+  // True: the profile has it, and `written` is what stands there; a flag or a choice as the member's value.
+  bool read_key(const std::string& path, const rt::KeySpec& spec, rt::KeyKind kind, double& written);
+  void read_point(const std::string& path, const rt::KeySpec& spec, rt::Vector3& point);
   std::string place(const std::string& path) const;
   void apply_override(const std::string& assignment);
 
@@ -156,6 +188,7 @@ class Profile {
   std::string leaves_out_;
   std::string base_;
   std::vector<ProfileKey> keys_;
+  std::set<std::string> knobs_;
 };
 
 /// A scene that is built into the program.

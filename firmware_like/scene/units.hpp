@@ -2,12 +2,13 @@
 // Units in which a profile is written, as the algorithms want them.
 #pragma once
 
+#include "rt/keys.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::firmware {
 
 /// One degree [rad].
-inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
+inline constexpr double kDegree = rt::kDegInRad.kept;
 
 /// Nanoseconds as a profile says them.
 inline double in_ms(rt::Nanoseconds value) { return static_cast<double>(value) * 1e-6; }

@@ -8,6 +8,7 @@
 #include "mapping/grid/reach.hpp"
 #include "mapping/grid/rolling_grid.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::mapping {
@@ -18,6 +19,12 @@ struct NormalsConfig {
   double restate_m{0.03};           ///< a voxel that moved farther than this along an axis is added anew
   std::uint32_t min_neighbours{3};  ///< a voxel with fewer, itself among them, has no normal: at least 3
   std::uint32_t solves{0};          ///< most normals computed a tick; 0: all there are
+
+  SORTIE_KEYS(c, key) {
+    key("normal_radius_m", c.radius_m, {0.001, 40, "m", "neighbourhood of a normal"});
+    key("restate_m", c.restate_m, {0, 10, "m", "a voxel that moved farther is added anew to normals"});
+    key("solves", c.solves, {0, 1e6, "normals", "most that a scan may compute; 0: no limit"});
+  }
 };
 
 /// What the normals know of a block: voxels whose sums changed since their normal was computed.

@@ -8,6 +8,7 @@
 #include "mapping/grid/block.hpp"
 #include "mapping/grid/normal_record.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 #include "rt/status.hpp"
 
@@ -25,6 +26,28 @@ struct RollingGridConfig {
   std::uint32_t forget_ticks{0};     ///< a block without a new point for longer is evicted; 0: never
   std::uint32_t evict_blocks{0};     ///< most blocks evicted a scan by distance and age; 0: no limit
   bool evict_farthest{true};         ///< full pool: a far, old block gives way; else the new point is refused
+
+  /// The ticks are milliseconds.
+  SORTIE_KEYS(c, key) {
+    key("voxel_m", c.voxel_size_m, {0.01, 10, "m", "edge of a voxel", rt::kKnob});
+    key("min_range_m", c.min_range_m, {0, 100, "m", "nearer returns are refused"},
+        [](auto& map, double value) { return map.set_ranges(value, map.config().max_range_m); });
+    key("max_range_m", c.max_range_m, {0.1, 1000, "m", "farther returns are refused", rt::kKnob},
+        [](auto& map, double value) { return map.set_ranges(map.config().min_range_m, value); });
+    key("radius_m", c.radius_m,
+        {0.04, 1e4, "m", "of the local map about the sensor, horizontally", rt::kKnob});
+    key("half_height_m", c.half_height_m, {0.04, 1e4, "m", "of the local map, above and below the sensor"});
+    key("min_points", c.min_points, {1, 255, "points", "from which a voxel is part of the map", rt::kKnob});
+    key("mean_window", c.mean_window,
+        {1, 65535, "points", "that a voxel's mean remembers: a small number follows what moved", rt::kKnob});
+    key("evict_blocks", c.evict_blocks,
+        {0, 65534, "blocks", "most that a scan may evict by distance or age; 0: no limit", rt::kKnob});
+    key("forget_s", c.forget_ticks,
+        {0, 1e6, {"s", 1e3}, "blocks without a new return for longer go; 0: never", rt::kKnob});
+    key("when_full", c.evict_farthest,
+        {"what happens to points of new voxels when a pool is full",
+         {{"refuse", false}, {"evict_farthest", true}}});
+  }
 };
 
 /// Memory of a grid, which outlives it: value-initialised arrays.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
@@ -23,6 +24,16 @@ struct FlipperOutline {
   double large_radius_m{};
   double small_radius_m{};
   double half_width_m{};
+
+  SORTIE_KEYS(c, key) {
+    key("flipper_length_m", c.length_m, {0, 10, "m", "from axle to axle; 0: the filter knows no flippers"});
+    if (c.length_m == 0.0) return;
+    key("flipper_pivot_m", c.pivot_m,
+        {-10, 10, "m", "large axle of the front left flipper, body frame; the others mirror it"});
+    key("flipper_large_radius_m", c.large_radius_m, {0, 10, "m", "of the wheel at the pivot"});
+    key("flipper_small_radius_m", c.small_radius_m, {0, 10, "m", "of the wheel at the tip"});
+    key("flipper_half_width_m", c.half_width_m, {0, 10, "m", "of a flipper"});
+  }
 };
 
 /// The robot's outline, body frame.

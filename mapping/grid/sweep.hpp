@@ -10,6 +10,7 @@
 #include "mapping/grid/self_filter.hpp"
 #include "mapping/grid/sensor_pose.hpp"
 #include "rt/archive.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::mapping {
@@ -23,6 +24,13 @@ struct SweepConfig {
   double min_range_m{0.5};
   double max_range_m{30.0};
   SelfFilterConfig robot{};
+
+  SORTIE_KEYS(c, key) {
+    key("lidar.time_offset_ms", c.time_offset_ns, {-1000, 1000, rt::kMsInNs, "added to the lidar's stamps"});
+    key("max_pose_age_ms", c.max_ahead_ns,
+        {0, 1e4, rt::kMsInNs,
+         "a return this long after the newest pose is placed where the motion went on to"});
+  }
 };
 
 /// What became of the returns. in = used + all others.

@@ -9,6 +9,7 @@
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 
@@ -25,6 +26,25 @@ struct OccupancyConfig {
   double miss{0.27};                    ///< what a passing ray says about a cell (-1 nat)
   double min_range_m{0.5};              ///< nearer returns are refused
   double max_range_m{48.0};             ///< farther returns free the cells up to here
+};
+
+/// The same as it is written: the window in metres, whatever the size of a cell.
+struct WrittenOccupancy {
+  OccupancyConfig map;  ///< but for `size`
+  double window_m[3]{64, 64, 6.4};
+
+  SORTIE_KEYS(c, key) {
+    key("voxel_m", c.map.voxel_size_m, {0.02, 2, "m", "edge of a cell"});
+    constexpr const char* kWindow = "size of the window that moves with the robot";
+    key("window_x_m", c.window_m[0], {0.1, 1000, "m", kWindow});
+    key("window_y_m", c.window_m[1], {0.1, 1000, "m", kWindow});
+    key("window_z_m", c.window_m[2], {0.1, 1000, "m", kWindow});
+    key("prior", c.map.prior, {0.001, 0.999, "", "that an unknown cell is occupied"});
+    key("hit", c.map.hit, {0.001, 0.999, "", "what a return says about its cell"});
+    key("miss", c.map.miss, {0.001, 0.999, "", "what a passing ray says about a cell"});
+    key("min_range_m", c.map.min_range_m, {0, 100, "m", "nearer returns are refused"});
+    key("max_range_m", c.map.max_range_m, {0.1, 1000, "m", "farther returns only free what is nearer"});
+  }
 };
 
 /// What became of rays, and where the window is. rays = used + outside + not_finite + too_near.

@@ -13,6 +13,7 @@
 #include "mapping/segments/labelling.hpp"
 #include "mapping/segments/segmentation_policy.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::mapping {
@@ -30,6 +31,11 @@ struct SegmenterConfig {
   double radius_m{0.2};           ///< growing radius: more than 0, at most 4 voxels
   std::uint32_t min_voxels{100};  ///< from which a component gets an id; it keeps it when it shrinks
   std::uint32_t units{0};         ///< most work a tick; 0: all there is. See Segmenter::kBlockUnits
+
+  SORTIE_KEYS(c, key) {
+    key("growing_radius_m", c.radius_m, {0.001, 40, "m", "voxels this near are of one segment"});
+    key("min_voxels", c.min_voxels, {1, 1e6, "voxels", "from which a segment gets an id"});
+  }
 };
 
 /// What the segmenter knows of a block besides its fragments; what holds of it at any time stands in

@@ -7,6 +7,7 @@
 
 #include "planner/uav_control/flat_reference.hpp"
 #include "rt/archive.hpp"
+#include "rt/keys.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::planner {
@@ -20,6 +21,13 @@ struct ProfileLimits {
   double smoothing_s[2]{0.16, 0.16};  ///< second and third smoothing time
   double turn_rad_s{1.2};             ///< of the heading
   double turn_acceleration_rad_s2{4.0};
+
+  SORTIE_KEYS(c, key) {
+    key("speed_m_s", c.speed_m_s, {0.05, 10, "m/s", "most, across"});
+    key("climb_m_s", c.climb_m_s, {0.05, 5, "m/s", "most, up and down"});
+    key("acceleration_m_s2", c.acceleration_m_s2, {0.1, 10, "m/s2", "most of a goal's way"});
+    key("turn_rad_s", c.turn_rad_s, {0.05, 6, "rad/s", "most of the heading"});
+  }
 };
 
 /// A straight run at the greatest allowed speed, smoothed by three moving averages in a row, in exact steps:

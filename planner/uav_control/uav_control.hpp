@@ -10,6 +10,7 @@
 #include "planner/uav_control/rotor_model.hpp"
 #include "planner/uav_control/rotor_watch.hpp"
 #include "planner/uav_control/state_gains.hpp"
+#include "rt/keys.hpp"
 #include "rt/uav_samples.hpp"
 
 namespace sortie::planner {
@@ -31,6 +32,13 @@ struct UavControlConfig {
   double sink_m_s{0.5};              ///< of a landing
   double track_timeout_s{0.1};       ///< a tracked reference that falls silent becomes a hover
   double state_timeout_s{0.1};       ///< without a new state the rotors turn evenly
+
+  /// `model` is written as a RegularMultirotor, `period_s` as the rate of a group.
+  SORTIE_KEYS(c, key) {
+    ProfileLimits::keys(c.profile, key);
+    key("max_tilt_deg", c.max_tilt_rad, {5, 60, rt::kDegInRad, "of the attitude that is asked for"});
+    key("sink_m_s", c.sink_m_s, {0.1, 2, "m/s", "of a landing"});
+  }
 };
 
 /// What it is doing.

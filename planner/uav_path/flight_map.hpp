@@ -8,6 +8,7 @@
 
 #include "planner/uav_path/brick.hpp"
 #include "rt/archive.hpp"
+#include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 #include "rt/status.hpp"
 
@@ -23,6 +24,15 @@ struct FlightMapConfig {
   rt::Vector3 radii_m{0.35, 0.35,
                       0.15};      ///< of the ellipsoid that holds the robot at any heading: x and y equal
   bool unknown_is_blocked{true};  ///< voxels that nobody has spoken of
+
+  /// The extent is written in metres, of which voxels are made; the robot's radii are parts of its airframe.
+  SORTIE_KEYS(c, key) {
+    key("voxel_m", c.voxel_m, {0.05, 2, "m", "edge of a voxel"});
+    constexpr const char* kCorner = "lowest corner of the map";
+    key("x_m", c.origin_m.x, {-4000, 4000, "m", kCorner});
+    key("y_m", c.origin_m.y, {-4000, 4000, "m", kCorner});
+    key("z_m", c.origin_m.z, {-4000, 4000, "m", kCorner});
+  }
 };
 
 /// Two bits a voxel. A voxel is free when the robot can be anywhere in it, and move from it to any free

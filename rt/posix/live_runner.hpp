@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rt/executive.hpp"
+#include "rt/keys.hpp"
 #include "rt/posix/delay_observer.hpp"
 #include "rt/posix/housekeeper.hpp"
 #include "rt/posix/spin_margin.hpp"
@@ -48,6 +49,29 @@ struct LiveOptions {
   /// Called on each worker before its first and after its last job (the heap trap is armed here). May be
   /// null.
   void (*on_worker)(bool starts){};
+
+  /// What a scene may say. Start, length, priorities and what is called are the run's own.
+  SORTIE_KEYS(c, key) {
+    key("margin_us", c.margin.first_ns,
+        {0, 10'000, kUsInNs, "workers sleep to this long before a release and spin the rest"});
+    key("margin_adapts", c.margin.adapts, {"the margin follows what wake-ups take on this machine"});
+    key("margin_least_us", c.margin.least_ns, {0, 10'000, kUsInNs, "lower bound of an adapting margin"});
+    key("margin_most_us", c.margin.most_ns, {0, 10'000, kUsInNs, "upper bound of the margin"});
+    key("most_spinning", c.most_spinning,
+        {0, 1, "", "most of a core that spinning may take, bounds the margin"});
+    key("cut_at", c.cut_at,
+        {0, 1, "", "anytime tasks are cut at this share of the way to the deadline, 0: never"});
+    key("supervised", c.supervised, {"watchdog and degrade ladder above the workers"});
+    key("attribution", c.attribution,
+        {"find the cause of each delay above live.delay_us: one more system call a tick"});
+    key("delay_us", c.delay_threshold_ns, {1, 1e6, kUsInNs, "delays up to here need no explanation"});
+    key("stuck_exit_ms", c.stuck_limit_ns,
+        {0, 1e6, kMsInNs, "a task that is stuck for so long ends the process, 0: never"});
+    key("ladder.most_load", c.ladder.most_load,
+        {0.1, 0.9, "", "above this share of a core, tasks of criticality C and B give way"});
+    key("ladder.return_load", c.ladder.return_load,
+        {0.05, 0.9, "", "they come back when the core is expected to stay below this"});
+  }
 };
 
 /// The workers of a live run. The executive must be sealed and its clock set to the run's clock.
