@@ -40,6 +40,13 @@ void add_output_options(firmware::Command& command, OutputOptions& options);
 /// Adds --align.
 void add_alignment_option(firmware::Command& command, std::string& alignment);
 
+/// Adds --calibrate-s.
+void add_calibration_option(
+    firmware::Command& command, double& calibrate_s,
+    const std::string& about =
+        "The truth of the first seconds calibrates heading, gyro bias and wheel scale; "
+        "errors are those of the rest, in place of --align");
+
 /// Adds --truth: errors against the log of a plant that ran in a process of its own.
 void add_truth_option(firmware::Command& command, std::string& truth);
 

@@ -35,12 +35,7 @@ void add_replay_report_options(firmware::Command& command, ReplayReportOptions& 
   add_truth_option(command, options.replay.truth);
   add_span_options(command, options.span);
   add_alignment_option(command, options.align);
-  command
-      .add_option("--calibrate-s", options.evaluation.calibrate_s,
-                  "The truth of the first seconds calibrates heading, gyro bias and wheel scale; errors are "
-                  "those of the rest, in place of --align")
-      ->in_range(0.0, 1e6)
-      ->type_name("SECONDS");
+  add_calibration_option(command, options.evaluation.calibrate_s);
   add_unused_option(command, options.replay.accept_unused);
   add_damage_option(command, options.accept_damage);
 }

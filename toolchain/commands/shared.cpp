@@ -37,6 +37,10 @@ void add_alignment_option(firmware::Command& command, std::string& alignment) {
       ->capture_default_str();
 }
 
+void add_calibration_option(firmware::Command& command, double& calibrate_s, const std::string& about) {
+  command.add_option("--calibrate-s", calibrate_s, about)->in_range(0.0, 1e6)->type_name("SECONDS");
+}
+
 void add_truth_option(firmware::Command& command, std::string& truth) {
   command
       .add_option("--truth", truth,

@@ -56,6 +56,11 @@ SweepSet make_sweep_set(std::vector<LogSweep> logs) {
   set.error = set.logs.front().sweep.error;
   if (set.logs.size() == 1) return set;
   for (const LogSweep& log : set.logs) {
+    if (log.sweep.keys == set.logs.front().sweep.keys) continue;
+    set.error.clear();  // each knob alone: they have nothing in common
+    return set;
+  }
+  for (const LogSweep& log : set.logs) {
     if (log.sweep.error == set.error) continue;
     set.warnings.push_back("the logs are not judged by the same error (" + set.error + ", " +
                            log.sweep.error + "), so there is no spread; choose one with --error");
@@ -90,7 +95,7 @@ SweepSet gather_sweep(const SweepFolderPlan& plan, const std::vector<std::string
     maps[l][c] = std::move(result->map);
   }
   if (!missing.empty()) return {};
-  for (std::size_t l = 0; l < logs.size(); ++l) judge_sweep(maps[l], plan.request.error, logs[l].sweep);
+  for (std::size_t l = 0; l < logs.size(); ++l) judge_sweep(maps[l], logs[l].sweep);
   return make_sweep_set(std::move(logs));
 }
 
