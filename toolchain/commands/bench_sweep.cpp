@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "firmware_like/log/log_file.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"

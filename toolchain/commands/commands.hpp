@@ -50,15 +50,6 @@ void add_calibration_option(
 /// Adds --truth: errors against the log of a plant that ran in a process of its own.
 void add_truth_option(firmware::Command& command, std::string& truth);
 
-/// Where a command that replays begins and ends: --from, --to, --keyframes.
-struct SpanOptions {
-  std::string from;
-  std::string to;
-  std::string keyframes;
-};
-/// Adds them.
-void add_span_options(firmware::Command& command, SpanOptions& options);
-
 /// A progress bar on stderr, if that is a terminal; otherwise null.
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
 
@@ -83,10 +74,6 @@ void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactS
 /// unless its good part was declared to be enough.
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code);
-/// Adds --accept-unused.
-void add_unused_option(firmware::Command& command, bool& accept_unused);
-/// Adds --accept-damage.
-void add_damage_option(firmware::Command& command, bool& accept_damage);
 
 /// The commands of this program, each by its own function from here on.
 void add_commands(firmware::Command& app, CommandContext& context);

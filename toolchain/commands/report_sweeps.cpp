@@ -18,9 +18,7 @@ std::vector<std::vector<Sweep>> sweep_for_report(const CommandContext& context,
   SweepOptions sweep;
   sweep.replay = options.replay;
   sweep.replay.on_job = nullptr;
-  sweep.replay.from = options.span.from;
-  sweep.replay.to = what.to.empty() ? options.span.to : what.to;
-  sweep.replay.keyframes = options.span.keyframes;
+  if (!what.to.empty()) sweep.replay.to = what.to;
   sweep.evaluation = options.evaluation;
   sweep.evaluation.align = parse_alignment(options.align);
   for (const std::string& text : what.knobs) {

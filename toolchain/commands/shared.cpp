@@ -53,26 +53,6 @@ void add_gate_option(firmware::Command& command, std::string& gate) {
       ->type_name("FILE");
 }
 
-void add_unused_option(firmware::Command& command, bool& accept_unused) {
-  command.add_flag("--accept-unused", accept_unused,
-                   "A channel of the log of which nothing is used is meant: do not exit with 1");
-}
-
-void add_damage_option(firmware::Command& command, bool& accept_damage) {
-  command.add_flag("--accept-damage", accept_damage,
-                   "The good part of a damaged log is enough: do not exit with 3");
-}
-
-void add_span_options(firmware::Command& command, SpanOptions& options) {
-  command
-      .add_option("--from", options.from,
-                  "Begin there: seconds since the start or @tick; the state comes from the nearest keyframe")
-      ->type_name("TIME");
-  command.add_option("--to", options.to, "End before that time or @tick")->type_name("TIME");
-  command.add_option("--keyframes", options.keyframes, "Keyframes of `index`, if not LOG.keyframes")
-      ->type_name("FILE");
-}
-
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code) {
   return firmware::code_with_damage(context.parts.name, damage, accept_damage, code);
