@@ -11,7 +11,7 @@
 #include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/xml_check.hpp"
-#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_report.hpp"
 

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "toolchain/bench/peer_fronts.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 
 namespace sortie::toolchain {
 

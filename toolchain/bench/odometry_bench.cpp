@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "estimators/attitude.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 
 namespace sortie::toolchain {
 namespace {

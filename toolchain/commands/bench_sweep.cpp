@@ -20,7 +20,6 @@
 #include "toolchain/commands/bench_commands.hpp"
 #include "toolchain/commands/sweep_drives.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_jobs.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 #include "toolchain/sweep/sweep_slurm.hpp"

@@ -8,7 +8,6 @@
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/judge/gate.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

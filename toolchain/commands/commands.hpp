@@ -9,6 +9,7 @@
 
 #include "firmware_like/log/timed_pose.hpp"
 #include "firmware_like/scene/command_line.hpp"
+#include "toolchain/commands/program_parts.hpp"
 
 namespace sortie::firmware {
 class LogFile;
@@ -18,7 +19,6 @@ struct ContactSummary;
 
 namespace sortie::toolchain {
 
-struct ProgramParts;
 struct ReportInput;
 
 /// What all commands share.

@@ -22,7 +22,6 @@
 #include "toolchain/export/ply.hpp"
 #include "toolchain/export/sensor_truth_csv.hpp"
 #include "toolchain/export/tum.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/release_plots.hpp"
 
 namespace sortie::toolchain {

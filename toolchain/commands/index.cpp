@@ -10,7 +10,6 @@
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

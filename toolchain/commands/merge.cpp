@@ -10,7 +10,6 @@
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 #include "toolchain/sweep/sweep_slurm.hpp"
 

@@ -6,7 +6,6 @@
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/commands/replay_report.hpp"
 #include "toolchain/judge/alignment.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/map_plot.hpp"
 #include "toolchain/report/timeline_plot.hpp"
 

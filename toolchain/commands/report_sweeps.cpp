@@ -4,7 +4,6 @@
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/judge/alignment.hpp"
-#include "toolchain/program/program.hpp"
 
 #include <exception>
 

@@ -15,7 +15,6 @@
 #include "rt/built_parts.hpp"
 #include "toolchain/bench/scene_cost.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

@@ -16,7 +16,6 @@
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/judge/fired_rays.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/contact_plots.hpp"
 #include "toolchain/report/fired_rays_plot.hpp"
 #include "toolchain/report/html.hpp"

@@ -7,7 +7,6 @@
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/bench/child_process.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_folder.hpp"
 
 namespace sortie::toolchain {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
 
 namespace sortie::toolchain {

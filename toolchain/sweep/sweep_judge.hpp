@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "toolchain/bench/map_volume.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/map_volume.hpp"
+#include "toolchain/judge/pareto.hpp"
 #include "toolchain/sweep/sweep.hpp"
 
 namespace sortie::toolchain {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 
 #include <algorithm>
 #include <cmath>
