@@ -11,9 +11,7 @@
 
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/log/replay_command.hpp"
-#include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/bench/temporary_log.hpp"
@@ -103,15 +101,8 @@ std::vector<SimulatedDrive> take_drives(const CommandContext& context, SweepComm
 }
 
 void show(const CommandContext& context, const SweepCommand& command, const SweepSet& set) {
-  firmware::Json object = to_json(set);
-  object["command"] = context.command_line;
-  if (command.output.json) {
-    std::cout << object.dump(2) << "\n";
-  } else {
-    print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
-  }
+  show_sweep_set(context, command.output, set);
   if (command.output.out.empty()) return;
-  write_sweep_set(command.output.out, set, object);
   std::cerr << "sweep: " << command.output.out << "/sweep.json and what lies beside it\n";
 }
 

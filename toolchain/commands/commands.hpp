@@ -20,6 +20,7 @@ struct ContactSummary;
 namespace sortie::toolchain {
 
 struct ReportInput;
+struct SweepSet;
 
 /// What all commands share.
 struct CommandContext {
@@ -57,6 +58,8 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
 /// command fail, where something judged it; JSON then has `passed` and `failures`.
 void show_results(const OutputOptions& options, const ReportInput& report,
                   const std::vector<std::string>* judged = nullptr);
+/// Prints sweeps (tables or JSON) and writes the folder, if there is one.
+void show_sweep_set(const CommandContext& context, const OutputOptions& options, const SweepSet& set);
 /// Adds --gate.
 void add_gate_option(firmware::Command& command, std::string& gate);
 

@@ -20,6 +20,7 @@
 #include "toolchain/report/fired_rays_plot.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/map_plot.hpp"
+#include "toolchain/sweep/sweep_set.hpp"
 
 namespace sortie::toolchain {
 
@@ -108,6 +109,17 @@ void show_results(const OutputOptions& options, const ReportInput& report,
   write_trajectory("/truth.tum", report.truth);
   write_report(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";
+}
+
+void show_sweep_set(const CommandContext& context, const OutputOptions& options, const SweepSet& set) {
+  firmware::Json object = to_json(set);
+  object["command"] = context.command_line;
+  if (options.json) {
+    std::cout << object.dump(2) << "\n";
+  } else {
+    print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
+  }
+  if (!options.out.empty()) write_sweep_set(options.out, set, object);
 }
 
 }  // namespace sortie::toolchain

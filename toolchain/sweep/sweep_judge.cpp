@@ -4,14 +4,11 @@
 #include <cmath>
 #include <map>
 
+#include "toolchain/judge/pareto.hpp"
+
 namespace sortie::toolchain {
 
 namespace {
-
-// Run times of the same work differ by so much from one replay to the next.
-constexpr double kSameCost = 0.05;
-// What no truth is good enough to tell apart.
-constexpr double kSameError = 0.001;
 
 // Knobs of the map are judged by the map, those of the attitude by the inclination, all others by the way.
 std::string choose_error(const Sweep& sweep) {
@@ -68,17 +65,11 @@ void mark_front(Sweep& sweep) {
     const auto error = cell.errors.find(sweep.error);
     points.push_back({cell.load_us_per_s, error != cell.errors.end() ? error->second : std::nan("")});
   }
-  const std::vector<bool> front = sweep_front(std::move(points));
+  const std::vector<bool> front = measured_front(std::move(points));
   for (std::size_t i = 0; i < front.size(); ++i) sweep.cells[i].on_front = front[i];
 }
 
 }  // namespace
-
-std::vector<bool> sweep_front(std::vector<CostAndError> points) {
-  merge_close(points, &CostAndError::cost, kSameCost);
-  merge_close(points, &CostAndError::error, kSameError);
-  return pareto_front(points);
-}
 
 void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, Sweep& sweep) {
   judge_maps(maps, sweep);

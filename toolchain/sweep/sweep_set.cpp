@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "toolchain/judge/pareto.hpp"
 #include "toolchain/sweep/sweep_judge.hpp"
 
 namespace sortie::toolchain {
@@ -42,7 +43,7 @@ std::vector<SweepSpread> spread_of(const std::vector<LogSweep>& logs, const std:
     // What some logs do not give cannot be set beside what all give.
     points.push_back({row.load_us_per_s.mean, row.logs == logs.size() ? row.error.mean : std::nan("")});
   }
-  const std::vector<bool> front = sweep_front(std::move(points));
+  const std::vector<bool> front = measured_front(std::move(points));
   for (std::size_t i = 0; i < all.size(); ++i) all[i].on_front = front[i];
   return all;
 }
