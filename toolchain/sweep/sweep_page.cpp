@@ -24,12 +24,6 @@ std::string markdown_table(const TextRow& head, std::span<const TextRow> rows) {
   return text;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 }  // namespace
 
 std::string sweep_page(const SweepSet& set, const std::string& command) {
@@ -44,11 +38,11 @@ std::string sweep_page(const SweepSet& set, const std::string& command) {
   for (std::size_t i = 0; i < set.logs.size(); ++i) {
     const Sweep& sweep = set.logs[i].sweep;
     const SweepFigures figures = sweep_figures(sweep);
-    const std::string keys = joined(sweep.keys);
+    const std::string keys = listed(sweep.keys);
     page += "\n## " + keys + ", " + sweep.scene + "\n\n`" +
             std::filesystem::path(set.logs[i].log).filename().string() + "`, " +
             firmware::format_short(sweep.duration_s) + " s, each cell " + std::to_string(sweep.repeat) +
-            " x; run time of " + joined(sweep.tasks) + ".\n\n![" + keys + ": error over run time](" +
+            " x; run time of " + listed(sweep.tasks) + ".\n\n![" + keys + ": error over run time](" +
             sweep_file(set, i) + ".svg)\n\n" + markdown_table(figures.head, figures.rows);
     for (const std::string& warning : sweep.warnings) page += "\n" + warning + "\n";
   }

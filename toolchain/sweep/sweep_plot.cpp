@@ -82,10 +82,9 @@ Series steps_of(std::vector<std::pair<double, double>> path) {
 
 Plot plot_sweep(const Sweep& sweep) {
   Plot plot;
-  for (const std::string& key : sweep.keys) plot.title += (plot.title.empty() ? "" : ", ") + key;
   std::string tasks;
   for (const std::string& task : sweep.tasks) tasks += (tasks.empty() ? "" : " + ") + task;
-  plot.title += " (" + sweep.scene + ")";
+  plot.title = listed(sweep.keys) + " (" + sweep.scene + ")";
   Series others = dots("tried", kGrey, 4);
   Series front = dots("Pareto front", kBlue, 4);
   Series own = dots("profile", kVermilion, 6);
@@ -98,7 +97,7 @@ Plot plot_sweep(const Sweep& sweep) {
     Series& series = cell.on_front ? front : others;
     series.x.push_back(costs.back());
     series.y.push_back(heights.back());
-    series.labels.push_back(cell_name(cell));
+    series.labels.push_back(listed(cell.values));
     if (cell.on_front) path.emplace_back(costs.back(), heights.back());
     if (cell.profile_choice) {
       own.x.push_back(costs.back());

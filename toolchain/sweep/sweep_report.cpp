@@ -33,10 +33,10 @@ std::string field(const std::string& text) {
 
 }  // namespace
 
-std::string cell_name(const SweepCell& cell) {
-  std::string name;
-  for (const std::string& value : cell.values) name += (name.empty() ? "" : ", ") + value;
-  return name;
+std::string listed(const std::vector<std::string>& values) {
+  std::string text;
+  for (const std::string& value : values) text += (text.empty() ? "" : ", ") + value;
+  return text;
 }
 
 firmware::Json to_json(const Sweep& sweep) {

@@ -33,8 +33,8 @@ Plot plot_sweep(const Sweep& sweep);
 /// Plot and figures for a page.
 SweepFigures sweep_figures(const Sweep& sweep);
 
-/// "0.1" for one knob, "0.1, 25" for two.
-std::string cell_name(const SweepCell& cell);
+/// "0.1" for one value, "0.1, 25" for two.
+std::string listed(const std::vector<std::string>& values);
 /// "*" on the front, "<" the profile's choice, or both.
 std::string sweep_marks(bool on_front, bool profile_choice);
 /// True where any cell has its instructions counted.
