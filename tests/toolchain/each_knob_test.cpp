@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "tests/firmware_like/ladder_vehicle.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "toolchain/sweep/each_knob.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
@@ -86,16 +87,13 @@ TEST_CASE("every knob is read by some scene for real use, and every value that i
   }
 }
 
-TEST_CASE("a scene without a knob has nothing to sweep") {
-  const TempFolder folder;
-  CHECK_THROWS_WITH(each_knob_alone(
-                        [](const auto& overrides) {
-                          return std::make_unique<Runtime>(
-                              Profile("scene.name = \"bare\"\nscene.vehicle = \"ugv\"\n", "bare", overrides),
-                              own_vehicles(), RuntimeStart{});
-                        },
-                        {}),
-                    Catch::Contains("--sweep knobs: scene bare has none"));
+TEST_CASE("a vehicle of one's own without a knob has nothing to sweep") {
+  const auto build = [](const std::vector<std::string>& overrides) {
+    return std::make_unique<Runtime>(
+        Profile("scene.name = \"steps\"\nscene.vehicle = \"ladder\"\n", "steps", overrides),
+        ladder_vehicles(), RuntimeStart{});
+  };
+  CHECK_THROWS_WITH(each_knob_alone(build, {}), Catch::Contains("--sweep knobs: scene steps has none"));
 }
 
 TEST_CASE("a knob alone moves its own error, and the map is left out where it is not the map's") {

@@ -243,6 +243,7 @@ void add_bench_sweep(firmware::Command& bench, CommandContext& context) {
   bench
       .add_option("--scene", options->drives.scenes,
                   "Another scene than the log's own; needed for imported logs. Without a log: simulate it")
+      ->expected(1, 1)  // each time: a log may follow
       ->take_all();
   bench.add_option("--seconds", options->drives.seconds, "Without a log: how long to simulate")
       ->in_range(0.01, 1e5)

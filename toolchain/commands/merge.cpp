@@ -88,7 +88,8 @@ void add_merge(firmware::Command& app, CommandContext& context) {
   command->add_flag("--resubmit", options->resubmit,
                     "Submit the array tasks of missing cells again; without a script, print what runs them");
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
-  command->add_option("--out", options->output.out, "Folder for sweep.csv, sweep.json and sweep.svg")
+  command
+      ->add_option("--out", options->output.out, "Folder for sweep.csv, sweep.json, sweep.md and sweep.svg")
       ->type_name("DIR");
   command->callback(
       [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
