@@ -7,7 +7,7 @@
 #include "firmware_like/doctor/doctor_command.hpp"
 #include "firmware_like/live/live_options.hpp"
 #include "firmware_like/live/stop_signals.hpp"
-#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results_output.hpp"
 #include "firmware_like/scene/json.hpp"
@@ -24,10 +24,7 @@ struct RunOptions {
   bool quiet{};
 };
 
-struct LogOptions {
-  std::string log;
-  ReplayOptions replay;
-  bool accept_damage{};
+struct LogOptions : ReplayCommand {
   bool json{};
   bool quiet{};
 };
@@ -63,10 +60,7 @@ int check(const VehicleRegistry& vehicles, LogOptions& options) {
   const LogFile log(options.log);
   options.replay.must_compare = true;  // without a gate there is nothing else to check
   const ReplayOutcome outcome = replay(log, vehicles, options.replay);
-  const std::vector<std::string> failures = check_failures(log, outcome);
-  const bool is_part = !options.replay.from.empty() || !options.replay.to.empty();
-  print_check(log, outcome, failures, is_part, options.json);
-  return code_with_damage(kProgram, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);
+  return end_check(kProgram, log, outcome, check_failures(log, outcome), options, options.json);
 }
 
 void add_run(Command& root, const VehicleRegistry& vehicles, std::function<int()>& chosen) {
@@ -81,19 +75,12 @@ void add_run(Command& root, const VehicleRegistry& vehicles, std::function<int()
 // Of `replay` and `check`.
 std::shared_ptr<LogOptions> add_log_options(Command& command) {
   auto options = std::make_shared<LogOptions>();
-  ReplayOptions& replay = options->replay;
   command.add_option("log", options->log, "LCM log from `run --record`")->required();
-  command.add_option("--scene", replay.scene, "Another scene than the log's own; needed for imported logs");
-  command.add_option("--from", replay.from, "Begin there: seconds since the start or @tick")
-      ->type_name("TIME");
-  command.add_option("--to", replay.to, "End before that time or @tick")->type_name("TIME");
-  command.add_option("--keyframes", replay.keyframes, "Keyframes, if not LOG.keyframes")->type_name("FILE");
-  command.add_flag("--threads", replay.threaded, "One worker a group; the outputs must not change");
-  command.add_option("--fault", replay.fault, "Flip a bit of a task's output: task@tick or task.byte@tick");
-  command.add_flag("--accept-unused", replay.accept_unused,
-                   "A channel of the log of which nothing is used is meant: do not exit with 1");
-  command.add_flag("--accept-damage", options->accept_damage,
-                   "The good part of a damaged log is enough: do not exit with 3");
+  add_scene_option(command, options->replay.scene);
+  add_span_options(command, options->replay, false);
+  add_threads_option(command, options->replay);
+  add_fault_option(command, options->replay);
+  add_acceptance_options(command, *options);
   add_output(command, options->json, options->quiet);
   return options;
 }
@@ -103,7 +90,7 @@ void add_replay(Command& root, const VehicleRegistry& vehicles, std::function<in
   const auto options = add_log_options(*command);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile, key=value")
       ->take_all();
-  command->add_option("--record", options->replay.record, "Write a log of this replay")->type_name("LOG");
+  add_record_option(*command, options->replay);
   command->callback([&vehicles, &chosen, options] {
     chosen = [&vehicles, options] { return replay_log(vehicles, *options); };
   });

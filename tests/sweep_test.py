@@ -112,6 +112,27 @@ planted["memory_bytes"] += 1
 run(PROGRAM, "merge", work / "planted", "--out", work / "planted")
 check(table(work / "planted") != local, "another figure is another table")
 
+# Each knob alone: a sweep a knob, each with its own front and the profile's choice; the same in processes.
+small = work / "small.lcm"
+run(PROGRAM, "run", "--scene", "ugv_hall", "--virtual", "--seconds", 0.5, "--lcm-url", "none", "--record", small,
+    "--set", "hil.lidar_rows=8", "--set", "hil.lidar_columns=64", "--set", "limits.voxels=32768")
+alone = run(PROGRAM, "bench", small, "--sweep", "knobs", "--out", work / "knobs")
+beside = run(PROGRAM, "bench", small, "--sweep", "knobs", "--jobs", 2, "--out", work / "knobs beside")
+check(alone.returncode == 0 and beside.returncode == 0 and table(work / "knobs") == table(work / "knobs beside"),
+      "each knob alone gives the same table in processes", beside)
+result = json.loads((work / "knobs" / "sweep.json").read_text())
+of_knob = {knob: one for one in result["logs"] for knob in one["knobs"]}
+check(len(of_knob) == len(result["logs"]) > 10 and not result["spread"] and not result["warnings"], "one sweep a knob")
+check(all(sum(cell["profile_choice"] for cell in one["cells"]) == 1 and any(cell["on_front"] for cell in one["cells"])
+          for one in of_knob.values()), "each knob has its front and the profile's choice")
+check(of_knob["groups.mapping.rate_hz"]["error"] == of_knob["map.voxel_m"]["error"] == "map_disagreement"
+      and of_knob["attitude.track_aid"]["error"] == "inclination_rmse_deg", "the map's knobs are judged by the map")
+check(of_knob["attitude.track_aid"]["cells"][0]["voxels"] == 0 < of_knob["map.voxel_m"]["cells"][0]["voxels"],
+      "no map where the knob is not the map's")
+check([cell["values"]["map.voxel_m"] for cell in of_knob["map.voxel_m"]["cells"]] == ["0.025", "0.05", "0.1", "0.2", "0.4"],
+      "a number is tried around what it is")
+check((work / "knobs" / "sweep.md").read_text().count("\n## ") == len(of_knob), "a section a knob on the page")
+
 # Instructions are the same wherever they are counted, and belong to the cell.
 if shutil.which("valgrind"):
     counted = []
@@ -143,6 +164,7 @@ first = run(PROGRAM, "bench", "--cell", "0,2-3", "--out", moved)
 check(first.returncode == 0 and cells(moved) == [0, 2, 3], "cells by list", first)
 for arguments, says in [(["--shard", "4/3", "--out", "x"], "1 <= i <= n"), (["--shard", "a", "--out", "x"], "--shard 2/5"),
                         (["--jobs", "2"], "add --out DIR"), (["--jobs", "0"], "--jobs"),
+                        (["--sweep", "knobs"], "--sweep knobs: no values"), (["--scene", "a", "--scene", "b"], "one scene"),
                         (["--cell", "3-1", "--out", "x"], "0,3-7"), (["--cell", "99", "--out", moved], "it has 0 to 11")]:
     refused = sweep(*arguments, cwd=work)
     check(refused.returncode == 2 and says in refused.stderr, f"{arguments} is refused", refused)

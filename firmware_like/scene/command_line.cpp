@@ -58,7 +58,7 @@ Option* Option::delimiter(char between) {
 }
 
 Option* Option::expected(int least, int most) {
-  option_->expected(least, most);
+  option_->expected(least, most)->allow_extra_args(false);
   return this;
 }
 

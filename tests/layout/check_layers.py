@@ -11,12 +11,26 @@ import tree
 MAPPING = {"mapping/grid", "mapping/segments", "mapping/occupancy"}
 GROUND = {"rt", "rt/posix", "rt/convex"}
 BELOW = GROUND | {"planner", "estimators", "drivers"} | MAPPING
-# What is flashed, floor by floor: a room sees the floors below it.
-FLOORS = [["scene"], ["result"], ["runtime"], ["log", "parts"], ["link", "doctor", "robots"], ["live"]]
-FLASHED = {}
-for _floor in FLOORS:
-    _lower = set(FLASHED)
-    FLASHED |= {f"firmware_like/{name}": {f"firmware_like/{name}"} | _lower | BELOW for name in _floor}
+
+
+def floors(folder, names, below):
+    """The rooms of a folder, floor by floor: each sees itself, the floors below it and what is below the folder."""
+    rooms = {}
+    for floor in names:
+        lower = set(rooms) | below
+        rooms |= {f"{folder}/{name}": {f"{folder}/{name}"} | lower for name in floor}
+    return rooms
+
+
+# What is flashed.
+FLASHED = floors("firmware_like", [["scene"], ["result"], ["runtime"], ["log", "parts"], ["link", "doctor", "robots"], ["live"]], BELOW)
+# The desk: one room of it alone sees simulated robots. `package` holds headers that are installed.
+DESK = floors(
+    "toolchain",
+    [["import", "export", "judge", "simulate"], ["report"], ["bench"], ["sweep"], ["commands"], ["program"], ["package"]],
+    {"firmware_like", *FLASHED} | BELOW,
+)
+DESK["toolchain/simulate"] |= {"hil"}
 ROOMS = {
     "rt": {"rt"},
     "rt/posix": {"rt", "rt/posix"},
@@ -33,13 +47,12 @@ ROOMS = {
     "firmware_like": {"firmware_like", *FLASHED} | BELOW,
     # Programs without an operating system have none of the rooms.
     "firmware_like/bare_metal": {"firmware_like/bare_metal", "planner", "estimators", "rt"} | MAPPING,
-    # The desk: it alone starts simulated robots.
-    "toolchain": {"toolchain", "hil", "firmware_like", *FLASHED} | BELOW,
+    **DESK,
 }
-ROOMED = ("firmware_like", "mapping")  # every file lies in a room, but for the program's own
+ROOMED = ("firmware_like", "mapping", "toolchain")  # every file lies in a room, but for the program's own
 
 # Headers from outside, and the only rooms or files that see them. CLI11, toml++ and JSON cost seconds a unit: one file each.
-HOSTED = {*FLASHED, "firmware_like", "firmware_like/bare_metal", "toolchain"}
+HOSTED = {*FLASHED, "firmware_like", "firmware_like/bare_metal", *DESK}
 OUTSIDE = [
     ("Eigen", r"(unsupported/)?Eigen/", {"estimators", "planner", "hil", *MAPPING, *HOSTED}),
     ("LCM", r"lcm/", {"drivers"}),

@@ -15,18 +15,19 @@
 #include "firmware_like/scene/json.hpp"
 #include "rt/samples.hpp"
 #include "tests/firmware_like/temp_folder.hpp"
+#include "tests/toolchain/tum_reader.hpp"
 #include "toolchain/export/candump.hpp"
 #include "toolchain/export/chrome_trace.hpp"
 #include "toolchain/export/csv.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/export/ply.hpp"
 #include "toolchain/export/tum.hpp"
-#include "toolchain/judge/trajectory.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
 using namespace sortie::toolchain;
 using sortie::testing::read_all;
+using sortie::testing::read_tum;
 using sortie::testing::TempFolder;
 
 TEST_CASE("a trajectory survives TUM bit for bit") {

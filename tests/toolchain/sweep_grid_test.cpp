@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/firmware_like/run_support.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 #include "toolchain/sweep/sweep.hpp"
 #include "toolchain/sweep/sweep_jobs.hpp"
 #include "toolchain/sweep/sweep_set.hpp"

@@ -11,7 +11,7 @@
 #include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "tests/firmware_like/xml_check.hpp"
-#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_report.hpp"
 
@@ -248,6 +248,8 @@ TEST_CASE("The bench command ends with code 2 and a cure for what cannot be swep
     CHECK_THAT(ended.words, Contains(said));
   }
   CHECK(run_command({folder.file("none.lcm"), "--sweep", "map.voxel_m=0.1"}).code == 3);
+  CHECK(run_command({"--scene", "ugv_hall", log, "--sweep", "map.voxel_m=0.1"}).code ==
+        0);  // the log is no scene
 
   const Ended good =
       run_command({"--log", log, "--sweep", "map.voxel_m=0.2", "--json", "--out", folder.file("out")});

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/toolchain/trajectory_poses.hpp"
+#include "tests/toolchain/tum_reader.hpp"
 #include "toolchain/import/text_file.hpp"
 
 using namespace sortie;

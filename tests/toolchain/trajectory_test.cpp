@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trajectories before they are compared: cleaned, interpolated, and read from files.
+// Trajectories before they are compared: cleaned and interpolated.
 #include <catch2/catch.hpp>
 
-#include "firmware_like/scene/input_error.hpp"
-#include "tests/firmware_like/temp_folder.hpp"
 #include "tests/toolchain/trajectory_poses.hpp"
 
 using namespace sortie;
@@ -68,16 +66,4 @@ TEST_CASE("trajectories without common time give no error but a zero count") {
   CHECK(e.errors.at("ate_n") == 0);
   CHECK(e.errors.size() == 1);
   CHECK(evaluate({}, {}).errors.at("ate_n") == 0);
-}
-
-TEST_CASE("a damaged TUM file is refused with its line") {
-  const sortie::testing::TempFolder folder;
-  const std::string path = folder.write("a.txt", "# t x y z\n1.5 0 0 0 0 0 0 1\n2.5 0 0 0 0 0 1\n");
-  CHECK_THROWS_AS(read_tum(path), InputError);
-  CHECK_THROWS_WITH(read_tum(path), Catch::Contains("a.txt:3"));
-  const Trajectory t = read_tum(folder.write("b.txt", "1.403715529112143517e+09 1 2 3 0.1 0.2 0.3 0.9"));
-  REQUIRE(t.size() == 1);
-  CHECK(t[0].stamp_ns == 1403715529112143517);
-  CHECK(t[0].q[0] == 0.9);
-  CHECK(t[0].q[1] == 0.1);
 }

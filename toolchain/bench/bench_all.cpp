@@ -61,10 +61,10 @@ firmware::Json run_part(BenchPart part, const BenchAllOptions& options) {
   std::error_code ignored;
   std::filesystem::remove(place + "/" + part.json_file, ignored);
   ChildCommand child;
-  child.arguments = {own_program_path(), "bench", part.name};
+  child.arguments = {own_program_path(), "bench"};
   child.arguments.insert(child.arguments.end(), part.arguments.begin(), part.arguments.end());
   child.arguments.insert(child.arguments.end(), {"--out", place});
-  std::string command = "sortie bench " + part.name;
+  std::string command = "sortie bench";
   for (const std::string& word : part.arguments) command += " " + word;
   firmware::Json row{{"name", part.name}, {"command", command}, {"load_before", load_average()}};
   const AllClock::time_point begin = AllClock::now();
@@ -82,14 +82,17 @@ firmware::Json run_part(BenchPart part, const BenchAllOptions& options) {
 
 const std::vector<BenchPart>& bench_parts() {
   static const std::vector<BenchPart> parts{
-      {"stability", {}, "bench-stability.json"},
-      {"rt", {}, "bench-rt.json", true},
-      {"mapping", {"--every", "35"}, "bench-local-map.json", true},
-      {"odometry", {"--quiet"}, "bench-odometry.json"},
-      {"knobs", {"--quiet"}, "bench-knobs.json"},
-      {"plant", {}, "bench-plant.json", true},
-      {"rays", {}, "bench-rays.json", true},
-      {"uav", {}, "bench-uav.json", true},
+      {"stability", {"stability"}, "bench-stability.json"},
+      {"rt", {"rt"}, "bench-rt.json", true},
+      {"mapping", {"mapping", "--every", "35"}, "bench-local-map.json", true},
+      {"odometry", {"odometry", "--quiet"}, "bench-odometry.json"},
+      {"knobs",
+       {"--sweep", "knobs", "--scene", "ugv_hall", "--scene", "ugv_stairs", "--scene", "uav_gusts",
+        "--seconds", "20", "--repeat", "2", "--quiet"},
+       "sweep.json"},
+      {"plant", {"plant"}, "bench-plant.json", true},
+      {"rays", {"rays"}, "bench-rays.json", true},
+      {"uav", {"uav"}, "bench-uav.json", true},
   };
   return parts;
 }

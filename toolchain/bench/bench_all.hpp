@@ -12,7 +12,7 @@ class Json;
 
 namespace sortie::toolchain {
 
-/// One part: `bench NAME ARGUMENTS --out FOLDER/NAME` writes FOLDER/NAME/JSON_FILE.
+/// One part: `bench ARGUMENTS --out FOLDER/NAME` writes FOLDER/NAME/JSON_FILE.
 struct BenchPart {
   std::string name;
   std::vector<std::string> arguments;

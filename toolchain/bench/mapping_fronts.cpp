@@ -3,15 +3,11 @@
 #include <map>
 
 #include "toolchain/bench/peer_fronts.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
-
-// Below these differences nothing is decided: run times of a busy machine repeat to some percent.
-constexpr double kSameMappingTime = 0.05;
-constexpr double kSameMappingError = 0.001;
 
 double mapping_number(const firmware::Json& row, const char* key) {
   const auto found = row.find(key);
@@ -34,9 +30,7 @@ void mark_mapping_fronts(firmware::Json& result) {
     std::vector<CostAndError> points;
     for (const std::size_t i : members)
       points.push_back({mapping_number(sweep[i], "p50_ms"), mapping_number(sweep[i], "error")});
-    merge_close(points, &CostAndError::cost, kSameMappingTime);
-    merge_close(points, &CostAndError::error, kSameMappingError);
-    const std::vector<bool> front = pareto_front(points);
+    const std::vector<bool> front = measured_front(std::move(points));
     for (std::size_t i = 0; i < members.size(); ++i) sweep[members[i]]["front"] = bool{front[i]};
   }
 }

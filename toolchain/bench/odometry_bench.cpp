@@ -9,15 +9,12 @@
 #include <stdexcept>
 
 #include "estimators/attitude.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 
 namespace sortie::toolchain {
 namespace {
 
 using Kind = OdometryEvent::Kind;
-
-constexpr double kSameCost = 0.05;
-constexpr double kSameError = 0.001;
 
 /// Time that the thread had a processor: what another one took away is not in it.
 double thread_seconds() {
@@ -116,9 +113,7 @@ void mark_front(const std::string& error, std::vector<OdometryCell>& cells) {
     points.push_back({cell.cost_us_per_s,
                       found != cell.errors.end() ? found->second : std::numeric_limits<double>::quiet_NaN()});
   }
-  merge_close(points, &CostAndError::cost, kSameCost);
-  merge_close(points, &CostAndError::error, kSameError);
-  const std::vector<bool> front = pareto_front(points);
+  const std::vector<bool> front = measured_front(std::move(points));
   for (std::size_t i = 0; i < front.size(); ++i) cells[i].on_front = front[i];
 }
 

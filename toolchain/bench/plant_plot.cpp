@@ -55,7 +55,68 @@ Series outline(const firmware::Json& shape, int colour, double width) {
   return line;
 }
 
-// Neighbours in time overlap: they take turns between two colours.
+// What the outlines reach.
+struct Reach {
+  double low{1e9};
+  double high{-1e9};
+  double top{};
+
+  void take(const Series& line) {
+    low = std::min(low, *std::min_element(line.x.begin(), line.x.end()));
+    high = std::max(high, *std::max_element(line.x.begin(), line.x.end()));
+    top = std::max(top, *std::max_element(line.y.begin(), line.y.end()));
+  }
+};
+
+// A moment's time in the middle of its track.
+Series time_label(const firmware::Json& moment, const Series& track) {
+  const auto count = static_cast<double>(track.x.size());
+  Series label;
+  label.mark = Mark::dots;
+  label.colour = track.colour;
+  label.width = 0.1;
+  label.x = {std::accumulate(track.x.begin(), track.x.end(), 0.0) / count};
+  label.y = {std::accumulate(track.y.begin(), track.y.end(), 0.0) / count};
+  label.labels = {firmware::format_fixed(moment.value("t_s", 0.0), 1) + " s"};
+  return label;
+}
+
+// The vehicle at the moments; neighbours in time overlap: they take turns between two colours.
+Reach draw_moments(const firmware::Json& moments, std::vector<Series>& series) {
+  Reach reach;
+  int number = 0;
+  for (const firmware::Json& moment : moments) {
+    const int colour = number++ % 2 == 0 ? kBlue : kGreen;
+    bool first = true;
+    for (const firmware::Json& shape : moment.value("outlines", firmware::Json::array())) {
+      Series line = outline(shape, colour, 1.4);
+      if (line.x.empty()) continue;
+      reach.take(line);
+      if (first) {
+        if (number <= 2) line.name = number == 1 ? "track and flippers" : "the next moment";
+        series.push_back(time_label(moment, line));
+      }
+      first = false;
+      series.push_back(std::move(line));
+    }
+  }
+  return reach;
+}
+
+Series loaded_contacts(const firmware::Json& moments) {
+  Series contacts;
+  contacts.name = "loaded contacts";
+  contacts.mark = Mark::dots;
+  contacts.colour = kVermilion;
+  contacts.width = 2.2;
+  for (const firmware::Json& moment : moments) {
+    const firmware::Json points = moment.value("contacts", firmware::Json::object());
+    for (const double x : points.value("x", std::vector<double>{})) contacts.x.push_back(x);
+    for (const double z : points.value("z", std::vector<double>{})) contacts.y.push_back(z);
+  }
+  return contacts;
+}
+
 Plot side_view(const firmware::Json& picture) {
   Plot plot;
   plot.title = picture.value("scene", "") + ": " + picture.value("about", "") + ", friction " +
@@ -67,51 +128,15 @@ Plot side_view(const firmware::Json& picture) {
   for (const firmware::Json& solid : picture.value("solids", firmware::Json::array()))
     plot.series.push_back(outline(solid, kGrey, 1.2));
   if (!plot.series.empty()) plot.series.front().name = "obstacles";
-  Series contacts;
-  contacts.name = "loaded contacts";
-  contacts.mark = Mark::dots;
-  contacts.colour = kVermilion;
-  contacts.width = 2.2;
-  double low = 1e9;
-  double high = -1e9;
-  double top = 0;
-  int number = 0;
-  for (const firmware::Json& moment : picture.value("moments", firmware::Json::array())) {
-    const int colour = number++ % 2 == 0 ? kBlue : kGreen;
-    bool first = true;
-    for (const firmware::Json& shape : moment.value("outlines", firmware::Json::array())) {
-      Series line = outline(shape, colour, 1.4);
-      if (line.x.empty()) continue;
-      low = std::min(low, *std::min_element(line.x.begin(), line.x.end()));
-      high = std::max(high, *std::max_element(line.x.begin(), line.x.end()));
-      top = std::max(top, *std::max_element(line.y.begin(), line.y.end()));
-      if (first) {
-        if (number <= 2) line.name = number == 1 ? "track and flippers" : "the next moment";
-        // The moment stands in the middle of the track.
-        const auto count = static_cast<double>(line.x.size());
-        Series label;
-        label.mark = Mark::dots;
-        label.colour = colour;
-        label.width = 0.1;
-        label.x = {std::accumulate(line.x.begin(), line.x.end(), 0.0) / count};
-        label.y = {std::accumulate(line.y.begin(), line.y.end(), 0.0) / count};
-        label.labels = {firmware::format_fixed(moment.value("t_s", 0.0), 1) + " s"};
-        plot.series.push_back(std::move(label));
-      }
-      first = false;
-      plot.series.push_back(std::move(line));
-    }
-    const firmware::Json points = moment.value("contacts", firmware::Json::object());
-    for (const double x : points.value("x", std::vector<double>{})) contacts.x.push_back(x);
-    for (const double z : points.value("z", std::vector<double>{})) contacts.y.push_back(z);
-  }
-  plot.series.push_back(std::move(contacts));
-  if (low < high) {
-    plot.x.low = low - 0.1;
-    plot.x.high = high + 0.1;
+  const firmware::Json moments = picture.value("moments", firmware::Json::array());
+  const Reach reach = draw_moments(moments, plot.series);
+  plot.series.push_back(loaded_contacts(moments));
+  if (reach.low < reach.high) {
+    plot.x.low = reach.low - 0.1;
+    plot.x.high = reach.high + 0.1;
     plot.y.low = -0.05;
-    plot.y.high = top + 0.1;
-    plot.height = 110 + (plot.width - 74) * (top + 0.15) / (high - low + 0.2);
+    plot.y.high = reach.top + 0.1;
+    plot.height = 110 + (plot.width - 74) * (reach.top + 0.15) / (reach.high - reach.low + 0.2);
     Series ground;
     ground.x = {plot.x.low, plot.x.high};
     ground.y = {0, 0};

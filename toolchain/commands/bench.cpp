@@ -21,14 +21,14 @@ void add_bench(firmware::Command& app, CommandContext& context) {
       "    --sweep attitude.acc_time_constant_s=2,3,4 --repeat 5 --out out/husky\n"
       "  sortie bench --scene ugv_hall --seeds 5 --seconds 20 --sweep map.voxel_m=0.1,0.2 --jobs 4 --out "
       "out/hall\n"
-      "  sortie bench a.lcm b.lcm --sweep map.voxel_m=0.1,0.2 --slurm sweep.sh --out /shared/sweep");
+      "  sortie bench a.lcm b.lcm --sweep map.voxel_m=0.1,0.2 --slurm sweep.sh --out /shared/sweep\n"
+      "  sortie bench --scene ugv_hall --scene uav_gusts --sweep knobs --out out/knobs");
   add_bench_sweep(*command, context);
   command->require_subcommand(0, 1);
   add_bench_all(*command, context);
   add_bench_peers(*command, context);
   add_bench_rays(*command, context);
   add_bench_odometry(*command, context);
-  add_bench_knobs(*command, context);
   add_bench_wcet(*command, context);
 }
 

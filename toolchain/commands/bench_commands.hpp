@@ -18,8 +18,6 @@ void add_bench_peers(firmware::Command& bench, CommandContext& context);
 void add_bench_rays(firmware::Command& bench, CommandContext& context);
 /// `bench odometry`: attitude and odometry, error against run time.
 void add_bench_odometry(firmware::Command& bench, CommandContext& context);
-/// `bench knobs`: every knob alone, error against run time.
-void add_bench_knobs(firmware::Command& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
 void add_bench_wcet(firmware::Command& bench, CommandContext& context);
 

@@ -12,7 +12,6 @@
 #include "toolchain/commands/bench_commands.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/judge/alignment.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 
@@ -121,11 +120,8 @@ void add_bench_odometry(firmware::Command& bench, CommandContext& context) {
   command->add_option("--log", options->logs, "Logs with truth to measure on")->type_name("LOG")->take_all();
   command->add_option("--log-scene", options->log_scene, "Scene of imported logs");
   add_alignment_option(*command, options->align);
-  command
-      ->add_option("--calibrate-s", options->calibrate_s,
-                   "Of logs: the truth of the first seconds calibrates, the rest is judged")
-      ->in_range(0.0, 1e6)
-      ->type_name("SECONDS");
+  add_calibration_option(*command, options->calibrate_s,
+                         "Of logs: the truth of the first seconds calibrates, the rest is judged");
   command->add_option("--scene", options->scenes, "Scenes to drive")->take_all();
   command->add_option("--rounds", options->rounds, "Rounds of what is timed")
       ->in_range(1, 1000)

@@ -7,19 +7,17 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <numeric>
 #include <optional>
 
 #include "firmware_like/log/log_file.hpp"
-#include "firmware_like/result/results.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/bench/child_process.hpp"
+#include "toolchain/bench/temporary_log.hpp"
 #include "toolchain/commands/bench_commands.hpp"
 #include "toolchain/commands/sweep_drives.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_jobs.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 #include "toolchain/sweep/sweep_slurm.hpp"
@@ -39,13 +37,9 @@ struct SweepCommand {
   std::string slurm;
   std::string cells;
   OutputOptions output;
-  std::string damage;     // of the first log that has any
-  std::string temporary;  // folder of drives that nobody keeps
+  std::string damage;                        // of the first log that has any
+  std::optional<TemporaryFolder> temporary;  // of drives that nobody keeps
 
-  ~SweepCommand() {
-    std::error_code ignored;
-    if (!temporary.empty()) fs::remove_all(temporary, ignored);
-  }
   bool in_folder() const { return jobs != 0 || !shard.empty() || !slurm.empty(); }
 };
 
@@ -86,49 +80,47 @@ std::vector<std::size_t> parse_cells(const std::string& text) {
   return cells;
 }
 
-// Logs that the command names, or drives that are simulated now; then they hold the profile, overrides
-// included.
+// Logs that the command names, with the scene that it gives them, or drives that are simulated now; then they
+// hold the profile, overrides included.
 std::vector<SimulatedDrive> take_drives(const CommandContext& context, SweepCommand& command) {
-  if (!command.request.logs.empty()) return {};
-  std::string folder = command.output.out;
-  if (folder.empty()) {
-    folder = (fs::temp_directory_path() / "sortie-sweep-XXXXXX").string();
-    if (mkdtemp(folder.data()) == nullptr)
-      throw firmware::InputError(folder + ": cannot be made; set TMPDIR");
-    command.temporary = folder;
+  SweepRequest& request = command.request;
+  const std::vector<std::string>& scenes = command.drives.scenes;
+  if (!request.logs.empty()) {
+    if (scenes.size() > 1) refuse("--scene: logs are replayed with one scene; sweep them one by one");
+    if (!scenes.empty()) request.scene = scenes.front();
+    return {};
   }
-  command.drives.scene = command.request.scene;
-  command.drives.overrides = command.request.overrides;
-  std::vector<SimulatedDrive> drives = simulate_drives(context, command.drives, folder + "/drives");
-  for (const SimulatedDrive& drive : drives) command.request.logs.push_back(drive.log);
-  command.request.scene.clear();
-  command.request.overrides.clear();
+  if (scenes.empty()) refuse("no log; give LOG, or --scene SCENE to simulate a drive");
+  if (command.output.out.empty()) command.temporary.emplace();
+  const std::string folder =
+      command.temporary ? command.temporary->file("drives") : command.output.out + "/drives";
+  command.drives.overrides.swap(request.overrides);
+  std::vector<SimulatedDrive> drives = simulate_drives(context, command.drives, folder);
+  for (const SimulatedDrive& drive : drives) request.logs.push_back(drive.log);
   return drives;
 }
 
 void show(const CommandContext& context, const SweepCommand& command, const SweepSet& set) {
-  firmware::Json object = to_json(set);
-  object["command"] = context.command_line;
-  if (command.output.json) {
-    std::cout << object.dump(2) << "\n";
-  } else {
-    print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
-  }
+  show_sweep_set(context, command.output, set);
   if (command.output.out.empty()) return;
-  write_sweep_set(command.output.out, set, object);
   std::cerr << "sweep: " << command.output.out << "/sweep.json and what lies beside it\n";
 }
 
 int run_here(const CommandContext& context, SweepCommand& command) {
-  SweepOptions options = sweep_options(command.request);
+  const SweepOptions options = sweep_options(command.request);
   std::vector<LogSweep> sweeps;
   const auto bar = progress_bar(command.output, "bench");
   const auto count = static_cast<double>(command.request.logs.size());
+  double done = 0;
   for (const std::string& path : command.request.logs) {
-    const auto before = static_cast<double>(sweeps.size());
-    if (bar) options.progress = [&bar, before, count](double share) { bar((before + share) / count); };
     const firmware::LogFile log(path);
-    sweeps.push_back({path, run_sweep(log, context.parts.vehicles, options)});
+    std::vector<SweepOptions> planned = sweeps_of(log, context.parts.vehicles, options);
+    const double each = 1 / (count * static_cast<double>(planned.size()));
+    for (SweepOptions& one : planned) {
+      if (bar) one.progress = [&bar, done, each](double share) { bar(done + share * each); };
+      sweeps.push_back({path, run_sweep(log, context.parts.vehicles, one)});
+      done += each;
+    }
     for (const std::string& problem : log.problems()) sweeps.back().sweep.warnings.push_back(problem);
     if (command.damage.empty()) command.damage = log.damage();
   }
@@ -145,11 +137,11 @@ SweepFolderPlan make_plan(const CommandContext& context, SweepCommand& command,
     std::string& path = command.request.logs[i];
     const firmware::LogFile log(path);
     path = fs::absolute(path).lexically_normal().string();
-    PlannedLog planned{path, {}, !drives.empty(), plan_sweep(log, context.parts.vehicles, options)};
-    planned.identity = drives.empty() ? digest_of_file(path) : drives[i].identity;
-    planned.plan.sweep.warnings = log.problems();
+    const std::string identity = drives.empty() ? digest_of_file(path) : drives[i].identity;
+    for (const SweepOptions& one : sweeps_of(log, context.parts.vehicles, options))
+      plan.logs.push_back({path, identity, !drives.empty(), plan_sweep(log, context.parts.vehicles, one)});
+    plan.logs.back().plan.sweep.warnings = log.problems();
     if (command.damage.empty()) command.damage = log.damage();
-    plan.logs.push_back(std::move(planned));
   }
   plan.request = command.request;
   // Cells run in other folders: a scene's file is named from the root.
@@ -230,9 +222,7 @@ int run(const CommandContext& context, SweepCommand& command) {
   if ((command.in_folder() || !command.cells.empty()) && command.output.out.empty())
     refuse("--jobs, --shard, --slurm and --cell keep cells as files; add --out DIR");
   if (!command.cells.empty()) return run_cells(context, command);
-  if (command.request.knobs.empty()) refuse("nothing to sweep; add --sweep key=v1,v2,v3");
-  if (command.request.logs.empty() && command.request.scene.empty())
-    refuse("no log; give LOG, or --scene SCENE to simulate a drive");
+  if (command.request.knobs.empty()) refuse("nothing to sweep; add --sweep key=v1,v2,v3 or --sweep knobs");
   const std::vector<SimulatedDrive> drives = take_drives(context, command);
   const int code = command.in_folder() ? run_in_folder(context, command, drives) : run_here(context, command);
   return finish_with_damage(context, command.damage, command.accept_damage, code);
@@ -244,11 +234,17 @@ void add_bench_sweep(firmware::Command& bench, CommandContext& context) {
   auto options = std::make_shared<SweepCommand>();
   SweepRequest& request = options->request;
   bench.add_option("log,--log", request.logs, "LCM logs from `run --record` or `import`")->type_name("LOG");
-  bench.add_option("--sweep", request.knobs, "Key of the profile and its values: key=v1,v2,v3")
+  bench
+      .add_option("--sweep", request.knobs,
+                  "Key of the profile and its values: key=v1,v2,v3; or knobs: each knob of the scene's "
+                  "estimators and map alone")
       ->take_all()
       ->delimiter('\n');
-  bench.add_option("--scene", request.scene,
-                   "Another scene than the log's own; needed for imported logs. Without a log: simulate it");
+  bench
+      .add_option("--scene", options->drives.scenes,
+                  "Another scene than the log's own; needed for imported logs. Without a log: simulate it")
+      ->expected(1, 1)  // each time: a log may follow
+      ->take_all();
   bench.add_option("--seconds", options->drives.seconds, "Without a log: how long to simulate")
       ->in_range(0.01, 1e5)
       ->capture_default_str();
@@ -277,12 +273,13 @@ void add_bench_sweep(firmware::Command& bench, CommandContext& context) {
   bench.add_option("--cell", options->cells, "Run these cells of the sweep that is planned in --out")
       ->type_name("LIST");
   add_alignment_option(bench, request.align);
+  add_calibration_option(bench, request.calibrate_s);
   add_damage_option(bench, options->accept_damage);
   bench.add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   bench.add_flag("--quiet", options->output.quiet, "No progress");
   bench
       .add_option("--out", options->output.out,
-                  "Folder for sweep.csv, sweep.json and sweep.svg, and for cells and drives")
+                  "Folder for sweep.csv, sweep.json, sweep.md and sweep.svg, and for cells and drives")
       ->type_name("DIR");
   bench.callback([&bench, &context, options] {
     if (bench.has_chosen_subcommand()) return;

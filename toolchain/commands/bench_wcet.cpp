@@ -12,7 +12,6 @@
 #include "toolchain/bench/wcet_report.hpp"
 #include "toolchain/commands/bench_commands.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

@@ -2,33 +2,24 @@
 #include <memory>
 #include <optional>
 
-#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/judge/gate.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
-struct CheckOptions {
-  std::string log;
-  std::string fault;
+struct CheckOptions : firmware::ReplayCommand {
   std::string gate;
-  std::string scene;
   std::string align{"none"};
-  bool threaded{};
-  std::string truth;
-  SpanOptions span;
-  bool accept_damage{};
-  bool accept_unused{};
   OutputOptions output;
 };
 
-int run(const CommandContext& context, const CheckOptions& options) {
+int run(const CommandContext& context, CheckOptions& options) {
   // First: a gate that cannot be used is told before the replay, not after it.
   std::optional<Gate> gate;
   if (!options.gate.empty()) gate.emplace(options.gate);
@@ -40,30 +31,18 @@ int run(const CommandContext& context, const CheckOptions& options) {
             "with `sortie run --record` or `sortie replay --record`",
         2);
   }
-  firmware::ReplayOptions replay_options;
-  replay_options.scene = options.scene;
-  replay_options.threaded = options.threaded;
-  replay_options.accept_unused = options.accept_unused;
-  replay_options.must_compare = log.header().has_ticks;
-  replay_options.fault = options.fault;
-  replay_options.from = options.span.from;
-  replay_options.to = options.span.to;
-  replay_options.keyframes = options.span.keyframes;
-  replay_options.truth = options.truth;
+  options.replay.must_compare = log.header().has_ticks;
+  options.replay.progress = progress_bar(options.output, "check");
   EvaluationOptions judging;
   judging.align = parse_alignment(options.align);
-  replay_options.progress = progress_bar(options.output, "check");
-  firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, replay_options);
+  firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
   judge(outcome, judging);
 
   std::vector<std::string> failures = firmware::check_failures(log, outcome);
   if (gate) {
     for (std::string& line : gate->judge(outcome.results)) failures.push_back(std::move(line));
   }
-
-  const bool is_part = !options.span.from.empty() || !options.span.to.empty();
-  firmware::print_check(log, outcome, failures, is_part, options.output.json);
-  return finish_with_damage(context, outcome.damage, options.accept_damage, failures.empty() ? 0 : 1);
+  return firmware::end_check(context.parts.name, log, outcome, failures, options, options.output.json);
 }
 
 }  // namespace
@@ -81,15 +60,13 @@ void add_check(firmware::Command& app, CommandContext& context) {
       "  sortie check hall.lcm --fault odometry@1200   # shows that the check can fail");
   command->add_option("log", options->log, "LCM log with ticks")->required();
   add_gate_option(*command, options->gate);
-  command->add_option("--scene", options->scene, "The scene of an imported log, which names none");
-  command->add_option("--fault", options->fault,
-                      "Flip a bit of a task's output: task@tick or task.byte@tick");
-  command->add_flag("--threads", options->threaded, "One worker a group");
-  add_truth_option(*command, options->truth);
-  add_span_options(*command, options->span);
+  command->add_option("--scene", options->replay.scene, "The scene of an imported log, which names none");
+  add_fault_option(*command, options->replay);
+  command->add_flag("--threads", options->replay.threaded, "One worker a group");
+  add_truth_option(*command, options->replay.truth);
+  add_span_options(*command, options->replay, true);
   add_alignment_option(*command, options->align);
-  add_unused_option(*command, options->accept_unused);
-  add_damage_option(*command, options->accept_damage);
+  add_acceptance_options(*command, *options);
   command->add_flag("--json", options->output.json, "Print one JSON object");
   command->add_flag("--quiet", options->output.quiet, "No progress bar");
   command->callback(

@@ -9,6 +9,7 @@
 
 #include "firmware_like/log/timed_pose.hpp"
 #include "firmware_like/scene/command_line.hpp"
+#include "toolchain/commands/program_parts.hpp"
 
 namespace sortie::firmware {
 class LogFile;
@@ -18,8 +19,8 @@ struct ContactSummary;
 
 namespace sortie::toolchain {
 
-struct ProgramParts;
 struct ReportInput;
+struct SweepSet;
 
 /// What all commands share.
 struct CommandContext {
@@ -40,17 +41,15 @@ void add_output_options(firmware::Command& command, OutputOptions& options);
 /// Adds --align.
 void add_alignment_option(firmware::Command& command, std::string& alignment);
 
+/// Adds --calibrate-s.
+void add_calibration_option(
+    firmware::Command& command, double& calibrate_s,
+    const std::string& about =
+        "The truth of the first seconds calibrates heading, gyro bias and wheel scale; "
+        "errors are those of the rest, in place of --align");
+
 /// Adds --truth: errors against the log of a plant that ran in a process of its own.
 void add_truth_option(firmware::Command& command, std::string& truth);
-
-/// Where a command that replays begins and ends: --from, --to, --keyframes.
-struct SpanOptions {
-  std::string from;
-  std::string to;
-  std::string keyframes;
-};
-/// Adds them.
-void add_span_options(firmware::Command& command, SpanOptions& options);
 
 /// A progress bar on stderr, if that is a terminal; otherwise null.
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
@@ -59,6 +58,8 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
 /// command fail, where something judged it; JSON then has `passed` and `failures`.
 void show_results(const OutputOptions& options, const ReportInput& report,
                   const std::vector<std::string>* judged = nullptr);
+/// Prints sweeps (tables or JSON) and writes the folder, if there is one.
+void show_sweep_set(const CommandContext& context, const OutputOptions& options, const SweepSet& set);
 /// Adds --gate.
 void add_gate_option(firmware::Command& command, std::string& gate);
 
@@ -76,10 +77,6 @@ void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactS
 /// unless its good part was declared to be enough.
 int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
                        int code);
-/// Adds --accept-unused.
-void add_unused_option(firmware::Command& command, bool& accept_unused);
-/// Adds --accept-damage.
-void add_damage_option(firmware::Command& command, bool& accept_damage);
 
 /// The commands of this program, each by its own function from here on.
 void add_commands(firmware::Command& app, CommandContext& context);

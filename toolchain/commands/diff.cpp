@@ -9,7 +9,6 @@
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

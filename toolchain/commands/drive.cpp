@@ -14,7 +14,6 @@
 #include "planner/ugv_drive.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/commands/request_client.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

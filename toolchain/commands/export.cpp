@@ -7,7 +7,7 @@
 
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/log/releases.hpp"
-#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "rt/posix/flight_reader.hpp"
@@ -22,7 +22,6 @@
 #include "toolchain/export/ply.hpp"
 #include "toolchain/export/sensor_truth_csv.hpp"
 #include "toolchain/export/tum.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/release_plots.hpp"
 
 namespace sortie::toolchain {
@@ -32,14 +31,11 @@ namespace {
 using firmware::InputError;
 using firmware::LogFile;
 
-struct ExportOptions {
+struct ExportOptions : firmware::ReplayCommand {
   std::string kind;
-  std::string log;
   std::string path;
   std::string task;
-  firmware::ReplayOptions replay;
   std::string for_scene;
-  bool accept_damage{};
   std::size_t last{20};
 };
 

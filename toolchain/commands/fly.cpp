@@ -15,7 +15,6 @@
 #include "rt/uav_samples.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/commands/request_client.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

@@ -6,23 +6,18 @@
 #include <memory>
 
 #include "firmware_like/log/keyframe_state.hpp"
-#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
-struct IndexOptions {
-  std::string log;
+struct IndexOptions : firmware::ReplayCommand {
   std::string output;
   double every_s{10};
-  std::string scene;
-  std::vector<std::string> overrides;
-  bool accept_damage{};
   bool list{};
   OutputOptions shown;
 };
@@ -80,9 +75,7 @@ int run(const CommandContext& context, const IndexOptions& options) {
   std::unique_ptr<firmware::KeyframeWriter> writer;
   firmware::KeyframeHead head;
   rt::Tick every = 0;
-  firmware::ReplayOptions replay_options;
-  replay_options.scene = options.scene;
-  replay_options.overrides = options.overrides;
+  firmware::ReplayOptions replay_options = options.replay;
   replay_options.progress = progress_bar(options.shown, "index");
   replay_options.on_tick = [&](rt::Tick tick, firmware::Runtime& runtime, firmware::LogFeed& feed) {
     if (!writer) {
@@ -129,9 +122,9 @@ void add_index(firmware::Command& app, CommandContext& context) {
   command->add_option("--every", options->every_s, "Seconds of the log between two keyframes")
       ->in_range(1e-4, 1e6)
       ->capture_default_str();
-  command->add_option("--scene", options->scene,
-                      "Another scene than the log's own; needed for imported logs");
-  command->add_option("--set", options->overrides, "Override a key of the profile, key=value")->take_all();
+  add_scene_option(*command, options->replay.scene);
+  command->add_option("--set", options->replay.overrides, "Override a key of the profile, key=value")
+      ->take_all();
   command->add_flag("--list", options->list, "Show the keyframes that are there, and compare their hashes");
   add_damage_option(*command, options->accept_damage);
   command->add_flag("--json", options->shown.json, "Print one JSON object");

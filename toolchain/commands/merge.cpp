@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `sortie merge`: the cells of a sweep that ran in shards or on a cluster, put together.
-#include <unistd.h>
-
 #include <iostream>
 #include <memory>
 
-#include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 #include "toolchain/sweep/sweep_slurm.hpp"
 
@@ -72,14 +67,7 @@ int run(const CommandContext& context, const MergeCommand& command) {
     if (!command.resubmit) return 1;
     return resubmit(resubmit_command(own_program_path(), command.folders.front(), missing));
   }
-  firmware::Json object = to_json(set);
-  object["command"] = context.command_line;
-  if (command.output.json) {
-    std::cout << object.dump(2) << "\n";
-  } else {
-    print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
-  }
-  if (!command.output.out.empty()) write_sweep_set(command.output.out, set, object);
+  show_sweep_set(context, command.output, set);
   return 0;
 }
 
@@ -100,7 +88,8 @@ void add_merge(firmware::Command& app, CommandContext& context) {
   command->add_flag("--resubmit", options->resubmit,
                     "Submit the array tasks of missing cells again; without a script, print what runs them");
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
-  command->add_option("--out", options->output.out, "Folder for sweep.csv, sweep.json and sweep.svg")
+  command
+      ->add_option("--out", options->output.out, "Folder for sweep.csv, sweep.json, sweep.md and sweep.svg")
       ->type_name("DIR");
   command->callback(
       [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });

@@ -7,7 +7,6 @@
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/simulate/plant_process.hpp"
 
 namespace sortie::toolchain {

@@ -6,7 +6,6 @@
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/commands/replay_report.hpp"
 #include "toolchain/judge/alignment.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/map_plot.hpp"
 #include "toolchain/report/timeline_plot.hpp"
 
@@ -28,29 +27,19 @@ std::vector<FigureRow> live_rows(const firmware::Results& results) {
 }  // namespace
 
 void add_replay_report_options(firmware::Command& command, ReplayReportOptions& options) {
-  command.add_option("--scene", options.replay.scene,
-                     "Another scene than the log's own; needed for imported logs");
+  add_scene_option(command, options.replay.scene);
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
       ->take_all();
   add_truth_option(command, options.replay.truth);
-  add_span_options(command, options.span);
+  add_span_options(command, options.replay, true);
   add_alignment_option(command, options.align);
-  command
-      .add_option("--calibrate-s", options.evaluation.calibrate_s,
-                  "The truth of the first seconds calibrates heading, gyro bias and wheel scale; errors are "
-                  "those of the rest, in place of --align")
-      ->in_range(0.0, 1e6)
-      ->type_name("SECONDS");
-  add_unused_option(command, options.replay.accept_unused);
-  add_damage_option(command, options.accept_damage);
+  add_calibration_option(command, options.evaluation.calibrate_s);
+  add_acceptance_options(command, options);
 }
 
 ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions& options,
                               const OutputOptions& output, const std::string& path) {
   const firmware::LogFile log(path);
-  options.replay.from = options.span.from;
-  options.replay.to = options.span.to;
-  options.replay.keyframes = options.span.keyframes;
   options.evaluation.align = parse_alignment(options.align);
   options.replay.progress = progress_bar(output, "replay");
   RayFigures figures;
@@ -111,12 +100,9 @@ void add_replay(firmware::Command& app, CommandContext& context) {
       "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
   command->add_option("log", options->replay.log, "LCM log from `run --record` or `import`")->required();
   add_replay_report_options(*command, options->replay);
-  command->add_option("--record", options->replay.replay.record, "Write a log of this replay")
-      ->type_name("LOG");
-  command->add_flag("--threads", options->replay.replay.threaded,
-                    "One worker a group; the outputs must not change");
-  command->add_option("--fault", options->replay.replay.fault,
-                      "Flip a bit of a task's output: task@tick or task.byte@tick");
+  add_record_option(*command, options->replay.replay);
+  add_threads_option(*command, options->replay.replay);
+  add_fault_option(*command, options->replay.replay);
   add_output_options(*command, options->output);
   command->callback([&context, options] {
     context.chosen = [&context, options] {

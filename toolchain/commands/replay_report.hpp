@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "firmware_like/log/replay.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/report/html.hpp"
@@ -12,12 +12,8 @@
 namespace sortie::toolchain {
 
 /// Options of a shown replay.
-struct ReplayReportOptions {
-  std::string log;
-  bool accept_damage{};
-  firmware::ReplayOptions replay;
+struct ReplayReportOptions : firmware::ReplayCommand {
   EvaluationOptions evaluation;
-  SpanOptions span;
   std::string align{"none"};
 };
 

@@ -4,7 +4,6 @@
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/judge/alignment.hpp"
-#include "toolchain/program/program.hpp"
 
 #include <exception>
 
@@ -18,9 +17,7 @@ std::vector<std::vector<Sweep>> sweep_for_report(const CommandContext& context,
   SweepOptions sweep;
   sweep.replay = options.replay;
   sweep.replay.on_job = nullptr;
-  sweep.replay.from = options.span.from;
-  sweep.replay.to = what.to.empty() ? options.span.to : what.to;
-  sweep.replay.keyframes = options.span.keyframes;
+  if (!what.to.empty()) sweep.replay.to = what.to;
   sweep.evaluation = options.evaluation;
   sweep.evaluation.align = parse_alignment(options.align);
   for (const std::string& text : what.knobs) {

@@ -10,7 +10,6 @@
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/judge/gate.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/html.hpp"
 
 namespace sortie::toolchain {

@@ -14,7 +14,6 @@
 #include "firmware_like/scene/scene_parts.hpp"
 #include "toolchain/bench/scene_cost.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

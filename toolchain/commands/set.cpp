@@ -12,7 +12,6 @@
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/commands/parameter_client.hpp"
-#include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
 

@@ -16,11 +16,11 @@
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/judge/fired_rays.hpp"
-#include "toolchain/program/program.hpp"
 #include "toolchain/report/contact_plots.hpp"
 #include "toolchain/report/fired_rays_plot.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/map_plot.hpp"
+#include "toolchain/sweep/sweep_set.hpp"
 
 namespace sortie::toolchain {
 
@@ -37,6 +37,10 @@ void add_alignment_option(firmware::Command& command, std::string& alignment) {
       ->capture_default_str();
 }
 
+void add_calibration_option(firmware::Command& command, double& calibrate_s, const std::string& about) {
+  command.add_option("--calibrate-s", calibrate_s, about)->in_range(0.0, 1e6)->type_name("SECONDS");
+}
+
 void add_truth_option(firmware::Command& command, std::string& truth) {
   command
       .add_option("--truth", truth,
@@ -46,26 +50,6 @@ void add_truth_option(firmware::Command& command, std::string& truth) {
 
 void add_gate_option(firmware::Command& command, std::string& gate) {
   command.add_option("--gate", gate, "Bounds on errors, counters, pools and the robot's times: a TOML file")
-      ->type_name("FILE");
-}
-
-void add_unused_option(firmware::Command& command, bool& accept_unused) {
-  command.add_flag("--accept-unused", accept_unused,
-                   "A channel of the log of which nothing is used is meant: do not exit with 1");
-}
-
-void add_damage_option(firmware::Command& command, bool& accept_damage) {
-  command.add_flag("--accept-damage", accept_damage,
-                   "The good part of a damaged log is enough: do not exit with 3");
-}
-
-void add_span_options(firmware::Command& command, SpanOptions& options) {
-  command
-      .add_option("--from", options.from,
-                  "Begin there: seconds since the start or @tick; the state comes from the nearest keyframe")
-      ->type_name("TIME");
-  command.add_option("--to", options.to, "End before that time or @tick")->type_name("TIME");
-  command.add_option("--keyframes", options.keyframes, "Keyframes of `index`, if not LOG.keyframes")
       ->type_name("FILE");
 }
 
@@ -125,6 +109,17 @@ void show_results(const OutputOptions& options, const ReportInput& report,
   write_trajectory("/truth.tum", report.truth);
   write_report(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";
+}
+
+void show_sweep_set(const CommandContext& context, const OutputOptions& options, const SweepSet& set) {
+  firmware::Json object = to_json(set);
+  object["command"] = context.command_line;
+  if (options.json) {
+    std::cout << object.dump(2) << "\n";
+  } else {
+    print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
+  }
+  if (!options.out.empty()) write_sweep_set(options.out, set, object);
 }
 
 }  // namespace sortie::toolchain

@@ -11,10 +11,10 @@ namespace sortie::toolchain {
 
 /// What to simulate.
 struct DriveRequest {
-  std::string scene;
+  std::vector<std::string> scenes;
   std::vector<std::string> overrides;
   double seconds{10};
-  std::uint32_t seeds{1};  ///< drives; more than one: with hil.seed = 1, 2, ...
+  std::uint32_t seeds{1};  ///< drives of each scene; more than one: with hil.seed = 1, 2, ...
 };
 
 /// A recorded drive.

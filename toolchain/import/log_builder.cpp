@@ -62,6 +62,17 @@ void encode_and_append(OutputLog& log, std::string_view channel, std::int64_t re
   log.append(channel, receipt_us, std::span(buffer).first(size));
 }
 
+drivers::LogHeader header_of(const std::string& kind, const std::vector<std::string>& sources) {
+  drivers::LogHeader header;
+  header.version = kImporterVersion;
+  header.compiler = firmware::compiler_description();
+  header.source = kind;
+  for (const std::string& source : sources)
+    header.source += " " + std::filesystem::path(source).filename().string();
+  header.has_ticks = false;
+  return header;
+}
+
 }  // namespace
 
 void LogBuilder::push(rt::Nanoseconds receipt_ns, Kind kind, std::size_t index) {
@@ -103,15 +114,8 @@ void LogBuilder::write(const std::string& path, const std::string& kind, ImportR
     throw firmware::InputError((report.sources.empty() ? path : report.sources.front()) +
                                ": holds no usable sensor sample; check that the file is whole");
   }
-  drivers::LogHeader header;
-  header.version = kImporterVersion;
-  header.compiler = firmware::compiler_description();
-  header.source = kind;
-  for (const std::string& source : report.sources) {
-    header.source += " " + std::filesystem::path(source).filename().string();
-  }
+  drivers::LogHeader header = header_of(kind, report.sources);
   header.epoch_ns = order.front().receipt_us * rt::kNanosecondsPerMicrosecond;
-  header.has_ticks = false;
   std::copy(std::begin(initial_p_), std::end(initial_p_), header.initial_p);
   std::copy(std::begin(initial_q_), std::end(initial_q_), header.initial_q);
 

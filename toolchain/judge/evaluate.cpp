@@ -42,6 +42,49 @@ double vertical_rmse(const PairedTrajectories& pairs) {
   return statistics(errors).rmse;
 }
 
+using Errors = std::map<std::string, double>;
+
+/// What the truth of the first seconds teaches; it is not judged.
+void calibrate(double calibrate_s, PairedTrajectories& pairs, Errors& errors) {
+  const std::int64_t until_ns = pairs.truth.front().stamp_ns + static_cast<std::int64_t>(1e9 * calibrate_s);
+  const MotionCalibration calibration = fit_calibration(pairs, until_ns);
+  apply(calibration, pairs.estimate);
+  drop_until(pairs, until_ns);
+  errors["calibrated_scale"] = calibration.scale;
+  errors["calibrated_bias_deg_s"] = calibration.bias_rad_s * kDegrees;
+  errors["calibrated_rmse_m"] = calibration.rms_m;
+  errors["calibrated_n"] = static_cast<double>(calibration.n);
+}
+
+void judge_places(const PairedTrajectories& pairs, double rpe_delta_m, Errors& errors) {
+  const ErrorStats ate = absolute_trajectory_error(pairs);
+  errors["ate_n"] = static_cast<double>(ate.n);
+  if (ate.n == 0) return;
+  errors["ate_rmse_m"] = ate.rmse;
+  errors["ate_mean_m"] = ate.mean;
+  errors["ate_median_m"] = ate.median;
+  errors["ate_max_m"] = ate.max;
+  const Drift drift = end_drift(pairs);
+  errors["distance_m"] = drift.distance_m;
+  errors["drift_horizontal_percent"] = drift.horizontal_percent;
+  bool has_height = true;
+  for (const firmware::TimedPose& pose : pairs.truth)
+    has_height = has_height && (pose.flags & (rt::kTruthPosition | rt::kTruthHeight)) != rt::kTruthPosition;
+  if (has_height) {
+    errors["drift_vertical_percent"] = drift.vertical_percent;
+    errors["vertical_rmse_m"] = vertical_rmse(pairs);
+  }
+  double delta_m = rpe_delta_m;
+  if (!(delta_m > 0.0)) delta_m = drift.distance_m >= 100.0 ? 10.0 : drift.distance_m >= 10.0 ? 1.0 : 0.1;
+  const RelativeErrors rpe = relative_pose_error(pairs, delta_m, DeltaUnit::meters);
+  if (rpe.translation_m.n > 0) {
+    errors["rpe_n"] = static_cast<double>(rpe.translation_m.n);
+    errors["rpe_rmse_m"] = rpe.translation_m.rmse;
+    errors["rpe_delta_m"] = delta_m;
+  }
+  if (rpe.rotation_rad.n > 0) errors["rpe_rmse_deg"] = rpe.rotation_rad.rmse * kDegrees;
+}
+
 }  // namespace
 
 Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
@@ -54,50 +97,14 @@ Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
   for (std::size_t i = 0; i < result.pairs.truth.size(); ++i) {
     result.pairs.truth[i].flags &= result.pairs.estimate[i].flags | rt::kTruthMoving;
   }
-  auto& errors = result.errors;
-  if (options.calibrate_s > 0.0 && !result.pairs.truth.empty()) {
-    const std::int64_t until_ns =
-        result.pairs.truth.front().stamp_ns + static_cast<std::int64_t>(1e9 * options.calibrate_s);
-    const MotionCalibration calibration = fit_calibration(result.pairs, until_ns);
-    apply(calibration, result.pairs.estimate);
-    drop_until(result.pairs, until_ns);
-    errors["calibrated_scale"] = calibration.scale;
-    errors["calibrated_bias_deg_s"] = calibration.bias_rad_s * kDegrees;
-    errors["calibrated_rmse_m"] = calibration.rms_m;
-    errors["calibrated_n"] = static_cast<double>(calibration.n);
-  }
+  Errors& errors = result.errors;
+  if (options.calibrate_s > 0.0 && !result.pairs.truth.empty())
+    calibrate(options.calibrate_s, result.pairs, errors);
   // The heading offset of the orientation errors is taken before alignment turns the estimate.
   const OrientationErrors orientation = orientation_errors(result.pairs);
   result.alignment = find_alignment(result.pairs, options.align);
   move_by(result.alignment, result.pairs.estimate);
-  const ErrorStats ate = absolute_trajectory_error(result.pairs);
-  errors["ate_n"] = static_cast<double>(ate.n);
-  if (ate.n > 0) {
-    errors["ate_rmse_m"] = ate.rmse;
-    errors["ate_mean_m"] = ate.mean;
-    errors["ate_median_m"] = ate.median;
-    errors["ate_max_m"] = ate.max;
-    const Drift drift = end_drift(result.pairs);
-    errors["distance_m"] = drift.distance_m;
-    errors["drift_horizontal_percent"] = drift.horizontal_percent;
-    bool has_height = true;
-    for (const firmware::TimedPose& pose : result.pairs.truth) {
-      has_height = has_height && (pose.flags & (rt::kTruthPosition | rt::kTruthHeight)) != rt::kTruthPosition;
-    }
-    if (has_height) {
-      errors["drift_vertical_percent"] = drift.vertical_percent;
-      errors["vertical_rmse_m"] = vertical_rmse(result.pairs);
-    }
-    double delta_m = options.rpe_delta_m;
-    if (!(delta_m > 0.0)) delta_m = drift.distance_m >= 100.0 ? 10.0 : drift.distance_m >= 10.0 ? 1.0 : 0.1;
-    const RelativeErrors rpe = relative_pose_error(result.pairs, delta_m, DeltaUnit::meters);
-    if (rpe.translation_m.n > 0) {
-      errors["rpe_n"] = static_cast<double>(rpe.translation_m.n);
-      errors["rpe_rmse_m"] = rpe.translation_m.rmse;
-      errors["rpe_delta_m"] = delta_m;
-    }
-    if (rpe.rotation_rad.n > 0) errors["rpe_rmse_deg"] = rpe.rotation_rad.rmse * kDegrees;
-  }
+  judge_places(result.pairs, options.rpe_delta_m, errors);
   if (orientation.inclination_rad.n > 0) {
     errors["orientation_n"] = static_cast<double>(orientation.inclination_rad.n);
     errors["inclination_rmse_deg"] = orientation.inclination_rad.rmse * kDegrees;

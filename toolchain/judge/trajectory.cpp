@@ -4,10 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-
-#include "firmware_like/scene/input_error.hpp"
-#include "toolchain/import/text_file.hpp"
 
 namespace sortie::toolchain {
 namespace {
@@ -101,31 +97,6 @@ PairedTrajectories associate(std::span<const firmware::TimedPose> estimate,
     pairs.truth.back().flags &= pairs.estimate.back().flags | ~kParts;
   }
   return pairs;
-}
-
-firmware::Trajectory read_tum(const std::string& path) {
-  TextFile file(path);
-  firmware::Trajectory trajectory;
-  std::vector<std::string_view> fields;
-  std::string_view line;
-  const auto take = [&](std::string_view row, const std::string& place) {
-    split(row, ' ', fields);
-    if (fields.empty() || fields.front().front() == '#') return;
-    firmware::TimedPose pose;
-    double v[7]{};
-    bool good = fields.size() == 8 && parse_seconds(fields[0], pose.stamp_ns);
-    for (std::size_t i = 0; good && i < 7; ++i) good = parse_double(fields[i + 1], v[i]);
-    if (!good)
-      throw firmware::InputError(place +
-                                 ": is no TUM row; eight numbers were expected: t tx ty tz qx qy qz qw");
-    std::copy(v, v + 3, pose.p);
-    pose.q[0] = v[6];
-    std::copy(v + 3, v + 6, pose.q + 1);
-    trajectory.push_back(pose);
-  };
-  while (file.next(line)) take(line, file.place());
-  if (!file.tail().empty()) take(file.tail(), path + ":" + std::to_string(file.line_number() + 1));
-  return trajectory;
 }
 
 }  // namespace sortie::toolchain

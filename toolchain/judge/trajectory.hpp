@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pairing of an estimated trajectory with its truth by time, and reading one from a file.
+// The pairing of an estimated trajectory with its truth by time.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "firmware_like/log/timed_pose.hpp"
 
@@ -36,9 +35,5 @@ struct AssociationOptions {
 PairedTrajectories associate(std::span<const firmware::TimedPose> estimate,
                              std::span<const firmware::TimedPose> truth,
                              const AssociationOptions& options = {});
-
-/// Reads a TUM trajectory: `t tx ty tz qx qy qz qw` a line, '#' starts a comment. Stamps are kept to the
-/// nanosecond. Throws InputError (exit code 3) naming file and line.
-firmware::Trajectory read_tum(const std::string& path);
 
 }  // namespace sortie::toolchain

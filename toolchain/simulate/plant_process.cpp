@@ -4,25 +4,20 @@
 #include <algorithm>
 #include <memory>
 
-#include "drivers/can_datagram.hpp"
-#include "drivers/can_socket.hpp"
 #include "drivers/lcm_log.hpp"
 #include "drivers/scan_datagram.hpp"
-#include "drivers/ssl_datagram.hpp"
-#include "firmware_like/link/secret.hpp"
 #include "firmware_like/live/truth_writer.hpp"
 #include "firmware_like/log/log_clock.hpp"
 #include "firmware_like/log/log_recorder.hpp"
-#include "firmware_like/result/add_counters.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/file_place.hpp"
+#include "toolchain/simulate/plant_links.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
 constexpr std::uint32_t kMostScanPoints = 128 * 4096;
-constexpr int kMostFramesPerStep = 256;
 
 // The truth's log: a header without jobs, then events. A kill takes what was written in the last second. It
 // takes its place with the first truth (rt/posix/file_place.hpp): a plant that is refused leaves the log of
@@ -74,27 +69,6 @@ class PlantLog final : public firmware::SampleSink {
   std::string refused_;
 };
 
-// The bus that the runtime is on, and the simulated one that the plant is on, are one bus.
-void carry_frames(drivers::CanBus& from, drivers::CanBus& to) {
-  drivers::CanFrame frame;
-  for (int i = 0; i < kMostFramesPerStep && from.receive(frame) == Status::ok; ++i) {
-    frame.stamp_ns = 0;                 // of the other clock; on the bus at once
-    static_cast<void>(to.send(frame));  // refusals are counted by both
-  }
-}
-
-drivers::DatagramLinkConfig listening(std::uint16_t port) {
-  drivers::DatagramLinkConfig config;
-  config.port = port;
-  config.listens = true;
-  config.session = static_cast<std::uint64_t>(firmware::unguessable_number());
-  return config;
-}
-
-void require(Status status, const std::string& option, const std::string& problem) {
-  if (status != Status::ok) throw firmware::ProfileError(option + ": " + problem);
-}
-
 // The runtime as the plant sees it: there, or not.
 class PeerWatch {
  public:
@@ -113,6 +87,38 @@ class PeerWatch {
   bool there_{};
 };
 
+// Steps of a millisecond of the machine's clock.
+class StepPace {
+ public:
+  explicit StepPace(rt::Nanoseconds zero_ns)
+      : zero_ns_(zero_ns), next_ns_(zero_ns), looked_ns_(rt::posix::monotonic_now()) {}
+  /// Sleeps up to the next one; what is late is made up for from now on. Gives the time since zero.
+  rt::Nanoseconds wait() {
+    rt::posix::sleep_until(next_ns_);
+    const rt::Nanoseconds woke_ns = rt::posix::monotonic_now();
+    if (woke_ns - next_ns_ > 10 * rt::kNanosecondsPerMillisecond) ++late_;
+    longest_ns_ = std::max(longest_ns_, woke_ns - looked_ns_);
+    looked_ns_ = woke_ns;
+    next_ns_ = std::max(next_ns_ + rt::kNanosecondsPerMillisecond, woke_ns);
+    return woke_ns - zero_ns_;
+  }
+  void tell(PlantOutcome& outcome) const {
+    outcome.counters["late_wakes"] = late_;
+    outcome.counters["longest_step_us"] =
+        static_cast<std::uint64_t>(longest_ns_ / rt::kNanosecondsPerMicrosecond);
+    if (late_ != 0)
+      outcome.warnings.push_back("woke " + std::to_string(late_) +
+                                 " times more than 10 ms late; the sensors' samples came late as well");
+  }
+
+ private:
+  rt::Nanoseconds zero_ns_;
+  rt::Nanoseconds next_ns_;
+  rt::Nanoseconds looked_ns_;
+  rt::Nanoseconds longest_ns_{};  // between two looks at the bus: a drive hears and acts that much late
+  std::uint64_t late_{};
+};
+
 }  // namespace
 
 PlantOutcome run_plant(const firmware::SimulatorFactory& simulator, const PlantOptions& options) {
@@ -123,36 +129,10 @@ PlantOutcome run_plant(const firmware::SimulatorFactory& simulator, const PlantO
     throw firmware::ProfileError(options.scene +
                                  ": `plant` needs a scene with a simulated robot ([hil]) that has a bus");
   profile.refuse_unknown_keys("hil");
-  drivers::SslPort* const solid_state = robot->vehicle_ssl();
-
-  std::string problem;
-  const std::string lidar_port = std::to_string(options.port + 1);
   // The clock of the devices is the machine's, as whole milliseconds of it are steps.
   const rt::Nanoseconds now_ns = rt::posix::monotonic_now();
   const rt::Nanoseconds zero_ns = now_ns - now_ns % rt::kNanosecondsPerMillisecond;
-  drivers::CanDatagram datagrams;
-  drivers::SocketCan interface;
-  if (options.can_interface.empty()) {
-    require(datagrams.open(listening(options.port), zero_ns, problem),
-            "--port " + std::to_string(options.port), problem);
-  } else {
-    drivers::SocketCanConfig config;
-    config.interface = options.can_interface;
-    config.epoch_ns = zero_ns;
-    require(interface.open(config, problem), "--can " + options.can_interface, problem);
-  }
-  require(scans.open(listening(static_cast<std::uint16_t>(options.port + 1)), zero_ns, problem),
-          "--port " + std::to_string(options.port) + ", lidar on " + lidar_port, problem);
-  drivers::SslDatagramDevice rays;
-  if (solid_state != nullptr) {
-    require(rays.open(listening(static_cast<std::uint16_t>(options.port + 2)), zero_ns, problem),
-            "--port " + std::to_string(options.port) + ", solid-state lidar on " +
-                std::to_string(options.port + 2),
-            problem);
-  }
-  drivers::CanBus& outside = options.can_interface.empty() ? static_cast<drivers::CanBus&>(datagrams)
-                                                           : static_cast<drivers::CanBus&>(interface);
-  const drivers::DatagramLink& judged = options.can_interface.empty() ? datagrams.link() : scans.link();
+  PlantLinks links(options.port, options.can_interface, zero_ns, *robot, scans);
   robot->set_device_clock(zero_ns);
 
   PlantOutcome outcome;
@@ -166,51 +146,25 @@ PlantOutcome run_plant(const firmware::SimulatorFactory& simulator, const PlantO
   }
   firmware::TruthWriter truth;
   PeerWatch peer(options);
+  StepPace pace(zero_ns);
   const auto length_ns = static_cast<rt::Nanoseconds>(options.seconds * 1e9);
-  rt::Nanoseconds next_ns = zero_ns;
   rt::Nanoseconds since_ns = 0;
-  rt::Nanoseconds looked_ns = rt::posix::monotonic_now();
-  rt::Nanoseconds longest_ns = 0;  // between two looks at the bus: a drive hears and acts that much late
-  std::uint64_t late = 0;
   while ((options.interrupted == nullptr || !options.interrupted->load()) &&
          (length_ns == 0 || since_ns < length_ns)) {
-    rt::posix::sleep_until(next_ns);
-    const rt::Nanoseconds woke_ns = rt::posix::monotonic_now();
-    if (woke_ns - next_ns > 10 * rt::kNanosecondsPerMillisecond) ++late;
-    longest_ns = std::max(longest_ns, woke_ns - looked_ns);
-    looked_ns = woke_ns;
-    since_ns = woke_ns - zero_ns;
-    carry_frames(outside, *robot->vehicle_can());
-    if (solid_state != nullptr) rays.deliver(*solid_state);
+    since_ns = pace.wait();
+    links.bring();
     robot->step(since_ns);
-    carry_frames(*robot->vehicle_can(), outside);
-    scans.poll();
-    if (solid_state != nullptr) rays.collect(*solid_state);
+    links.take();
     truth.note(*robot, since_ns, log.get());
     if (log) log->take_place();
-    peer.look(judged, since_ns);
-    next_ns = std::max(next_ns + rt::kNanosecondsPerMillisecond, woke_ns);
+    peer.look(links.judged(), since_ns);
   }
   outcome.duration_s = static_cast<double>(since_ns) * 1e-9;
   robot->add_counters(outcome.counters);
-  if (options.can_interface.empty()) {
-    firmware::add_counters("can_", datagrams.link().counters(), outcome.counters);
-    firmware::add_counters("can_", datagrams.datagram_counters(), outcome.counters);
-  }
-  firmware::add_counters("lidar_", scans.link().counters(), outcome.counters);
-  firmware::add_counters("scan_", scans.counters(), outcome.counters);
-  if (solid_state != nullptr) {
-    firmware::add_counters("ssl_", rays.link().counters(), outcome.counters);
-    firmware::add_counters("rays_", rays.counters(), outcome.counters);
-  }
-  outcome.counters["late_wakes"] = late;
-  outcome.counters["longest_step_us"] =
-      static_cast<std::uint64_t>(longest_ns / rt::kNanosecondsPerMicrosecond);
+  links.add_counters(outcome.counters);
   outcome.counters["truth_contacts_dropped"] = truth.contacts_dropped;
-  if (judged.counters().peers == 0) outcome.warnings.push_back("no runtime was heard");
-  if (late != 0)
-    outcome.warnings.push_back("woke " + std::to_string(late) +
-                               " times more than 10 ms late; the sensors' samples came late as well");
+  if (links.judged().counters().peers == 0) outcome.warnings.push_back("no runtime was heard");
+  pace.tell(outcome);
   if (log)
     if (const std::string error = log->close(); !error.empty()) outcome.warnings.push_back(error);
   return outcome;

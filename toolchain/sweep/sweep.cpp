@@ -34,7 +34,7 @@ Sweep run_sweep(const firmware::LogFile& log, const firmware::VehicleRegistry& v
       works[i].count_instructions(log, options.replay.scene, sweep.duration_s, sweep.cells[i]);
     maps.push_back(works[i].map());
   }
-  judge_sweep(maps, options.error, sweep);
+  judge_sweep(maps, sweep);
   return sweep;
 }
 

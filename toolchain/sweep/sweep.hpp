@@ -18,7 +18,8 @@ namespace sortie::toolchain {
 struct SweepOptions {
   firmware::ReplayOptions replay;  ///< scene, overrides of every cell
   EvaluationOptions evaluation;
-  std::vector<SweepKnob> knobs;
+  std::vector<SweepKnob> knobs;    ///< that span the grid
+  bool each_knob{};                ///< instead: each knob of the scene's algorithms alone; see sweeps_of()
   std::vector<std::string> tasks;  ///< whose run time counts; empty: those that the knobs belong to
   std::string error;               ///< which error counts; empty: chosen by knob and by what the truth allows
   std::uint32_t repeat{1};         ///< replays of every cell
@@ -60,7 +61,8 @@ struct Sweep {
   std::string scene;
   std::vector<std::string> keys;   ///< of the knobs, in order
   std::vector<std::string> tasks;  ///< whose run time counts
-  std::string error;               ///< key in `errors` of the front; empty: no cell has an error
+  std::string error;  ///< key in `errors` of the front; empty: no cell has an error. Before the cells
+                      ///< are judged: the one that was asked for
   std::uint32_t repeat{};
   double duration_s{};  ///< of the log
   std::vector<SweepCell> cells;

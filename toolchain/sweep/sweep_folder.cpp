@@ -7,6 +7,7 @@
 
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/text_format.hpp"
 #include "rt/digest.hpp"
 #include "toolchain/export/output_file.hpp"
 
@@ -14,15 +15,7 @@ namespace sortie::toolchain {
 
 namespace {
 
-constexpr int kPlanFormat = 1;
-
-std::string hex_digest(const std::string& bytes) {
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::uint64_t digest = rt::digest_bytes(bytes.data(), bytes.size());
-  std::string text(16, '0');
-  for (std::size_t i = 16; i-- > 0; digest >>= 4) text[i] = kDigits[digest & 15];
-  return text;
-}
+constexpr int kPlanFormat = 2;
 
 std::string whole_file(const std::string& path, const std::string& cure) {
   std::ifstream in(path, std::ios::binary);
@@ -44,6 +37,7 @@ firmware::Json to_json(const PlannedLog& log) {
           {"scene", log.plan.sweep.scene},
           {"keys", log.plan.sweep.keys},
           {"tasks", log.plan.sweep.tasks},
+          {"error", log.plan.sweep.error},
           {"repeat", log.plan.sweep.repeat},
           {"warnings", log.plan.sweep.warnings},
           {"cells", std::move(cells)}};
@@ -57,6 +51,7 @@ PlannedLog log_from_json(const firmware::Json& json) {
   json.at("scene").get_to(log.plan.sweep.scene);
   json.at("keys").get_to(log.plan.sweep.keys);
   json.at("tasks").get_to(log.plan.sweep.tasks);
+  json.at("error").get_to(log.plan.sweep.error);
   json.at("repeat").get_to(log.plan.sweep.repeat);
   json.at("warnings").get_to(log.plan.sweep.warnings);
   for (const firmware::Json& entry : json.at("cells")) {
@@ -71,9 +66,16 @@ PlannedLog log_from_json(const firmware::Json& json) {
 }
 
 firmware::Json to_json(const SweepRequest& request) {
-  return {{"logs", request.logs},   {"scene", request.scene},   {"set", request.overrides},
-          {"sweep", request.knobs}, {"tasks", request.tasks},   {"error", request.error},
-          {"align", request.align}, {"repeat", request.repeat}, {"instructions", request.instructions}};
+  return {{"logs", request.logs},
+          {"scene", request.scene},
+          {"set", request.overrides},
+          {"sweep", request.knobs},
+          {"tasks", request.tasks},
+          {"error", request.error},
+          {"align", request.align},
+          {"repeat", request.repeat},
+          {"instructions", request.instructions},
+          {"calibrate_s", request.calibrate_s}};
 }
 
 SweepRequest request_from_json(const firmware::Json& json) {
@@ -85,6 +87,7 @@ SweepRequest request_from_json(const firmware::Json& json) {
   json.at("tasks").get_to(request.tasks);
   json.at("error").get_to(request.error);
   json.at("align").get_to(request.align);
+  json.at("calibrate_s").get_to(request.calibrate_s);
   json.at("repeat").get_to(request.repeat);
   json.at("instructions").get_to(request.instructions);
   return request;
@@ -97,7 +100,9 @@ SweepOptions sweep_options(const SweepRequest& request) {
   options.replay.scene = request.scene;
   options.replay.overrides = request.overrides;
   options.evaluation.align = parse_alignment(request.align);
-  options.knobs = parse_knobs(request.knobs);
+  options.evaluation.calibrate_s = request.calibrate_s;
+  options.each_knob = request.knobs == std::vector<std::string>{"knobs"};
+  if (!options.each_knob) options.knobs = parse_knobs(request.knobs);
   options.tasks = request.tasks;
   options.error = request.error;
   options.repeat = request.repeat;
@@ -121,7 +126,7 @@ std::string SweepFolderPlan::key(std::size_t cell) const {
   const auto [l, c] = locate(cell);
   std::string text = program + " " + logs[l].identity + " " + std::to_string(logs[l].plan.profiles[c]) + " " +
                      std::to_string(request.repeat) + (request.instructions ? " counted " : " ") +
-                     request.align;
+                     request.align + " " + firmware::format_exact(request.calibrate_s);
   for (const std::string& task : logs[l].plan.sweep.tasks) text += " " + task;
   return hex_digest(text);
 }
@@ -134,6 +139,14 @@ std::string SweepFolderPlan::title(std::size_t cell) const {
         (text.empty() ? "" : " ") + logs[l].plan.sweep.keys[i] + "=" + logs[l].plan.sweep.cells[c].values[i];
   }
   return text + " of " + std::filesystem::path(logs[l].path).filename().string();
+}
+
+std::string hex_digest(const std::string& bytes) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::uint64_t digest = rt::digest_bytes(bytes.data(), bytes.size());
+  std::string text(16, '0');
+  for (std::size_t i = 16; i-- > 0; digest >>= 4) text[i] = kDigits[digest & 15];
+  return text;
 }
 
 std::string digest_of_file(const std::string& path) {

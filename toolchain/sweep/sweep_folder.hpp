@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
 
 namespace sortie::toolchain {
@@ -20,10 +20,11 @@ struct SweepRequest {
   std::vector<std::string> logs;
   std::string scene;
   std::vector<std::string> overrides;
-  std::vector<std::string> knobs;  ///< "key=v1,v2" each
+  std::vector<std::string> knobs;  ///< "key=v1,v2" each, or "knobs" alone: each knob of a scene alone
   std::vector<std::string> tasks;
   std::string error;
   std::string align{"none"};
+  double calibrate_s{};
   std::uint32_t repeat{1};
   bool instructions{};
 };
@@ -31,7 +32,7 @@ struct SweepRequest {
 /// The request as run_sweep() takes it. Throws ProfileError for knobs that cannot be read.
 SweepOptions sweep_options(const SweepRequest& request);
 
-/// One log with its cells.
+/// One sweep of one log.
 struct PlannedLog {
   std::string path;
   std::string identity;  ///< 16 hexadecimal digits: of its bytes, or of what it was simulated from
@@ -39,7 +40,7 @@ struct PlannedLog {
   SweepPlan plan;
 };
 
-/// All cells of all logs, numbered through: those of the first log come first.
+/// All cells of all sweeps, numbered through: those of the first come first.
 struct SweepFolderPlan {
   SweepRequest request;
   std::string program;  ///< digest of the program's own file
@@ -61,7 +62,9 @@ struct SweepCellResult {
   std::optional<MapVolume> map;
 };
 
-/// Digest of a file's bytes, 16 hexadecimal digits. Throws InputError.
+/// Digest of bytes, 16 hexadecimal digits.
+std::string hex_digest(const std::string& bytes);
+/// That of a file's. Throws InputError.
 std::string digest_of_file(const std::string& path);
 
 /// write_file() by way of a name that no other process uses: several may write the same file at a time, each

@@ -4,25 +4,23 @@
 #include <cmath>
 #include <map>
 
+#include "toolchain/judge/pareto.hpp"
+
 namespace sortie::toolchain {
 
 namespace {
 
-// Run times of the same work differ by so much from one replay to the next.
-constexpr double kSameCost = 0.05;
-// What no truth is good enough to tell apart.
-constexpr double kSameError = 0.001;
-
 // Knobs of the map are judged by the map, those of the attitude by the inclination, all others by the way.
-std::string choose_error(const std::string& asked, const Sweep& sweep) {
+std::string choose_error(const Sweep& sweep) {
   std::map<std::string, double> known;
   for (const SweepCell& cell : sweep.cells) known.insert(cell.errors.begin(), cell.errors.end());
-  if (!asked.empty()) {
-    if (known.count(asked) != 0) return asked;
+  if (!sweep.error.empty()) {
+    if (known.count(sweep.error) != 0) return sweep.error;
     std::string names;
     for (const auto& [name, unused] : known) names += (names.empty() ? "" : ", ") + name;
-    throw firmware::ProfileError("--error " + asked + ": this log and scene give no such error; they give: " +
-                                 (names.empty() ? "none" : names));
+    throw firmware::ProfileError(
+        "--error " + sweep.error +
+        ": this log and scene give no such error; they give: " + (names.empty() ? "none" : names));
   }
   std::vector<std::string> order;
   for (const std::string& key : sweep.keys) {
@@ -67,21 +65,15 @@ void mark_front(Sweep& sweep) {
     const auto error = cell.errors.find(sweep.error);
     points.push_back({cell.load_us_per_s, error != cell.errors.end() ? error->second : std::nan("")});
   }
-  const std::vector<bool> front = sweep_front(std::move(points));
+  const std::vector<bool> front = measured_front(std::move(points));
   for (std::size_t i = 0; i < front.size(); ++i) sweep.cells[i].on_front = front[i];
 }
 
 }  // namespace
 
-std::vector<bool> sweep_front(std::vector<CostAndError> points) {
-  merge_close(points, &CostAndError::cost, kSameCost);
-  merge_close(points, &CostAndError::error, kSameError);
-  return pareto_front(points);
-}
-
-void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, const std::string& asked, Sweep& sweep) {
+void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, Sweep& sweep) {
   judge_maps(maps, sweep);
-  sweep.error = choose_error(asked, sweep);
+  sweep.error = choose_error(sweep);
   mark_front(sweep);
   if (sweep.error.empty())
     sweep.warnings.push_back("no truth in the log and no map: there is no error to set against run time");

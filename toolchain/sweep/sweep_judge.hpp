@@ -3,21 +3,15 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "toolchain/bench/map_volume.hpp"
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/sweep/sweep.hpp"
 
 namespace sortie::toolchain {
 
-/// Judges all cells of a sweep, `maps` one a cell, and chooses the error that counts: `asked`, or by knob and
-/// by what the truth allows. Throws ProfileError when no cell has the error that was asked for.
-void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, const std::string& asked, Sweep& sweep);
-
-/// For each pair of cost and error whether no other is as cheap (within 5 %) and better (by 0.1 %), or as
-/// good and cheaper. NaN never is.
-std::vector<bool> sweep_front(std::vector<CostAndError> points);
+/// Judges all cells of a sweep, `maps` one a cell. Where the sweep does not say which error counts, it is
+/// chosen by knob and by what the truth allows. Throws ProfileError when no cell has the error that it says.
+void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, Sweep& sweep);
 
 }  // namespace sortie::toolchain

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/sweep/each_knob.hpp"
 
 namespace sortie::toolchain {
 
@@ -124,6 +125,13 @@ std::vector<std::string> tasks_of_knob(const std::string& key, const firmware::R
   return own.empty() ? all : own;
 }
 
+std::vector<SweepOptions> sweeps_of(const firmware::LogFile& log, const firmware::VehicleRegistry& vehicles,
+                                    const SweepOptions& options) {
+  if (!options.each_knob) return {options};
+  return each_knob_alone([&](const auto& overrides) { return build(log, vehicles, options, overrides); },
+                         options);
+}
+
 SweepPlan plan_sweep(const firmware::LogFile& log, const firmware::VehicleRegistry& vehicles,
                      const SweepOptions& options) {
   SweepPlan plan;
@@ -134,6 +142,7 @@ SweepPlan plan_sweep(const firmware::LogFile& log, const firmware::VehicleRegist
     lay_cells(options, *own, plan);
   }
   for (const SweepKnob& knob : options.knobs) plan.sweep.keys.push_back(knob.key);
+  plan.sweep.error = options.error;
   plan.sweep.repeat = std::max<std::uint32_t>(1, options.repeat);
   for (const std::vector<std::string>& overrides : plan.overrides)
     plan.profiles.push_back(build(log, vehicles, options, overrides)->profile().hash());

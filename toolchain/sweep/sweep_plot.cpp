@@ -36,58 +36,35 @@ std::string axis_name(const std::string& error) {
   return name;
 }
 
-}  // namespace
+Series dots(const char* name, int colour, double width) {
+  Series series;
+  series.name = name;
+  series.mark = Mark::dots;
+  series.colour = colour;
+  series.width = width;
+  return series;
+}
 
-Plot plot_sweep(const Sweep& sweep) {
-  Plot plot;
-  for (const std::string& key : sweep.keys) plot.title += (plot.title.empty() ? "" : ", ") + key;
-  std::string tasks;
-  for (const std::string& task : sweep.tasks) tasks += (tasks.empty() ? "" : " + ") + task;
-  plot.title += " (" + sweep.scene + ")";
-  Series others;
-  others.name = "tried";
-  others.mark = Mark::dots;
-  others.colour = kGrey;
-  others.width = 4;
-  Series front = others;
-  front.name = "Pareto front";
-  front.colour = kBlue;
-  Series own = others;
-  own.name = "profile";
-  own.colour = kVermilion;
-  own.width = 6;
-  std::vector<double> costs;
-  std::vector<double> errors;
-  std::vector<std::pair<double, double>> path;
-  for (const SweepCell& cell : sweep.cells) {
-    const auto found = cell.errors.find(sweep.error);
-    const double error = sweep.error.empty()          ? static_cast<double>(cell.memory_bytes) * 1e-6
-                         : found != cell.errors.end() ? found->second
-                                                      : std::nan("");
-    costs.push_back(cell.load_us_per_s);
-    errors.push_back(error);
-    Series& series = cell.on_front ? front : others;
-    series.x.push_back(cell.load_us_per_s);
-    series.y.push_back(error);
-    series.labels.push_back(cell_name(cell));
-    if (cell.on_front) path.emplace_back(cell.load_us_per_s, error);
-    if (cell.profile_choice) {
-      own.x.push_back(cell.load_us_per_s);
-      own.y.push_back(error);
-    }
-  }
-  plot.x = {"run time of " + tasks + ", \u00b5s per second of robot time", wants_log(costs)};
-  plot.y = {sweep.error.empty() ? "memory, MB" : axis_name(sweep.error), wants_log(errors)};
-  // From zero, so that a difference that hardly is one looks like it.
-  const auto make_room = [](Axis& axis, const std::vector<double>& values) {
-    double high = 0;
-    for (const double value : values) high = std::isfinite(value) ? std::max(high, value) : high;
-    if (axis.log || !(high > 0)) return;
-    axis.low = 0;
-    axis.high = 1.08 * high;
-  };
-  make_room(plot.x, costs);
-  make_room(plot.y, errors);
+// What stands against the run time: without an error the memory, MB.
+double height_of(const Sweep& sweep, const SweepCell& cell) {
+  if (sweep.error.empty()) return static_cast<double>(cell.memory_bytes) * 1e-6;
+  const auto found = cell.errors.find(sweep.error);
+  return found != cell.errors.end() ? found->second : std::nan("");
+}
+
+// From zero, so that a difference that hardly is one looks like it.
+Axis axis_over(std::string name, const std::vector<double>& values) {
+  Axis axis{std::move(name), wants_log(values)};
+  double high = 0;
+  for (const double value : values) high = std::isfinite(value) ? std::max(high, value) : high;
+  if (axis.log || !(high > 0)) return axis;
+  axis.low = 0;
+  axis.high = 1.08 * high;
+  return axis;
+}
+
+// The line below which no cell lies.
+Series steps_of(std::vector<std::pair<double, double>> path) {
   Series steps;
   steps.mark = Mark::steps;
   steps.colour = kBlue;
@@ -98,7 +75,38 @@ Plot plot_sweep(const Sweep& sweep) {
     steps.x.push_back(x);
     steps.y.push_back(y);
   }
-  plot.series = {std::move(own), std::move(steps)};  // a ring around the dot that comes after
+  return steps;
+}
+
+}  // namespace
+
+Plot plot_sweep(const Sweep& sweep) {
+  Plot plot;
+  std::string tasks;
+  for (const std::string& task : sweep.tasks) tasks += (tasks.empty() ? "" : " + ") + task;
+  plot.title = listed(sweep.keys) + " (" + sweep.scene + ")";
+  Series others = dots("tried", kGrey, 4);
+  Series front = dots("Pareto front", kBlue, 4);
+  Series own = dots("profile", kVermilion, 6);
+  std::vector<double> costs;
+  std::vector<double> heights;
+  std::vector<std::pair<double, double>> path;
+  for (const SweepCell& cell : sweep.cells) {
+    costs.push_back(cell.load_us_per_s);
+    heights.push_back(height_of(sweep, cell));
+    Series& series = cell.on_front ? front : others;
+    series.x.push_back(costs.back());
+    series.y.push_back(heights.back());
+    series.labels.push_back(listed(cell.values));
+    if (cell.on_front) path.emplace_back(costs.back(), heights.back());
+    if (cell.profile_choice) {
+      own.x.push_back(costs.back());
+      own.y.push_back(heights.back());
+    }
+  }
+  plot.x = axis_over("run time of " + tasks + ", \u00b5s per second of robot time", costs);
+  plot.y = axis_over(sweep.error.empty() ? "memory, MB" : axis_name(sweep.error), heights);
+  plot.series = {std::move(own), steps_of(std::move(path))};  // a ring around the dot that comes after
   if (!others.x.empty()) plot.series.push_back(std::move(others));
   if (!front.x.empty()) plot.series.push_back(std::move(front));
   plot.height = 360;

@@ -4,6 +4,7 @@
 
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 #include "toolchain/report/html.hpp"
 #include "toolchain/sweep/sweep.hpp"
@@ -32,7 +33,17 @@ Plot plot_sweep(const Sweep& sweep);
 /// Plot and figures for a page.
 SweepFigures sweep_figures(const Sweep& sweep);
 
-/// "0.1" for one knob, "0.1, 25" for two.
-std::string cell_name(const SweepCell& cell);
+/// "0.1" for one value, "0.1, 25" for two.
+std::string listed(const std::vector<std::string>& values);
+/// "*" on the front, "<" the profile's choice, or both.
+std::string sweep_marks(bool on_front, bool profile_choice);
+/// True where any cell has its instructions counted.
+bool counts_instructions(const Sweep& sweep);
+
+/// Texts of a line, a column each.
+using TextRow = std::vector<std::string>;
+/// Lines below each other, each column as wide as it must be; the first says how many there are. What a line
+/// has beyond them is its mark; with `colour` that of the profile's choice is bold.
+void print_columns(std::ostream& out, const std::vector<TextRow>& rows, bool colour = false);
 
 }  // namespace sortie::toolchain

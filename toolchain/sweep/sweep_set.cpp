@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "toolchain/judge/pareto.hpp"
 #include "toolchain/sweep/sweep_judge.hpp"
 
 namespace sortie::toolchain {
@@ -42,7 +43,7 @@ std::vector<SweepSpread> spread_of(const std::vector<LogSweep>& logs, const std:
     // What some logs do not give cannot be set beside what all give.
     points.push_back({row.load_us_per_s.mean, row.logs == logs.size() ? row.error.mean : std::nan("")});
   }
-  const std::vector<bool> front = sweep_front(std::move(points));
+  const std::vector<bool> front = measured_front(std::move(points));
   for (std::size_t i = 0; i < all.size(); ++i) all[i].on_front = front[i];
   return all;
 }
@@ -55,6 +56,11 @@ SweepSet make_sweep_set(std::vector<LogSweep> logs) {
   if (set.logs.empty()) return set;
   set.error = set.logs.front().sweep.error;
   if (set.logs.size() == 1) return set;
+  for (const LogSweep& log : set.logs) {
+    if (log.sweep.keys == set.logs.front().sweep.keys) continue;
+    set.error.clear();  // each knob alone: they have nothing in common
+    return set;
+  }
   for (const LogSweep& log : set.logs) {
     if (log.sweep.error == set.error) continue;
     set.warnings.push_back("the logs are not judged by the same error (" + set.error + ", " +
@@ -90,7 +96,7 @@ SweepSet gather_sweep(const SweepFolderPlan& plan, const std::vector<std::string
     maps[l][c] = std::move(result->map);
   }
   if (!missing.empty()) return {};
-  for (std::size_t l = 0; l < logs.size(); ++l) judge_sweep(maps[l], plan.request.error, logs[l].sweep);
+  for (std::size_t l = 0; l < logs.size(); ++l) judge_sweep(maps[l], logs[l].sweep);
   return make_sweep_set(std::move(logs));
 }
 

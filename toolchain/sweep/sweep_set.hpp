@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The same knobs over several logs: one sweep a log, and what each combination gives over all of them.
+// Sweeps that belong together: the same knobs over several logs with what each combination gives over all of
+// them, or each knob alone.
 #pragma once
 
 #include <iosfwd>
@@ -14,7 +15,7 @@ class Json;
 
 namespace sortie::toolchain {
 
-/// The sweep of one log.
+/// A sweep of one log.
 struct LogSweep {
   std::string log;
   Sweep sweep;
@@ -37,15 +38,16 @@ struct SweepSpread {
   bool on_front{};  ///< by the means
 };
 
-/// Sweeps of several logs.
+/// Sweeps of one log or several.
 struct SweepSet {
   std::vector<LogSweep> logs;
   std::string error;                ///< that the spread is of; empty: there is none
-  std::vector<SweepSpread> spread;  ///< empty for one log
+  std::vector<SweepSpread> spread;  ///< empty for one log and for each knob alone
   std::vector<std::string> warnings;
 };
 
-/// Takes finished sweeps together. The logs must have the same error to have a spread; a warning says if not.
+/// Takes finished sweeps together. To have a spread logs must be swept over the same knobs and judged by the
+/// same error; a warning says where the error is another.
 SweepSet make_sweep_set(std::vector<LogSweep> logs);
 
 /// What the folders hold of a plan: cells, judged; the numbers of those that no folder has go to `missing`.
@@ -58,8 +60,14 @@ void print_sweep_set(std::ostream& out, const SweepSet& set, bool colour = false
 /// One log: the object of its sweep with `log`; several: {logs[], error, spread[]{values{}, logs, error{mean,
 /// low, high}, load_us_per_s{}, profile_choice, on_front}, warnings[]}.
 firmware::Json to_json(const SweepSet& set);
-/// One log: sweep.json, sweep.csv and sweep.svg; several: sweep.json, spread.csv and sweep-N.csv, sweep-N.svg
-/// of each. `object` is what sweep.json says. Throws InputError.
+/// Lines of the spread's table: the head, then one a combination; one that has a mark is longer.
+std::vector<std::vector<std::string>> spread_rows(const SweepSet& set);
+/// Name of the i-th sweep's CSV and plot, without what stands behind the point.
+std::string sweep_file(const SweepSet& set, std::size_t i);
+/// Tables and plots of all sweeps as Markdown, with `command` as how to get it again.
+std::string sweep_page(const SweepSet& set, const std::string& command);
+/// One sweep: sweep.json, sweep.md, sweep.csv and sweep.svg; several: sweep.json, sweep.md, spread.csv where
+/// there is one, and sweep-N.csv, sweep-N.svg of each. `object` is what sweep.json says. Throws InputError.
 void write_sweep_set(const std::string& folder, const SweepSet& set, const firmware::Json& object);
 
 }  // namespace sortie::toolchain

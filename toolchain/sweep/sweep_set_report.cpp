@@ -28,30 +28,6 @@ std::string range_text(const Spread& spread) {
          firmware::format_short(spread.high) + ")";
 }
 
-void print_spread(std::ostream& out, const SweepSet& set) {
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> head = set.logs.front().sweep.keys;
-  head.insert(head.end(), {"logs", set.error, "load us/s", ""});
-  rows.push_back(head);
-  for (const SweepSpread& row : set.spread) {
-    std::vector<std::string> texts = row.values;
-    const bool any = row.logs != 0;
-    texts.insert(texts.end(), {std::to_string(row.logs), any ? range_text(row.error) : "-",
-                               any ? range_text(row.load_us_per_s) : "-",
-                               std::string(row.on_front ? "*" : "") + (row.profile_choice ? "<" : "")});
-    rows.push_back(std::move(texts));
-  }
-  std::vector<std::size_t> width(head.size(), 0);
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
-  out << "over all logs: mean (lowest to highest)\n";
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i + 1 < row.size(); ++i)
-      out << (i == 0 ? "" : "  ") << firmware::pad_left(row[i], width[i]);
-    out << (row.back().empty() ? "" : " ") << row.back() << "\n";
-  }
-}
-
 void write_spread_csv(std::ostream& out, const SweepSet& set) {
   for (const std::string& key : set.logs.front().sweep.keys) out << quoted(key) << ",";
   out << "logs,profile_choice,on_front";
@@ -70,13 +46,32 @@ void write_spread_csv(std::ostream& out, const SweepSet& set) {
 
 }  // namespace
 
+std::vector<TextRow> spread_rows(const SweepSet& set) {
+  TextRow head = set.logs.front().sweep.keys;
+  head.insert(head.end(), {"logs", set.error, "load us/s"});
+  std::vector<TextRow> rows{std::move(head)};
+  for (const SweepSpread& spread : set.spread) {
+    TextRow row = spread.values;
+    const bool any = spread.logs != 0;
+    row.insert(row.end(), {std::to_string(spread.logs), any ? range_text(spread.error) : "-",
+                           any ? range_text(spread.load_us_per_s) : "-"});
+    if (spread.on_front || spread.profile_choice)
+      row.push_back(sweep_marks(spread.on_front, spread.profile_choice));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 void print_sweep_set(std::ostream& out, const SweepSet& set, bool colour) {
   for (const LogSweep& log : set.logs) {
     if (set.logs.size() > 1) out << "log   " << log.log << "\n";
     print_sweep(out, log.sweep, colour);
     if (set.logs.size() > 1) out << "\n";
   }
-  if (!set.spread.empty()) print_spread(out, set);
+  if (!set.spread.empty()) {
+    out << "over all logs: mean (lowest to highest)\n";
+    print_columns(out, spread_rows(set));
+  }
   for (const std::string& warning : set.warnings) out << "warning   " << warning << "\n";
 }
 
@@ -109,17 +104,23 @@ firmware::Json to_json(const SweepSet& set) {
                         {"warnings", set.warnings}};
 }
 
+std::string sweep_file(const SweepSet& set, std::size_t i) {
+  return set.logs.size() == 1 ? "sweep" : "sweep-" + std::to_string(i + 1);
+}
+
 void write_sweep_set(const std::string& folder, const SweepSet& set, const firmware::Json& object) {
   std::filesystem::create_directories(folder);
   write_file(folder + "/sweep.json", [&object](std::ostream& out) { out << object.dump(2) << "\n"; });
   for (std::size_t i = 0; i < set.logs.size(); ++i) {
     const Sweep& sweep = set.logs[i].sweep;
-    const std::string name = folder + "/sweep" + (set.logs.size() == 1 ? "" : "-" + std::to_string(i + 1));
+    const std::string name = folder + "/" + sweep_file(set, i);
     write_file(name + ".csv", [&sweep](std::ostream& out) { write_sweep_csv(out, sweep); });
     write_file(name + ".svg", [&sweep](std::ostream& out) { out << render(plot_sweep(sweep)); });
   }
   if (!set.spread.empty())
     write_file(folder + "/spread.csv", [&set](std::ostream& out) { write_spread_csv(out, set); });
+  const std::string page = sweep_page(set, object.value("command", ""));
+  write_file(folder + "/sweep.md", [&page](std::ostream& out) { out << page; });
 }
 
 }  // namespace sortie::toolchain

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rt/histogram.hpp"
-#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/sweep/shortest_times.hpp"
 #include "toolchain/sweep/sweep.hpp"
 

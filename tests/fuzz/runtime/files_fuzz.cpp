@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// libFuzzer entry point: any bytes as a file that the program reads: a log, a flight ring, a trajectory, or
-// one of a recorded data set. The first byte chooses. All that may come out is what was read, or an error of
+// libFuzzer entry point: any bytes as a file that the program reads: a log, a flight ring, or one of a
+// recorded data set. The first byte chooses. All that may come out is what was read, or an error of
 // one line.
 #include <unistd.h>
 #include <cstdint>
@@ -12,9 +12,7 @@
 
 #include "firmware_like/log/log_file.hpp"
 #include "rt/posix/flight_reader.hpp"
-#include "toolchain/export/tum.hpp"
 #include "toolchain/import/importer.hpp"
-#include "toolchain/judge/trajectory.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
@@ -91,9 +89,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const rt::posix::FlightReader ring(folder.write("a.ring", bytes, count));
         for (const rt::posix::FlightJob& job : ring.jobs()) require(job.group < ring.header().groups);
       });
-      break;
-    case 2:
-      one_line_or_none([&] { static_cast<void>(read_tum(folder.write("a.tum", bytes, count))); });
       break;
     case 3:
       import_as(folder, "broad", folder.write("a.imu", bytes, count));

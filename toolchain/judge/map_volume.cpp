@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/bench/map_volume.hpp"
+#include "toolchain/judge/map_volume.hpp"
 
 #include <algorithm>
 #include <cmath>

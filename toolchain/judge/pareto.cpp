@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/sweep/pareto.hpp"
+#include "toolchain/judge/pareto.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,6 +46,14 @@ std::vector<bool> pareto_front(std::span<const CostAndError> points) {
     any = true;
   }
   return front;
+}
+
+std::vector<bool> measured_front(std::vector<CostAndError> points) {
+  // Run times of the same work differ by so much from one run to the next.
+  merge_close(points, &CostAndError::cost, 0.05);
+  // What no truth is good enough to tell apart.
+  merge_close(points, &CostAndError::error, 0.001);
+  return pareto_front(points);
 }
 
 }  // namespace sortie::toolchain

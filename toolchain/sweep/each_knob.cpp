@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/bench/knob_table.hpp"
+#include "toolchain/sweep/each_knob.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace sortie::toolchain {
 
 namespace {
 
-constexpr Knob kKnobs[] = {
+constexpr AlgorithmKnob kKnobs[] = {
     {"attitude", "groups.control.rate_hz"},
     {"attitude", "imu.samples"},
     {"attitude", "attitude.acc_time_constant_s"},
@@ -43,12 +43,10 @@ constexpr Knob kKnobs[] = {
     {"state", "state.disturbance_hz"},
 };
 
-bool builds(const std::string& scene, std::vector<std::string> overrides, const std::string& more,
-            const firmware::VehicleRegistry& vehicles) {
+bool builds(const SceneBuilder& build, std::vector<std::string> overrides, const std::string& more) {
   overrides.push_back(more);
   try {
-    static_cast<void>(
-        firmware::Runtime(firmware::load_scene(scene, overrides), vehicles, firmware::RuntimeStart{}));
+    static_cast<void>(build(overrides));
   } catch (const firmware::ProfileError&) {
     return false;
   }
@@ -67,9 +65,36 @@ std::vector<std::string> choices_of(const firmware::ProfileKey& key) {
   return choices;
 }
 
+// The values with which the scene can be built.
+std::vector<std::string> values_that_build(const SceneBuilder& build,
+                                           const std::vector<std::string>& overrides,
+                                           const firmware::ProfileKey& key) {
+  std::vector<std::string> good;
+  for (const std::string& value : knob_values(key)) {
+    // A part of a whole number may be none.
+    const std::string whole = firmware::format_exact(std::round(std::strtod(value.c_str(), nullptr)));
+    if (same_value(value, key.value) || builds(build, overrides, key.path + "=" + value)) {
+      good.push_back(value);
+    } else if (key.high > key.low && whole != key.value && builds(build, overrides, key.path + "=" + whole)) {
+      good.push_back(whole);
+    }
+  }
+  return good;
+}
+
+// What a sweep of a knob does without.
+std::vector<std::string> left_out(bool is_map, const std::vector<const firmware::ScenePart*>& parts) {
+  std::vector<const firmware::ScenePart*> gone;
+  for (const firmware::ScenePart* part : parts) {
+    const std::string_view name = part->name;
+    if ((name == "map" && !is_map) || name == "ssl" || name == "path") gone.push_back(part);
+  }
+  return gone.empty() ? std::vector<std::string>{} : firmware::overrides_without(gone);
+}
+
 }  // namespace
 
-std::span<const Knob> algorithm_knobs() { return kKnobs; }
+std::span<const AlgorithmKnob> algorithm_knobs() { return kKnobs; }
 
 std::vector<std::string> knob_values(const firmware::ProfileKey& key) {
   if (key.high <= key.low) return choices_of(key);
@@ -83,47 +108,34 @@ std::vector<std::string> knob_values(const firmware::ProfileKey& key) {
   return values;
 }
 
-std::vector<KnobTrial> knob_trials(const std::string& scene, const std::vector<std::string>& overrides,
-                                   const firmware::VehicleRegistry& vehicles) {
-  const firmware::Runtime own(firmware::load_scene(scene, overrides), vehicles, firmware::RuntimeStart{});
-  const std::vector<const firmware::ScenePart*> parts = firmware::parts_of(own.profile());
+std::vector<SweepOptions> each_knob_alone(const SceneBuilder& build, const SweepOptions& all) {
+  const std::unique_ptr<firmware::Runtime> own = build(all.replay.overrides);
+  const firmware::Profile& profile = own->profile();
+  const std::vector<const firmware::ScenePart*> parts = firmware::parts_of(profile);
   const auto has_part = [&](std::string_view name) {
-    if (name == "state") return own.profile().vehicle() == "uav";
+    if (name == "state") return profile.vehicle() == "uav";
     return std::any_of(parts.begin(), parts.end(),
                        [name](const firmware::ScenePart* part) { return name == part->name; });
   };
-  std::vector<KnobTrial> trials;
-  for (const Knob& knob : kKnobs) {
-    const auto& keys = own.profile().keys();
+  std::vector<SweepOptions> sweeps;
+  for (const AlgorithmKnob& knob : kKnobs) {
+    const auto& keys = profile.keys();
     const auto declared = std::find_if(
         keys.begin(), keys.end(), [&knob](const firmware::ProfileKey& key) { return key.path == knob.key; });
     if (!has_part(knob.part) || declared == keys.end()) continue;
-    KnobTrial trial{knob, *declared, {}};
-    const std::string set = std::string(knob.key) + "=";
-    for (const std::string& value : knob_values(*declared)) {
-      // A part of a whole number may be none.
-      const std::string whole = firmware::format_exact(std::round(std::strtod(value.c_str(), nullptr)));
-      if (same_value(value, declared->value) || builds(scene, overrides, set + value, vehicles)) {
-        trial.tried.push_back(value);
-      } else if (declared->high > declared->low && whole != declared->value &&
-                 builds(scene, overrides, set + whole, vehicles)) {
-        trial.tried.push_back(whole);
-      }
-    }
-    if (trial.tried.size() > 1) trials.push_back(std::move(trial));
+    std::vector<std::string> values = values_that_build(build, all.replay.overrides, *declared);
+    if (values.size() < 2) continue;
+    const bool is_map = std::string_view(knob.part) == "map";
+    SweepOptions& one = sweeps.emplace_back(all);
+    one.each_knob = false;
+    one.knobs = {{knob.key, std::move(values)}};
+    for (std::string& without : left_out(is_map, parts)) one.replay.overrides.push_back(std::move(without));
+    if (is_map && one.error.empty()) one.error = "map_disagreement";
   }
-  return trials;
-}
-
-std::vector<std::string> knob_overrides(const Knob& knob, const firmware::Profile& profile) {
-  const std::string_view part = knob.part;
-  const std::vector<const firmware::ScenePart*> parts = firmware::parts_of(profile);
-  std::vector<const firmware::ScenePart*> gone;
-  for (const firmware::ScenePart* other : parts) {
-    const std::string_view name = other->name;
-    if ((name == "map" && part != "map") || name == "ssl" || name == "path") gone.push_back(other);
-  }
-  return gone.empty() ? std::vector<std::string>{} : firmware::overrides_without(gone);
+  if (sweeps.empty())
+    throw firmware::ProfileError("--sweep knobs: scene " + profile.name() +
+                                 " has none; give --sweep key=v1,v2,v3");
+  return sweeps;
 }
 
 }  // namespace sortie::toolchain

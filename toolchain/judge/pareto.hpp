@@ -21,4 +21,8 @@ void merge_close(std::span<CostAndError> points, double CostAndError::*figure, d
 /// Equal points are on it together; a point with a NaN never is. Cost: n log n.
 std::vector<bool> pareto_front(std::span<const CostAndError> points);
 
+/// For each measured point whether no other is as cheap (within 5 %) and better (by 0.1 %), or as good and
+/// cheaper. One with a NaN never is.
+std::vector<bool> measured_front(std::vector<CostAndError> points);
+
 }  // namespace sortie::toolchain
