@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run answers to requests, with the state of the task that obeys, under one tag.
+// What a run answers to requests, with the state of the task that obeys, under one tag. encode() and decode()
+// are those of wire_fields.hpp; for threads that are not real-time.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "drivers/siphash.hpp"
+#include "drivers/wire_fields.hpp"
 #include "drivers/wire_telemetry.hpp"
-#include "rt/status.hpp"
 
 namespace sortie::drivers {
 
@@ -18,6 +17,11 @@ struct RequestAnswer {
   std::int64_t sender{};
   std::int64_t counter{};
   std::int32_t status{};  ///< Status as a number; ok: admitted
+  static constexpr void fields(auto& self, auto&& visit) {
+    visit("sender", self.sender);
+    visit("asked", self.counter);
+    visit("status", self.status);
+  }
 };
 
 /// request_answers_t. Answer and state stand in one message, and one tag covers both: who reads "admitted"
@@ -31,13 +35,18 @@ struct AnswersMessage {
   std::int64_t counter{};  ///< highest that was taken
   std::vector<RequestAnswer> answers;
   std::vector<NamedValue> state;
+  static constexpr void fields(auto& self, auto&& visit) {
+    visit("utime", self.utime);
+    visit("session", self.session);
+    visit("robot", self.robot);
+    visit("task", self.task);
+    visit("keyed", self.keyed);
+    visit("counter", self.counter);
+    visit("answers", self.answers);
+    visit("n", self.state);
+  }
 };
-
-/// For threads that are not real-time. `key` null: tag 0. Decoding: `bad_checksum` for another type of
-/// message, `malformed` for wrong lengths, `disconnected` when `key` is given and the tag is not its;
-/// `message` is then unchanged. It allocates, but never more than the message is long.
-[[nodiscard]] Status encode(const AnswersMessage& message, const SipKey* key, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> bytes, const SipKey* key, AnswersMessage& message);
+template <>
+struct WireRules<AnswersMessage> : WireTagged {};
 
 }  // namespace sortie::drivers

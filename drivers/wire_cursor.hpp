@@ -31,6 +31,29 @@ inline Unsigned swap_to_big_endian(Unsigned bits) noexcept {
   if constexpr (sizeof(Unsigned) == 2) return static_cast<Unsigned>(__builtin_bswap16(bits));
   return bits;
 }
+
+/// `count` values to their bytes and back; whoever calls knows that the bytes are there.
+template <class T>
+inline void store_values(std::uint8_t* out, const T* values, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto bits = swap_to_big_endian(std::bit_cast<UnsignedOf<sizeof(T)>>(values[i]));
+    std::memcpy(out + i * sizeof(T), &bits, sizeof(T));
+  }
+}
+template <class T>
+inline void load_values(const std::uint8_t* in, T* values, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    UnsignedOf<sizeof(T)> bits{};
+    std::memcpy(&bits, in + i * sizeof(T), sizeof(T));
+    values[i] = std::bit_cast<T>(swap_to_big_endian(bits));
+  }
+}
+inline void store_values(std::uint8_t* out, const std::uint8_t* values, std::size_t count) noexcept {
+  if (count != 0) std::memcpy(out, values, count);
+}
+inline void load_values(const std::uint8_t* in, std::uint8_t* values, std::size_t count) noexcept {
+  if (count != 0) std::memcpy(values, in, count);
+}
 }  // namespace detail
 
 /// Writes scalars, arrays and strings one after the other. After the first lack of room every further call is
@@ -42,18 +65,12 @@ class WireWriter {
   template <class T>
   void put(T value) noexcept {
     static_assert(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>);
-    if (!room(sizeof(T))) return;
-    store(out_.data() + used_, value);
-    used_ += sizeof(T);
+    put_array(&value, 1);
   }
   template <class T>
   void put_array(const T* values, std::size_t count) noexcept {
-    if (count > (out_.size() - used_) / sizeof(T)) {
-      full_ = true;
-      return;
-    }
-    if (full_) return;
-    for (std::size_t i = 0; i < count; ++i) store(out_.data() + used_ + i * sizeof(T), values[i]);
+    if (!room_for(count, sizeof(T))) return;
+    detail::store_values(out_.data() + used_, values, count);
     used_ += count * sizeof(T);
   }
   /// LCM string: length with the final zero as int32, bytes, zero.
@@ -74,6 +91,19 @@ class WireWriter {
     }
     put(static_cast<std::int32_t>(count));
   }
+  /// Whether that many elements of at least `bytes` each can follow; if not, nothing more will.
+  [[nodiscard]] bool room_for(std::size_t count, std::size_t bytes) noexcept {
+    if (count > kMaxCount || count > (out_.size() - used_) / bytes) full_ = true;
+    return !full_;
+  }
+  /// The next `count` times `bytes` bytes, for the caller to write; null if there is no room for them.
+  [[nodiscard]] std::uint8_t* put_block(std::size_t count, std::size_t bytes) noexcept {
+    if (!room_for(count, bytes)) return nullptr;
+    used_ += count * bytes;
+    return out_.data() + used_ - count * bytes;
+  }
+  /// Gives up: the message cannot be written.
+  void refuse() noexcept { full_ = true; }
   /// Ends the message: `size` becomes its size, or 0 when it did not fit. Same result as status().
   [[nodiscard]] Status finish(std::size_t& size) const noexcept {
     size = full_ ? 0 : used_;
@@ -85,15 +115,6 @@ class WireWriter {
  private:
   static constexpr std::size_t kMaxString = 1u << 28;
   static constexpr std::size_t kMaxCount = 0x7fffffff;
-  template <class T>
-  static void store(std::uint8_t* out, T value) noexcept {
-    const auto bits = detail::swap_to_big_endian(std::bit_cast<detail::UnsignedOf<sizeof(T)>>(value));
-    std::memcpy(out, &bits, sizeof(T));
-  }
-  bool room(std::size_t bytes) noexcept {
-    if (out_.size() - used_ < bytes) full_ = true;
-    return !full_;
-  }
   std::span<std::uint8_t> out_;
   std::size_t used_{};
   bool full_{};
@@ -117,11 +138,7 @@ class WireReader {
   template <class T>
   void get_array(T* values, std::size_t count) noexcept {
     if (!available<T>(count)) return;
-    for (std::size_t i = 0; i < count; ++i) {
-      detail::UnsignedOf<sizeof(T)> bits{};
-      std::memcpy(&bits, in_.data() + used_ + i * sizeof(T), sizeof(T));
-      values[i] = std::bit_cast<T>(detail::swap_to_big_endian(bits));
-    }
+    detail::load_values(in_.data() + used_, values, count);
     used_ += count * sizeof(T);
   }
   /// A count of elements of at least `element_bytes` each: negative or more than the bytes left is malformed
@@ -151,6 +168,8 @@ class WireReader {
     }
     return {reinterpret_cast<const char*>(bytes.data()), length - 1};
   }
+  /// What was read cannot be: from here on as after a lack of bytes.
+  void refuse() noexcept { bad_ = true; }
   [[nodiscard]] std::size_t left() const noexcept { return in_.size() - used_; }
   /// `malformed` after any failed read.
   [[nodiscard]] Status status() const noexcept { return bad_ ? Status::malformed : Status::ok; }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Requests to the pilot of a run, as they come over the network.
+// Requests to the pilot of a run, as they come over the network. encode() and decode() are those of
+// wire_fields.hpp; no heap.
 #pragma once
 
 #include <cstdint>
-#include <span>
 
-#include "drivers/siphash.hpp"
-#include "rt/status.hpp"
+#include "drivers/wire_fields.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers {
 
@@ -21,17 +21,12 @@ struct FlyRequestMessage {
   double z_m{};
   double yaw_rad{};
   std::int32_t mode{};
+  SORTIE_FIELDS(utime, session, sender, counter, x_m, y_m, z_m, yaw_rad, mode)
 };
+template <>
+struct WireRules<FlyRequestMessage> : WireTagged {};
 
 /// Bytes of the message, fingerprint and tag included: always the same.
-inline constexpr std::size_t kFlyRequestBytes = 8 + 4 * 8 + 4 * 8 + 4 + 8;
-
-/// A request with its tag; `key` null: tag 0. No heap. Decoding: `bad_checksum` for another type of message,
-/// `malformed` for any other length, `disconnected` when `key` is given and the tag is not its; `request` is
-/// then unchanged.
-[[nodiscard]] Status encode(const FlyRequestMessage& request, const SipKey* key, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, const SipKey* key,
-                            FlyRequestMessage& request) noexcept;
+inline constexpr std::size_t kFlyRequestBytes = kLeastBytes<FlyRequestMessage>;
 
 }  // namespace sortie::drivers

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Messages about run-time parameters: the change as a log holds it, the request from outside, and what is in
-// force.
+// force. encode() and decode() are those of wire_fields.hpp; the one of what is in force is for threads that
+// are not real-time, the others need no heap.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "drivers/channels.hpp"
-#include "drivers/siphash.hpp"
+#include "drivers/wire_answers.hpp"
+#include "rt/describe.hpp"
 #include "rt/parameter.hpp"
-#include "rt/status.hpp"
 
 namespace sortie::drivers {
+
+template <>
+struct WireRules<rt::ParameterChange> : WireNumbered {
+  static bool taken(const rt::ParameterChange& change) { return !rt::name_of(change).empty(); }
+  static bool sent(const rt::ParameterChange& change) { return taken(change); }
+};
 
 /// A request to change a parameter. On decoding `name` points into the message.
 struct SetParameter {
@@ -24,7 +29,10 @@ struct SetParameter {
   std::int64_t counter{};  ///< above all that the run has taken: a repeated datagram is stale
   std::string_view name;
   double value{};
+  SORTIE_FIELDS(utime, session, sender, counter, name, value)
 };
+template <>
+struct WireRules<SetParameter> : WireTagged {};
 
 /// One parameter as it stands now.
 struct ParameterInForce {
@@ -33,14 +41,10 @@ struct ParameterInForce {
   double value{};
   double low{};
   double high{};
+  SORTIE_FIELDS(name, unit, value, low, high)
 };
 
-/// What became of a request.
-struct ParameterAnswer {
-  std::int64_t sender{};
-  std::int64_t counter{};
-  std::int32_t status{};  ///< Status as a number; ok: admitted
-};
+using ParameterAnswer = RequestAnswer;
 
 /// parameters_t.
 struct ParametersMessage {
@@ -52,28 +56,19 @@ struct ParametersMessage {
   bool keyed{};   ///< and need a tag
   std::vector<ParameterInForce> parameters;
   std::vector<ParameterAnswer> answers;
+  static constexpr void fields(auto& self, auto&& visit) {
+    visit("utime", self.utime);
+    visit("session", self.session);
+    visit("counter", self.counter);
+    visit("scene", self.scene);
+    visit("remote", self.remote);
+    visit("keyed", self.keyed);
+    visit("n", self.parameters);
+    visit("answers", self.answers);
+  }
 };
 
 /// Longest set_parameter_t that is looked at.
 inline constexpr std::size_t kMaxSetParameterBytes = 7 * 8 + 4 + rt::kMaxParameterName + 1;
-
-/// The change of a log, with its sequence number. No heap. Decoding: as the samples of wire.hpp; a name that
-/// no parameter can have is `malformed`.
-[[nodiscard]] Status encode(const rt::ParameterChange& change, std::int64_t seq, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, rt::ParameterChange& change,
-                            std::int64_t& seq) noexcept;
-
-/// A request with its tag; `key` null: tag 0. No heap. Decoding: `bad_checksum` for another type of message,
-/// `malformed` for wrong lengths, `disconnected` when `key` is given and the tag is not its.
-[[nodiscard]] Status encode(const SetParameter& request, const SipKey* key, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, const SipKey* key,
-                            SetParameter& request) noexcept;
-
-/// For threads that are not real-time: decoding allocates, but never more than the message is long.
-[[nodiscard]] Status encode(const ParametersMessage& parameters, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, ParametersMessage& parameters);
 
 }  // namespace sortie::drivers

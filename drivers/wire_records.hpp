@@ -2,10 +2,8 @@
 // The records of a log that are not samples (header, tick, gap, user samples) and telemetry (fields,
 // statistics, pose): plain structs, to message bytes and back.
 //
-// For threads that are not real-time: decoders allocate, but never more than the message is long. Encoders do
-// not allocate; they give `full` if `out` is too small and then leave `size` at 0. Decoders give
-// `bad_checksum` for a message of another type and `malformed` for wrong lengths; the outputs may then be
-// half filled.
+// encode() and decode() are those of wire_fields.hpp. Records with texts and vectors are for threads that are
+// not real-time: their decoders allocate, but never more than the message is long.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +13,8 @@
 #include <vector>
 
 #include "drivers/channels.hpp"
+#include "drivers/wire_fields.hpp"
+#include "rt/describe.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 
@@ -37,6 +37,8 @@ struct LogHeader {
   std::string groups;
   std::string tasks;
   std::string source;
+  SORTIE_FIELDS(version, compiler, vehicle, scene, scene_toml, scene_hash, base_tick_ns, epoch_ns,
+                utc_minus_monotonic_ns, has_ticks, initial_p, initial_q, groups, tasks, source)
 };
 
 /// Samples of one input stream that a job consumed: first_seq .. first_seq + count - 1.
@@ -44,18 +46,24 @@ struct StreamTake {
   std::int16_t stream_id{};
   std::int64_t first_seq{};
   std::int32_t count{};
+  SORTIE_FIELDS(stream_id, first_seq, count)
 };
 
 /// Jobs of another group whose outputs a job saw.
 struct ChannelTake {
   std::int64_t first{};
   std::int64_t last{};
+  static constexpr void fields(auto& self, auto&& visit) {
+    visit("taken_first", self.first);
+    visit("taken_last", self.last);
+  }
 };
 
 /// What one task gave out in this job.
 struct TaskOutput {
   std::uint64_t digest{};
   std::int32_t units{};
+  SORTIE_FIELDS(digest, units)
 };
 
 /// A tick record for encoding: views of someone else's memory.
@@ -93,6 +101,27 @@ struct TickRecord {
   }
 };
 
+/// tick_t, of both.
+struct TickRules : WirePlain {
+  static constexpr void members(auto& self, auto&& visit) {
+    visit("tick", self.tick);
+    visit("job", self.job);
+    visit("group", self.group);
+    visit("verdict", self.verdict);
+    visit("level", self.level);
+    visit("shed", self.shed);
+    visit("cut", self.cut);
+    visit("nstreams", self.streams);
+    visit("nchannels", self.channels);
+    visit("ntasks", self.tasks);
+    visit("fields", listed("nfields", self.fields));
+  }
+};
+template <>
+struct WireRules<TickView> : TickRules {};
+template <>
+struct WireRules<TickRecord> : TickRules {};
+
 /// Something that a user wants to know when it happens: a step of the degrade ladder, a stuck task, a broken
 /// promise.
 struct EventRecord {
@@ -102,6 +131,7 @@ struct EventRecord {
   std::string subject;  ///< a group, a task or a core
   std::int64_t value{};
   std::string text;  ///< one sentence
+  SORTIE_FIELDS(utime, tick, kind, subject, value, text)
 };
 
 /// The recorder lost events here.
@@ -110,6 +140,7 @@ struct GapRecord {
   std::int32_t group{};
   std::int64_t lost{};
   std::string reason;
+  SORTIE_FIELDS(tick, group, lost, reason)
 };
 
 /// A sample of a user's own type. On decoding the views point into the message.
@@ -120,6 +151,16 @@ struct CustomView {
   std::string_view fields;             ///< "name:type,..." in declaration order
   std::span<const std::uint8_t> data;  ///< canonical form
 };
+template <>
+struct WireRules<CustomView> : WirePlain {
+  static constexpr void members(auto& self, auto&& visit) {
+    visit("type", self.type);
+    visit("stamp_ns", self.stamp_ns);
+    visit("seq", self.seq);
+    visit("fields", self.fields);
+    visit("data", listed("n", self.data));
+  }
+};
 
 /// bot_core.pose_t: utime in us, position and velocity in the world, rate and acceleration in the body.
 struct PoseMessage {
@@ -129,29 +170,14 @@ struct PoseMessage {
   double orientation[4]{1, 0, 0, 0};
   double rotation_rate[3]{};
   double accel[3]{};
+  SORTIE_FIELDS(utime, pos, vel, orientation, rotation_rate, accel)
 };
 
-/// Message bytes of the record; `size` becomes the message size.
-[[nodiscard]] Status encode(const LogHeader& header, std::span<std::uint8_t> out, std::size_t& size) noexcept;
-[[nodiscard]] Status encode(const TickView& tick, std::span<std::uint8_t> out, std::size_t& size) noexcept;
-[[nodiscard]] Status encode(const GapRecord& gap, std::span<std::uint8_t> out, std::size_t& size) noexcept;
-[[nodiscard]] Status encode(const EventRecord& event, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status encode(const CustomView& sample, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status encode(const PoseMessage& pose, std::span<std::uint8_t> out, std::size_t& size) noexcept;
-
-/// Record from message bytes.
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, LogHeader& header);
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, TickRecord& tick);
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, GapRecord& gap);
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, EventRecord& event);
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, CustomView& sample) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, PoseMessage& pose) noexcept;
-
-/// Bytes that encode() will need.
-[[nodiscard]] std::size_t encoded_bytes(const LogHeader& header) noexcept;
-[[nodiscard]] std::size_t encoded_bytes(const TickView& tick) noexcept;
+/// In place, so that its vectors keep their memory: the record may be half filled unless ok.
+[[nodiscard]] inline Status decode(std::span<const std::uint8_t> message, TickRecord& tick) {
+  std::int64_t none = 0;
+  return detail::read_any(message, tick, none);
+}
 
 /// The pose message of an estimate: body velocity turned into the world, acceleration 0 (not estimated).
 [[nodiscard]] PoseMessage to_pose_message(const rt::PoseEstimate& estimate, std::int64_t utime) noexcept;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Requests to the drive of a run, as they come over the network.
+// Requests to the drive of a run, as they come over the network. encode() and decode() are those of
+// wire_fields.hpp; no heap.
 #pragma once
 
 #include <cstdint>
-#include <span>
 
-#include "drivers/siphash.hpp"
-#include "rt/status.hpp"
+#include "drivers/wire_fields.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers {
 
@@ -21,17 +21,12 @@ struct DriveRequestMessage {
   std::int32_t mode{};
   std::int32_t posture{-1};
   std::int32_t flags{};
+  SORTIE_FIELDS(utime, session, sender, counter, speed_m_s, turn_rad_s, mode, posture, flags)
 };
+template <>
+struct WireRules<DriveRequestMessage> : WireTagged {};
 
 /// Bytes of the message, fingerprint and tag included: always the same.
-inline constexpr std::size_t kDriveRequestBytes = 8 + 4 * 8 + 2 * 8 + 3 * 4 + 8;
-
-/// A request with its tag; `key` null: tag 0. No heap. Decoding: `bad_checksum` for another type of message,
-/// `malformed` for any other length, `disconnected` when `key` is given and the tag is not its; `request` is
-/// then unchanged.
-[[nodiscard]] Status encode(const DriveRequestMessage& request, const SipKey* key,
-                            std::span<std::uint8_t> out, std::size_t& size) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, const SipKey* key,
-                            DriveRequestMessage& request) noexcept;
+inline constexpr std::size_t kDriveRequestBytes = kLeastBytes<DriveRequestMessage>;
 
 }  // namespace sortie::drivers

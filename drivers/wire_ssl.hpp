@@ -1,32 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages of a solid-state lidar. As in drivers/wire.hpp: the bytes are lcm-gen's, no length is trusted, no
-// heap.
+// Messages of a solid-state lidar. encode() and decode() are those of wire_fields.hpp; no heap.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
+#include "drivers/wire_fields.hpp"
 #include "rt/ssl_samples.hpp"
-#include "rt/status.hpp"
 
 namespace sortie::drivers {
 
+/// ssl_command_t and ssl_returns_t: an array is as long as there are rays.
+struct SslRules : WireNumbered {
+  static constexpr void members(auto& self, auto&& visit) {
+    const auto of_rays = [&self](auto& array) {
+      return counted("n", std::span(array), self.rays, Status::malformed);
+    };
+    visit("stamp_ns", self.stamp_ns);
+    visit("number", self.number);
+    visit("n", self.rays);
+    visit("direction", of_rays(self.direction));
+    if constexpr (requires { self.range_mm; }) {
+      visit("range_mm", of_rays(self.range_mm));
+      visit("age_10us", of_rays(self.age_10us));
+    }
+  }
+  /// No more rays than a frame has, and all within the grid.
+  static bool taken(const auto& sample) {
+    return sample.rays <= rt::kSslMaxRays &&
+           std::all_of(sample.direction, sample.direction + sample.rays,
+                       [](std::uint16_t direction) { return direction < rt::kSslDirections; });
+  }
+  static bool sent(const auto& sample) { return taken(sample); }
+};
+template <>
+struct WireRules<rt::SslCommand> : SslRules {};
+template <>
+struct WireRules<rt::SslReturns> : SslRules {};
+
 /// Sizes of the largest messages in bytes, fingerprint included.
-inline constexpr std::size_t kSslCommandBytes = 8 + 8 + 8 + 4 + 4 + 2 * rt::kSslMaxRays;
-inline constexpr std::size_t kSslReturnsBytes = 8 + 8 + 8 + 4 + 4 + 3 * 2 * rt::kSslMaxRays;
-
-/// Encodes one sample with its sequence number. Status: ok; full (`out` is too small); out_of_range (more
-/// rays than a frame has). `size` is 0 where it failed.
-[[nodiscard]] Status encode(const rt::SslCommand& command, std::int64_t seq, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-[[nodiscard]] Status encode(const rt::SslReturns& returns, std::int64_t seq, std::span<std::uint8_t> out,
-                            std::size_t& size) noexcept;
-
-/// Decodes one message. `bad_checksum`: of another type; `malformed`: a wrong length, more rays than a frame
-/// has, or a direction that the grid does not have. Outputs are then unchanged.
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, rt::SslCommand& command,
-                            std::int64_t& seq) noexcept;
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, rt::SslReturns& returns,
-                            std::int64_t& seq) noexcept;
+inline constexpr std::size_t kSslCommandBytes = kLeastBytes<rt::SslCommand> + 2 * rt::kSslMaxRays;
+inline constexpr std::size_t kSslReturnsBytes = kLeastBytes<rt::SslReturns> + 3 * 2 * rt::kSslMaxRays;
 
 }  // namespace sortie::drivers

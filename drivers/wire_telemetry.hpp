@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "drivers/channels.hpp"
-#include "drivers/wire_cursor.hpp"
-#include "rt/fields.hpp"
+#include "drivers/wire_fields.hpp"
+#include "rt/describe.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::drivers {
@@ -27,6 +27,7 @@ struct TaskTiming {
   double p99_us{};
   double max_us{};
   double budget_us{};
+  SORTIE_FIELDS(task, count, missed, p50_us, p99_us, max_us, budget_us)
 };
 
 /// Use of one pool since start.
@@ -36,20 +37,42 @@ struct PoolUse {
   std::int64_t used{};
   std::int64_t high_water{};
   std::int64_t refused{};
+  SORTIE_FIELDS(pool, capacity, used, high_water, refused)
+};
+
+/// exec_stats_t and pool_stats_t: rows of the above, in someone's list of them.
+template <class Rows>
+struct StatsMessage {
+  std::int64_t utime{};  ///< us UTC
+  Rows rows;
+  static constexpr void fields(auto& self, auto&& visit) {
+    visit("utime", self.utime);
+    visit("n", self.rows);
+  }
 };
 
 /// One number of a fields_t message.
 struct NamedValue {
   std::string name;
   double value{};
+  SORTIE_FIELDS(name, value)
 };
 
-/// fields_t as read back.
-struct FieldsMessage {
+/// fields_t, with its texts and values in someone's memory or its own.
+template <class Text, class Values>
+struct FieldsOf {
   std::int64_t utime{};
-  std::string task;
-  std::vector<NamedValue> values;
+  Text task;
+  Values values;
+  static constexpr void fields(auto& self, auto&& visit) {
+    visit("utime", self.utime);
+    visit("task", self.task);
+    visit("n", self.values);
+  }
 };
+using FieldsView = FieldsOf<std::string_view, std::span<const NamedValue>>;
+/// As read back.
+using FieldsMessage = FieldsOf<std::string, std::vector<NamedValue>>;
 
 /// exec_stats_t and pool_stats_t; utime in microseconds UTC.
 [[nodiscard]] Status encode(std::int64_t utime, std::span<const TaskTiming> tasks,
@@ -60,7 +83,6 @@ struct FieldsMessage {
                             std::vector<TaskTiming>& tasks);
 [[nodiscard]] Status decode(std::span<const std::uint8_t> message, std::int64_t& utime,
                             std::vector<PoolUse>& pools);
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, FieldsMessage& fields);
 
 /// fields_t of any described struct: "name" or "name[index]" for every scalar, values as doubles (64-bit
 /// integers lose bits beyond 2^53).

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/wire_fields.hpp"
 #include "drivers/wire_telemetry.hpp"
 #include "rt/status.hpp"
 
@@ -29,14 +30,24 @@ struct JobTimingRecord {
   std::vector<std::int64_t> duration_ns;
 };
 
-/// Status: ok, full (`size` is then 0).
-[[nodiscard]] Status encode(const JobTiming& timing, std::span<std::uint8_t> out, std::size_t& size) noexcept;
-/// Status: ok, bad_checksum (another type), malformed.
-[[nodiscard]] Status decode(std::span<const std::uint8_t> message, JobTimingRecord& timing);
+struct TimingRules : WirePlain {
+  static constexpr void members(auto& self, auto&& visit) {
+    visit("tick", self.tick);
+    visit("group", self.group);
+    visit("started_ns", self.started_ns);
+    visit("duration_ns", listed<std::int64_t>("ntasks", self.duration_ns));
+  }
+};
+template <>
+struct WireRules<JobTiming> : TimingRules {};
+template <>
+struct WireRules<JobTimingRecord> : TimingRules {};
 
 /// fields_t from names and values. Status: ok, full (`size` is then 0).
-[[nodiscard]] Status encode_fields(std::int64_t utime, std::string_view task,
-                                   std::span<const NamedValue> values, std::span<std::uint8_t> out,
-                                   std::size_t& size) noexcept;
+[[nodiscard]] inline Status encode_fields(std::int64_t utime, std::string_view task,
+                                          std::span<const NamedValue> values, std::span<std::uint8_t> out,
+                                          std::size_t& size) noexcept {
+  return encode(FieldsView{utime, task, values}, out, size);
+}
 
 }  // namespace sortie::drivers
