@@ -72,7 +72,7 @@ void LiveSession::make_simulated(const SimulatorFactory& simulator) {
     throw ProfileError("--virtual has its plant inside; leave out --plant and --can");
   if (simulator && !is_outside) robot_ = simulator(for_robot, runtime_.vehicle().scan_sink());
   if (!robot_) return;
-  for_robot.refuse_unknown_keys("hil");  // without a robot robot nobody has declared what [hil] may hold
+  for_robot.refuse_unknown_keys("hil");  // without a simulated robot nobody has declared what [hil] may hold
   outcome_.robot = robot_->describe();
 }
 

@@ -17,8 +17,7 @@
 namespace sortie::firmware {
 
 /// Group `control`: state -> pose -> pilot, hop-free; group `planning`: path; where the map is sensed, group
-/// `mapping`: occupancy -> path. Without the path task the pilot
-/// flies straight to its goals.
+/// `mapping`: occupancy -> path. Without the path task the pilot flies straight to its goals.
 class FlightPart final : public Part {
  public:
   explicit FlightPart(VehicleBuilder& builder);

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/runtime/vehicle_builder.hpp"
 
 namespace sortie::firmware {
 

@@ -16,9 +16,8 @@ struct CanSample;
 namespace sortie::firmware {
 
 /// A part declares its tasks, streams, parameters and counters in its constructor, where what was made before
-/// it
-/// can be found (VehicleBuilder::find). To the outside it speaks as a whole vehicle does: what a
-/// robot is asked for, its parts are asked for in turn.
+/// it can be found (VehicleBuilder::find). To the outside it speaks as a whole vehicle does: what a robot is
+/// asked for, its parts are asked for in turn.
 ///
 /// open_devices() and poll_devices() as of Vehicle; frames of the CAN bus come in through take() and heard(),
 /// since one bus has many readers.

@@ -6,7 +6,7 @@
 
 #include "estimators/uav_state/uav_estimator.hpp"
 #include "firmware_like/parts/stored_cells.hpp"
-#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/runtime/vehicle_builder.hpp"
 #include "planner/uav_guide.hpp"
 #include "planner/uav_pilot.hpp"
 

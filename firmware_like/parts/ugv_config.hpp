@@ -4,7 +4,7 @@
 
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
-#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/runtime/vehicle_builder.hpp"
 
 namespace sortie::firmware {
 

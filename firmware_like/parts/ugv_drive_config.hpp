@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/runtime/vehicle_builder.hpp"
 #include "planner/flipper_postures.hpp"
 #include "planner/ugv_drive.hpp"
 

@@ -24,13 +24,6 @@ void add_sums(VehicleBuilder& builder, const std::string& prefix, std::size_t me
   });
 }
 
-template <class Counters>
-void add_counts(VehicleBuilder& builder, const std::string& prefix, const Counters& counters) {
-  Counters::fields(counters, [&](const char* name, const std::uint64_t& count) {
-    builder.counter(prefix + name, [&count] { return count; });
-  });
-}
-
 void add_state(VehicleBuilder& builder, const std::string& prefix, const drivers::UgvDrives& motors) {
   const drivers::UgvDrives* const all = &motors;
   builder.counter(prefix + "running", [all] { return std::uint64_t{all->running() ? 1u : 0u}; });
@@ -46,7 +39,7 @@ std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
   auto drives = std::make_unique<drivers::canopen::UgvNodes>(config);
   const drivers::canopen::NodeLine* const line = &drives->line();
   builder.bus_frames(drivers::canopen::bus_frames(config));
-  add_counts(builder, "canopen_", line->counters());
+  builder.counters("canopen_", line->counters());
   add_sums<drivers::canopen::DriveCounters>(
       builder, "canopen_drives_",
       line->size(), [line](std::size_t i) -> const auto& { return line->drive(i).counters(); });
@@ -59,7 +52,7 @@ std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
   auto axes = std::make_unique<drivers::odrive::UgvAxes>(config);
   const drivers::odrive::AxisLine* const line = &axes->line();
   builder.bus_frames(drivers::odrive::bus_frames(config));
-  add_counts(builder, "odrive_", line->counters());
+  builder.counters("odrive_", line->counters());
   add_sums<drivers::odrive::AxisCounters>(
       builder, "odrive_axes_",
       line->size(), [line](std::size_t i) -> const auto& { return line->axis(i).counters(); });

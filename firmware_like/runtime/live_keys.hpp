@@ -6,7 +6,7 @@
 #include <string>
 #include <type_traits>
 
-#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/runtime/vehicle_builder.hpp"
 #include "rt/keys.hpp"
 
 namespace sortie::firmware {

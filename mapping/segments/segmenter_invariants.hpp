@@ -7,8 +7,7 @@
 // found:
 //
 //   queue    A block is in the queue once or not at all (`queued` is 0). The first `left_of_cycle_` carry the
-//   tag
-//            of the cycle that runs, all others that of the next one. A block that left stays in line.
+//            tag of the cycle that runs, all others that of the next one. A block that left stays in line.
 //   nodes    A block that is not in use has no fragments, and nothing that moved, is wanting or is unmixed.
 //            Fragments of a block hold active cells, each at most one. A node that the labelling calls
 //            apart() is one of them: whoever gives it back says so first (Labelling::leaving()).
@@ -16,9 +15,8 @@
 //            cores are in fragments, all other cells of fragments are cores, and two fragments of a block do
 //            not touch but by cells in `moved`; or the block is `wanting`.
 //   looked   `looked`, `renewed` and `cycle` tell what the look in cycle `cycle` found: cells that had moved,
-//   and
-//            whether fragments were fresh. They count only for blocks with the present cycle's number. The
-//            low bits come again and a number may stand for another block by then: both only lead to more
+//            and whether fragments were fresh. They count only for blocks with the present cycle's number.
+//            The low bits come again and a number may stand for another block by then: both only lead to more
 //            tests.
 //   waiting  A pair with a block that the same cycle is still to look at is left to that look: it takes the
 //            other's `looked` and `renewed` for its own. Where the block leaves before, the pair is gone.
@@ -28,12 +26,10 @@
 //            component need not be known: the labelling asks for it when known ones no longer suffice); or a
 //            voxel of those that touch is as above; or one is fresh and its block left the pair waiting.
 //   mixed    Two blocks side by side with fragments of two names, or with fresh ones, have each other's bits
-//   in
-//            `mixed`. More bits are set than need be.
+//            in `mixed`. More bits are set than need be.
 //   wanting  Nothing was kept of what found no room but this bit, which makes the next look at the block one
-//   at
-//            all of its cells. `wanting_` of them are in use. While there is no room none is looked for; when
-//            there is, all get in line before the next cycle.
+//            at all of its cells. `wanting_` of them are in use. While there is no room none is looked for;
+//            when there is, all get in line before the next cycle.
 //
 // Labels and names of a labelling that runs are in the making: `names` and `mixed` hold before it and after
 // it.

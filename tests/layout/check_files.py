@@ -70,8 +70,25 @@ def look_at_packages(path, text):
             yield f"{path}:{number}: a package line is: group, package, # reason"
 
 
+PART = re.compile(r'(?:kBuilt<|OwnedPart<[\w:]+, )"(\w+)"')
+
+
+def part_names(root):
+    """Names that may stand in kBuilt<"...">: of the list, and the robots'. One that stands nowhere is never built."""
+    path = tree.pathlib.Path(root) / "firmware_like" / "scene" / "part_list.hpp"
+    return {"ugv", "uav"} | set(re.findall(r"^  (?:part|option)\((\w+)", path.read_text(), re.M) if path.exists() else [])
+
+
+def look_at_parts(path, text, known):
+    for match in PART.finditer(text):
+        if match[1] not in known:
+            line = text.count("\n", 0, match.start()) + 1
+            yield f'{path}:{line}: part "{match[1]}" is not in firmware_like/scene/part_list.hpp'
+
+
 def main(root):
     findings, checked = [], 0
+    parts = part_names(root)
     for path in listed(root):
         try:
             text = (tree.pathlib.Path(root) / path).read_text()
@@ -82,6 +99,8 @@ def main(root):
         checked += 1
         findings += look(path, text)
         findings += look_at_cases(path, text)
+        if path.suffix in {".hpp", ".cpp"}:
+            findings += look_at_parts(path, text, parts)
         if path.suffix == ".md":
             findings += look_at_links(root, path, text)
         if path.name == "debian12-packages.txt":

@@ -114,6 +114,7 @@ FAULTS = {
         ("rt/ledger.hpp", "#pragma once\nint f() { return word.load(std::memory_order_acquire); }\n", "ledger_model_test.cpp is gone"),
     ],
     "files": [
+        ("rt/base.cpp", 'bool map() { return kBuilt<"mapp">; }\n', 'part "mapp" is not in'),
         ("rt/base.cpp", "// TO" "DO: the rest\n", "rt/base.cpp:7: 'TO" "DO'"),
         ("docs/page.md", "Good enough for " "now.\n", "docs/page.md:2: 'for " "now'"),
         ("docs/page.md", "See [what](absent.md#there).\n", "docs/page.md:2: the link to absent.md leads nowhere"),

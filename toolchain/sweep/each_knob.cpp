@@ -14,34 +14,10 @@ namespace sortie::toolchain {
 
 namespace {
 
-constexpr AlgorithmKnob kKnobs[] = {
-    {"attitude", "groups.control.rate_hz"},
-    {"attitude", "imu.samples"},
-    {"attitude", "attitude.acc_time_constant_s"},
-    {"attitude", "attitude.bias_sigma_rad_s"},
-    {"attitude", "attitude.bias_forgetting_s"},
-    {"attitude", "attitude.block_ms"},
-    {"attitude", "attitude.precision"},
-    {"attitude", "attitude.track_aid"},
-    {"odometry", "odometry.steering"},
-    {"odometry", "odometry.obstacles"},
-    {"odometry", "odometry.max_extrapolation_ms"},
-    {"map", "groups.mapping.rate_hz"},
-    {"map", "map.voxel_m"},
-    {"map", "map.max_range_m"},
-    {"map", "map.radius_m"},
-    {"map", "map.min_points"},
-    {"map", "map.mean_window"},
-    {"map", "map.evict_blocks"},
-    {"map", "map.forget_s"},
-    {"map", "limits.voxels"},
-    {"state", "groups.control.rate_hz"},
-    {"state", "state.fix_sigma_m"},
-    {"state", "state.fix_yaw_sigma_rad"},
-    {"state", "state.gyr_noise_rad_s_rt_hz"},
-    {"state", "state.acc_noise_m_s2_rt_hz"},
-    {"state", "state.disturbance_hz"},
-};
+// Knobs that the map's error judges.
+bool is_of_map(std::string_view key) {
+  return key.substr(0, 4) == "map." || key == "groups.mapping.rate_hz" || key == "limits.voxels";
+}
 
 bool builds(const SceneBuilder& build, std::vector<std::string> overrides, const std::string& more) {
   overrides.push_back(more);
@@ -94,8 +70,6 @@ std::vector<std::string> left_out(bool is_map, const std::vector<const firmware:
 
 }  // namespace
 
-std::span<const AlgorithmKnob> algorithm_knobs() { return kKnobs; }
-
 std::vector<std::string> knob_values(const firmware::ProfileKey& key) {
   if (key.high <= key.low) return choices_of(key);
   std::vector<std::string> values;
@@ -112,23 +86,15 @@ std::vector<SweepOptions> each_knob_alone(const SceneBuilder& build, const Sweep
   const std::unique_ptr<firmware::Runtime> own = build(all.replay.overrides);
   const firmware::Profile& profile = own->profile();
   const std::vector<const firmware::ScenePart*> parts = firmware::parts_of(profile);
-  const auto has_part = [&](std::string_view name) {
-    if (name == "state") return profile.vehicle() == "uav";
-    return std::any_of(parts.begin(), parts.end(),
-                       [name](const firmware::ScenePart* part) { return name == part->name; });
-  };
   std::vector<SweepOptions> sweeps;
-  for (const AlgorithmKnob& knob : kKnobs) {
-    const auto& keys = profile.keys();
-    const auto declared = std::find_if(
-        keys.begin(), keys.end(), [&knob](const firmware::ProfileKey& key) { return key.path == knob.key; });
-    if (!has_part(knob.part) || declared == keys.end()) continue;
-    std::vector<std::string> values = values_that_build(build, all.replay.overrides, *declared);
+  for (const firmware::ProfileKey& key : profile.keys()) {
+    if (!key.is_knob) continue;
+    std::vector<std::string> values = values_that_build(build, all.replay.overrides, key);
     if (values.size() < 2) continue;
-    const bool is_map = std::string_view(knob.part) == "map";
+    const bool is_map = is_of_map(key.path);
     SweepOptions& one = sweeps.emplace_back(all);
     one.each_knob = false;
-    one.knobs = {{knob.key, std::move(values)}};
+    one.knobs = {{key.path, std::move(values)}};
     for (std::string& without : left_out(is_map, parts)) one.replay.overrides.push_back(std::move(without));
     if (is_map && one.error.empty()) one.error = "map_disagreement";
   }

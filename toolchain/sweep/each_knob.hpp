@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Each knob of a scene's algorithms alone. Which keys of a profile are knobs: numbers and choices that trade
-// error for run time or memory, and that a replay can judge. Unit, range and meaning stand where each is
-// read.
+// Each knob of a scene's algorithms alone. Knobs are the keys that their structs mark as such (rt::kKnob):
+// numbers and choices that trade error for run time or memory, and that a replay can judge. What acts on the
+// robot (drive, flippers, rays, flight) is none: a log does not hold what would have happened; `bench rays`,
+// `bench uav` and `scenes --cost` drive anew.
 #pragma once
 
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "toolchain/sweep/sweep.hpp"
 
 namespace sortie::toolchain {
-
-/// One knob. What acts on the robot (drive, flippers, rays, flight) is none of these: a log does not hold
-/// what would have happened; `bench rays`, `bench uav` and `scenes --cost` drive anew.
-struct AlgorithmKnob {
-  const char* part;  ///< the algorithm, by its name in scene_parts(); "state" of a flying robot
-  const char* key;
-};
-
-/// All of them, by part.
-std::span<const AlgorithmKnob> algorithm_knobs();
 
 /// The values that are tried of a declared key: a number at a quarter, half, twice and four times what it is,
 /// within its range; of a choice all. Less than two: there is nothing to try.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/runtime/vehicle.hpp"
+#include "firmware_like/runtime/vehicle_builder.hpp"
 
 #include <algorithm>
 #include <cmath>
