@@ -32,11 +32,13 @@ void live_keys(VehicleBuilder& builder, rt::GroupId group, const std::string& ta
 template <rt::Keyed Config>
 void live_keys(VehicleBuilder& builder, rt::GroupId group, const std::string& table, Config& config) {
   Config::keys(config, [&]<class T>(const char* name, T& member, const rt::KeySpec& spec, auto&&...) {
-    if ((spec.marks & rt::kLive) == 0) return;
-    builder.parameter(group, key_path(table, name), [&member, spec](double value) {
-      member = rt::from_written<T>(value, spec);
-      return Status::ok;
-    });
+    if constexpr (!std::is_same_v<T, rt::Vector3>) {
+      if ((spec.marks & rt::kLive) == 0) return;
+      builder.parameter(group, key_path(table, name), [&member, spec](double value) {
+        member = rt::from_written<T>(value, spec);
+        return Status::ok;
+      });
+    }
   });
 }
 
