@@ -7,8 +7,6 @@
 #include <cmath>
 #include <random>
 
-using namespace sortie::firmware;
-
 using namespace sortie::toolchain;
 
 namespace {
