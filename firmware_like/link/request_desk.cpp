@@ -5,45 +5,30 @@
 
 namespace sortie::firmware {
 
-namespace {
-
-rt::DriveRequest to_request(const drivers::DriveRequestMessage& asked) {
-  rt::DriveRequest request;
-  request.counter = asked.counter;
-  request.speed_m_s = asked.speed_m_s;
-  request.turn_rad_s = asked.turn_rad_s;
-  request.mode = static_cast<std::uint32_t>(asked.mode);
-  request.posture = asked.posture;
-  request.flags = static_cast<std::uint32_t>(asked.flags);
-  return planner::plain(request);
-}
-
-rt::FlyRequest to_request(const drivers::FlyRequestMessage& asked) {
-  rt::FlyRequest request;
-  request.counter = asked.counter;
-  request.p_world_m[0] = asked.x_m;
-  request.p_world_m[1] = asked.y_m;
-  request.p_world_m[2] = asked.z_m;
-  request.yaw_rad = asked.yaw_rad;
-  request.mode = static_cast<std::uint32_t>(asked.mode);
-  return planner::plain(request);
-}
-
-}  // namespace
-
 template <class Message>
 void RequestDesk<Message>::take(std::span<const std::uint8_t> message, const RequestContext& context) {
   if (!wanted()) return;
   const std::lock_guard lock(mutex_);
   hand_in_waiting(context.now_ns);
-  Asked asked;
-  const Verdict verdict = read(message, context, asked);
-  if (verdict.counter != nullptr) {
-    ++(counters_.*verdict.counter);
-    if (verdict.answered) answer(asked, verdict.status);
-    return;
+  Message form;
+  if (!open(message, context, form)) return;
+  const bool fits = context.age.fits(form.utime);
+  const bool is_judged = context.age.is_judged();
+  Asked asked{planner::plain(Kind::request(form)), form.sender, fits && is_judged ? form.utime : 0, {}};
+  asked.request.stamp_ns = context.now_ns - context.age.waited_ns();
+  const bool stops = planner::stop_rank(asked.request) != 0;
+  const bool at_any_age = stops && planner::stops_at_any_age(asked.request);
+  // What could be a recording is taken in turn only.
+  const bool is_of_now = at_any_age || is_judged || context.key == nullptr;
+  asked.order = is_of_now ? planner::StopOrder::any : planner::StopOrder::rising;
+  if (!at_any_age && !fits) {
+    end(asked, Status::time_backwards);
+  } else if (!stops && is_judged && form.utime <= stop_utime_) {
+    // A release that was held back until a halt had come is older than that halt, whatever its counter.
+    end(asked, Status::time_repeated);
+  } else {
+    admit(asked, context.now_ns);
   }
-  admit(asked, context.now_ns);
 }
 
 template <class Message>
@@ -51,32 +36,6 @@ void RequestDesk<Message>::hand_in(rt::Nanoseconds now_ns) {
   if (!wanted()) return;
   const std::lock_guard lock(mutex_);
   hand_in_waiting(now_ns);
-}
-
-// Form, tag, robot and time. Without a counter the request may be admitted.
-template <class Message>
-auto RequestDesk<Message>::read(std::span<const std::uint8_t> message, const RequestContext& context,
-                                Asked& asked) const -> Verdict {
-  Message form;
-  const Status read = drivers::decode(message, context.key, form);
-  if (read == Status::disconnected) return {&RequestDeskCounters::bad_tag};
-  if (read != Status::ok) return {&RequestDeskCounters::malformed};
-  if (form.session != context.session) return {&RequestDeskCounters::wrong_session};
-  asked.request = to_request(form);
-  asked.request.stamp_ns = context.now_ns - context.age.waited_ns();
-  asked.sender = form.sender;
-  const bool fits = context.age.fits(form.utime);
-  asked.utime = fits && context.age.is_judged() ? form.utime : 0;
-  const bool stops = planner::stop_rank(asked.request) != 0;
-  const bool at_any_age = stops && planner::stops_at_any_age(asked.request);
-  if (!at_any_age && !fits) return {&RequestDeskCounters::wrong_time, true, Status::time_backwards};
-  // A release that was held back until a halt had come is older than that halt, whatever its counter.
-  if (!stops && context.age.is_judged() && form.utime <= stop_utime_)
-    return {&RequestDeskCounters::repeated, true, Status::time_repeated};
-  // What could be a recording is taken in turn only.
-  const bool is_of_now = at_any_age || context.age.is_judged() || context.key == nullptr;
-  asked.order = is_of_now ? planner::StopOrder::any : planner::StopOrder::rising;
-  return {};
 }
 
 template <class Message>
@@ -117,30 +76,22 @@ void RequestDesk<Message>::hand_in_waiting(rt::Nanoseconds now_ns) {
 // Counts what became of a request, and answers it.
 template <class Message>
 void RequestDesk<Message>::end(const Asked& asked, Status status) {
-  ++(status == Status::ok     ? counters_.admitted
-     : status == Status::full ? counters_.full
-                              : planner::refusal(counters_, status));
-  answer(asked, status);
-}
-
-template <class Message>
-void RequestDesk<Message>::answer(const Asked& asked, Status status) {
-  answers_.note({asked.sender, asked.request.counter, static_cast<std::int32_t>(status)},
-                planner::stop_rank(asked.request) != 0);
-}
-
-template <class Message>
-RequestDeskCounters RequestDesk<Message>::counters() const {
-  const std::lock_guard lock(mutex_);
-  return counters_;
+  ++(status == Status::ok               ? counters_.admitted
+     : status == Status::full           ? counters_.full
+     : status == Status::time_backwards ? counters_.wrong_time
+                                        : planner::refusal(counters_, status));
+  const bool stops = planner::stop_rank(asked.request) != 0;
+  (stops ? stop_answers_ : answers_)
+      .replace({asked.sender, asked.request.counter, static_cast<std::int32_t>(status)});
 }
 
 template <class Message>
 void RequestDesk<Message>::describe(drivers::AnswersMessage& message) const {
   const std::lock_guard lock(mutex_);
-  message.task = RequestKind<Message>::kTask;
+  message.task = Kind::kTopic.task;
   message.counter = gate_.newest;
-  message.answers = answers_.all();
+  message.answers = stop_answers_.all;
+  message.answers.insert(message.answers.end(), answers_.all.begin(), answers_.all.end());
 }
 
 template class RequestDesk<drivers::DriveRequestMessage>;

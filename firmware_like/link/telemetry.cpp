@@ -96,9 +96,9 @@ void Telemetry::note_parameters(const rt::TaskBase& task) {
 
 void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
   const auto& set = runtime_.parts().parameters();
-  const std::uint64_t version = desk_.version();
-  if (set.all.empty() || !(anyway || parameters_moved_ || version != desk_version_)) return;
-  desk_version_ = version;
+  const std::int64_t asked = desk_.parameters().newest();
+  if (set.all.empty() || !(anyway || parameters_moved_ || asked != parameters_asked_)) return;
+  parameters_asked_ = asked;
   parameters_moved_ = false;
   drivers::ParametersMessage message = desk_.describe();
   message.utime = utime;

@@ -73,7 +73,7 @@ class Telemetry {
   std::vector<rt::ParameterState> in_force_;      // by group of parameters
   std::vector<drivers::AnswersMessage> answers_;  // of this round
   bool parameters_moved_{};
-  std::uint64_t desk_version_{};
+  std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
   rt::SegmentList segments_;
   std::int64_t segments_seq_{};
   std::atomic<rt::Nanoseconds> cpu_ns_{};

@@ -6,7 +6,6 @@
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/log/recorded_times.hpp"
 #include "firmware_like/log/stream_use.hpp"
-#include "firmware_like/result/add_counters.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
 
 namespace sortie::firmware {
@@ -113,17 +112,7 @@ void LiveSession::collect_traffic(Results& results) {
     results.counters["recorder_cpu_us"] = microseconds_of(recorder_->cpu_ns());
     if (telemetry_) results.counters["telemetry_cpu_us"] = microseconds_of(telemetry_->cpu_ns());
   }
-  if (!runtime_.parts().parameters().all.empty())
-    add_counters("parameters_", parameters_->counters(), results.counters);
-  if (const drivers::LcmReceiverCounters* network = parameters_->network(); network != nullptr) {
-    results.counters["network_messages"] = network->messages;
-    results.counters["network_fragments"] = network->fragments;
-    results.counters["network_malformed"] = network->malformed;
-    results.counters["network_socket_errors"] = network->socket_errors;
-  }
-  if (parameters_->drive().wanted())
-    add_counters("requests_", parameters_->drive().counters(), results.counters);
-  if (parameters_->fly().wanted()) add_counters("requests_", parameters_->fly().counters(), results.counters);
+  parameters_->add_counters(results.counters);
   if (!link_) return;
   link_->add_counters(results.counters);
   const std::vector<std::string> silences = link_->warnings();

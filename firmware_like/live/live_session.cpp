@@ -165,7 +165,7 @@ void LiveSession::open_telemetry() {
           std::make_unique<Telemetry>(runtime_, *recorder_, *parameters_, options_.lcm_url, utc_minus_run_);
   }
   if (telemetry_ && !telemetry_->problem().empty()) warnings_.push_back(telemetry_->problem());
-  if (!telemetry_ && parameters_->network() != nullptr)
+  if (!telemetry_ && parameters_->listens())
     warnings_.push_back(
         "requests are taken, but nobody can hear which run this is, and so make one; cure: "
         "live.telemetry=true");

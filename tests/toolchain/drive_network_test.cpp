@@ -8,7 +8,6 @@
 #include "tests/drivers/own_network.hpp"
 #include "tests/firmware_like/request_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
-#include "toolchain/commands/parameter_client.hpp"
 #include "toolchain/commands/request_client.hpp"
 
 using namespace sortie;
@@ -21,7 +20,7 @@ namespace {
 
 const std::string kAddress{drivers::kDefaultLcmUrl};
 
-const RequestTopic kTopic{"drive", "drive.remote", "drive"};
+constexpr RequestTopic kTopic = RequestKind<drivers::DriveRequestMessage>::kTopic;
 
 // Repeats a request every 50 ms until the robot has admitted one and says what is waited for.
 template <class Said>

@@ -7,7 +7,8 @@
 #include "firmware_like/link/request_door.hpp"
 #include "tests/drivers/own_network.hpp"
 #include "tests/firmware_like/run_support.hpp"
-#include "toolchain/commands/parameter_client.hpp"
+#include "toolchain/commands/request_client.hpp"
+#include "toolchain/commands/set.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
@@ -60,18 +61,18 @@ class Sender {
   drivers::LcmPublisher publisher_;
 };
 
-std::uint64_t handled(const RequestDoorCounters& c) {
+std::uint64_t handled(const ParameterDeskCounters& c) {
   return c.admitted + c.unknown + c.not_finite + c.out_of_range + c.full + c.malformed + c.bad_tag +
          c.wrong_session + c.wrong_time + c.stale;
 }
 
 // Every datagram is counted exactly once, by its reason.
 void wait_for(RequestDoor& desk, std::uint64_t sent) {
-  for (int i = 0; i < 2000 && handled(desk.counters()) < sent; ++i) {
+  for (int i = 0; i < 2000 && handled(desk.parameters().counters()) < sent; ++i) {
     desk.poll(1);
     std::this_thread::sleep_for(milliseconds(5));
   }
-  REQUIRE(handled(desk.counters()) == sent);
+  REQUIRE(handled(desk.parameters().counters()) == sent);
 }
 
 }  // namespace
@@ -104,7 +105,7 @@ TEST_CASE("the desk takes requests with the right tag, session and counter, and 
   sender.ask({1, session, 5, 12, "drive.max", 0.3}, &key);
   sender.ask({1, session, 5, 13, name, std::numeric_limits<double>::quiet_NaN()}, &key);
   wait_for(desk, sender.sent);
-  const RequestDoorCounters counters = desk.counters();
+  const ParameterDeskCounters counters = desk.parameters().counters();
   CHECK(counters.malformed == 2);
   CHECK(counters.bad_tag == 2);
   CHECK(counters.wrong_session == 1);
@@ -139,8 +140,8 @@ TEST_CASE("the desk refuses a friend's request that was held back, and takes the
   sender.ask({now_us + 600'000'000, session, 5, 2, "drive.max_speed_m_s", 0.1}, &key);
   sender.ask({now_us, session, 5, 3, "drive.max_speed_m_s", 0.2}, &key);
   wait_for(desk, sender.sent);
-  CHECK(desk.counters().wrong_time == 2);
-  CHECK(desk.counters().admitted == 1);
+  CHECK(desk.parameters().counters().wrong_time == 2);
+  CHECK(desk.parameters().counters().admitted == 1);
 }
 
 TEST_CASE("a flood of requests is refused beyond the ring and counted") {
@@ -154,8 +155,8 @@ TEST_CASE("a flood of requests is refused beyond the ring and counted") {
   Sender sender;
   for (std::int64_t i = 1; i <= 60; ++i) sender.ask({1, session, 5, i, "drive.max_speed_m_s", 0.3}, nullptr);
   wait_for(desk, sender.sent);
-  CHECK(desk.counters().admitted == kWaitingChanges);
-  CHECK(desk.counters().full == 60 - kWaitingChanges);
+  CHECK(desk.parameters().counters().admitted == kWaitingChanges);
+  CHECK(desk.parameters().counters().full == 60 - kWaitingChanges);
   CHECK(desk.describe().answers.size() == 16);
 }
 
@@ -175,7 +176,7 @@ TEST_CASE("without a secret nothing is taken, and the cure is told") {
     desk.poll(i);
     std::this_thread::sleep_for(milliseconds(5));
   }
-  CHECK(handled(desk.counters()) == 0);
+  CHECK(handled(desk.parameters().counters()) == 0);
 }
 
 TEST_CASE("without remote control nothing is listened to") {
@@ -190,7 +191,7 @@ TEST_CASE("without remote control nothing is listened to") {
     desk.poll(i);
     std::this_thread::sleep_for(milliseconds(5));
   }
-  CHECK(handled(desk.counters()) == 0);
+  CHECK(handled(desk.parameters().counters()) == 0);
 }
 
 TEST_CASE("a live run is heard, takes a friend's changes, and its log replays to its digest") {
@@ -199,27 +200,32 @@ TEST_CASE("a live run is heard, takes a friend's changes, and its log replays to
   const std::string log = folder.file("live.lcm");
   HallOverLcm hall(log,
                    {"parameters.remote=true", "parameters.secret_file=" + secret_file(folder, "s", 'a')});
-  ParameterClient friendly(kUrl, read_secret(folder.file("s")));
-  const auto heard = friendly.find_runs(0, milliseconds(20'000));
-  REQUIRE(heard.size() == 1);
-  friendly.choose(heard[0]);
-  CHECK(friendly.run().remote);
-  CHECK(friendly.run().keyed);
-  CHECK(friendly.run().parameters.size() == 9);
-  const RequestOutcome slower = friendly.set("drive.max_speed_m_s", 0.25, milliseconds(20'000));
-  CHECK(slower.end == RequestEnd::in_force);
+  constexpr RequestTopic kTopic = RequestKind<drivers::SetParameter>::kTopic;
+  constexpr milliseconds kPatience{20'000};
+  RequestClient friendly(kUrl, read_secret(folder.file("s")), kTopic);
+  REQUIRE(friendly.find("", kPatience).empty());
+  CHECK(friendly.parameters().remote);
+  CHECK(friendly.parameters().keyed);
+  CHECK(friendly.parameters().parameters.size() == 9);
+  const ChangeOutcome slower = ask_for_change(friendly, "drive.max_speed_m_s", 0.25, kPatience);
+  CHECK(slower.end == ChangeEnd::in_force);
   CHECK(slower.before == 0.5);
   CHECK(slower.after == 0.25);
-  const RequestOutcome absurd = friendly.set("drive.max_speed_m_s", 1e9, milliseconds(20'000));
-  CHECK(absurd.end == RequestEnd::refused);
+  const ChangeOutcome absurd = ask_for_change(friendly, "drive.max_speed_m_s", 1e9, kPatience);
+  CHECK(absurd.end == ChangeEnd::refused);
   CHECK(absurd.status == Status::out_of_range);
   CHECK(absurd.after == 0.25);
-  CHECK(friendly.set("map.min_range_m", 60, milliseconds(20'000)).end == RequestEnd::not_applied);
+  CHECK(ask_for_change(friendly, "map.min_range_m", 60, kPatience).end == ChangeEnd::not_applied);
 
-  ParameterClient stranger(kUrl, read_secret(secret_file(folder, "t", 'b')));
-  REQUIRE(stranger.find_runs(heard[0], milliseconds(20'000)).size() == 1);
-  stranger.choose(heard[0]);
-  CHECK(stranger.set("drive.max_speed_m_s", 2, milliseconds(700)).end == RequestEnd::no_answer);
+  RequestClient stranger(kUrl, read_secret(secret_file(folder, "t", 'b')), kTopic);
+  CHECK_THROWS_WITH(stranger.find("attic", milliseconds(1500)), Catch::Contains(friendly.robot()));
+  REQUIRE(stranger.find(friendly.robot(), kPatience).empty());
+  CHECK(ask_for_change(stranger, "drive.max_speed_m_s", 2, milliseconds(700)).end == ChangeEnd::no_answer);
+  // Asked again before anybody has answered it is the same change, which is made once.
+  drivers::SetParameter twice;
+  twice.name = "drive.max_speed_m_s";
+  const std::int64_t first = stranger.ask(twice);
+  CHECK(stranger.ask(twice) == first);
   const LiveRunOutcome& run = hall.end();
   CHECK(run.results.counters.at("parameters_admitted") == 2);
   CHECK(run.results.counters.at("parameters_applied") == 1);

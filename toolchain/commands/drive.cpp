@@ -1,43 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `sortie drive`: asks the drive of a live run for a speed, a halt, or to go on with its mission.
-#include <atomic>
-#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 
-#include "firmware_like/link/secret.hpp"
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/scene/json.hpp"
-#include "firmware_like/scene/profile.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
+#include "toolchain/commands/ask.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/commands/request_client.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
-enum ExitCode : int { kGood = 0, kNotTaken = 1, kUnheard = 3 };
-
+constexpr firmware::RequestTopic kDriveTopic = firmware::RequestKind<drivers::DriveRequestMessage>::kTopic;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kForEver = std::chrono::hours{24 * 366};
-constexpr std::chrono::milliseconds kRepeat{100};  // well within the drive's max_command_age_ms
 
-struct DriveOptions {
+struct DriveOptions : AskOptions {
   std::string what{"go"};
   double speed_m_s{};
   double turn_rad_s{};
   double for_s{2};
   int posture{-1};
   bool though_tilted{};
-  std::string url{drivers::kDefaultLcmUrl};
-  std::string secret;
-  std::string robot;
-  double seconds{5};
-  bool json{};
 };
 
 std::string stop_names(std::uint32_t stop) {
@@ -62,10 +51,6 @@ const char* source_name(std::uint32_t source) {
       break;
   }
   return "nobody";
-}
-
-std::chrono::milliseconds ms_of(double seconds) {
-  return std::chrono::milliseconds(std::lround(1e3 * seconds));
 }
 
 // What the robot says of itself, from one message under its tag.
@@ -110,25 +95,6 @@ bool is_done(const RequestClient& client, const std::string& what, std::int64_t 
          words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::remote);
 }
 
-// Repeats a request until `enough(first)`, at most so long; `first`: counter of the first of them. Returns
-// that.
-template <class Enough>
-std::int64_t repeat(RequestClient& client, const drivers::DriveRequestMessage& request,
-                    std::chrono::milliseconds most, Enough enough) {
-  const auto end = Clock::now() + most;
-  const std::int64_t first = client.ask(request);
-  while (true) {
-    const auto next = std::min(end, Clock::now() + kRepeat);
-    while (Clock::now() < next) {
-      static_cast<void>(
-          client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now())));
-      if (enough(first)) return first;
-    }
-    if (Clock::now() >= end) return first;
-    client.ask(request);
-  }
-}
-
 void show(const DriveOptions& options, const RequestClient& client, bool done) {
   const DriveWords words = words_of(client);
   if (options.json) {
@@ -151,13 +117,10 @@ void show(const DriveOptions& options, const RequestClient& client, bool done) {
 
 // Why it is not done, from what the robot answered and what it says of itself.
 std::string why_not(const RequestClient& client, const std::string& what, std::int64_t first) {
-  const std::optional<Status> answer = client.answer(first);
   const std::string whose = client.robot() + ": ";
-  if (!answer && what == "halt" && is_halted(client))
+  if (!client.answer(first) && what == "halt" && is_halted(client))
     return whose + "it says that it is halted, but not that it has this request";
-  if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
-  if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
-  if (!client.has_state()) return whose + "the request was admitted, but the drive does not say what it does";
+  if (const std::string why = client.why_not_admitted(first); !why.empty()) return why;
   if (what == "emergency")
     return whose + "the request was admitted, but the drive does not say that it is stopped";
   if (what == "emergency-end") return whose + "the request was admitted, but the emergency stop still holds";
@@ -172,58 +135,52 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
                                     : "the halt was admitted, but the drive does not say that it is halted");
 }
 
-int run_drive(const CommandContext& context, const DriveOptions& options) {
-  std::optional<drivers::SipKey> key;
-  if (!options.secret.empty()) key = firmware::read_secret(options.secret);
-  RequestClient client(options.url, key, {"drive", "drive.remote", "drive"});
-  if (const std::string missing = client.find(options.robot, ms_of(options.seconds)); !missing.empty()) {
-    std::cerr << context.parts.name << ": " << missing << "\n";
-    return kUnheard;
-  }
-  const firmware::StopSignals stop;  // a session that is gone stops the robot as Ctrl-C does
-  const std::atomic<bool>& interrupted = firmware::StopSignals::asked();
-
-  drivers::DriveRequestMessage request;
-  request.speed_m_s = options.speed_m_s;
-  request.turn_rad_s = options.turn_rad_s;
-  request.posture = options.posture;
-  request.flags = static_cast<std::int32_t>((options.though_tilted ? rt::kDriveThoughTilted : 0u) |
-                                            (options.what == "go" ? rt::kDriveAnew : 0u));
+// Asks for speeds, and then for none. True when they were taken.
+bool go(const CommandContext& context, const DriveOptions& options, RequestClient& client,
+        drivers::DriveRequestMessage rest) {
+  drivers::DriveRequestMessage wish = rest;
+  wish.speed_m_s = options.speed_m_s;
+  wish.turn_rad_s = options.turn_rad_s;
+  wish.flags |= static_cast<std::int32_t>(rt::kDriveAnew);
+  // After a go that was cut off the robot still holds its flag: anew is what comes behind one without it.
+  repeat(client, rest, kRepeat, kRepeat, [](std::int64_t) { return false; });
   bool done = false;
-  std::int64_t first = 0;
-  if (options.what == "go") {
-    // After a go that was cut off the robot still holds its flag: anew is what comes behind one without it.
-    const auto wish = request;
-    request.speed_m_s = request.turn_rad_s = 0;
-    request.flags &= ~static_cast<std::int32_t>(rt::kDriveAnew);
-    repeat(client, request, kRepeat, [](std::int64_t) { return false; });
-    request = wish;
-    const auto patience = Clock::now() + ms_of(options.seconds);
-    first =
-        repeat(client, request, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
-          done = done || is_done(client, options.what, from);
-          return interrupted.load() || (!done && Clock::now() > patience);
-        });
-    if (!options.json && done) show(options, client, done);
-    if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
-    // The robot is never left driving: a request may have been taken although its answer was not heard. That
-    // these are taken says nothing of those before. The next go is anew again.
-    request.speed_m_s = request.turn_rad_s = 0;
-    request.flags &= ~static_cast<std::int32_t>(rt::kDriveAnew);
-    repeat(client, request, done ? ms_of(options.seconds) : 5 * kRepeat, [&](std::int64_t from) {
-      return is_done(client, options.what, from) && words_of(client).stands();
-    });
-  } else {
-    request.speed_m_s = request.turn_rad_s = 0;
+  const auto patience = Clock::now() + ms_of(options.seconds);
+  const std::int64_t first = repeat(
+      client, wish, kRepeat, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
+        done = done || is_done(client, options.what, from);
+        return firmware::StopSignals::asked() || (!done && Clock::now() > patience);
+      });
+  if (!options.json && done) show(options, client, done);
+  if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
+  // The robot is never left driving: a request may have been taken although its answer was not heard. That
+  // these are taken says nothing of those before. The next go is anew again.
+  repeat(client, rest, kRepeat, done ? ms_of(options.seconds) : 5 * kRepeat,
+         [&](std::int64_t from) { return is_done(client, options.what, from) && words_of(client).stands(); });
+  return done;
+}
+
+int run_drive(const CommandContext& context, const DriveOptions& options) {
+  return ask_run(context, options, kDriveTopic, [&](RequestClient& client) {
+    const firmware::StopSignals stop;  // a session that is gone stops the robot as Ctrl-C does
+    drivers::DriveRequestMessage request;
     request.mode = static_cast<std::int32_t>(mode_of(options.what));
-    first = repeat(client, request, ms_of(options.seconds), [&](std::int64_t from) {
-      done = is_done(client, options.what, from);
-      return done || interrupted.load();
-    });
-    if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
-  }
-  show(options, client, done);
-  return done ? kGood : kNotTaken;
+    request.posture = options.posture;
+    request.flags = static_cast<std::int32_t>(options.though_tilted ? rt::kDriveThoughTilted : 0u);
+    bool done = false;
+    if (options.what == "go") {
+      done = go(context, options, client, request);
+    } else {
+      const std::int64_t first =
+          repeat(client, request, kRepeat, ms_of(options.seconds), [&](std::int64_t from) {
+            done = is_done(client, options.what, from);
+            return done || firmware::StopSignals::asked();
+          });
+      if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
+    }
+    show(options, client, done);
+    return done ? kTaken : kNotTaken;
+  });
 }
 
 }  // namespace
@@ -258,15 +215,7 @@ void add_drive(firmware::Command& app, CommandContext& context) {
       ->in_range(-1, 1000)
       ->capture_default_str();
   command->add_flag("--though-tilted", options->though_tilted, "Drive slowly off a slope that is too steep");
-  command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
-  command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
-      ->type_name("FILE");
-  command->add_option("--robot", options->robot, "Its name (robot.name), where several are heard")
-      ->type_name("NAME");
-  command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
-      ->in_range(0.1, 3600.0)
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  add_ask_options(*command, *options, kDriveTopic);
   command->callback(
       [&context, options] { context.chosen = [&context, options] { return run_drive(context, *options); }; });
 }

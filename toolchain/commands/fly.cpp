@@ -7,38 +7,28 @@
 #include <limits>
 #include <memory>
 
-#include "firmware_like/link/secret.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "planner/uav_pilot.hpp"
 #include "rt/uav_samples.hpp"
+#include "toolchain/commands/ask.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/commands/request_client.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
-struct FlyOptions {
+constexpr firmware::RequestTopic kFlyTopic = firmware::RequestKind<drivers::FlyRequestMessage>::kTopic;
+
+struct FlyOptions : AskOptions {
   std::string what;
   double x_m{std::numeric_limits<double>::quiet_NaN()};
   double y_m{std::numeric_limits<double>::quiet_NaN()};
   double z_m{std::numeric_limits<double>::quiet_NaN()};
   double yaw_deg{};
   double wait_s{};
-  std::string url{drivers::kDefaultLcmUrl};
-  std::string secret;
-  std::string robot;
-  double seconds{5};
-  bool json{};
 };
-
-enum FlyExit : int { kFlown = 0, kFlyNotTaken = 1, kFlyUnheard = 3 };
-
-std::chrono::milliseconds fly_ms(double seconds) {
-  return std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * seconds));
-}
 
 const char* step_name(std::uint32_t step) {
   static const char* const kNames[] = {"waiting",       "taking off", "coming to rest", "asking for a way",
@@ -47,7 +37,7 @@ const char* step_name(std::uint32_t step) {
   return step < std::size(kNames) ? kNames[step] : "doing something new";
 }
 
-rt::FlyMode mode_of(const std::string& what) {
+rt::FlyMode fly_mode_of(const std::string& what) {
   return what == "go"      ? rt::FlyMode::go
          : what == "hover" ? rt::FlyMode::hover
          : what == "land"  ? rt::FlyMode::land
@@ -74,13 +64,9 @@ bool is_flown(const RequestClient& client, const std::string& what, std::int64_t
 }
 
 std::string why_not_flown(const RequestClient& client, std::int64_t first) {
-  const std::optional<Status> answer = client.answer(first);
-  const std::string whose = client.robot() + ": ";
-  if (!answer) return whose + "no request was answered; is it heard there, and is it busy?";
-  if (*answer != Status::ok) return whose + "the request was refused: " + refusal_text(*answer);
-  if (!client.has_state()) return whose + "the request was admitted, but the pilot does not say what it does";
+  if (const std::string why = client.why_not_admitted(first); !why.empty()) return why;
   const auto step = static_cast<std::uint32_t>(step_of(client));
-  return whose + "the request was admitted, but the vehicle is " + step_name(step) +
+  return client.robot() + ": the request was admitted, but the vehicle is " + step_name(step) +
          (step_of(client) == planner::PilotStep::stopped ? ", which a release ends" : "");
 }
 
@@ -112,37 +98,27 @@ int run_fly(const CommandContext& context, FlyOptions options) {
   if (options.what != "go") options.x_m = options.y_m = options.z_m = 0.0;
   if (!std::isfinite(options.x_m + options.y_m + options.z_m))
     throw firmware::ProfileError("go needs a place: --x, --y and --z");
-  std::optional<drivers::SipKey> key;
-  if (!options.secret.empty()) key = firmware::read_secret(options.secret);
-  RequestClient client(options.url, key, {"pilot", "flight.remote", "fly"});
-  if (const std::string missing = client.find(options.robot, fly_ms(options.seconds)); !missing.empty()) {
-    std::cerr << context.parts.name << ": " << missing << "\n";
-    return kFlyUnheard;
-  }
   drivers::FlyRequestMessage request;
   request.x_m = options.x_m;
   request.y_m = options.y_m;
   request.z_m = options.z_m;
   request.yaw_rad = firmware::kDegree * options.yaw_deg;
-  request.mode = static_cast<std::int32_t>(mode_of(options.what));
-  const double before = client.value("reached");
-  const std::int64_t first = client.ask(request);
-  bool done = false;
-  auto end = std::chrono::steady_clock::now() + fly_ms(options.seconds);
-  while (!done && std::chrono::steady_clock::now() < end) {
-    static_cast<void>(client.listen(std::chrono::milliseconds(200)));
-    done = is_flown(client, options.what, first);
-    if (!done) client.ask(request);  // a datagram may be lost, another sender may have come between
-  }
-  bool reached = false;
-  end = std::chrono::steady_clock::now() + fly_ms(options.wait_s);
-  while (done && !reached && options.what == "go" && std::chrono::steady_clock::now() < end) {
-    static_cast<void>(client.listen(std::chrono::milliseconds(200)));
-    reached = client.has_state() && client.value("reached") > before;
-  }
-  if (!done) std::cerr << context.parts.name << ": " << why_not_flown(client, first) << "\n";
-  show_pilot(options, client, done, reached);
-  return done && (reached || options.wait_s == 0 || options.what != "go") ? kFlown : kFlyNotTaken;
+  request.mode = static_cast<std::int32_t>(fly_mode_of(options.what));
+  return ask_run(context, options, kFlyTopic, [&](RequestClient& client) {
+    const double before = client.value("reached");
+    bool done = false;
+    // A datagram may be lost, another sender may have come between.
+    const std::int64_t first =
+        repeat(client, request, kRepeat, ms_of(options.seconds),
+               [&](std::int64_t from) { return done = is_flown(client, options.what, from); });
+    const auto end = std::chrono::steady_clock::now() + ms_of(options.wait_s);
+    const bool reached = done && options.what == "go" && options.wait_s > 0 && listen_until(client, end, [&] {
+                           return client.has_state() && client.value("reached") > before;
+                         });
+    if (!done) std::cerr << context.parts.name << ": " << why_not_flown(client, first) << "\n";
+    show_pilot(options, client, done, reached);
+    return done && (reached || options.wait_s == 0 || options.what != "go") ? kTaken : kNotTaken;
+  });
 }
 
 }  // namespace
@@ -170,15 +146,7 @@ void add_fly(firmware::Command& app, CommandContext& context) {
   command->add_option("--wait", options->wait_s, "go: seconds to wait until it is there; 0: none")
       ->in_range(0.0, 3600.0)
       ->capture_default_str();
-  command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
-  command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
-      ->type_name("FILE");
-  command->add_option("--robot", options->robot, "Its name (robot.name), where several are heard")
-      ->type_name("NAME");
-  command->add_option("--seconds", options->seconds, "Wait so long for a run, and for it to take a request")
-      ->in_range(0.1, 3600.0)
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  add_ask_options(*command, *options, kFlyTopic);
   command->callback(
       [&context, options] { context.chosen = [&context, options] { return run_fly(context, *options); }; });
 }

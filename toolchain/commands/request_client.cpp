@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "firmware_like/link/secret.hpp"
 #include "firmware_like/scene/profile.hpp"
-#include "toolchain/commands/parameter_client.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::toolchain {
 
@@ -16,27 +17,62 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kEveryRobot{350};  // each speaks ten times a second
-constexpr milliseconds kEveryRun{1500};   // its parameters once a second
-constexpr std::size_t kMostRobots = 64;   // strangers must not fill the memory
+constexpr milliseconds kEveryRobot{350};        // each speaks ten times a second
+constexpr milliseconds kEveryParameters{1300};  // once a second
+constexpr milliseconds kEveryRun{1500};
+constexpr std::size_t kMostRobots = 64;  // strangers must not fill the memory
 constexpr std::int64_t kOld_us = 5'000'000;
 constexpr std::int64_t kOvertake =
     1000;  // beside a sender of 1 kHz whom the robot tells of ten times a second
-
 // Counted on from by adding: what nobody ever reached is no counter.
-bool is_believable(const drivers::AnswersMessage& said) {
-  return said.counter >= 0 && said.counter <= std::numeric_limits<std::int64_t>::max() / 2;
-}
+constexpr std::int64_t kMostCounter = std::numeric_limits<std::int64_t>::max() / 2;
 
 milliseconds until(Clock::time_point end) {
   return std::chrono::duration_cast<milliseconds>(end - Clock::now());
 }
 
+// Why the robot refused, for people.
+const char* refusal_text(Status status) {
+  switch (status) {
+    case Status::ok:
+      return "it was admitted";
+    case Status::time_repeated:
+      return "somebody else's request overtook it";
+    case Status::malformed:
+      return "its counter was too far ahead";
+    case Status::time_backwards:
+      return "its time is not the robot's: set both clocks (parameters.max_request_age_ms)";
+    case Status::stale:
+      return "it waited too long on the robot's computer, which is too busy";
+    case Status::full:
+      return "more requests came than the robot takes";
+    case Status::not_finite:
+    case Status::out_of_range:
+      return "it asks for what no robot can do";
+    default:
+      return "the robot does not say why";
+  }
+}
+
 }  // namespace
+
+drivers::LcmPublisherConfig request_publisher(const std::string& url) {
+  drivers::LcmPublisherConfig config;
+  config.url = url;
+  config.slots = 16;
+  config.slot_bytes = 256;
+  return config;
+}
+
+std::int64_t utc_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
 
 // What was heard while looking for a robot.
 struct RequestClient::Search {
-  std::map<std::int64_t, drivers::AnswersMessage> robots;  // by session
+  std::map<std::int64_t, Heard> robots;  // by session
   bool other_secret{};
   bool needs_secret{};
   bool has_none{};     // the run is open to everybody, a secret was given
@@ -47,28 +83,54 @@ struct RequestClient::Search {
   }
 };
 
-RequestClient::RequestClient(const std::string& url, std::optional<drivers::SipKey> key, RequestTopic topic)
+RequestClient::RequestClient(const std::string& url, std::optional<drivers::SipKey> key,
+                             const firmware::RequestTopic& topic)
     : url_(url),
       receiver_(url),
       publisher_(request_publisher(url)),
       key_(key),
-      topic_(std::move(topic)),
-      channel_(std::string(drivers::kChannelAnswers) + "_" + topic_.task),
+      topic_(topic),
+      channel_(topic.has_task() ? std::string(drivers::kChannelAnswers) + "_" + std::string(topic.task)
+                                : std::string(drivers::kChannelParameters)),
       sender_(firmware::unguessable_number()) {
   if (!publisher_.active()) throw std::runtime_error(publisher_.problem());
 }
 
-void RequestClient::note(std::span<const std::uint8_t> payload, Search& search) const {
-  drivers::AnswersMessage said;
-  if (drivers::decode(payload, nullptr, said) != Status::ok || said.task != topic_.task) return;
-  if (!is_believable(said)) return;
-  if (said.session == 0) {
+// What a run says of the task, or of its parameters: these are told as if they were a task's state. Status:
+// as the codec's; `malformed` also for what cannot be believed or is of another task.
+Status RequestClient::read(std::span<const std::uint8_t> payload, const drivers::SipKey* key,
+                           Heard& heard) const {
+  if (topic_.has_task()) {
+    if (const Status form = drivers::decode(payload, key, heard); form != Status::ok) return form;
+    const bool fits = heard.task == topic_.task && heard.counter >= 0 && heard.counter <= kMostCounter;
+    return fits ? Status::ok : Status::malformed;
+  }
+  drivers::ParametersMessage& run = heard.parameters;
+  if (const Status form = drivers::decode(payload, run); form != Status::ok) return form;
+  heard.utime = run.utime;
+  heard.session = run.session;
+  heard.robot = firmware::hex(static_cast<std::uint64_t>(run.session));
+  heard.counter = std::clamp<std::int64_t>(run.counter, 0, kMostCounter);
+  for (const drivers::ParameterAnswer& one : run.answers)
+    heard.answers.push_back({one.sender, one.counter, one.status});
+  for (const drivers::ParameterInForce& one : run.parameters) heard.state.push_back({one.name, one.value});
+  return Status::ok;
+}
+
+void RequestClient::note(const drivers::Lc02Message& message, Search& search) const {
+  drivers::ParametersMessage run;
+  if (topic_.has_task() && message.channel == drivers::kChannelParameters &&
+      drivers::decode(message.payload, run) == Status::ok)
+    search.scene = run.scene;
+  Heard said;
+  if (message.channel != channel_ || read(message.payload, nullptr, said) != Status::ok) return;
+  if (topic_.has_task() && said.session == 0) {
     search.closed = said.robot;
-  } else if (!key_ && said.keyed) {
+  } else if (topic_.has_task() && !key_ && said.keyed) {
     search.needs_secret = true;
-  } else if (key_ && !said.keyed) {
+  } else if (topic_.has_task() && key_ && !said.keyed) {
     search.has_none = true;
-  } else if (key_ && drivers::decode(payload, &*key_, said) != Status::ok) {
+  } else if (topic_.has_task() && key_ && read(message.payload, key(), said) != Status::ok) {
     search.other_secret = true;
   } else {
     // Recordings of former runs must not keep the present one out: the oldest makes room.
@@ -76,7 +138,7 @@ void RequestClient::note(std::span<const std::uint8_t> payload, Search& search) 
       search.robots.erase(
           std::min_element(search.robots.begin(), search.robots.end(),
                            [](const auto& a, const auto& b) { return a.second.utime < b.second.utime; }));
-    drivers::AnswersMessage& known = search.robots[said.session];
+    Heard& known = search.robots[said.session];
     if (known.utime <= said.utime) known = std::move(said);
   }
 }
@@ -101,13 +163,15 @@ std::string RequestClient::missing(const Search& search) const {
            "and " +
            "give --secret robot.secret";
   if (!search.scene.empty())
-    return "a run was heard (scene " + search.scene + "), but it takes no requests to " + topic_.verb +
-           "; start it with --set " + topic_.remote_key + "=true and " + secret;
-  return unheard(url_);
+    return "a run was heard (scene " + search.scene + "), but it takes no requests to " +
+           std::string(topic_.verb) + "; start it with --set " + std::string(topic_.section) +
+           ".remote=true and " + secret;
+  return "no run with parameters was heard on " + url_ +
+         "; is one there (`sortie run --scene NAME`), on this computer if ttl=0?";
 }
 
-std::string RequestClient::find(const std::string& robot, milliseconds most) {
-  Search search;
+// Until all that are there must have been heard once.
+void RequestClient::listen_around(Search& search, milliseconds most) {
   auto end = Clock::now() + most;
   bool any = false;
   bool one = false;
@@ -115,39 +179,44 @@ std::string RequestClient::find(const std::string& robot, milliseconds most) {
     drivers::ReceivedMessage received;
     const auto left = static_cast<int>(std::clamp<std::int64_t>(until(end).count(), 0, 100));
     if (receiver_.receive(received, left) != Status::ok) continue;
-    drivers::ParametersMessage run;
-    if (received.message.channel == channel_) {
-      note(received.message.payload, search);
-    } else if (received.message.channel == drivers::kChannelParameters &&
-               drivers::decode(received.message.payload, run) == Status::ok) {
-      search.scene = run.scene;
-    }
+    note(received.message, search);
     if (!any && search.any()) end = std::min(end, Clock::now() + kEveryRun);
-    if (!one && !search.robots.empty()) end = std::min(end, Clock::now() + kEveryRobot);
+    if (!one && !search.robots.empty())
+      end = std::min(end, Clock::now() + (topic_.has_task() ? kEveryRobot : kEveryParameters));
     any = search.any();
     one = !search.robots.empty();
   }
-  // What is far older than what the same robot says now is a recording of a former run.
+}
+
+std::string RequestClient::find(const std::string& whom, milliseconds most) {
+  Search search;
+  listen_around(search, most);
   std::string names;
-  const drivers::AnswersMessage* chosen = nullptr;
+  const Heard* chosen = nullptr;
   std::size_t count = 0;
   for (const auto& [session, said] : search.robots) {
+    // What is far older than what the same robot says now is a recording of a former run.
     const bool old =
         std::any_of(search.robots.begin(), search.robots.end(), [&said = said](const auto& other) {
           return other.second.robot == said.robot && other.second.utime - kOld_us > said.utime;
         });
     if (old) continue;
     names += (names.empty() ? "" : ", ") + said.robot;
-    if (!robot.empty() && said.robot != robot) continue;
+    if (!whom.empty() && said.robot != whom) continue;
     chosen = &said;
     ++count;
   }
   if (names.empty()) return missing(search);
   if (count == 0)
-    throw firmware::ProfileError("no robot " + robot + " was heard on " + url_ + ", but: " + names);
+    throw firmware::ProfileError(topic_.has_task()
+                                     ? "no robot " + whom + " was heard on " + url_ + ", but: " + names
+                                     : "--session " + whom + " was not heard; heard: " + names);
   if (count > 1)
-    throw firmware::ProfileError(std::to_string(count) + " robots were heard on " + url_ + ": " + names +
-                                 "; say which with --robot NAME; runs get their names by robot.name");
+    throw firmware::ProfileError(
+        std::to_string(count) +
+        (topic_.has_task() ? " robots were heard on " + url_ + ": " + names +
+                                 "; say which with --robot NAME; runs get their names by robot.name"
+                           : " runs were heard on " + url_ + "; choose one with --session: " + names));
   heard_ = *chosen;
   return {};
 }
@@ -160,38 +229,17 @@ bool RequestClient::listen(milliseconds most) {
     drivers::ReceivedMessage received;
     const auto wait = static_cast<int>(std::min<std::int64_t>(left + 1, 100));
     if (receiver_.receive(received, wait) != Status::ok || received.message.channel != channel_) continue;
-    drivers::AnswersMessage said;
-    if (drivers::decode(received.message.payload, key_ ? &*key_ : nullptr, said) != Status::ok) continue;
-    // Of another run, or played again.
-    if (said.session != heard_.session || said.task != topic_.task || said.utime <= heard_.utime) continue;
-    if (!is_believable(said)) continue;
+    Heard said;
+    if (read(received.message.payload, key(), said) != Status::ok || said.session != heard_.session) continue;
+    if (topic_.has_task() && said.utime <= heard_.utime) continue;  // played again
     heard_ = std::move(said);
     return true;
   }
 }
 
-template <class Message>
-std::int64_t RequestClient::send(std::string_view channel, Message request) {
+void RequestClient::count_on() {
   const bool overtaken = counter_ != 0 && answer(1) == Status::time_repeated;
   counter_ = std::max(counter_, heard_.counter) + (overtaken ? kOvertake : 1);
-  request.utime = utc_us();
-  request.session = heard_.session;
-  request.sender = sender_;
-  request.counter = counter_;
-  // What the network does not take is asked for again: whoever is in control repeats itself.
-  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-    return drivers::encode(request, key_ ? &*key_ : nullptr, out, size);
-  }));
-  ++sent_;
-  return counter_;
-}
-
-std::int64_t RequestClient::ask(drivers::DriveRequestMessage request) {
-  return send(drivers::kChannelDrive, request);
-}
-
-std::int64_t RequestClient::ask(drivers::FlyRequestMessage request) {
-  return send(drivers::kChannelFly, request);
 }
 
 std::optional<Status> RequestClient::answer(std::int64_t first) const {
@@ -205,33 +253,22 @@ std::optional<Status> RequestClient::answer(std::int64_t first) const {
   return found;
 }
 
+std::string RequestClient::why_not_admitted(std::int64_t first) const {
+  const std::optional<Status> answered = answer(first);
+  const std::string whose = robot() + ": ";
+  if (!answered) return whose + "no request was answered; is it heard there, and is it busy?";
+  if (*answered != Status::ok) return whose + "the request was refused: " + refusal_text(*answered);
+  if (!has_state())
+    return whose + "the request was admitted, but the " + std::string(topic_.task) +
+           " does not say what it does";
+  return {};
+}
+
 double RequestClient::value(const std::string& name) const {
   for (const drivers::NamedValue& value : heard_.state) {
     if (value.name == name) return value.value;
   }
   return 0;
-}
-
-const char* refusal_text(Status status) {
-  switch (status) {
-    case Status::ok:
-      return "it was admitted";
-    case Status::time_repeated:
-      return "somebody else's request overtook it";
-    case Status::malformed:
-      return "its counter was too far ahead";
-    case Status::time_backwards:
-      return "its time is not the robot's: set both clocks (parameters.max_request_age_ms)";
-    case Status::stale:
-      return "it waited too long on the robot's computer, which is too busy";
-    case Status::full:
-      return "more requests came than the robot takes";
-    case Status::not_finite:
-    case Status::out_of_range:
-      return "it asks for what no robot can do";
-    default:
-      return "the robot does not say why";
-  }
 }
 
 }  // namespace sortie::toolchain

@@ -1,31 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `sortie set`: shows and changes the run-time parameters of a live run.
-#include <cmath>
+#include "toolchain/commands/set.hpp"
+
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
 
-#include "firmware_like/link/secret.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/commands/ask.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/commands/parameter_client.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
-enum ExitCode : int { kGood = 0, kRefused = 1, kUsage = 2, kUnheard = 3 };
+constexpr firmware::RequestTopic kSetTopic = firmware::RequestKind<drivers::SetParameter>::kTopic;
+constexpr std::chrono::milliseconds kRepeatChange{300};  // a run answers within its telemetry's 100 ms
+constexpr std::chrono::milliseconds kSettle{1000};  // from the answer to the value in force, in its steps
 
-struct SetOptions {
+struct SetOptions : AskOptions {
   std::vector<std::string> assignments;
-  std::string url{drivers::kDefaultLcmUrl};
-  std::string secret;
-  std::string session;
-  double seconds{5};
-  bool json{};
 };
 
 struct Assignment {
@@ -44,27 +41,10 @@ Assignment parse(const std::string& text) {
   return assignment;
 }
 
-std::string hexadecimal(std::int64_t session) { return firmware::hex(static_cast<std::uint64_t>(session)); }
-
 std::string short_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", value);
   return text;
-}
-
-// The session to talk to. Throws ProfileError when there is more than one and none was named.
-std::int64_t choose_run(const SetOptions& options, const std::vector<std::int64_t>& heard) {
-  std::string names;
-  for (const std::int64_t session : heard) {
-    names += (names.empty() ? "" : ", ") + hexadecimal(session);
-    if (hexadecimal(session) == options.session) return session;
-  }
-  if (!options.session.empty())
-    throw firmware::ProfileError("--session " + options.session + " was not heard; heard: " + names);
-  if (heard.size() > 1)
-    throw firmware::ProfileError(std::to_string(heard.size()) + " runs were heard on " + options.url +
-                                 "; choose one with --session: " + names);
-  return heard.front();
 }
 
 void check_names(const std::vector<Assignment>& assignments, const drivers::ParametersMessage& run) {
@@ -81,7 +61,8 @@ void check_names(const std::vector<Assignment>& assignments, const drivers::Para
   }
 }
 
-int list(const drivers::ParametersMessage& run, bool json) {
+int list(const RequestClient& client, bool json) {
+  const drivers::ParametersMessage& run = client.parameters();
   firmware::Json rows = firmware::Json::array();
   for (const drivers::ParameterInForce& parameter : run.parameters) {
     if (json) {
@@ -98,75 +79,39 @@ int list(const drivers::ParametersMessage& run, bool json) {
   }
   if (json)
     std::cout << firmware::Json{{"scene", run.scene},
-                                {"session", hexadecimal(run.session)},
+                                {"session", client.robot()},
                                 {"remote", run.remote},
                                 {"keyed", run.keyed},
                                 {"parameters", rows}}
                      .dump(2)
               << "\n";
-  return kGood;
+  return kTaken;
 }
 
-const char* word(RequestEnd end) {
-  switch (end) {
-    case RequestEnd::in_force:
-      return "in force";
-    case RequestEnd::refused:
-      return "refused";
-    case RequestEnd::not_applied:
-      return "not applied";
-    case RequestEnd::no_answer:
-      return "no answer";
-  }
-  return "";
+const char* word(ChangeEnd end) {
+  static constexpr const char* kWords[] = {"in force", "refused", "not applied", "no answer"};
+  return kWords[static_cast<std::size_t>(end)];
 }
 
-std::string explain(const RequestOutcome& outcome, bool keyed) {
-  switch (outcome.end) {
-    case RequestEnd::in_force:
-      return {};
-    case RequestEnd::refused:
-      return outcome.status == Status::full ? "refused: too many changes at once"
-                                            : std::string("refused: ") + to_string(outcome.status);
-    case RequestEnd::not_applied:
-      return "admitted, but the vehicle did not take the value";
-    case RequestEnd::no_answer:
-      return keyed ? "no answer; is it the secret of that run?" : "no answer";
-  }
-  return {};
+std::string explain(const ChangeOutcome& outcome, bool keyed) {
+  if (outcome.end == ChangeEnd::no_answer)
+    return keyed ? "no answer; is it the secret of that run?" : "no answer";
+  if (outcome.end == ChangeEnd::not_applied) return "admitted, but the vehicle did not take the value";
+  return outcome.status == Status::full ? "refused: too many changes at once"
+                                        : std::string("refused: ") + to_string(outcome.status);
 }
 
-int run_set(const CommandContext& context, const SetOptions& options) {
-  std::vector<Assignment> assignments;
-  for (const std::string& text : options.assignments) assignments.push_back(parse(text));
-  std::optional<drivers::SipKey> key;
-  if (!options.secret.empty()) key = firmware::read_secret(options.secret);
-  ParameterClient client(options.url, key);
-  const std::chrono::milliseconds most(std::lround(1e3 * options.seconds));
-  const std::vector<std::int64_t> heard = client.find_runs(0, most);
-  if (heard.empty()) {
-    std::cerr << context.parts.name << ": " << unheard(options.url) << "\n";
-    return kUnheard;
-  }
-  client.choose(choose_run(options, heard));
-  if (assignments.empty()) return list(client.run(), options.json);
-  check_names(assignments, client.run());
-  if (!client.run().remote)
-    throw firmware::ProfileError(
-        "the run takes no requests; start it with --set parameters.remote=true and --set "
-        "parameters.secret_file=FILE");
-  if (client.run().keyed && !key)
-    throw firmware::ProfileError(
-        "the run takes requests only from those who know its secret; give --secret FILE");
-
-  int code = kGood;
+int change(const CommandContext& context, const SetOptions& options,
+           const std::vector<Assignment>& assignments, RequestClient& client) {
+  int code = kTaken;
   firmware::Json rows = firmware::Json::array();
   for (const Assignment& assignment : assignments) {
-    const RequestOutcome outcome = client.set(assignment.name, assignment.value, most);
-    if (outcome.end != RequestEnd::in_force) {
+    const ChangeOutcome outcome =
+        ask_for_change(client, assignment.name, assignment.value, ms_of(options.seconds));
+    if (outcome.end != ChangeEnd::in_force) {
       std::cerr << context.parts.name << ": " << assignment.name << " = " << short_number(assignment.value)
-                << ": " << explain(outcome, client.run().keyed) << "\n";
-      code = std::max<int>(code, outcome.end == RequestEnd::no_answer ? kUnheard : kRefused);
+                << ": " << explain(outcome, client.parameters().keyed) << "\n";
+      code = std::max<int>(code, outcome.end == ChangeEnd::no_answer ? kUnheard : kNotTaken);
     } else if (!options.json) {
       std::printf("%s = %s (was %s)\n", assignment.name.c_str(), short_number(outcome.after).c_str(),
                   short_number(outcome.before).c_str());
@@ -179,15 +124,58 @@ int run_set(const CommandContext& context, const SetOptions& options) {
                     {"status", to_string(outcome.status)}});
   }
   if (options.json)
-    std::cout << firmware::Json{{"scene", client.run().scene},
-                                {"session", hexadecimal(client.run().session)},
+    std::cout << firmware::Json{{"scene", client.parameters().scene},
+                                {"session", client.robot()},
                                 {"changes", rows}}
                      .dump(2)
               << "\n";
   return code;
 }
 
+int run_set(const CommandContext& context, const SetOptions& options) {
+  std::vector<Assignment> assignments;
+  for (const std::string& text : options.assignments) assignments.push_back(parse(text));
+  return ask_run(context, options, kSetTopic, [&](RequestClient& client) {
+    if (assignments.empty()) return list(client, options.json);
+    check_names(assignments, client.parameters());
+    if (!client.parameters().remote)
+      throw firmware::ProfileError(
+          "the run takes no requests; start it with --set parameters.remote=true and --set "
+          "parameters.secret_file=FILE");
+    if (client.parameters().keyed && options.secret.empty())
+      throw firmware::ProfileError(
+          "the run takes requests only from those who know its secret; give --secret FILE");
+    return change(context, options, assignments, client);
+  });
+}
+
 }  // namespace
+
+ChangeOutcome ask_for_change(RequestClient& client, const std::string& name, double value,
+                             std::chrono::milliseconds most) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + most;
+  ChangeOutcome outcome;
+  outcome.before = client.value(name);
+  drivers::SetParameter request;
+  request.name = name;
+  request.value = value;
+  std::optional<Status> answer;
+  repeat(client, request, kRepeatChange, most, [&](std::int64_t first) {
+    answer = client.answer(first);
+    return answer.has_value();
+  });
+  if (answer) outcome.status = *answer;
+  if (outcome.status != Status::ok) {
+    outcome.end = ChangeEnd::refused;
+  } else if (answer) {
+    const bool in_force = listen_until(client, std::min(end, Clock::now() + kSettle),
+                                       [&] { return client.value(name) == value; });
+    outcome.end = in_force ? ChangeEnd::in_force : ChangeEnd::not_applied;
+  }
+  outcome.after = client.value(name);
+  return outcome;
+}
 
 void add_set(firmware::Command& app, CommandContext& context) {
   auto options = std::make_shared<SetOptions>();
@@ -199,15 +187,7 @@ void add_set(firmware::Command& app, CommandContext& context) {
       "  sortie set drive.max_speed_m_s=0.3\n"
       "  sortie set drive.max_speed_m_s=0.3 map.max_range_m=15 --secret robot.secret --json");
   command->add_option("assignments", options->assignments, "NAME=NUMBER each; without any, they are listed");
-  command->add_option("--lcm-url", options->url, "Where the run is heard")->capture_default_str();
-  command->add_option("--secret", options->secret, "32 hexadecimal digits that the run knows, too")
-      ->type_name("FILE");
-  command->add_option("--session", options->session, "Which run, where more than one is heard")
-      ->type_name("HEX");
-  command->add_option("--seconds", options->seconds, "Wait so long for a run, and for each answer")
-      ->in_range(0.1, 3600.0)
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  add_ask_options(*command, *options, kSetTopic);
   command->callback(
       [&context, options] { context.chosen = [&context, options] { return run_set(context, *options); }; });
 }

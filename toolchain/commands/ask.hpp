@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the commands share that ask a live run for something: their options, finding the run, and asking until
+// it is so.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "drivers/channels.hpp"
+#include "toolchain/commands/commands.hpp"
+#include "toolchain/commands/request_client.hpp"
+
+namespace sortie::toolchain {
+
+/// Exit codes of these commands, beside 2 for a wrong command line or secret.
+enum AskExit : int {
+  kTaken = 0,     ///< the run itself says that it is so
+  kNotTaken = 1,  ///< it does not
+  kUnheard = 3,   ///< no run was heard that takes such requests
+};
+
+/// Options of these commands.
+struct AskOptions {
+  std::string url{drivers::kDefaultLcmUrl};
+  std::string secret;
+  std::string whom;  ///< which run is meant; empty: the only one
+  double seconds{5};
+  bool json{};
+};
+
+/// Adds --lcm-url, --secret, --robot (of parameters --session), --seconds and --json.
+void add_ask_options(firmware::Command& command, AskOptions& options, const firmware::RequestTopic& topic);
+
+/// Finds the run and returns what `use` makes of it; kUnheard where there is none, and stderr says what is
+/// missing. Throws ProfileError (the secret cannot be used or is another, several runs are heard) and
+/// std::runtime_error (the address cannot be used).
+int ask_run(const CommandContext& context, const AskOptions& options, const firmware::RequestTopic& topic,
+            const std::function<int(RequestClient&)>& use);
+
+/// Of seconds, rounded.
+std::chrono::milliseconds ms_of(double seconds);
+
+/// Well within a drive's max_command_age_ms.
+inline constexpr std::chrono::milliseconds kRepeat{100};
+
+/// Asks again after each `pause` until `enough(first)`, at most so long; `first`: counter of the first of
+/// these requests. Returns that.
+template <class Message, class Enough>
+std::int64_t repeat(RequestClient& client, const Message& request, std::chrono::milliseconds pause,
+                    std::chrono::milliseconds most, Enough enough) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + most;
+  const std::int64_t first = client.ask(request);
+  while (true) {
+    const auto next = std::min(end, Clock::now() + pause);
+    while (Clock::now() < next) {
+      static_cast<void>(
+          client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now())));
+      if (enough(first)) return first;
+    }
+    if (Clock::now() >= end) return first;
+    client.ask(request);
+  }
+}
+
+/// Listens until `enough()`, at most until then. True when it was enough.
+template <class Enough>
+bool listen_until(RequestClient& client, std::chrono::steady_clock::time_point end, Enough enough) {
+  while (!enough()) {
+    const auto left = end - std::chrono::steady_clock::now();
+    if (left.count() <= 0) return false;
+    static_cast<void>(client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(left)));
+  }
+  return true;
+}
+
+}  // namespace sortie::toolchain
