@@ -101,7 +101,9 @@ RequestClient::RequestClient(const std::string& url, std::optional<drivers::SipK
 Status RequestClient::read(std::span<const std::uint8_t> payload, const drivers::SipKey* key,
                            Heard& heard) const {
   if (topic_.has_task()) {
-    if (const Status form = drivers::decode(payload, key, heard); form != Status::ok) return form;
+    if (const Status form = drivers::decode(payload, key, static_cast<drivers::AnswersMessage&>(heard));
+        form != Status::ok)
+      return form;
     const bool fits = heard.task == topic_.task && heard.counter >= 0 && heard.counter <= kMostCounter;
     return fits ? Status::ok : Status::malformed;
   }
