@@ -16,8 +16,8 @@
 
 #include "drivers/lcm_type.hpp"
 #include "drivers/siphash.hpp"
-#include "drivers/wire_streams.hpp"
 #include "drivers/wire_tag.hpp"
+#include "drivers/wire_walk.hpp"
 
 namespace sortie::drivers {
 

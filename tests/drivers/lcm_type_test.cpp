@@ -269,4 +269,14 @@ TEST_CASE("a new struct with texts and a bounded list comes back, and is refused
   CHECK(sonar_log_bytes(back) == bytes);
 }
 
+TEST_CASE("rows are not made before the bytes of all of them are known to be there") {
+  TickRecord tick;
+  tick.fields.resize(64);
+  test::Bytes bytes = test::exact([&](auto out, auto& size) { return encode(tick.view(), out, size); });
+  bytes[37] = 60;  // streams, at 14 bytes each; 76 bytes follow
+  TickRecord back;
+  CHECK(decode(bytes, back) == Status::malformed);
+  CHECK(back.streams.capacity() == 0);
+}
+
 }  // namespace sortie::drivers
