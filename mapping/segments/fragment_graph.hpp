@@ -59,7 +59,8 @@ class FragmentGraph {
   /// `nodes`: at most 65,534; `first`: one a block.
   FragmentGraph(std::span<FragmentNode> nodes, std::span<NodeIndex> first);
 
-  /// A node of a block, which the caller puts into the block's list; kNoNode when there is none left (counted).
+  /// A node of a block, which the caller puts into the block's list; kNoNode when there is none left
+  /// (counted).
   NodeIndex take(BlockIndex block, std::uint64_t cells);
   /// Gives all nodes of a block back. Edges of other blocks to them must be gone, or go next (disconnect()).
   void give_all(BlockIndex block);

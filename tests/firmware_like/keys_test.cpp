@@ -8,10 +8,10 @@
 
 #include "firmware_like/parts/chosen_map.hpp"
 #include "firmware_like/parts/motors_config.hpp"
-#include "firmware_like/parts/ugv_drive_config.hpp"
-#include "firmware_like/parts/ugv_ssl_config.hpp"
 #include "firmware_like/parts/uav_config.hpp"
 #include "firmware_like/parts/ugv_config.hpp"
+#include "firmware_like/parts/ugv_drive_config.hpp"
+#include "firmware_like/parts/ugv_ssl_config.hpp"
 #include "firmware_like/runtime/live_keys.hpp"
 #include "firmware_like/runtime/live_settings.hpp"
 #include "mapping/grid/sweep.hpp"
