@@ -114,14 +114,17 @@ constexpr KeyKind kind_of(const KeySpec& spec) {
   return std::is_integral_v<T> && spec.unit.kept == 1.0 ? KeyKind::whole : KeyKind::number;
 }
 
-/// What is written, as a member of type T keeps it: a number in the member's unit, to the nearest where that
-/// is whole; a choice by its value. `written` must lie in the spec's range.
+/// What is written, as a member of type T keeps it: a number in the member's unit; a choice by its value.
+/// Where a whole member has another unit, what is below one is cut off, of s and ms in ns by way of ms, as it
+/// always was: 8.2 ms are 8,199,999 ns, and a recorded log replays. `written` must lie in the spec's range.
 template <class T>
 T from_written(double written, const KeySpec& spec) {
   if constexpr (std::is_enum_v<T> || std::is_same_v<T, bool>) {
     return static_cast<T>(static_cast<int>(written));
   } else if constexpr (std::is_integral_v<T>) {
-    return static_cast<T>(std::llround(written * spec.unit.kept));
+    if (spec.unit.kept == 1.0) return static_cast<T>(std::llround(written));
+    return static_cast<T>(spec.unit.kept < 1e6 ? written * spec.unit.kept
+                                               : written * (spec.unit.kept / 1e6) * 1e6);
   } else {
     static_assert(std::is_same_v<T, double>, "a key's member is double, whole, bool, an enum, or Vector3");
     return written * spec.unit.kept;
