@@ -115,4 +115,33 @@ TEST_CASE("damaged segments are refused and never lead outside") {
   }
 }
 
+TEST_CASE(
+    "more segments or events than fit are told as that, and features of some segments alone are not taken") {
+  std::int64_t seq = 0;
+  const auto back = std::make_unique<rt::SegmentList>();
+  auto list = std::make_unique<rt::SegmentList>();
+  list->listed_events = rt::SegmentList::kMostEvents;
+  std::vector<std::uint8_t> bytes = segment_bytes(*list, 1);
+  constexpr std::size_t kEvents = segments_bytes(0, 0, 0) - 4;
+  bytes[kEvents + 3] = 1;  // 257 of them
+  bytes.resize(bytes.size() + 9);
+  CHECK(decode(bytes, *back, seq) == Status::full);
+  bytes.push_back(0);
+  CHECK(decode(bytes, *back, seq) == Status::malformed);
+  list->listed_events = 0;
+  list->listed = 2;
+  bytes = segment_bytes(*list, 1);
+  bytes[segments_bytes(2, 0, 0) - 5] = 1;  // features of one of them
+  bytes.resize(segments_bytes(2, 1, 0));
+  CHECK(decode(bytes, *back, seq) == Status::malformed);
+  list->listed = rt::SegmentList::kMost;
+  bytes = segment_bytes(*list, 1);
+  bytes[segments_bytes(0, 0, 0) - 9] = rt::SegmentList::kMost + 1;
+  CHECK(decode(bytes, *back, seq) == Status::full);
+  list->listed = rt::SegmentList::kMost + 1;
+  std::size_t size = 1;
+  CHECK(encode(*list, 1, bytes, size) == Status::full);
+  CHECK(size == 0);
+}
+
 }  // namespace sortie::drivers
