@@ -144,6 +144,88 @@ void add_failures(ReplayOutcome& outcome, const LogFile& log, const LogFeed& fee
   outcome.failures.insert(outcome.failures.end(), exceeded.begin(), exceeded.end());
 }
 
+void judge_comparable(ReplayOutcome& outcome, const LogFile& log, const ReplayOptions& options) {
+  outcome.why_not_comparable = why_not_comparable(log, options, *outcome.runtime);
+  outcome.comparable = outcome.why_not_comparable.empty();
+  if (options.must_compare && !outcome.comparable) {
+    throw InputError(
+        log.path() + ": cannot be checked: " + outcome.why_not_comparable + "; `sortie replay` still runs it",
+        2);
+  }
+}
+
+// Where a replay's jobs go.
+struct JobSinks {
+  ReplayObserver* observer;
+  LogRecorder* recorder;  // null where the replay is not recorded
+  static void take(void* self, const rt::JobRecord& record) {
+    auto* both = static_cast<JobSinks*>(self);
+    if (both->recorder != nullptr) both->recorder->job_sink().call(both->recorder, record);
+    both->observer->job(record);
+  }
+};
+
+// All jobs; gives the seconds that they took on the wall.
+double run_jobs(rt::Executive& executive, ProgressFeed& feed, bool threaded, rt::Tick begin, rt::Tick last) {
+  const auto began = std::chrono::steady_clock::now();
+  if (threaded) {
+    rt::posix::run_virtual_threaded(executive, feed, begin, last);
+  } else {
+    rt::run_virtual(executive, feed, begin, last);
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+void take_figures(ReplayOutcome& outcome, const LogFile& log, const LogFeed& feed, double wall_s) {
+  Results& results = outcome.results;
+  results = collect_results(*outcome.runtime, feed.last_tick() - outcome.first_tick + 1);
+  const auto tick_ns = static_cast<double>(outcome.runtime->executive().base_tick_ns());
+  results.duration_s = static_cast<double>(results.ticks) * tick_ns * 1e-9;
+  results.speed = wall_s > 0 ? results.duration_s / wall_s : 0;
+  results.counters["log_events"] = log.events();
+  results.counters["samples_missing"] = feed.missing_samples();
+  results.counters["samples_damaged"] = feed.damaged_samples();
+  results.counters["samples_refused"] = feed.refused_samples();
+}
+
+void refuse_early_fault(const std::string& fault, rt::Tick tick, rt::Tick begin) {
+  if (tick >= begin) return;
+  throw InputError(
+      "--fault " + fault + ": lies before tick " + std::to_string(begin) + ", where this replay begins", 2);
+}
+
+void take_observed(ReplayOutcome& outcome, ReplayObserver& observer) {
+  outcome.estimate = std::move(observer.estimate);
+  tidy(outcome.estimate);
+  outcome.divergence = observer.first;
+  outcome.diverged_jobs = observer.diverged_jobs;
+  outcome.compared_jobs = observer.compared_jobs;
+}
+
+// Of the log, of what it did not hold, and of digests. `inexact_truth`: the log of a truth whose clock is
+// another.
+void add_warnings(ReplayOutcome& outcome, const LogFile& log, const LogFeed& feed, bool use_ticks,
+                  const std::string& inexact_truth) {
+  Results& results = outcome.results;
+  const std::vector<std::string> problems = log.problems();
+  results.doctor = recorded_doctor(log);
+  results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
+  outcome.damage = feed.damage().empty() ? log.damage() : feed.damage();
+  if (!inexact_truth.empty())
+    results.warnings.push_back(
+        inexact_truth + ": of another machine or start of it; laid beside the run by their dates (UTC)");
+  if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
+  if (feed.jobs_left_out() != 0) {
+    results.warnings.push_back(
+        std::to_string(feed.jobs_left_out()) +
+        " jobs at the end of the log are left out: it does not hold all that they took");
+  }
+  if (log.header().has_ticks && !outcome.comparable) {
+    results.warnings.push_back("digests are not comparable with the log: " + outcome.why_not_comparable +
+                               (use_ticks ? "" : "; its samples go to the jobs by their times of receipt"));
+  }
+}
+
 }  // namespace
 
 ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
@@ -155,13 +237,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   outcome.runtime = make_runtime(log, vehicles, options);
   Runtime& runtime = *outcome.runtime;
   rt::Executive& executive = runtime.executive();
-  outcome.why_not_comparable = why_not_comparable(log, options, runtime);
-  outcome.comparable = outcome.why_not_comparable.empty();
-  if (options.must_compare && !outcome.comparable) {
-    throw InputError(
-        log.path() + ": cannot be checked: " + outcome.why_not_comparable + "; `sortie replay` still runs it",
-        2);
-  }
+  judge_comparable(outcome, log, options);
   // Another profile takes the same jobs with the same samples again, as long as it has the same groups at the
   // same phases.
   const bool use_ticks = header.has_ticks && reads_ticks(log) && header.groups == runtime.group_table();
@@ -169,11 +245,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
 
   LogFeed feed(log, runtime, use_ticks);
   const ReplayPart part = choose_part(log, options, runtime, feed);
-  if (fault_tick < part.begin) {
-    throw InputError("--fault " + options.fault + ": lies before tick " + std::to_string(part.begin) +
-                         ", where this replay begins",
-                     2);
-  }
+  refuse_early_fault(options.fault, fault_tick, part.begin);
   outcome.begin_tick = part.begin;
   outcome.first_tick = part.asked;
   outcome.restored_tick = part.restored;
@@ -183,16 +255,8 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
                           is_simulated(log) && header.source.rfind(kReplayOf, 0) != 0,
                           RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
-  struct Sinks {
-    ReplayObserver* observer;
-    LogRecorder* recorder;
-  } sinks{&observer, recorder.get()};
-  executive.set_sink({&sinks, [](void* self, const rt::JobRecord& record) {
-                        auto* both = static_cast<Sinks*>(self);
-                        if (both->recorder != nullptr)
-                          both->recorder->job_sink().call(both->recorder, record);
-                        both->observer->job(record);
-                      }});
+  JobSinks sinks{&observer, recorder.get()};
+  executive.set_sink({&sinks, JobSinks::take});
   executive.set_record_fields(true);
   rt::posix::start_fast_clock();
   executive.set_clock([](void*) { return rt::posix::fast_now(); }, nullptr);
@@ -202,54 +266,20 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
 
   if (options.before_run) options.before_run(runtime);
   ProgressFeed shown(feed, runtime, options, recorder.get());
-  const auto began = std::chrono::steady_clock::now();
-  if (options.threaded) {
-    rt::posix::run_virtual_threaded(executive, shown, part.begin, feed.last_tick());
-  } else {
-    rt::run_virtual(executive, shown, part.begin, feed.last_tick());
-  }
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  const double wall_s = run_jobs(executive, shown, options.threaded, part.begin, feed.last_tick());
   if (recorder) recorder->stop();
 
-  outcome.estimate = std::move(observer.estimate);
+  take_observed(outcome, observer);
   outcome.truth = truth ? std::move(truth->poses) : log.truth();
   outcome.contacts = truth ? contact_summaries(truth->log, truth->offset.offset_ns) : contact_summaries(log);
-  tidy(outcome.estimate);
   outcome.recorded = feed.recorded_digest();
-  outcome.divergence = observer.first;
-  outcome.diverged_jobs = observer.diverged_jobs;
-  outcome.compared_jobs = observer.compared_jobs;
-
+  take_figures(outcome, log, feed, wall_s);
   Results& results = outcome.results;
-  results = collect_results(runtime, feed.last_tick() - part.asked + 1);
-  results.duration_s =
-      static_cast<double>(results.ticks) * static_cast<double>(executive.base_tick_ns()) * 1e-9;
-  results.speed = wall > 0 ? results.duration_s / wall : 0;
-  results.counters["log_events"] = log.events();
-  results.counters["samples_missing"] = feed.missing_samples();
-  results.counters["samples_damaged"] = feed.damaged_samples();
-  results.counters["samples_refused"] = feed.refused_samples();
   if (heap.calls != nullptr) results.counters["heap_calls"] = heap.calls() - heap_before;
   observer.times.add_to(results);
   observer.chains.add_to(results);
   add_failures(outcome, log, feed, options, whole && !use_ticks);
-  const std::vector<std::string> problems = log.problems();
-  results.doctor = recorded_doctor(log);
-  results.warnings.insert(results.warnings.begin(), problems.begin(), problems.end());
-  outcome.damage = feed.damage().empty() ? log.damage() : feed.damage();
-  if (truth && !truth->offset.exact)
-    results.warnings.push_back(
-        options.truth + ": of another machine or start of it; laid beside the run by their dates (UTC)");
-  if (!feed.damage().empty()) results.warnings.push_back(feed.damage());
-  if (feed.jobs_left_out() != 0) {
-    results.warnings.push_back(
-        std::to_string(feed.jobs_left_out()) +
-        " jobs at the end of the log are left out: it does not hold all that they took");
-  }
-  if (header.has_ticks && !outcome.comparable) {
-    results.warnings.push_back("digests are not comparable with the log: " + outcome.why_not_comparable +
-                               (use_ticks ? "" : "; its samples go to the jobs by their times of receipt"));
-  }
+  add_warnings(outcome, log, feed, use_ticks, truth && !truth->offset.exact ? options.truth : "");
   return outcome;
 }
 

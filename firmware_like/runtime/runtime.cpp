@@ -195,57 +195,27 @@ GroupResult group_result(const rt::Executive& executive, const rt::Group& group)
   return result;
 }
 
-}  // namespace
+TaskResult task_result(const rt::Executive& executive, const rt::TaskBase& task) {
+  const rt::Group& group = executive.group(task.group());
+  const rt::LatencyHistogram& wall = task.wall_time();
+  TaskResult result;
+  result.name = task.name();
+  result.group = group.spec.name;
+  result.period_us =
+      static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
+  result.budget_us = task.budget_us();
+  result.count = wall.count();
+  result.missed = group.missed;
+  result.p50_us = static_cast<double>(wall.percentile(0.5)) * 1e-3;
+  result.p99_us = static_cast<double>(wall.percentile(0.99)) * 1e-3;
+  result.p999_us = static_cast<double>(wall.percentile(0.999)) * 1e-3;
+  result.max_us = static_cast<double>(wall.max()) * 1e-3;
+  result.digest = hex(task.chain());
+  result.histogram = bars_of(wall);
+  return result;
+}
 
-Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
-  const rt::Executive& executive = runtime.executive();
-  Results results;
-  results.digest = hex(executive.digest());
-  results.ticks = ticks;
-  results.scene = runtime.profile().name();
-  results.vehicle = runtime.profile().vehicle();
-  results.machine = machine_description();
-  results.compiler = compiler_description();
-  results.profile_hash = hex(runtime.profile().hash());
-  results.left_out = runtime.parts().left_out();
-  if (!runtime.outlets().telemetry) results.left_out.emplace_back("telemetry");
-  if (!runtime.outlets().recorder) results.left_out.emplace_back("recorder");
-  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
-    const rt::TaskBase& task = executive.task(i);
-    const rt::Group& group = executive.group(task.group());
-    const rt::LatencyHistogram& wall = task.wall_time();
-    TaskResult result;
-    result.name = task.name();
-    result.group = group.spec.name;
-    result.period_us =
-        static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
-    result.budget_us = task.budget_us();
-    result.count = wall.count();
-    result.missed = group.missed;
-    result.p50_us = static_cast<double>(wall.percentile(0.5)) * 1e-3;
-    result.p99_us = static_cast<double>(wall.percentile(0.99)) * 1e-3;
-    result.p999_us = static_cast<double>(wall.percentile(0.999)) * 1e-3;
-    result.max_us = static_cast<double>(wall.max()) * 1e-3;
-    result.digest = hex(task.chain());
-    wall.for_each_bucket([&result](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
-      result.histogram.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
-    });
-    results.counters["over_budget"] += task.over_budget();
-    results.counters["shed_jobs"] += task.shed();
-    results.counters["cut_jobs"] += task.cut();
-    results.tasks.push_back(std::move(result));
-  }
-  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
-    const rt::Group& group = executive.group(i);
-    results.counters["jobs"] += group.jobs;
-    results.counters["missed_jobs"] += group.missed;
-    results.counters["skipped_releases"] += group.skipped;
-    results.counters["promises_broken"] += group.misses.broken();
-    results.groups.push_back(group_result(executive, group));
-  }
-  results.schedule = schedule_result(runtime.schedule(), executive);
-  for (const DeclaredChain& chain : runtime.chains()) results.chains.push_back(chain_result(chain));
-  results.warnings = runtime.schedule().warnings;
+void add_pools(const Runtime& runtime, Results& results) {
   const auto plan = runtime.memory_plan();
   const auto bytes_of = [&plan](const std::string& name) -> std::uint64_t {
     for (const PoolResult& pool : plan) {
@@ -263,6 +233,42 @@ Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
     const PoolLevel now = level();
     results.pools.push_back({name, now.capacity, now.high_water, now.refused, bytes_of(name)});
   }
+}
+
+}  // namespace
+
+Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
+  const rt::Executive& executive = runtime.executive();
+  Results results;
+  results.digest = hex(executive.digest());
+  results.ticks = ticks;
+  results.scene = runtime.profile().name();
+  results.vehicle = runtime.profile().vehicle();
+  results.machine = machine_description();
+  results.compiler = compiler_description();
+  results.profile_hash = hex(runtime.profile().hash());
+  results.left_out = runtime.parts().left_out();
+  if (!runtime.outlets().telemetry) results.left_out.emplace_back("telemetry");
+  if (!runtime.outlets().recorder) results.left_out.emplace_back("recorder");
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
+    const rt::TaskBase& task = executive.task(i);
+    results.counters["over_budget"] += task.over_budget();
+    results.counters["shed_jobs"] += task.shed();
+    results.counters["cut_jobs"] += task.cut();
+    results.tasks.push_back(task_result(executive, task));
+  }
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
+    const rt::Group& group = executive.group(i);
+    results.counters["jobs"] += group.jobs;
+    results.counters["missed_jobs"] += group.missed;
+    results.counters["skipped_releases"] += group.skipped;
+    results.counters["promises_broken"] += group.misses.broken();
+    results.groups.push_back(group_result(executive, group));
+  }
+  results.schedule = schedule_result(runtime.schedule(), executive);
+  for (const DeclaredChain& chain : runtime.chains()) results.chains.push_back(chain_result(chain));
+  results.warnings = runtime.schedule().warnings;
+  add_pools(runtime, results);
   for (const auto& [name, value] : runtime.parts().counters()) results.counters[name] = value();
   for (const auto& group : runtime.parts().parameters().groups) {
     results.counters["parameters_applied"] += group->table.state().applied;

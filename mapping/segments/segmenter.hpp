@@ -142,6 +142,8 @@ class Segmenter {
   struct Beside;
   struct Pairs;
   struct Own;
+  void archive_work(rt::Archive& archive, const RollingGrid& grid, std::uint32_t blocks);
+  void archive_queue(rt::Archive& archive, std::uint32_t blocks);
   static Status check(const SegmenterConfig& config, double voxel_size_m, const SegmenterMemory& memory) {
     const double cells = config.radius_m / voxel_size_m;
     const bool radius = cells > 0 && cells <= Reach::kMostCells;

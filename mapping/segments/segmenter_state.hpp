@@ -36,6 +36,13 @@ void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
     queue_first_ = wanting_ = 0;
     for (BlockWork& work : work_) work = {};
   }
+  archive_work(archive, grid, blocks);
+  archive_queue(archive, blocks);
+}
+
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::archive_work(rt::Archive& archive, const RollingGrid& grid, std::uint32_t blocks) {
+  const bool reading = archive.is_reading();
   for (BlockWork& work : work_.first(blocks)) {
     archive.value(work.moved);
     archive.value(work.looked);
@@ -56,6 +63,11 @@ void Segmenter<Policy>::archive(rt::Archive& archive, const RollingGrid& grid) {
       archive.fail(Status::malformed, "a block that is not there wants room");
     }
   }
+}
+
+template <SegmentationPolicy Policy>
+void Segmenter<Policy>::archive_queue(rt::Archive& archive, std::uint32_t blocks) {
+  const bool reading = archive.is_reading();
   for (std::uint32_t i = 0; i < queue_size_; ++i) {
     BlockIndex& block = queue_[(queue_first_ + i) % queue_.size()];
     archive.value(block);

@@ -138,6 +138,28 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
   std::vector<char> bytes(error ? 0 : static_cast<std::size_t>(size));
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(in.gcount()));
+  take_header(path, bytes);
+  writer_lives_ = is_locked(path);
+  std::memcpy(&state_, bytes.data() + kFlightStateOffset, sizeof(state_));
+  std::vector<std::uint32_t> words(bytes.size() / 4);
+  std::memcpy(words.data(), bytes.data(), words.size() * 4);
+  read_jobs(words);
+  read_spans(words);
+  read_ring(words, header_->events, kEventWords, [&](const std::uint32_t* w) {
+    const std::size_t length = std::min<std::size_t>(w[4], kEventText);
+    events_.push_back({static_cast<Nanoseconds>(word64(w)), word64(w + 2),
+                       std::string(reinterpret_cast<const char*>(w + 5), length)});
+  });
+  std::stable_sort(jobs_.begin(), jobs_.end(),
+                   [](const FlightJob& a, const FlightJob& b) { return a.tick < b.tick; });
+  std::stable_sort(spans_.begin(), spans_.end(),
+                   [](const FlightSpan& a, const FlightSpan& b) { return a.begin_ns < b.begin_ns; });
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const FlightEvent& a, const FlightEvent& b) { return a.time_ns < b.time_ns; });
+}
+
+// Refuses what is no whole flight ring of this format, with the cure.
+void FlightReader::take_header(const std::string& path, const std::vector<char>& bytes) {
   if (bytes.size() < sizeof(kFlightMagic) ||
       std::memcmp(bytes.data(), kFlightMagic, sizeof(kFlightMagic)) != 0)
     fail(path, "is no flight ring; `sortie run --flight-ring FILE` writes one");
@@ -159,11 +181,10 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
     fail(path, "has " + std::to_string(bytes.size()) + " bytes of " + std::to_string(header.file_bytes) +
                    "; copy it again");
   }
-  writer_lives_ = is_locked(path);
-  std::memcpy(&state_, bytes.data() + kFlightStateOffset, sizeof(state_));
-  std::vector<std::uint32_t> words(bytes.size() / 4);
-  std::memcpy(words.data(), bytes.data(), words.size() * 4);
+}
 
+void FlightReader::read_jobs(const std::vector<std::uint32_t>& words) {
+  const FlightHeader& header = *header_;
   for (std::uint32_t group = 0; group < header.groups; ++group) {
     read_ring(words, header.group[group].jobs, kJobWords, [&](const std::uint32_t* w) {
       FlightJob job;
@@ -185,6 +206,10 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
       jobs_.push_back(job);
     });
   }
+}
+
+void FlightReader::read_spans(const std::vector<std::uint32_t>& words) {
+  const FlightHeader& header = *header_;
   for (std::uint32_t track = 0; track < header.tracks; ++track) {
     read_ring(words, header.track[track].spans, kSpanWords, [&](const std::uint32_t* w) {
       if (is_far(static_cast<Nanoseconds>(word64(w)))) {
@@ -195,17 +220,6 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
       spans_.push_back({track, name, static_cast<Nanoseconds>(word64(w)) - header.start_ns, w[2]});
     });
   }
-  read_ring(words, header.events, kEventWords, [&](const std::uint32_t* w) {
-    const std::size_t length = std::min<std::size_t>(w[4], kEventText);
-    events_.push_back({static_cast<Nanoseconds>(word64(w)), word64(w + 2),
-                       std::string(reinterpret_cast<const char*>(w + 5), length)});
-  });
-  std::stable_sort(jobs_.begin(), jobs_.end(),
-                   [](const FlightJob& a, const FlightJob& b) { return a.tick < b.tick; });
-  std::stable_sort(spans_.begin(), spans_.end(),
-                   [](const FlightSpan& a, const FlightSpan& b) { return a.begin_ns < b.begin_ns; });
-  std::stable_sort(events_.begin(), events_.end(),
-                   [](const FlightEvent& a, const FlightEvent& b) { return a.time_ns < b.time_ns; });
 }
 
 template <class Take>

@@ -90,6 +90,9 @@ class FlightReader {
   template <class Take>
   void read_ring(const std::vector<std::uint32_t>& words, const FlightPlace& place, std::uint32_t count,
                  Take take);
+  void take_header(const std::string& path, const std::vector<char>& bytes);
+  void read_jobs(const std::vector<std::uint32_t>& words);
+  void read_spans(const std::vector<std::uint32_t>& words);
 
   std::unique_ptr<FlightHeader> header_;
   FlightState state_;

@@ -209,6 +209,27 @@ void LiveRunner::await_start() {
   nap_until(options_.start_ns - kBefore, stop_);
 }
 
+/// Notes the releases that an overrun leaves out, and gives the job behind them. `late_ns`: of the first.
+std::uint64_t LiveRunner::leave_out(std::uint32_t index, std::uint64_t job, Tick tick, Nanoseconds late_ns) {
+  const GroupTiming& timing = executive_.group(index).timing;
+  const std::uint64_t next = timing.job_at(tick);
+  const std::uint64_t wanted = tick >= timing.due(next) ? next + 1 : next;
+  // Whoever sleeps past the end of the run has left out no more than the run had.
+  const std::uint64_t past = std::min(wanted - 1, timing.job_at(options_.last_tick)) + 1;
+  const bool broke = executive_.note_skipped(index, past - job, late_ns);
+  pulses_[index].missed.fetch_add(static_cast<std::uint32_t>(past - job), std::memory_order_relaxed);
+  note_late(index, broke, timing.release(job));
+  return past;
+}
+
+/// How late the last of the workers was ready.
+void LiveRunner::note_ready() {
+  const Nanoseconds late = monotonic_now() - options_.start_ns;
+  Nanoseconds latest = ready_late_ns_.load(std::memory_order_relaxed);
+  while (late > latest && !ready_late_ns_.compare_exchange_weak(latest, late, std::memory_order_relaxed)) {
+  }
+}
+
 void LiveRunner::work(std::uint32_t index, int priority) {
   Group& group = executive_.group(index);
   WorkerPulse& pulse = pulses_[index];
@@ -222,14 +243,10 @@ void LiveRunner::work(std::uint32_t index, int priority) {
   Nanoseconds budget_ns = 0;
   for (const TaskBase* task : group.tasks) budget_ns += Nanoseconds{task->budget_us()} * 1000;
   set_up(index, priority, stack);
-  const Nanoseconds late = monotonic_now() - options_.start_ns;
-  Nanoseconds latest = ready_late_ns_.load(std::memory_order_relaxed);
-  while (late > latest && !ready_late_ns_.compare_exchange_weak(latest, late, std::memory_order_relaxed)) {
-  }
+  note_ready();
   await_start();
   watch_delays(index);
   if (options_.on_worker != nullptr) options_.on_worker(true);
-
   std::uint64_t job = 0;
   std::uint32_t late_in_row = 0;
   Nanoseconds spun = 0;
@@ -238,31 +255,18 @@ void LiveRunner::work(std::uint32_t index, int priority) {
     const ReleaseWait wait =
         wait_for_release(observer, timing.release(job), options_.start_ns + release, margin.ns());
     if (wait.overslept_ns >= 0) margin.note(wait.overslept_ns);
-    spun += wait.spun_ns;
-    pulse.spun_ns.store(spun, std::memory_order_relaxed);
+    pulse.spun_ns.store(spun += wait.spun_ns, std::memory_order_relaxed);
     if (stop_.load(std::memory_order_relaxed)) break;  // it came while this worker slept
     const Nanoseconds woke = wait.woke_ns - options_.start_ns;
     // Whole periods are left out after an overrun; the phase stays. A release whose deadline has passed is
     // not run, unless the group catches up.
     const auto tick = static_cast<Tick>(woke / tick_ns);
-    if (tick >= timing.due(job)) {
-      const bool catches_up =
-          group.spec.policy == OverrunPolicy::catch_up && late_in_row < group.spec.catch_up;
-      if (!catches_up) {
-        const std::uint64_t next = timing.job_at(tick);
-        const std::uint64_t wanted = tick >= timing.due(next) ? next + 1 : next;
-        // Whoever sleeps past the end of the run has left out no more than the run had.
-        const std::uint64_t past = std::min(wanted - 1, timing.job_at(options_.last_tick)) + 1;
-        const bool broke = executive_.note_skipped(index, past - job, woke - release);
-        pulse.missed.fetch_add(static_cast<std::uint32_t>(past - job), std::memory_order_relaxed);
-        note_late(index, broke, timing.release(job));
-        job = past;
-        late_in_row = 0;
-        continue;  // to the loop's conditions: the run may be over by now
-      }
-      ++late_in_row;
-    } else {
+    const bool is_over = tick >= timing.due(job);
+    late_in_row = is_over ? late_in_row + 1 : 0;
+    if (is_over && (group.spec.policy != OverrunPolicy::catch_up || late_in_row > group.spec.catch_up)) {
+      job = leave_out(index, job, tick, woke - release);
       late_in_row = 0;
+      continue;  // to the loop's conditions: the run may be over by now
     }
     JobOrder order;
     order.due_ns = executive_.time_of(timing.due(job));
@@ -279,7 +283,6 @@ void LiveRunner::work(std::uint32_t index, int priority) {
     }
     ++job;
   }
-
   next_job_[index] = job;
   if (options_.on_worker != nullptr) options_.on_worker(false);
   stack_bytes_[index] = stack.high_water();

@@ -132,6 +132,8 @@ class LiveRunner {
   void make_threads();
   int priority_of(std::uint32_t index) const;
   void work(std::uint32_t index, int priority);
+  std::uint64_t leave_out(std::uint32_t index, std::uint64_t job, Tick tick, Nanoseconds late_ns);
+  void note_ready();
   void await_start();
   void watch_delays(std::uint32_t index);
   void count_unfinished();
