@@ -5,7 +5,7 @@
 
 namespace sortie::firmware {
 
-bool DrivePart::take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) {
+bool DrivePart::take_frame(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) {
   return emergency_.take(frame, now_ns) || (motors_ && motors_->take(frame, now_ns));
 }
 

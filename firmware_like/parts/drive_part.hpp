@@ -21,7 +21,7 @@ class DrivePart final : public Part {
 
   void finish(VehicleBuilder& builder) override;
   void open_devices() override { emergency_.open(); }
-  bool take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) override;
+  bool take_frame(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) override;
   void heard(const drivers::CanSample& sample, rt::Nanoseconds now_ns) override;
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
   std::optional<MotorsNews> motors_news() const override;

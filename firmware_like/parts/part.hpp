@@ -19,15 +19,15 @@ namespace sortie::firmware {
 /// it can be found (VehicleBuilder::find). To the outside it speaks as a whole vehicle does: what a robot is
 /// asked for, its parts are asked for in turn.
 ///
-/// open_devices() and poll_devices() as of Vehicle; frames of the CAN bus come in through take() and heard(),
-/// since one bus has many readers.
+/// open_devices() and poll_devices() as of Vehicle; frames of the CAN bus come in through take_frame() and
+/// heard(), since one bus has many readers.
 class Part : public Vehicle {
  public:
   /// When all parts of the robot are made: its frames on the bus, its chains, and whatever depends on parts
   /// that came later. Set-up only; throws ProfileError.
   virtual void finish(VehicleBuilder& builder) { static_cast<void>(builder); }
   /// I/O thread: a frame as it came. True when it was meant for this part alone.
-  virtual bool take(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) {
+  virtual bool take_frame(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) {
     static_cast<void>(frame);
     static_cast<void>(now_ns);
     return false;

@@ -65,7 +65,7 @@ void Robot::make_parts(VehicleBuilder& builder) {
 
 void Robot::take_frame(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) {
   for (const std::unique_ptr<Part>& part : parts_) {
-    if (part->take(frame, now_ns)) return;
+    if (part->take_frame(frame, now_ns)) return;
   }
   drivers::CanSample sample;
   if (decoder_.decode(frame, sample) != Status::ok) return;  // counted by the decoder, by reason
