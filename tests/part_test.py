@@ -80,10 +80,10 @@ def prove(own, tree, folder, program):
         if not good:
             failures.append(what)
 
-    on = ["--set", "tasks.lean.enabled=true"]
+    on = ["--set", "tasks.lean.enabled=true", "--set", "lean.most_deg=10"]
     run(tree / "build" / "part" / "tests" / "sortie_tests_firmware_like")
     log = folder / "lean.lcm"
-    common = ["--scene", "ugv_ramp", "--virtual", "--seconds", "8", "--lcm-url", "none", "--quiet", "--json"]
+    common = ["--scene", "ugv_ramp", "--virtual", "--seconds", "20", "--lcm-url", "none", "--quiet", "--json"]
     with_part = json.loads(run(own, "run", *common, *on, "--record", log, "--out", folder / "lean"))
     without = json.loads(run(own, "run", *common))
     before = json.loads(run(program, "run", *common))
@@ -99,7 +99,7 @@ def prove(own, tree, folder, program):
     check(caught.returncode == 1 and "lean" in caught.stdout + caught.stderr, "check does not notice a fault in lean")
     scene = folder / "lean.toml"
     scene.write_text('[scene]\nbase = "ugv_ramp"\nname = "lean"\n[tasks]\nlean = { enabled = true }\n[lean]\nmost_deg = 12\n')
-    keys = {key["path"]: key for key in json.loads(run(own, "scenes", "--keys", scene, "--json"))["keys"]}
+    keys = {key["key"]: key for key in json.loads(run(own, "scenes", "--keys", scene, "--json"))["keys"]}
     key = keys.get("lean.most_deg", {})
     check(key.get("unit") == "deg" and "12" in str(key.get("value")), "no key lean.most_deg in degrees")
     refused = subprocess.run([str(own), "run", *common, *on, "--set", "lean.most_deg=91"], capture_output=True, text=True)
