@@ -44,8 +44,6 @@ struct ParameterInForce {
   SORTIE_FIELDS(name, unit, value, low, high)
 };
 
-using ParameterAnswer = RequestAnswer;
-
 /// parameters_t.
 struct ParametersMessage {
   std::int64_t utime{};
@@ -55,7 +53,7 @@ struct ParametersMessage {
   bool remote{};  ///< requests are listened to
   bool keyed{};   ///< and need a tag
   std::vector<ParameterInForce> parameters;
-  std::vector<ParameterAnswer> answers;
+  std::vector<RequestAnswer> answers;
   static constexpr void fields(auto& self, auto&& visit) {
     visit("utime", self.utime);
     visit("session", self.session);

@@ -24,6 +24,10 @@ def run(*words, good=(0,), **more):
     return done.stdout
 
 
+def files_of(tree):
+    return {str(path.relative_to(tree)) for path in tree.rglob("*") if path.is_file() and "build" not in path.relative_to(tree).parts}
+
+
 def copy_of_tree(folder):
     """Tracked files and those that are new; the build folder of a run before stays, so that little is built anew."""
     names = run("git", "-C", ROOT, "ls-files", "-co", "--exclude-standard").splitlines() if (ROOT / ".git").exists() else []
@@ -35,6 +39,8 @@ def copy_of_tree(folder):
         to.parent.mkdir(parents=True, exist_ok=True)
         if not to.exists() or to.read_bytes() != source.read_bytes():
             shutil.copy2(source, to)
+    for path in files_of(tree) - set(names):
+        (tree / path).unlink()  # of a run before
     if not names:
         sys.exit("skipped: no git, so the tree's files are not known")
     return tree
@@ -58,8 +64,7 @@ def add_part(tree):
 
 def differing(tree):
     names = run("git", "-C", ROOT, "ls-files", "-co", "--exclude-standard").splitlines()
-    there = {str(path.relative_to(tree)) for path in tree.rglob("*") if path.is_file() and "build" not in path.relative_to(tree).parts}
-    return sorted(name for name in there | set(names)
+    return sorted(name for name in files_of(tree) | set(names)
                   if (ROOT / name).exists() != (tree / name).exists() or (tree / name).read_bytes() != (ROOT / name).read_bytes())
 
 
@@ -111,6 +116,25 @@ def prove(own, tree, folder, program):
     return failures
 
 
+LIVE = """ip link set lo up && ip route add 224.0.0.0/4 dev lo || exit 77
+"$0" run --scene "$1" --no-rt --quiet --seconds 60 --set parameters.remote=true --set parameters.without_secret=true & run=$!
+"$0" set lean.most_deg=20 --seconds 20 && "$0" spy --values --seconds 2; code=$?
+kill -INT $run && wait $run && exit $code"""
+
+
+def watch(own, folder):
+    """A live run in a network of its own: its limit is set, and the spy shows the part."""
+    scene = folder / "live.toml"
+    scene.write_text('[scene]\nbase = "ugv_stand"\nname = "live"\n[tasks]\nlean = { enabled = true }\n')
+    done = subprocess.run(["unshare", "-rn", "sh", "-c", LIVE, own, scene], capture_output=True, text=True, timeout=120)
+    shown = done.stdout + done.stderr
+    if done.returncode == 77 or "unshare failed" in shown:
+        print("not watched live: no network namespace of its own")
+        return []
+    good = done.returncode == 0 and "SORTIE_FIELDS_lean" in shown and "lean_rad" in shown
+    return [] if good else [f"spy and set do not know the part: {done.returncode} {shown[-2000:]}"]
+
+
 def main():
     program, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
@@ -125,7 +149,8 @@ def main():
     layers = subprocess.run([sys.executable, str(tree / "tests/layout/check_layers.py"), str(tree)], capture_output=True, text=True)
     if layers.returncode != 0:
         failures.append(layers.stdout + layers.stderr)
-    failures += prove(build(tree, program), tree, folder, program)
+    own = build(tree, program)
+    failures += prove(own, tree, folder, program) + watch(own, folder)
     print(f"{len(touched)} files: {', '.join(touched)}")
     for failure in failures:
         print(failure)

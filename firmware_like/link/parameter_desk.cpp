@@ -47,8 +47,7 @@ Status RequestDesk<drivers::SetParameter>::hand_in(std::string_view name, double
 void RequestDesk<drivers::SetParameter>::describe(drivers::ParametersMessage& message) const {
   const std::lock_guard lock(mutex_);
   message.counter = newest_;
-  for (const drivers::RequestAnswer& answer : answers_.all)
-    message.answers.push_back({answer.sender, answer.counter, answer.status});
+  message.answers = answers_.all;
 }
 
 std::int64_t RequestDesk<drivers::SetParameter>::newest() const {

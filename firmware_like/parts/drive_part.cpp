@@ -76,7 +76,7 @@ void DrivePart::add_counters(VehicleBuilder& builder) {
 }
 
 void DrivePart::add_flippers(VehicleBuilder& builder) {
-  flipper_states_ = flipper_states(builder, group_).first;
+  flipper_states_ = flipper_states(builder, group_);
   own_motors_ = OwnMotors(true);
   flipper_outlet_ = builder.outlet<rt::FlipperCommand>(group_, "flippers");
   rt::Task<planner::FlipperOutput>* task = builder.task<planner::FlipperOutput>(

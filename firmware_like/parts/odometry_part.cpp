@@ -12,9 +12,8 @@
 
 namespace sortie::firmware {
 
-std::pair<rt::Stream<rt::FlipperSample>*, InputPort<rt::FlipperSample>*> flipper_states(
-    VehicleBuilder& builder, rt::GroupId group) {
-  return builder.stream<rt::FlipperSample>(group, "FLIPPER", 64, 16);
+rt::Stream<rt::FlipperSample>* flipper_states(VehicleBuilder& builder, rt::GroupId group) {
+  return builder.stream<rt::FlipperSample>(group, "FLIPPER", 64, 16).first;
 }
 
 OdometryPart::OdometryPart(VehicleBuilder& builder)
@@ -24,7 +23,7 @@ OdometryPart::OdometryPart(VehicleBuilder& builder)
   const estimators::TrackOdometryConfig config = read_odometry_config(builder);
   obstacles_ = config.obstacles;
   if (rt::kBuilt<"obstacles"> && obstacles_ && config.obstacle.modes.profile.flippers)
-    flippers_ = flipper_states(builder, group).first;
+    flippers_ = flipper_states(builder, group);
   odometry_ = std::make_unique<estimators::TrackOdometry>(config);
   builder.offer(*this);
   attitude_.set_aid([this](ChosenAttitude& filter) { tell(filter); });

@@ -32,7 +32,6 @@ class OdometryPart final : public Part {
 };
 
 /// The stream of the flippers' angles, which the odometry and the flippers' own task read.
-std::pair<rt::Stream<rt::FlipperSample>*, InputPort<rt::FlipperSample>*> flipper_states(
-    VehicleBuilder& builder, rt::GroupId group);
+rt::Stream<rt::FlipperSample>* flipper_states(VehicleBuilder& builder, rt::GroupId group);
 
 }  // namespace sortie::firmware

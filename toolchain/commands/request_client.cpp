@@ -113,8 +113,7 @@ Status RequestClient::read(std::span<const std::uint8_t> payload, const drivers:
   heard.session = run.session;
   heard.robot = firmware::hex(static_cast<std::uint64_t>(run.session));
   heard.counter = std::clamp<std::int64_t>(run.counter, 0, kMostCounter);
-  for (const drivers::ParameterAnswer& one : run.answers)
-    heard.answers.push_back({one.sender, one.counter, one.status});
+  heard.answers = run.answers;
   for (const drivers::ParameterInForce& one : run.parameters) heard.state.push_back({one.name, one.value});
   return Status::ok;
 }

@@ -142,11 +142,7 @@ std::string SweepFolderPlan::title(std::size_t cell) const {
 }
 
 std::string hex_digest(const std::string& bytes) {
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::uint64_t digest = rt::digest_bytes(bytes.data(), bytes.size());
-  std::string text(16, '0');
-  for (std::size_t i = 16; i-- > 0; digest >>= 4) text[i] = kDigits[digest & 15];
-  return text;
+  return firmware::hex(rt::digest_bytes(bytes.data(), bytes.size()));
 }
 
 std::string digest_of_file(const std::string& path) {
