@@ -28,7 +28,8 @@ Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const Reques
       recorder_(recorder),
       desk_(desk),
       utc_minus_run_ns_(utc_minus_run_ns),
-      publisher_(publisher_config(url)) {
+      publisher_(publisher_config(url)),
+      lists_(runtime.parts().find<ReportQueue<rt::SegmentList>>()) {
   std::size_t longest = 0;
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     longest = std::max<std::size_t>(longest, runtime.executive().task(i).output_bytes());
@@ -182,9 +183,8 @@ void Telemetry::publish_events() {
 }
 
 void Telemetry::publish_segments() {
-  ReportQueue<rt::SegmentList>* lists = runtime_.vehicle().segment_lists();
-  if (lists == nullptr) return;
-  while (lists->take(segments_)) {
+  if (lists_ == nullptr) return;
+  while (lists_->take(segments_)) {
     segments_.stamp_ns += utc_minus_run_ns_;
     static_cast<void>(publisher_.publish_encoded(
         drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {

@@ -13,6 +13,7 @@
 #include "firmware_like/link/request_door.hpp"
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/runtime/runtime.hpp"
+#include "rt/segment_list.hpp"
 
 namespace sortie::firmware {
 
@@ -73,7 +74,8 @@ class Telemetry {
   std::vector<rt::ParameterState> in_force_;      // by group of parameters
   std::vector<drivers::AnswersMessage> answers_;  // of this round
   bool parameters_moved_{};
-  std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
+  std::int64_t parameters_asked_{};      // counter of the newest change that was asked for
+  ReportQueue<rt::SegmentList>* lists_;  // of the map's segments; null: the scene has none
   rt::SegmentList segments_;
   std::int64_t segments_seq_{};
   std::atomic<rt::Nanoseconds> cpu_ns_{};

@@ -146,7 +146,7 @@ void LiveSession::connect_devices() {
 void LiveSession::attach() {
   if (!options_.virtual_time) write_log_clock(*recorder_, clock_.start_ns, utc_minus_run_);
   write_chosen_units(*recorder_, booted_.chosen, booted_.trial.ns_per_unit, utc_minus_log());
-  surroundings_.emplace(runtime_, robot_.get(), outside_, *recorder_, !options_.record.empty());
+  surroundings_.emplace(robot_.get(), outside_, *recorder_, !options_.record.empty());
   executive_.set_sink(ring_->before(recorder_->job_sink()));
   doctor_.begin(executive_, *recorder_, !options_.virtual_time && options_.realtime, utc_minus_log());
   executive_.set_record_fields(true);

@@ -3,8 +3,6 @@
 // changes.
 #pragma once
 
-#include <string>
-
 #include "firmware_like/link/plant_link.hpp"
 #include "firmware_like/link/request_door.hpp"
 #include "firmware_like/live/simulated_robot.hpp"
@@ -52,9 +50,8 @@ struct OutsideDevices {
 class Surroundings {
  public:
   /// `outside` counts only without a simulated robot.
-  Surroundings(Runtime& runtime, SimulatedRobot* robot, const OutsideDevices& outside, LogRecorder& recorder,
-               bool recording)
-      : runtime_(runtime), robot_(robot), recorder_(recorder) {
+  Surroundings(SimulatedRobot* robot, const OutsideDevices& outside, LogRecorder& recorder, bool recording)
+      : robot_(robot), recorder_(recorder) {
     devices_.ssl = robot != nullptr ? robot->vehicle_ssl() : nullptr;
     devices_.log = recording ? &recorder : nullptr;
     devices_.can = robot != nullptr ? robot->vehicle_can() : outside.can;
@@ -64,14 +61,18 @@ class Surroundings {
     devices_.device_epoch_ns = -outside.start_ns;
   }
   /// Moves the simulated robot, if there is one, and notes its truth.
-  void step_robot(rt::Nanoseconds now);
-  void poll_devices(rt::Nanoseconds now);
-  /// What a user wants to know at once, or empty. One thread that is not real-time.
-  std::string news() { return link_ != nullptr ? link_->news() : std::string(); }
+  void step_robot(rt::Nanoseconds now) {
+    if (robot_ == nullptr) return;
+    robot_->step(now);
+    truth.note(*robot_, now, &recorder_);
+  }
+  /// What the vehicle reaches its devices by.
+  const Devices& devices() const { return devices_; }
+  /// To a plant in a process of its own, or null.
+  PlantLink* link() const { return link_; }
   TruthWriter truth;
 
  private:
-  Runtime& runtime_;
   SimulatedRobot* robot_;
   LogRecorder& recorder_;
   PlantLink* link_{};
@@ -86,7 +87,7 @@ class SimulatedFeed final : public rt::JobFeed {
   void before_tick(rt::Tick tick) override {
     const rt::Nanoseconds now = runtime_.executive().time_of(tick);
     surroundings_.step_robot(now);
-    surroundings_.poll_devices(now);
+    runtime_.vehicle().poll_devices(surroundings_.devices(), now);
     desk_.run_script(now);
     if (tick % 64 == 0) recorder_.drain();
   }

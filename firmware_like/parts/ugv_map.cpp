@@ -37,6 +37,7 @@ UgvMap::UgvMap(VehicleBuilder& builder) {
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
   if (rt::kBuilt<"segment_lists"> && config.publish) {
     lists_ = builder.reports<rt::SegmentList>("segments", 4);
+    builder.offer(*lists_);
     report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
   }
   // Pools and the size of a voxel are memory; how far the lidar is believed may change.

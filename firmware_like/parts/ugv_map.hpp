@@ -66,8 +66,6 @@ class UgvMap final : public Part {
 
   void finish(VehicleBuilder& builder) override { builder.chain({"scan_to_map", {"SCAN", "map"}}); }
   drivers::ScanSink* scan_sink() override { return port_; }
-  /// Null without segments, or where the profile publishes none.
-  ReportQueue<rt::SegmentList>* segment_lists() override { return lists_.get(); }
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 
   const mapping::RollingGridConfig& config() const { return map_->grid().config(); }
@@ -90,9 +88,9 @@ class UgvMap final : public Part {
   LidarScans lidar_;
   ScanPort* port_{};
   std::unique_ptr<ChosenMap> map_;
-  std::unique_ptr<mapping::Sweeps> sweeps_;           ///< null without odometry
-  OwnedPart<SegmentReport, "segment_lists"> report_;  ///< null: no list of segments is published
-  std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;
+  std::unique_ptr<mapping::Sweeps> sweeps_;              ///< null without odometry
+  OwnedPart<SegmentReport, "segment_lists"> report_;     ///< null: no list of segments is published
+  std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;  ///< offered, for one reader on another thread
   rt::Nanoseconds next_pose_ns_{};
   MapOutput output_;
   bool anytime_{};

@@ -136,10 +136,6 @@ const rt::Task<rt::AttitudeEstimate>* Robot::attitude_task() const {
   return first([](const Part& part) { return part.attitude_task(); });
 }
 
-ReportQueue<rt::SegmentList>* Robot::segment_lists() {
-  return first([](Part& part) { return part.segment_lists(); });
-}
-
 void Robot::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
   for (const std::unique_ptr<Part>& part : parts_) part->for_each_voxel(put);
 }

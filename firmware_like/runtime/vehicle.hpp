@@ -8,7 +8,6 @@
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/request_gate.hpp"
-#include "rt/segment_list.hpp"
 #include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
@@ -76,8 +75,6 @@ class Vehicle {
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
-  /// Where lists of the map's segments come out, for one reader on another thread; null without any.
-  virtual ReportQueue<rt::SegmentList>* segment_lists() { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
     static_cast<void>(put);

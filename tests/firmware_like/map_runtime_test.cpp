@@ -136,7 +136,7 @@ TEST_CASE("lists of segments tell every birth and end, and features are those of
   rt::Tick away_until = 0;
   options.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
     if (record.tick > 100 && record.tick < away_until) return;
-    while (runtime.vehicle().segment_lists()->take(*list)) {
+    while (runtime.parts().find<firmware::ReportQueue<rt::SegmentList>>()->take(*list)) {
       ++lists;
       wrong += list->events == list->listed_events ? 0u : 1u;
       for (const rt::ListedEvent& event : std::span(list->event, list->listed_events)) {
