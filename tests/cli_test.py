@@ -169,6 +169,12 @@ expect(2, "check", "hall.lcm", "--fault", "nobody@1", says=["task@tick"], only_l
 parsed(expect(1, "diff", "hall.lcm", "hall.lcm", "--set", "map.voxel_m=0.2", "--json"))
 parsed(expect(0, "diff", "hall.lcm", "hall.lcm", "--json"))
 parsed(expect(0, "scenes", "--json"))
+keys = parsed(expect(0, "scenes", "--keys", "ugv_hall", "--json", "--set", "limits.voxels=4096", "hil.lidar_rows=9"))["keys"]
+check({"4096", "9"} <= {key["value"] for key in keys if key["key"] in ("limits.voxels", "hil.lidar_rows")}, "--keys does not show what --set says")
+expect(2, "scenes", "--keys", "ugv_hall", "--set", "hil.lidar_rose=9", says=["hil.lidar_rose"], only_line=True)
+pools = parsed(expect(0, "scenes", "--memory", "ugv_hall", "--json", "--set", "limits.voxels=4096"))
+check(pools["bytes"] < parsed(expect(0, "scenes", "--memory", "ugv_hall", "--json"))["bytes"], "--memory does not heed --set")
+expect(2, "scenes", "--memory", "ugv_hall", "--set", "limits.voxel=4096", says=["limits.voxel"], only_line=True)
 expect(2, "scenes", "--cost", "imu_bench", says=["imu_bench has no simulated robot", "--log LOG"], only_line=True)
 small = ["--set", "hil.lidar_rows=8", "hil.lidar_columns=64", "limits.voxels=32768"]
 cost = parsed(expect(0, "scenes", "--cost", "ugv_hall", "--seconds", "1", "--runs", "1", "--json", *small))["costs"][0]

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "rt/posix/heap_trap.hpp"
+
 namespace sortie::firmware {
 
 /// What a program that links a heap trap tells the library. Both may be null: then heap calls are not
@@ -17,5 +19,14 @@ struct HeapWatch {
 /// Set once at start-up, before any run.
 void set_heap_watch(HeapWatch watch);
 HeapWatch heap_watch();
+
+/// Counts every heap call of a task from now on. For programs that link sortie_heap_trap. False where the
+/// trap does not work.
+inline bool watch_heap() {
+  if (!rt::posix::kHeapTrapAvailable) return false;
+  set_heap_watch({[](bool on) { on ? rt::posix::heap_trap_arm() : rt::posix::heap_trap_disarm(); },
+                  [] { return rt::posix::heap_trap_calls(); }});
+  return true;
+}
 
 }  // namespace sortie::firmware
