@@ -79,7 +79,7 @@ void write_plan(const std::string& folder, const SweepFolderPlan& plan);
 SweepFolderPlan read_plan(const std::string& folder);
 
 /// Writes one cell, whole or not at all, whoever else writes it at the same time. Throws InputError.
-void write_cell(const std::string& folder, std::size_t cell, const std::string& key,
+void write_cell(const std::string& folder, std::size_t number, const std::string& key,
                 const SweepCellResult& result);
 /// Reads one cell: nothing where it is missing, damaged or of another key.
 std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t cell, const std::string& key);
