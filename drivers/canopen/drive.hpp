@@ -97,7 +97,6 @@ class Drive final : public MotorDrive {
   void stop() noexcept override { tell(Order::stop); }
 
   /// It was told to have torque, or found with it, and has not said since that it has none.
-  bool suspect() const noexcept { return suspect_; }
   /// A suspect was lost since the last call.
   bool take_loss() noexcept { return std::exchange(loss_, false); }
 

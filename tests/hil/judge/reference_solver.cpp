@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contact problems over impulses, dense: sweeps that always approach, Newton steps that end it.
-#include "hil/plant/reference_solver.hpp"
+#include "tests/hil/judge/reference_solver.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
