@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -36,6 +37,10 @@ void add_ask_options(firmware::Command& command, AskOptions& options, const firm
 /// std::runtime_error (the address cannot be used).
 int ask_run(const CommandContext& context, const AskOptions& options, const firmware::RequestTopic& topic,
             const std::function<int(RequestClient&)>& use);
+
+/// Why it cannot be told what the robot makes of the requests from `first` on, for people; empty where it
+/// can.
+std::string why_not_admitted(const RequestClient& client, std::int64_t first);
 
 /// Of seconds, rounded.
 std::chrono::milliseconds ms_of(double seconds);

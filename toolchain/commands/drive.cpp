@@ -117,7 +117,7 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
   const std::string whose = client.robot() + ": ";
   if (!client.answer(first) && what == "halt" && is_halted(client))
     return whose + "it says that it is halted, but not that it has this request";
-  if (const std::string why = client.why_not_admitted(first); !why.empty()) return why;
+  if (const std::string why = why_not_admitted(client, first); !why.empty()) return why;
   if (what == "emergency")
     return whose + "the request was admitted, but the drive does not say that it is stopped";
   if (what == "emergency-end") return whose + "the request was admitted, but the emergency stop still holds";

@@ -64,7 +64,7 @@ bool is_flown(const RequestClient& client, const std::string& what, std::int64_t
 }
 
 std::string why_not_flown(const RequestClient& client, std::int64_t first) {
-  if (const std::string why = client.why_not_admitted(first); !why.empty()) return why;
+  if (const std::string why = why_not_admitted(client, first); !why.empty()) return why;
   const auto step = static_cast<std::uint32_t>(step_of(client));
   return client.robot() + ": the request was admitted, but the vehicle is " + step_name(step) +
          (step_of(client) == planner::PilotStep::stopped ? ", which a release ends" : "");

@@ -31,29 +31,6 @@ milliseconds until(Clock::time_point end) {
   return std::chrono::duration_cast<milliseconds>(end - Clock::now());
 }
 
-// Why the robot refused, for people.
-const char* refusal_text(Status status) {
-  switch (status) {
-    case Status::ok:
-      return "it was admitted";
-    case Status::time_repeated:
-      return "somebody else's request overtook it";
-    case Status::malformed:
-      return "its counter was too far ahead";
-    case Status::time_backwards:
-      return "its time is not the robot's: set both clocks (parameters.max_request_age_ms)";
-    case Status::stale:
-      return "it waited too long on the robot's computer, which is too busy";
-    case Status::full:
-      return "more requests came than the robot takes";
-    case Status::not_finite:
-    case Status::out_of_range:
-      return "it asks for what no robot can do";
-    default:
-      return "the robot does not say why";
-  }
-}
-
 }  // namespace
 
 drivers::LcmPublisherConfig request_publisher(const std::string& url) {
@@ -302,17 +279,6 @@ std::optional<Status> RequestClient::answer(std::int64_t first) const {
     found = static_cast<Status>(answer.status);
   }
   return found;
-}
-
-std::string RequestClient::why_not_admitted(std::int64_t first) const {
-  const std::optional<Status> answered = answer(first);
-  const std::string whose = robot() + ": ";
-  if (!answered) return whose + "no request was answered; is it heard there, and is it busy?";
-  if (*answered != Status::ok) return whose + "the request was refused: " + refusal_text(*answered);
-  if (!has_state())
-    return whose + "the request was admitted, but the " + std::string(topic_.task) +
-           " does not say what it does";
-  return {};
 }
 
 double RequestClient::value(const std::string& name) const {

@@ -34,6 +34,7 @@ class RequestClient {
   /// only one there is; at most so long. Empty, or what is missing. Throws ProfileError when the right one
   /// cannot be told, or the secret is not its.
   std::string find(const std::string& whom, std::chrono::milliseconds most);
+  const firmware::RequestTopic& topic() const { return topic_; }
   /// Name of the robot that was found; of parameters its session, as digits.
   const std::string& robot() const { return heard_.robot; }
   /// What the run said of its parameters; of a task nothing.
@@ -58,8 +59,6 @@ class RequestClient {
   std::optional<Status> answer(std::int64_t first) const;
   /// True when one of them was admitted.
   bool is_admitted(std::int64_t first) const { return answer(first) == Status::ok; }
-  /// Why it cannot be told what the robot makes of them, for people; empty where it can.
-  std::string why_not_admitted(std::int64_t first) const;
   /// A value of the task's output, or of a parameter, as the newest message has it; 0 when it is not in it.
   double value(const std::string& name) const;
   /// True when the newest message tells the task's state at all.
