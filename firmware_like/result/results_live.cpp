@@ -14,14 +14,7 @@ Json to_json(const LiveTimes& live) {
   if (!live.why_no_causes.empty()) object["why_no_causes"] = live.why_no_causes;
   object["over_budget"] = live.over_budget;
   Json tasks = Json::array();
-  for (const LiveTask& task : live.tasks) {
-    tasks.push_back(Json{{"name", task.name},
-                         {"count", task.count},
-                         {"p50_us", json_number(task.p50_us)},
-                         {"p99_us", json_number(task.p99_us)},
-                         {"p999_us", json_number(task.p999_us)},
-                         {"max_us", json_number(task.max_us)}});
-  }
+  for (const LiveTask& task : live.tasks) tasks.push_back(json_of(task));
   object["tasks"] = std::move(tasks);
   return object;
 }

@@ -6,16 +6,12 @@
 #include <set>
 #include <type_traits>
 
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
-
-firmware::Json number(double value) {
-  return std::isfinite(value) ? firmware::Json(value) : firmware::Json(nullptr);
-}
 
 std::set<std::string> error_names(const Sweep& sweep) {
   std::set<std::string> names;
@@ -42,15 +38,15 @@ std::string listed(const std::vector<std::string>& values) {
 
 firmware::Json figures_of(const SweepCell& cell) {
   firmware::Json errors = firmware::Json::object();
-  for (const auto& [name, value] : cell.errors) errors[name] = number(value);
+  for (const auto& [name, value] : cell.errors) errors[name] = firmware::json_number(value);
   firmware::Json tasks = firmware::Json::array();
   for (const SweepTiming& timing : cell.timing) {
     firmware::Json task{{"name", timing.task}};
-    SweepTiming::fields(timing, [&task](const char* name, const auto& value) { task[name] = value; });
+    task.update(firmware::json_of(timing));
     tasks.push_back(std::move(task));
   }
   firmware::Json figures{{"errors", std::move(errors)}};
-  SweepCell::fields(cell, [&figures](const char* name, const auto& value) { figures[name] = value; });
+  figures.update(firmware::json_of(cell));
   figures["tasks"] = std::move(tasks);
   return figures;
 }
@@ -73,7 +69,7 @@ firmware::Json to_json(const Sweep& sweep) {
                         {"error", sweep.error},
                         {"cost", "load_us_per_s"},
                         {"repeat", sweep.repeat},
-                        {"duration_s", number(sweep.duration_s)},
+                        {"duration_s", firmware::json_number(sweep.duration_s)},
                         {"cells", std::move(cells)},
                         {"machine", firmware::machine_description()},
                         {"compiler", firmware::compiler_description()},
