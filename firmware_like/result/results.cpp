@@ -43,6 +43,14 @@ Json to_json(const GroupResult& group) {
 
 }  // namespace
 
+std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
+  std::vector<HistogramBar> bars;
+  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
+    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
+  });
+  return bars;
+}
+
 Json to_json(const Results& results) {
   Json errors = Json::object();
   for (const auto& [name, value] : results.errors) errors[name] = json_number(value);

@@ -14,6 +14,7 @@
 #include "firmware_like/result/results_live.hpp"
 #include "firmware_like/result/results_schedule.hpp"
 #include "rt/describe.hpp"
+#include "rt/histogram.hpp"
 
 namespace sortie::firmware {
 
@@ -25,6 +26,9 @@ struct HistogramBar {
   double to_us{};
   std::uint64_t count{};
 };
+
+/// What a histogram counts in nanoseconds, bar by bar.
+std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram);
 
 /// Timing of one task over a run. Times are of the job's own execution, in microseconds, on the machine that
 /// ran this command: in a replay not the robot's, which stand in Results::live.

@@ -163,14 +163,6 @@ std::string Runtime::task_table() const {
 
 namespace {
 
-std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
-  std::vector<HistogramBar> bars;
-  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
-    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
-  });
-  return bars;
-}
-
 GroupResult group_result(const rt::Executive& executive, const rt::Group& group) {
   const double tick_us = static_cast<double>(executive.base_tick_ns()) * 1e-3;
   const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
