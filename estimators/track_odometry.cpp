@@ -2,7 +2,6 @@
 // Dead reckoning from cumulative track travel and a history of attitudes.
 #include "estimators/track_odometry.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "estimators/attitude_config.hpp"
@@ -14,8 +13,6 @@ using rt::Vector3;
 
 constexpr double kFarthestTravel_m = 1e7;
 constexpr double kJumpMargin_m = 0.05;  // quantisation and stamp jitter of short steps
-constexpr rt::Nanoseconds kPiece_ns = 100 * rt::kNanosecondsPerMillisecond;
-constexpr rt::Nanoseconds kMostPieces = 8;
 constexpr rt::Nanoseconds kRan_ns = 200 * rt::kNanosecondsPerMillisecond;  // a belt runs on after it moved
 
 Eigen::Matrix3d to_eigen(const Quaternion& q) {
@@ -25,20 +22,6 @@ Eigen::Matrix3d to_eigen(const Quaternion& q) {
   return m;
 }
 
-Vector3 forward(const Quaternion& q_world_body) { return rotate(q_world_body, {1, 0, 0}); }
-
-/// Mean forward direction over [from, to]: composite Simpson, one piece per 100 ms.
-Vector3 mean_forward(const AttitudeHistory& history, rt::Nanoseconds from_ns, rt::Nanoseconds to_ns) {
-  const rt::Nanoseconds span_ns = to_ns - from_ns;
-  const rt::Nanoseconds pieces =
-      std::clamp<rt::Nanoseconds>((span_ns + kPiece_ns - 1) / kPiece_ns, 1, kMostPieces);
-  Vector3 sum = forward(history.at(from_ns).q_world_body) + forward(history.at(to_ns).q_world_body);
-  for (rt::Nanoseconds i = 1; i < 2 * pieces; ++i) {
-    const rt::Nanoseconds at_ns = from_ns + span_ns / (2 * pieces) * i;
-    sum = sum + (i % 2 == 1 ? 4.0 : 2.0) * forward(history.at(at_ns).q_world_body);
-  }
-  return (1.0 / (6.0 * static_cast<double>(pieces))) * sum;
-}
 SteeringConfig with_width(SteeringConfig config, double track_width_m) {
   config.track_width_m = track_width_m;
   return config;
@@ -147,7 +130,7 @@ inline TrackMotion TrackOdometry::motion_over(const Stretch& s) {
   if (kHasObstacles && obstacle_) {
     motion = obstacle_->advance({s.dt_s, s.travel_m, s.begin.q_world_body, s.end.q_world_body});
   } else {
-    motion.travel_world_m = s.travel_m * mean_forward(history_, s.from.stamp_ns, s.to.stamp_ns);
+    motion.travel_world_m = s.travel_m * history_.mean_forward(s.from.stamp_ns, s.to.stamp_ns);
   }
   if (s.turns && config_.icr_x_m != 0.0) {
     // v_y = -w x_v: a track's turning centre moves along the track, what lies behind it moves across.
