@@ -40,6 +40,22 @@ Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const Reques
 
 Telemetry::~Telemetry() { stop(); }
 
+// What the network does not take is counted by the publisher.
+template <class... What>
+void Telemetry::publish(std::string_view channel, const What&... what) {
+  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+    return drivers::encode(what..., out, size);
+  }));
+}
+
+void Telemetry::publish_fields(std::int64_t utime, const std::string& name,
+                               const std::vector<drivers::NamedValue>& values) {
+  const std::string channel = std::string(drivers::kChannelFields) + "_" + name;
+  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+    return drivers::encode_fields(utime, name, values, out, size);
+  }));
+}
+
 void Telemetry::publish_outputs(std::int64_t utime) {
   rt::Executive& executive = runtime_.executive();
   for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
@@ -53,22 +69,14 @@ void Telemetry::publish_outputs(std::int64_t utime) {
            if (index >= 0) full += "[" + std::to_string(index) + "]";
            static_cast<std::vector<drivers::NamedValue>*>(self)->push_back({full, value});
          }});
-    const std::string channel = std::string(drivers::kChannelFields) + "_" + task.name();
-    // What the network does not take is counted by the publisher.
-    static_cast<void>(
-        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode_fields(utime, task.name(), values, out, size);
-        }));
+    publish_fields(utime, task.name(), values);
     note_parameters(task);
     note_state(task, values);
     if (&task == runtime_.vehicle().pose_task()) {
       rt::PoseEstimate pose;
       rt::decode_canonical(canonical_.data(), pose);
-      static_cast<void>(publisher_.publish_encoded(
-          drivers::kChannelPose, [&](std::span<std::uint8_t> out, std::size_t& size) {
-            return drivers::encode(drivers::to_pose_message(pose, (pose.stamp_ns + utc_minus_run_ns_) / 1000),
-                                   out, size);
-          }));
+      publish(drivers::kChannelPose,
+              drivers::to_pose_message(pose, (pose.stamp_ns + utc_minus_run_ns_) / 1000));
     }
   }
 }
@@ -79,10 +87,7 @@ void Telemetry::publish_motors(std::int64_t utime) {
   const std::vector<drivers::NamedValue> values = {{"emergency", news->emergency ? 1.0 : 0.0},
                                                    {"running", news->running ? 1.0 : 0.0},
                                                    {"stop_reason", static_cast<double>(news->stop_reason)}};
-  const std::string channel = std::string(drivers::kChannelFields) + "_motors";
-  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-    return drivers::encode_fields(utime, "motors", values, out, size);
-  }));
+  publish_fields(utime, "motors", values);
 }
 
 void Telemetry::note_parameters(const rt::TaskBase& task) {
@@ -109,9 +114,7 @@ void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
         message.parameters[i].value = in_force_[group].value[set.all[i].index];
     }
   }
-  static_cast<void>(publisher_.publish_encoded(
-      drivers::kChannelParameters,
-      [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(message, out, size); }));
+  publish(drivers::kChannelParameters, message);
 }
 
 // Without the state, which must be read after them: of a task that puts nothing out there is none to tell.
@@ -137,30 +140,19 @@ void Telemetry::note_state(const rt::TaskBase& task, const std::vector<drivers::
 void Telemetry::publish_answers(std::int64_t utime) {
   for (drivers::AnswersMessage& message : answers_) {
     message.utime = utime;
-    const std::string channel = std::string(drivers::kChannelAnswers) + "_" + message.task;
-    static_cast<void>(
-        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode(message, desk_.key(), out, size);
-        }));
+    publish(std::string(drivers::kChannelAnswers) + "_" + message.task, message, desk_.key());
   }
 }
 
 void Telemetry::publish_statistics(std::int64_t utime) {
-  const std::vector<drivers::TaskTiming> timings = recorder_.timings();
-  static_cast<void>(
-      publisher_.publish_encoded(drivers::kChannelStats, [&](std::span<std::uint8_t> out, std::size_t& size) {
-        return drivers::encode(utime, timings, out, size);
-      }));
+  publish(drivers::kChannelStats, utime, recorder_.timings());
   std::vector<drivers::PoolUse> pools;
   for (const auto& port : runtime_.parts().ports()) {
     const rt::StreamBase& stream = port->stream();
     pools.push_back({port->channel(), stream.capacity(), stream.waiting(), stream.high_water(),
                      static_cast<std::int64_t>(stream.refused())});
   }
-  static_cast<void>(
-      publisher_.publish_encoded(drivers::kChannelPools, [&](std::span<std::uint8_t> out, std::size_t& size) {
-        return drivers::encode(utime, pools, out, size);
-      }));
+  publish(drivers::kChannelPools, utime, pools);
 }
 
 void Telemetry::tell(const drivers::EventRecord& event) {
@@ -175,11 +167,7 @@ void Telemetry::publish_events() {
     const std::lock_guard lock(events_mutex_);
     events.swap(events_);
   }
-  for (const drivers::EventRecord& event : events) {
-    static_cast<void>(publisher_.publish_encoded(
-        drivers::kChannelEvent,
-        [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(event, out, size); }));
-  }
+  for (const drivers::EventRecord& event : events) publish(drivers::kChannelEvent, event);
 }
 
 void Telemetry::publish_segments() {
@@ -188,7 +176,7 @@ void Telemetry::publish_segments() {
     segments_.stamp_ns += utc_minus_run_ns_;
     static_cast<void>(publisher_.publish_encoded(
         drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode(segments_, segments_seq_++, out, size);
+          return drivers::encode(segments_, segments_seq_++, out, size);  // numbers only what is sent
         }));
   }
 }

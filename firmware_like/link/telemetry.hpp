@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -52,6 +53,10 @@ class Telemetry {
   static constexpr std::size_t kLongestMessage = std::size_t{16} << 10;
 
  private:
+  template <class... What>
+  void publish(std::string_view channel, const What&... what);
+  void publish_fields(std::int64_t utime, const std::string& name,
+                      const std::vector<drivers::NamedValue>& values);
   void publish_outputs(std::int64_t utime);
   void publish_motors(std::int64_t utime);
   void publish_statistics(std::int64_t utime);
