@@ -217,4 +217,11 @@ void LiveSession::run_live_threads() {
   outcome_.stopped = live_.stopped;
 }
 
+LiveRunOutcome run_live(const VehicleRegistry& vehicles, const SimulatorFactory& simulator,
+                        const LiveRunOptions& options) {
+  LiveSession session(vehicles, simulator, options);
+  session.run();
+  return session.collect();
+}
+
 }  // namespace sortie::firmware

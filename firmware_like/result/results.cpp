@@ -51,6 +51,20 @@ std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
   return bars;
 }
 
+Json to_json(const LiveTimes& live) {
+  Json object{{"known", live.known}};
+  if (!live.known) {
+    object["why_not"] = live.why_not;
+    return object;
+  }
+  if (!live.why_no_causes.empty()) object["why_no_causes"] = live.why_no_causes;
+  object["over_budget"] = live.over_budget;
+  Json tasks = Json::array();
+  for (const LiveTask& task : live.tasks) tasks.push_back(json_of(task));
+  object["tasks"] = std::move(tasks);
+  return object;
+}
+
 Json to_json(const Results& results) {
   Json errors = Json::object();
   for (const auto& [name, value] : results.errors) errors[name] = json_number(value);

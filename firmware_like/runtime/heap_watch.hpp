@@ -16,9 +16,12 @@ struct HeapWatch {
   std::uint64_t (*calls)(){};  ///< heap calls of armed threads since the program started
 };
 
+namespace detail {
+inline HeapWatch the_heap_watch;
+}  // namespace detail
 /// Set once at start-up, before any run.
-void set_heap_watch(HeapWatch watch);
-HeapWatch heap_watch();
+inline void set_heap_watch(HeapWatch watch) { detail::the_heap_watch = watch; }
+inline HeapWatch heap_watch() { return detail::the_heap_watch; }
 
 /// Counts every heap call of a task from now on. For programs that link sortie_heap_trap. False where the
 /// trap does not work.
