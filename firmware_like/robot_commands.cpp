@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/robot_commands.hpp"
 
-#include <iostream>
 #include <memory>
 
 #include "firmware_like/doctor/doctor_command.hpp"

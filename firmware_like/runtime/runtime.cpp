@@ -3,9 +3,7 @@
 
 #include <sys/mman.h>
 #include <algorithm>
-#include <cmath>
 #include <new>
-#include <sstream>
 
 #include "rt/math.hpp"
 

@@ -2,8 +2,6 @@
 // The one door to all importers.
 #include "toolchain/import/importer.hpp"
 
-#include <iterator>
-
 #include "toolchain/import/kinds.hpp"
 
 namespace sortie::toolchain {

@@ -3,7 +3,6 @@
 // T_world_lidar (3x4, row-major), u32 n, u32 source index, i16[n][3] coordinates / unit, u16[n] intensity.
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "rt/rotation.hpp"
 #include "toolchain/import/binary_file.hpp"

@@ -3,7 +3,6 @@
 #include "toolchain/import/text_file.hpp"
 
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
