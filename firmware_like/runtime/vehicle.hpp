@@ -59,10 +59,7 @@ class Vehicle {
   virtual void open_devices() {}
   /// Live and simulated runs, on the I/O thread, about every millisecond: read devices into the ports, write
   /// commands. `now_ns`: the run's clock. Never called in a replay.
-  virtual void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
-    static_cast<void>(devices);
-    static_cast<void>(now_ns);
-  }
+  virtual void poll_devices(const Devices& /*devices*/, rt::Nanoseconds /*now_ns*/) {}
   /// Motors as of the last poll, from any thread; nothing where there are none.
   virtual std::optional<MotorsNews> motors_news() const { return {}; }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
@@ -76,9 +73,7 @@ class Vehicle {
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
-  virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
-    static_cast<void>(put);
-  }
+  virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& /*put*/) const {}
   /// The occupancy map as it is when no job runs; nothing without one.
   virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
 };
