@@ -36,6 +36,7 @@ class Allocation {
 
   /// The rotor makes nothing from now on. The last four are kept: false.
   bool lose(std::uint32_t rotor);
+  bool lost(std::uint32_t rotor) const { return lost_[rotor]; }
   std::uint32_t lost_count() const { return lost_count_; }
 
   /// What these thrusts make together.
