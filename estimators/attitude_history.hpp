@@ -2,7 +2,6 @@
 // The last attitudes with their stamps: what the attitude was, or will shortly be, at any moment asked for.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -74,18 +73,6 @@ class AttitudeHistory {
     }
     const Entry& oldest = back(size_ - 1);
     return {oldest.q_world_body, oldest.stamp_ns - stamp_ns <= max_extrapolation_ns_};
-  }
-
-  /// Mean forward direction over [from, to]: composite Simpson, one piece per 100 ms, eight at most.
-  rt::Vector3 mean_forward(rt::Nanoseconds from_ns, rt::Nanoseconds to_ns) const {
-    constexpr rt::Nanoseconds kPiece_ns = 100 * rt::kNanosecondsPerMillisecond;
-    const auto forward = [this](rt::Nanoseconds at_ns) { return rotate(at(at_ns).q_world_body, {1, 0, 0}); };
-    const rt::Nanoseconds span_ns = to_ns - from_ns;
-    const rt::Nanoseconds pieces = std::clamp<rt::Nanoseconds>((span_ns + kPiece_ns - 1) / kPiece_ns, 1, 8);
-    rt::Vector3 sum = forward(from_ns) + forward(to_ns);
-    for (rt::Nanoseconds i = 1; i < 2 * pieces; ++i)
-      sum = sum + (i % 2 == 1 ? 4.0 : 2.0) * forward(from_ns + span_ns / (2 * pieces) * i);
-    return (1.0 / (6.0 * static_cast<double>(pieces))) * sum;
   }
 
   /// State to bytes and back.

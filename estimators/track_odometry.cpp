@@ -2,6 +2,7 @@
 // Dead reckoning from cumulative track travel and a history of attitudes.
 #include "estimators/track_odometry.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimators/attitude_config.hpp"
@@ -13,6 +14,8 @@ using rt::Vector3;
 
 constexpr double kFarthestTravel_m = 1e7;
 constexpr double kJumpMargin_m = 0.05;  // quantisation and stamp jitter of short steps
+constexpr rt::Nanoseconds kPiece_ns = 100 * rt::kNanosecondsPerMillisecond;
+constexpr rt::Nanoseconds kMostPieces = 8;
 constexpr rt::Nanoseconds kRan_ns = 200 * rt::kNanosecondsPerMillisecond;  // a belt runs on after it moved
 
 Eigen::Matrix3d to_eigen(const Quaternion& q) {
@@ -22,6 +25,20 @@ Eigen::Matrix3d to_eigen(const Quaternion& q) {
   return m;
 }
 
+Vector3 forward(const Quaternion& q_world_body) { return rotate(q_world_body, {1, 0, 0}); }
+
+/// Mean forward direction over [from, to]: composite Simpson, one piece per 100 ms.
+Vector3 mean_forward(const AttitudeHistory& history, rt::Nanoseconds from_ns, rt::Nanoseconds to_ns) {
+  const rt::Nanoseconds span_ns = to_ns - from_ns;
+  const rt::Nanoseconds pieces =
+      std::clamp<rt::Nanoseconds>((span_ns + kPiece_ns - 1) / kPiece_ns, 1, kMostPieces);
+  Vector3 sum = forward(history.at(from_ns).q_world_body) + forward(history.at(to_ns).q_world_body);
+  for (rt::Nanoseconds i = 1; i < 2 * pieces; ++i) {
+    const rt::Nanoseconds at_ns = from_ns + span_ns / (2 * pieces) * i;
+    sum = sum + (i % 2 == 1 ? 4.0 : 2.0) * forward(history.at(at_ns).q_world_body);
+  }
+  return (1.0 / (6.0 * static_cast<double>(pieces))) * sum;
+}
 SteeringConfig with_width(SteeringConfig config, double track_width_m) {
   config.track_width_m = track_width_m;
   return config;
@@ -124,45 +141,6 @@ bool TrackOdometry::plausible(const rt::TrackSample& from, const rt::TrackSample
   return std::fabs(to.left_m - from.left_m) <= most_m && std::fabs(to.right_m - from.right_m) <= most_m;
 }
 
-/// The way of the body's origin as the attitudes have the world, obstacles and turning centre included.
-inline TrackMotion TrackOdometry::motion_over(const Stretch& s) {
-  TrackMotion motion;
-  if (kHasObstacles && obstacle_) {
-    motion = obstacle_->advance({s.dt_s, s.travel_m, s.begin.q_world_body, s.end.q_world_body});
-  } else {
-    motion.travel_world_m = s.travel_m * history_.mean_forward(s.from.stamp_ns, s.to.stamp_ns);
-  }
-  if (s.turns && config_.icr_x_m != 0.0) {
-    // v_y = -w x_v: a track's turning centre moves along the track, what lies behind it moves across.
-    const Vector3 across = rotate(s.begin.q_world_body, {0, 1, 0}) + rotate(s.end.q_world_body, {0, 1, 0});
-    motion.travel_world_m = motion.travel_world_m + (-0.5 * config_.icr_x_m * s.turn_rad) * across;
-  }
-  motion.travel_world_m.z += kept_rise_m_;
-  motion.mended_m += kept_rise_m_;
-  kept_rise_m_ = 0.0;
-  return motion;
-}
-
-/// By how far the tracks turned otherwise than the gyro, beyond what they may; learns from it as well.
-inline double TrackOdometry::slip_over(const Stretch& s, std::uint32_t& flags) {
-  if (!s.end.exact || !s.begin.exact) {
-    flags |= kPoseAttitudeStale;
-    ++counters_.attitude_stale;
-    return 0.0;
-  }
-  if (!(config_.track_width_m > 0.0)) return 0.0;
-  double turn_gap = std::fabs((s.right_m - s.left_m) / config_.track_width_m - s.turn_rad);
-  if (config_.learn_steering) {
-    turn_gap =
-        steering_.trusted() ? std::fabs(steering_.expected_rad(s.left_m, s.right_m) - s.turn_rad) : 0.0;
-    steering_.update(s.dt_s, s.left_m, s.right_m, s.turn_rad);
-  }
-  if (!(turn_gap > config_.slip_rate_rad_s * s.dt_s)) return 0.0;
-  flags |= kPoseSlip;
-  ++counters_.slips;
-  return 0.5 * config_.track_width_m * turn_gap;
-}
-
 Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2) {
   if (history_.size() == 0) {
     ++counters_.no_attitude;
@@ -170,50 +148,79 @@ Status TrackOdometry::advance(const rt::TrackSample& from, const rt::TrackSample
     rebase(to, false);
     return Status::ok;
   }
-  Stretch s{from, to, history_.at(from.stamp_ns), history_.at(to.stamp_ns)};
-  s.dt_s = rt::to_seconds(to.stamp_ns - from.stamp_ns);
-  s.left_m = config_.scale_left * (to.left_m - from.left_m);
-  s.right_m = config_.scale_right * (to.right_m - from.right_m);
-  s.travel_m = 0.5 * (s.left_m + s.right_m);
-  const bool exact = s.begin.exact && s.end.exact;
+  const double dt_s = rt::to_seconds(to.stamp_ns - from.stamp_ns);
+  const double left_m = config_.scale_left * (to.left_m - from.left_m);
+  const double right_m = config_.scale_right * (to.right_m - from.right_m);
+  const double travel_m = 0.5 * (left_m + right_m);
+  const AttitudeHistory::Answer begin = history_.at(from.stamp_ns);
+  const AttitudeHistory::Answer end = history_.at(to.stamp_ns);
   watch_belts(to);
-  if (stands_ && !belts_run_ && exact && lost_m2 == 0.0) {
-    stand(from, to, s.begin, s.end);
+  if (stands_ && !belts_run_ && begin.exact && end.exact && lost_m2 == 0.0) {
+    stand(from, to, begin, end);
     return Status::ok;
   }
-  s.turns = exact && (config_.icr_x_m != 0.0 || config_.track_width_m > 0.0);
-  if (s.turns) s.turn_rad = log_rotation(conjugate(s.begin.q_world_body) * s.end.q_world_body).z;
-  const TrackMotion motion = motion_over(s);
+  TrackMotion motion;
+  if (kHasObstacles && obstacle_) {
+    motion = obstacle_->advance({dt_s, travel_m, begin.q_world_body, end.q_world_body});
+  } else {
+    motion.travel_world_m = travel_m * mean_forward(history_, from.stamp_ns, to.stamp_ns);
+  }
+  const bool turns = begin.exact && end.exact && (config_.icr_x_m != 0.0 || config_.track_width_m > 0.0);
+  const double turn_gyro = turns ? log_rotation(conjugate(begin.q_world_body) * end.q_world_body).z : 0.0;
+  if (turns && config_.icr_x_m != 0.0) {
+    // v_y = -w x_v: a track's turning centre moves along the track, what lies behind it moves across.
+    const Vector3 across = rotate(begin.q_world_body, {0, 1, 0}) + rotate(end.q_world_body, {0, 1, 0});
+    motion.travel_world_m = motion.travel_world_m + (-0.5 * config_.icr_x_m * turn_gyro) * across;
+  }
+  motion.travel_world_m.z += kept_rise_m_;
+  motion.mended_m += kept_rise_m_;
+  kept_rise_m_ = 0.0;
   const Vector3 step = rotate(q_world_attitude_, motion.travel_world_m);
+
   std::uint32_t flags = 0;
-  const double slip_m = slip_over(s, flags);
-  const double still_m = config_.still_speed_m_s * s.dt_s;
+  double slip_m = 0.0;
+  if (!end.exact || !begin.exact) {
+    flags |= kPoseAttitudeStale;
+    ++counters_.attitude_stale;
+  } else if (config_.track_width_m > 0.0) {
+    double turn_gap = std::fabs((right_m - left_m) / config_.track_width_m - turn_gyro);
+    if (config_.learn_steering) {
+      turn_gap = steering_.trusted() ? std::fabs(steering_.expected_rad(left_m, right_m) - turn_gyro) : 0.0;
+      steering_.update(dt_s, left_m, right_m, turn_gyro);
+    }
+    if (turn_gap > config_.slip_rate_rad_s * dt_s) {
+      flags |= kPoseSlip;
+      ++counters_.slips;
+      slip_m = 0.5 * config_.track_width_m * turn_gap;
+    }
+  }
+  const double still_m = config_.still_speed_m_s * dt_s;
   // A rate of long ago is no witness of rest.
-  if (s.end.exact && std::fabs(s.left_m) <= still_m && std::fabs(s.right_m) <= still_m &&
+  if (end.exact && std::fabs(left_m) <= still_m && std::fabs(right_m) <= still_m &&
       norm(history_.back(0).w_body_rad_s) <= config_.still_rate_rad_s) {
     flags |= kPoseStationary;
   }
 
-  const Quaternion q_from = q_world_attitude_ * s.begin.q_world_body;
-  const Quaternion q_to = q_world_attitude_ * s.end.q_world_body;
+  const Quaternion q_from = q_world_attitude_ * begin.q_world_body;
+  const Quaternion q_to = q_world_attitude_ * end.q_world_body;
   covariance_.advance({{step.x, step.y, step.z},
                        to_eigen(q_from),
                        to_eigen(q_to),
-                       s.dt_s,
+                       dt_s,
                        slip_m * slip_m + lost_m2,
                        motion.vertical_variance_m2,
                        (flags & kPoseAttitudeStale) == 0 && !turned_unseen_});
   turned_unseen_ = false;
   velocity_known_ = true;
   p_world_body_ = p_world_body_ + step;
-  distance_m_ += std::fabs(s.travel_m);
-  last_speed_m_s_ = s.travel_m / s.dt_s;
+  distance_m_ += std::fabs(travel_m);
+  last_speed_m_s_ = travel_m / dt_s;
   base_ = to;
   has_suspect_ = false;
   ++counters_.used;
   const bool plain = !obstacle_ && config_.icr_x_m == 0.0;
   const Vector3 v_body = plain ? Vector3{last_speed_m_s_, 0, 0}
-                               : (1.0 / s.dt_s) * rotate_back(q_to, step - Vector3{0, 0, motion.mended_m});
+                               : (1.0 / dt_s) * rotate_back(q_to, step - Vector3{0, 0, motion.mended_m});
   publish(to.stamp_ns, q_to, v_body, flags);
   return Status::ok;
 }

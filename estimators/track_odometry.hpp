@@ -138,27 +138,11 @@ class TrackOdometry {
 
  private:
   static constexpr bool kHasObstacles = rt::kBuilt<"obstacles">;
-  /// From one sample to the next.
-  struct Stretch {
-    const rt::TrackSample& from;
-    const rt::TrackSample& to;
-    AttitudeHistory::Answer begin;
-    AttitudeHistory::Answer end;
-    double dt_s{};
-    double left_m{};
-    double right_m{};
-    double travel_m{};
-    double turn_rad{};  ///< by the gyro, where that is known and of use
-    bool turns{};
-  };
-
   Status check(const rt::TrackSample& sample);
   bool plausible(const rt::TrackSample& from, const rt::TrackSample& to) const;
   void watch_belts(const rt::TrackSample& to);
   void stand(const rt::TrackSample& from, const rt::TrackSample& to, const AttitudeHistory::Answer& begin,
              const AttitudeHistory::Answer& end);
-  TrackMotion motion_over(const Stretch& s);
-  double slip_over(const Stretch& s, std::uint32_t& flags);
   Status advance(const rt::TrackSample& from, const rt::TrackSample& to, double lost_m2);
   void rebase(const rt::TrackSample& sample, bool stands);
   void publish(rt::Nanoseconds stamp_ns, const rt::Quaternion& q, const rt::Vector3& v_body_m_s,
