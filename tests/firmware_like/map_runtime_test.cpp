@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "rt/segment_list.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
