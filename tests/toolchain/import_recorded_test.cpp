@@ -2,6 +2,7 @@
 // The recorded data sets: what must come out of them, judged by a dead reckoning written here again.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "rt/rotation.hpp"
 #include "tests/toolchain/import_support.hpp"
@@ -102,6 +103,106 @@ TEST_CASE("the recorded plaza run imports, and dead reckoning on it comes within
   CHECK(errors["ate_rmse_m"] <= 2.0);
   CHECK(errors["ate_max_m"] == Approx(4.45).margin(0.05));
   CHECK(log.tracks.back().left_m == Approx(1861.28).margin(0.05));
+}
+
+namespace {
+
+/// What a CARMEN log holds, read here again by other means.
+struct CarmenTwin {
+  std::vector<double> odometry;  // x, y, theta by turns
+  std::vector<std::size_t> readings_below_50_m;
+  std::uint64_t readings{};
+  double path_m{};
+};
+
+CarmenTwin read_carmen(const std::string& path) {
+  CarmenTwin twin;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string name;
+    words >> name;
+    if (name == "ODOM") {
+      double pose[3]{};
+      words >> pose[0] >> pose[1] >> pose[2];
+      const std::size_t n = twin.odometry.size();
+      if (n > 0) twin.path_m += std::hypot(pose[0] - twin.odometry[n - 3], pose[1] - twin.odometry[n - 2]);
+      twin.odometry.insert(twin.odometry.end(), std::begin(pose), std::end(pose));
+    } else if (name == "FLASER") {
+      std::size_t count = 0;
+      words >> count;
+      std::size_t below = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        double range = 0.0;
+        words >> range;
+        if (range < 50.0) ++below;
+      }
+      twin.readings += count;
+      twin.readings_below_50_m.push_back(below);
+    }
+  }
+  return twin;
+}
+
+/// The log against the file: numbers of rows and points, way and turn.
+Log check_carmen(const std::string& name, std::uint64_t scans, std::uint64_t odometry,
+                 std::uint64_t backwards) {
+  const TempFolder folder;
+  const Outcome outcome = run("carmen", data("radish_2d/" + name), folder.file("out.lcm"), true);
+  REQUIRE(outcome.error.empty());
+  const CarmenTwin twin = read_carmen(data("radish_2d/" + name));
+  CHECK(outcome.report.scans == scans);
+  CHECK(outcome.report.tracks == odometry);
+  CHECK(outcome.report.time_backwards == backwards);
+  CHECK(outcome.report.returns.in == twin.readings);
+  Log log = read_log(folder.file("out.lcm"));
+  CHECK(std::is_sorted(log.receipts_us.begin(), log.receipts_us.end()));
+  REQUIRE(log.points.size() == twin.readings_below_50_m.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < log.points.size(); ++i)
+    different += log.points[i].size() != twin.readings_below_50_m[i] ? 1u : 0u;
+  CHECK(different == 0);
+  double path_m = 0.0;
+  for (std::size_t i = 1; i < log.tracks.size(); ++i)
+    path_m += std::fabs(log.tracks[i].left_m - log.tracks[i - 1].left_m);
+  CHECK(path_m == Approx(twin.path_m).margin(1e-6));
+  const double turned = rt::yaw_of(reckon(log).back().q) - twin.odometry.back();
+  CHECK(std::fabs(rt::wrap_angle(turned)) < 1e-6);
+  return log;
+}
+
+}  // namespace
+
+TEST_CASE("the recorded aces drive imports, and reckoning on it ends where its odometry does", "[heavy]") {
+  if (absent(data("radish_2d/aces.clf"))) return;
+  const Log log = check_carmen("aces.clf", 7374, 7375, 0);
+  const CarmenTwin twin = read_carmen(data("radish_2d/aces.clf"));
+  const ReckonedPose end = reckon(log).back();
+  const std::size_t n = twin.odometry.size();
+  CHECK(std::hypot(end.p_m.x - twin.odometry[n - 3], end.p_m.y - twin.odometry[n - 2]) < 0.01 * twin.path_m);
+}
+
+TEST_CASE("the recorded intel drive imports although its stamps run back", "[heavy]") {
+  if (absent(data("radish_2d/intel.clf"))) return;
+  check_carmen("intel.clf", 13631, 26915, 602 + 631);
+}
+
+TEST_CASE("the recorded sweep imports with a time for each point", "[heavy]") {
+  if (absent(data("tradr_robot/tradr_os0_128.swp"))) return;
+  const TempFolder folder;
+  const Outcome outcome = run("swp", data("tradr_robot/tradr_os0_128.swp"), folder.file("out.lcm"), true);
+  REQUIRE(outcome.error.empty());
+  CHECK(outcome.report.returns.used == 94680);
+  CHECK(outcome.report.returns.no_return == 36392);
+  const Log log = read_log(folder.file("out.lcm"));
+  REQUIRE(log.scans.size() == 1);
+  CHECK(log.scans[0].stamp_ns == 99'850'579);
+  CHECK(log.points[0].front().age_10us == 9985);
+  CHECK(log.points[0].back().age_10us == 0);
+  std::vector<std::uint16_t> ages;
+  for (const rt::ScanPoint& point : log.points[0])
+    if (ages.empty() || ages.back() != point.age_10us) ages.push_back(point.age_10us);
+  CHECK(ages.size() <= 1024);  // sorted by time: one change a column
 }
 
 TEST_CASE("all recorded scans and trials import", "[heavy]") {
