@@ -37,6 +37,7 @@ inline Log read_log(const std::string& path) {
   Log log;
   drivers::LcmLogReader reader(path);
   drivers::LogEvent event;
+  std::vector<rt::ScanPoint> room(131072);
   while (reader.next(event) == Status::ok) {
     log.receipts_us.push_back(event.timestamp_us);
     std::int64_t seq = -1;
@@ -52,9 +53,8 @@ inline Log read_log(const std::string& path) {
     } else if (event.channel == "TRUTH") {
       REQUIRE(drivers::decode(event.data, log.truth.emplace_back()) == Status::ok);
     } else if (event.channel == "SCAN") {
-      auto& points = log.points.emplace_back(100000);
-      REQUIRE(drivers::decode(event.data, log.scans.emplace_back(), points, seq) == Status::ok);
-      points.resize(log.scans.back().points);
+      REQUIRE(drivers::decode(event.data, log.scans.emplace_back(), room, seq) == Status::ok);
+      log.points.emplace_back(room.begin(), room.begin() + log.scans.back().points);
       log.seqs_count_from_zero &= seq == static_cast<std::int64_t>(log.scans.size()) - 1;
     } else {
       FAIL("unexpected channel " << event.channel);
