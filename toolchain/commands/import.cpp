@@ -62,6 +62,7 @@ void add_import(firmware::Command& app, CommandContext& context) {
                                     {"bad_rows", report.bad_rows},
                                     {"hidden_truth", report.hidden_truth},
                                     {"time_backwards", report.time_backwards},
+                                    {"out_of_order", report.out_of_order},
                                     {"other_rows", report.other_rows},
                                     {"imu", report.imu},
                                     {"tracks", report.tracks},

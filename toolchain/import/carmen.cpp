@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // CARMEN logs: a planar laser and the pose that the wheels have summed up, row by row as the logger got them.
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <optional>
 
@@ -9,12 +10,13 @@
 #include "toolchain/import/data_set.hpp"
 #include "toolchain/import/kinds.hpp"
 #include "toolchain/import/odometry_steps.hpp"
+#include "toolchain/import/rising_stamps.hpp"
 #include "toolchain/import/text_file.hpp"
 
 namespace sortie::toolchain {
 namespace {
 
-/// A stamp that lies so far ahead of the rows on both sides is none.
+/// A stamp so far off the order of the rows is none.
 constexpr rt::Nanoseconds kWild = 60 * rt::kNanosecondsPerSecond;
 constexpr std::size_t kNamesShown = 8;
 
@@ -22,6 +24,10 @@ struct Row {
   CarmenRow content;
   bool laser{};
   std::string place;
+  bool in_order{};           ///< its stamp fits into those of its kind
+  rt::Nanoseconds off_ns{};  ///< else how far it is ahead of (above 0) or behind them
+
+  bool is_wild() const { return std::abs(off_ns) >= kWild; }
 };
 
 /// Rows that are passed over, by name.
@@ -94,10 +100,10 @@ std::vector<Row> read_rows(const std::string& path, CarmenReader& reader, RowJud
         others.note(reader.name());
         break;
       case CarmenLine::odometry:
-        rows.push_back({std::move(row), false, file.place()});
+        rows.push_back({std::move(row), false, file.place(), false, 0});
         break;
       case CarmenLine::laser:
-        rows.push_back({std::move(row), true, file.place()});
+        rows.push_back({std::move(row), true, file.place(), false, 0});
         break;
     }
   }
@@ -106,48 +112,72 @@ std::vector<Row> read_rows(const std::string& path, CarmenReader& reader, RowJud
   return rows;
 }
 
-/// Takes out rows whose stamp is a minute or more ahead of the row before and of the row after: one of them
-/// would make all that follow look late.
-void drop_wild(std::vector<Row>& rows, RowJudge& judge) {
-  std::vector<Row> kept;
-  kept.reserve(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const rt::Nanoseconds stamp_ns = rows[i].content.stamp_ns;
-    const bool before = kept.empty() || stamp_ns >= kept.back().content.stamp_ns + kWild;
-    const bool after = i + 1 < rows.size() && stamp_ns >= rows[i + 1].content.stamp_ns + kWild;
-    if (before && after) {
-      judge.bad(rows[i].place, "its stamp lies " +
-                                   firmware::format_seconds(stamp_ns - rows[i + 1].content.stamp_ns) +
-                                   " s ahead of the rows around it");
-    } else {
-      judge.good();
-      kept.push_back(std::move(rows[i]));
-    }
+/// How far the rows of one kind lie off the longest run of them whose stamps never fall: 0 within it, above 0
+/// ahead, below 0 behind.
+void find_order(std::vector<Row>& rows, bool laser) {
+  std::vector<Row*> kind;
+  std::vector<rt::Nanoseconds> stamps_ns;
+  for (Row& row : rows) {
+    if (row.laser != laser) continue;
+    kind.push_back(&row);
+    stamps_ns.push_back(row.content.stamp_ns);
   }
-  rows = std::move(kept);
+  const std::vector<bool> rises = longest_rise(stamps_ns);
+  std::optional<rt::Nanoseconds> before_ns;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < kind.size(); ++i) {
+    kind[i]->in_order = rises[i];
+    if (rises[i]) before_ns = stamps_ns[i];
+    while (next < kind.size() && (next < i || !rises[next])) ++next;
+    const rt::Nanoseconds behind_ns = before_ns ? *before_ns - stamps_ns[i] : 0;
+    const rt::Nanoseconds ahead_ns = next < kind.size() ? stamps_ns[i] - stamps_ns[next] : 0;
+    kind[i]->off_ns = behind_ns > ahead_ns ? -behind_ns : ahead_ns;
+  }
 }
 
-/// Receipts follow the rows, also where stamps run back: what the logger got first comes first.
+/// Takes out the rows whose stamp is a minute or more off the order.
+void drop_wild(std::vector<Row>& rows, RowJudge& judge) {
+  find_order(rows, false);
+  find_order(rows, true);
+  for (const Row& row : rows) {
+    if (row.is_wild()) {
+      judge.bad(row.place, "its stamp lies " + firmware::format_seconds(std::abs(row.off_ns)) + " s " +
+                               (row.off_ns < 0 ? "behind" : "ahead of") + " the rows around it");
+      continue;
+    }
+    judge.good();
+    if (!row.in_order) judge.out_of_order();
+  }
+  std::erase_if(rows, [](const Row& row) { return row.is_wild(); });
+}
+
+/// Receipts follow the rows in order: what the logger got first comes first.
 void add_rows(std::vector<Row>& rows, RowJudge& judge, LogBuilder& builder) {
   const bool has_odometry = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return !row.laser; });
   OdometrySteps odometry(builder);
-  rt::Nanoseconds receipt_ns = 0;
+  rt::Nanoseconds now_ns = 0;
   std::optional<rt::Nanoseconds> above_ns[2];
   for (Row& row : rows) {
     const CarmenRow& at = row.content;
-    receipt_ns = std::max(receipt_ns, at.stamp_ns);
+    if (row.in_order) now_ns = std::max(now_ns, at.stamp_ns);
     std::optional<rt::Nanoseconds>& above = above_ns[row.laser ? 1 : 0];
     if (above && at.stamp_ns < *above) judge.time_backwards(row.place, *above - at.stamp_ns);
     above = at.stamp_ns;
     // The laser's rows repeat the odometry; they tell it only where no other row does.
-    if (row.laser != has_odometry)
-      odometry.add(receipt_ns, at.stamp_ns, {at.x_m, at.y_m, 0.0},
-                   rt::from_yaw_pitch_roll(rt::wrap_angle(at.heading_rad), 0.0, 0.0));
+    if (row.laser != has_odometry) {
+      const rt::Vector3 p_m{at.x_m, at.y_m, 0.0};
+      const rt::Quaternion q = rt::from_yaw_pitch_roll(rt::wrap_angle(at.heading_rad), 0.0, 0.0);
+      if (row.in_order) {
+        odometry.add(now_ns, at.stamp_ns, p_m, q);
+      } else {
+        odometry.pass(p_m, q);
+      }
+    }
     if (!row.laser) continue;
     judge.returns(at.returns);
     rt::ScanHeader header;
     header.stamp_ns = at.stamp_ns;
-    builder.add(receipt_ns, header, std::move(row.content.points));
+    builder.add(std::max(now_ns, at.stamp_ns), header, std::move(row.content.points));
   }
 }
 

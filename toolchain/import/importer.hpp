@@ -46,6 +46,8 @@ struct ImportReport {
   std::uint64_t hidden_truth{};  ///< truth rows without a usable reference (legal)
   std::uint64_t
       time_backwards{};  ///< sensor rows whose stamp lies before the row above (kept: the estimators judge)
+  std::uint64_t
+      out_of_order{};          ///< carmen: rows outside the longest run of their kind whose stamps never fall
   std::uint64_t other_rows{};  ///< whole rows of kinds that the importer has no use for (legal)
   std::uint64_t imu{}, tracks{}, scans{}, truth{};  ///< events by kind
   ReturnCounts returns;                             ///< of the kinds that look at them: carmen and swp

@@ -9,11 +9,11 @@
 namespace sortie::toolchain {
 
 /// Turns poses of the body, as its odometry gave them, into TRACK and IMU samples of a log. The first pose is
-/// that at which the log begins. Each pose gives a TRACK sample: the way from the pose before, forwards or
-/// backwards along the body's x axis, both sides alike, summed up. It gives an IMU sample, too: the mean turn
-/// rates since the IMU sample before. A pose whose stamp is not above all before it, or whose turn would be
-/// faster than anything turns, gives no IMU sample and leaves its turn to the next: no turn is lost, and none
-/// enters twice.
+/// that at which the log begins. A pose is told by two samples: the way so far, summed up forwards and
+/// backwards along the body's x axis, both sides alike; and the mean turn rates since the pose that was told
+/// before. Not every pose is told: one whose stamp does not rise, or that would be reached faster than
+/// anything moves within 100 ms of the one before, came late or early. Its way and turn are told with the
+/// next: none is lost, none enters twice.
 class OdometrySteps {
  public:
   /// Writes to `builder`, which outlives this.
@@ -23,17 +23,21 @@ class OdometrySteps {
   void add(rt::Nanoseconds receipt_ns, rt::Nanoseconds stamp_ns, const rt::Vector3& p_m,
            const rt::Quaternion& q);
 
+  /// A pose on the way whose stamp is not believed.
+  void pass(const rt::Vector3& p_m, const rt::Quaternion& q);
+
  private:
-  void begin(rt::Nanoseconds receipt_ns, rt::Nanoseconds stamp_ns, const rt::Vector3& p_m,
-             const rt::Quaternion& q);
+  void begin(const rt::Vector3& p_m, const rt::Quaternion& q);
+  void tell(rt::Nanoseconds receipt_ns, rt::Nanoseconds stamp_ns, const rt::Vector3& w_body_rad_s);
 
   LogBuilder& builder_;
   bool started_{false};
   rt::Vector3 last_p_m_;
   rt::Quaternion last_q_;
   double travel_m_{};
-  rt::Nanoseconds turned_ns_{};  ///< stamp of the newest IMU sample
-  rt::Quaternion turned_q_;      ///< attitude up to which the turn was told
+  rt::Nanoseconds told_ns_{};  ///< the pose that was told last
+  rt::Quaternion told_q_;
+  double told_m_{};
 };
 
 }  // namespace sortie::toolchain
