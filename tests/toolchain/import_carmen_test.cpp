@@ -15,27 +15,27 @@ namespace {
 
 constexpr double kPi_rad = 3.14159265358979323846;
 
-std::string odom(const std::string& pose, const std::string& t) {
+std::string odom_row(const std::string& pose, const std::string& t) {
   return "ODOM " + pose + " 0 0 0 " + t + " host " + t + "\n";
 }
 
-std::string readings(int count, const std::string& range) {
+std::string range_list(int count, const std::string& range) {
   std::string text;
   for (int i = 0; i < count; ++i) text += " " + range;
   return text;
 }
 
-std::string flaser(int count, const std::string& range, const std::string& t) {
-  return "FLASER " + std::to_string(count) + readings(count, range) + " 0 0 0 0 0 0 " + t + " host " + t +
+std::string flaser_row(int count, const std::string& range, const std::string& t) {
+  return "FLASER " + std::to_string(count) + range_list(count, range) + " 0 0 0 0 0 0 " + t + " host " + t +
          "\n";
 }
 
 /// A drive along x, a row of odometry and one of the laser every 0.1 s.
-std::string drive(int rows) {
+std::string drive_log(int rows) {
   std::string text = "# a comment\nPARAM robot_frontlaser_offset 0.0 nohost 0\n\n";
   for (int k = 0; k < rows; ++k) {
     const std::string t = "100." + std::to_string(100000 + 1000 * k).substr(1);
-    text += odom("0.0" + std::to_string(10 + k) + " 5 0", t) + flaser(180, "2.5", t);
+    text += odom_row("0.0" + std::to_string(10 + k) + " 5 0", t) + flaser_row(180, "2.5", t);
   }
   return text;
 }
@@ -46,7 +46,7 @@ TEST_CASE("readings of a front laser lie half a turn around its axis, by their n
   const TempFolder folder;
   for (const int count : {1, 2, 180, 181, 360, 361}) {
     const std::string out = folder.file(std::to_string(count) + ".lcm");
-    REQUIRE(run("carmen", folder.write("a.clf", flaser(count, "3.25", "7.125")), out).error.empty());
+    REQUIRE(run("carmen", folder.write("a.clf", flaser_row(count, "3.25", "7.125")), out).error.empty());
     const Log log = read_log(out);
     REQUIRE(log.scans.size() == 1);
     CHECK(log.scans[0].stamp_ns == 7'125'000'000);
@@ -109,10 +109,10 @@ TEST_CASE("what is no return is left out and counted, and the range can be chose
 
 TEST_CASE("the summed-up pose becomes travel, backwards too, and mean rates that sum up to its turn") {
   const TempFolder folder;
-  const std::string log_text = odom("1 2 1.5707963267948966", "10") +                 // looks along y
-                               odom("1 3 1.5707963267948966", "10.5") +               // a metre ahead
-                               odom("1 2.6 1.5707963267948966", "11") +               // and 0.4 m back
-                               odom("1 2.6 3.1", "11.5") + odom("1 2.6 -3.1", "12");  // over the seam
+  const std::string log_text = odom_row("1 2 1.5707963267948966", "10") +    // looks along y
+                               odom_row("1 3 1.5707963267948966", "10.5") +  // a metre ahead
+                               odom_row("1 2.6 1.5707963267948966", "11") +  // and 0.4 m back
+                               odom_row("1 2.6 3.1", "11.5") + odom_row("1 2.6 -3.1", "12");  // over the seam
   REQUIRE(run("carmen", folder.write("a.clf", log_text), folder.file("out.lcm")).error.empty());
   const Log log = read_log(folder.file("out.lcm"));
   REQUIRE(log.tracks.size() == 5);
@@ -156,16 +156,18 @@ TEST_CASE("the longest rise of stamps is as long as that of brute force") {
 
 TEST_CASE("stamps that run back are counted, and what their rows drove is told with the next") {
   const TempFolder folder;
-  const std::string log_text = odom("0 0 0", "10") + odom("0.1 0 0.1", "10.1") + odom("0.2 0 0.2", "10.5") +
-                               flaser(2, "1", "10.2") + odom("0.3 0 0.3", "10.3") + flaser(2, "1", "10.1") +
-                               odom("0.4 0 0.4", "10.5") + odom("0.5 0 0.5", "10.6");
+  const std::string log_text = odom_row("0 0 0", "10") + odom_row("0.1 0 0.1", "10.1") +
+                               odom_row("0.2 0 0.2", "10.5") + flaser_row(2, "1", "10.2") +
+                               odom_row("0.3 0 0.3", "10.3") + flaser_row(2, "1", "10.1") +
+                               odom_row("0.4 0 0.4", "10.5") + odom_row("0.5 0 0.5", "10.6");
   const Outcome outcome = run("carmen", folder.write("a.clf", log_text), folder.file("out.lcm"));
   REQUIRE(outcome.error.empty());
   CHECK(outcome.report.time_backwards == 2);
   CHECK(outcome.report.out_of_order == 2);  // the early 10.5 and one of the two scans
   CHECK(outcome.report.bad_rows == 0);
-  REQUIRE(outcome.report.warnings.size() == 1);
-  CHECK(outcome.report.warnings[0].find("a.clf:5: time runs back by 0.2") != std::string::npos);
+  REQUIRE(outcome.report.warnings.size() == 2);
+  CHECK(outcome.report.warnings[0].find("a.clf: 2 rows have stamps out of order") != std::string::npos);
+  CHECK(outcome.report.warnings[1].find("a.clf:5: time runs back by 0.2") != std::string::npos);
   const Log log = read_log(folder.file("out.lcm"));
   CHECK(std::is_sorted(log.receipts_us.begin(), log.receipts_us.end()));
   REQUIRE(log.tracks.size() == 5);
@@ -184,9 +186,10 @@ TEST_CASE(
     "a way or turn that nothing could make within 0.1 s is told with the next row, a leap over more is "
     "told") {
   const TempFolder folder;
-  const std::string log_text = odom("0 0 0", "10") + odom("0 0 0.2", "10.000001") + odom("0 0 0.2", "10.1") +
-                               odom("0 0 0.2", "10.2") + odom("0.5 0 0.2", "10.201") +
-                               odom("1 0 0.2", "10.4") + odom("9 0 0.2", "10.5");
+  const std::string log_text = odom_row("0 0 0", "10") + odom_row("0 0 0.2", "10.000001") +
+                               odom_row("0 0 0.2", "10.1") + odom_row("0 0 0.2", "10.2") +
+                               odom_row("0.5 0 0.2", "10.201") + odom_row("1 0 0.2", "10.4") +
+                               odom_row("9 0 0.2", "10.5");
   REQUIRE(run("carmen", folder.write("a.clf", log_text), folder.file("out.lcm")).error.empty());
   const Log log = read_log(folder.file("out.lcm"));
   REQUIRE(log.imu.size() == 5);
@@ -200,11 +203,11 @@ TEST_CASE(
 
 TEST_CASE("a wild stamp is dropped, a pause is not") {
   const TempFolder folder;
-  const std::string rest = odom("0 0 0", "10") + odom("0 0 0", "10.1") + odom("0 0 0", "500") +
-                           odom("0 0 0", "500.1") + odom("0 0 0", "500.2");
+  const std::string rest = odom_row("0 0 0", "10") + odom_row("0 0 0", "10.1") + odom_row("0 0 0", "500") +
+                           odom_row("0 0 0", "500.1") + odom_row("0 0 0", "500.2");
   for (const bool first : {true, false}) {
-    const std::string wild = odom("0 0 0", "976052857.3");
-    const std::string text = first ? wild + rest : rest + wild + odom("0 0 0", "500.3");
+    const std::string wild = odom_row("0 0 0", "976052857.3");
+    const std::string text = first ? wild + rest : rest + wild + odom_row("0 0 0", "500.3");
     const Outcome outcome = run("carmen", folder.write("a.clf", text), folder.file("out.lcm"));
     REQUIRE(outcome.error.empty());
     CHECK(outcome.report.bad_rows == 1);
@@ -248,7 +251,8 @@ TEST_CASE("damaged rows of a CARMEN log are dropped with their line and reason")
   };
   for (const Damage& damage : damages) {
     const std::string out = folder.file("out.lcm");
-    const Outcome outcome = run("carmen", folder.write("a.clf", drive(20) + damage.row + drive(5)), out);
+    const Outcome outcome =
+        run("carmen", folder.write("a.clf", drive_log(20) + damage.row + drive_log(5)), out);
     INFO(damage.row << outcome.notes << outcome.error);
     CHECK(outcome.report.bad_rows == 1);
     CHECK(outcome.report.scans == 25);
@@ -261,7 +265,7 @@ TEST_CASE("damaged rows of a CARMEN log are dropped with their line and reason")
 
 TEST_CASE("a CARMEN log cut at any byte keeps every whole row, and says where it breaks off") {
   const TempFolder folder;
-  const std::string whole = drive(2);
+  const std::string whole = drive_log(2);
   for (std::size_t cut = 0; cut < whole.size(); cut += 7) {
     const std::string out = folder.file("out.lcm");
     const std::string text = whole.substr(0, cut);
@@ -298,13 +302,13 @@ TEST_CASE("rows of other kinds are counted by name, a laser off the middle is to
   const std::string others =
       "SYNC start 1 host 1\nRLASER 1 2 0 0 0 0 0 0 1 host 1\nRLASER 1 2 0 0 0 0 0 0 1 host 1\n"
       "PARAM robot_frontlaser_offset 0.125 host 0\n";
-  const Outcome outcome = run("carmen", folder.write("a.clf", others + drive(3)), out, true);
+  const Outcome outcome = run("carmen", folder.write("a.clf", others + drive_log(3)), out, true);
   REQUIRE(outcome.error.empty());
   CHECK(outcome.report.other_rows == 3);
   REQUIRE(outcome.report.warnings.size() == 1);
   CHECK(outcome.report.warnings[0].find("RLASER 2, SYNC 1") != std::string::npos);
   const std::string off =
-      "PARAM robot_frontlaser_offset 0.125 host 0\n" + drive(1).substr(drive(1).find("ODOM"));
+      "PARAM robot_frontlaser_offset 0.125 host 0\n" + drive_log(1).substr(drive_log(1).find("ODOM"));
   const Outcome told = run("carmen", folder.write("b.clf", off), folder.file("b.lcm"));
   REQUIRE(told.report.warnings.size() == 1);
   CHECK(told.report.warnings[0].find("0.125 m ahead") != std::string::npos);

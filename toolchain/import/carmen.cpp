@@ -20,7 +20,7 @@ namespace {
 constexpr rt::Nanoseconds kWild = 60 * rt::kNanosecondsPerSecond;
 constexpr std::size_t kNamesShown = 8;
 
-struct Row {
+struct LoggedRow {
   CarmenRow content;
   bool laser{};
   std::string place;
@@ -80,10 +80,10 @@ void check_kind(const std::string& path) {
                              " lines begins with ODOM, FLASER or ROBOTLASER1; check the path and the kind");
 }
 
-std::vector<Row> read_rows(const std::string& path, CarmenReader& reader, RowJudge& judge) {
+std::vector<LoggedRow> read_log_rows(const std::string& path, CarmenReader& reader, RowJudge& judge) {
   TextFile file(path);
   judge.begin(path);
-  std::vector<Row> rows;
+  std::vector<LoggedRow> rows;
   PassedOver others;
   std::string_view line;
   std::string fault;
@@ -114,10 +114,10 @@ std::vector<Row> read_rows(const std::string& path, CarmenReader& reader, RowJud
 
 /// How far the rows of one kind lie off the longest run of them whose stamps never fall: 0 within it, above 0
 /// ahead, below 0 behind.
-void find_order(std::vector<Row>& rows, bool laser) {
-  std::vector<Row*> kind;
+void find_order(std::vector<LoggedRow>& rows, bool laser) {
+  std::vector<LoggedRow*> kind;
   std::vector<rt::Nanoseconds> stamps_ns;
-  for (Row& row : rows) {
+  for (LoggedRow& row : rows) {
     if (row.laser != laser) continue;
     kind.push_back(&row);
     stamps_ns.push_back(row.content.stamp_ns);
@@ -135,29 +135,36 @@ void find_order(std::vector<Row>& rows, bool laser) {
   }
 }
 
-/// Takes out the rows whose stamp is a minute or more off the order.
-void drop_wild(std::vector<Row>& rows, RowJudge& judge) {
+/// Takes out the rows whose stamp is a minute or more off the order, and tells of those that are less off.
+void drop_wild(const std::string& path, std::vector<LoggedRow>& rows, RowJudge& judge) {
+  std::uint64_t off = 0;
   find_order(rows, false);
   find_order(rows, true);
-  for (const Row& row : rows) {
+  for (const LoggedRow& row : rows) {
     if (row.is_wild()) {
       judge.bad(row.place, "its stamp lies " + firmware::format_seconds(std::abs(row.off_ns)) + " s " +
                                (row.off_ns < 0 ? "behind" : "ahead of") + " the rows around it");
       continue;
     }
     judge.good();
-    if (!row.in_order) judge.out_of_order();
+    if (row.in_order) continue;
+    judge.out_of_order();
+    ++off;
   }
-  std::erase_if(rows, [](const Row& row) { return row.is_wild(); });
+  if (off > 0)
+    judge.warn(path + ": " + std::to_string(off) +
+               " rows have stamps out of order; what their odometry drove is told with the next row");
+  std::erase_if(rows, [](const LoggedRow& row) { return row.is_wild(); });
 }
 
 /// Receipts follow the rows in order: what the logger got first comes first.
-void add_rows(std::vector<Row>& rows, RowJudge& judge, LogBuilder& builder) {
-  const bool has_odometry = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return !row.laser; });
+void add_log_rows(std::vector<LoggedRow>& rows, RowJudge& judge, LogBuilder& builder) {
+  const bool has_odometry =
+      std::any_of(rows.begin(), rows.end(), [](const LoggedRow& row) { return !row.laser; });
   OdometrySteps odometry(builder);
   rt::Nanoseconds now_ns = 0;
   std::optional<rt::Nanoseconds> above_ns[2];
-  for (Row& row : rows) {
+  for (LoggedRow& row : rows) {
     const CarmenRow& at = row.content;
     if (row.in_order) now_ns = std::max(now_ns, at.stamp_ns);
     std::optional<rt::Nanoseconds>& above = above_ns[row.laser ? 1 : 0];
@@ -187,9 +194,9 @@ void import_carmen(RowJudge& judge, LogBuilder& builder) {
   const std::string path = find_log(judge.options().path);
   check_kind(path);
   CarmenReader reader(judge.options().max_range_m);
-  std::vector<Row> rows = read_rows(path, reader, judge);
-  drop_wild(rows, judge);
-  add_rows(rows, judge, builder);
+  std::vector<LoggedRow> rows = read_log_rows(path, reader, judge);
+  drop_wild(path, rows, judge);
+  add_log_rows(rows, judge, builder);
   if (reader.laser_offset_m() != 0.0)
     judge.warn(path + ": its laser sits " + firmware::format_fixed(reader.laser_offset_m(), 3) +
                " m ahead of the robot's origin: say so in the scene ([lidar])");

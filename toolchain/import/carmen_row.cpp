@@ -16,15 +16,8 @@ namespace sortie::toolchain {
 namespace {
 
 constexpr double kPi_rad = 3.14159265358979323846;
-constexpr double kFarthest = 1e7;     // m and rad: nothing that was driven is farther
-constexpr std::size_t kStampRow = 3;  // stamp, host and logger's time end each row
-constexpr rt::Nanoseconds kLatest_ns = 9'000'000'000 * rt::kNanosecondsPerSecond;
-
-std::string quote(std::string_view text) {
-  std::string shown = "'";
-  for (const char c : text.substr(0, 24)) shown.push_back(c >= ' ' && c < 127 ? c : '?');
-  return shown + (text.size() > 24 ? "...'" : "'");
-}
+constexpr double kFarthest = 1e7;        // m and rad: nothing that was driven is farther
+constexpr std::size_t kStampFields = 3;  // stamp, host and logger's time end each row
 
 bool is_name(std::string_view text) {
   for (const char c : text) {
@@ -117,8 +110,8 @@ bool CarmenReader::count_at(std::size_t field, std::size_t& count, std::string& 
 }
 
 bool CarmenReader::has_fields(std::size_t count, std::string& fault) const {
-  if (fields_.size() == count + kStampRow) return true;
-  fault = std::to_string(fields_.size()) + " columns instead of " + std::to_string(count + kStampRow);
+  if (fields_.size() == count + kStampFields) return true;
+  fault = std::to_string(fields_.size()) + " columns instead of " + std::to_string(count + kStampFields);
   return false;
 }
 
@@ -147,10 +140,10 @@ bool CarmenReader::pose_at(std::size_t field, CarmenRow& row, std::string& fault
 }
 
 bool CarmenReader::stamp(CarmenRow& row, std::string& fault) const {
-  const std::string_view field = fields_[fields_.size() - kStampRow];
+  const std::string_view field = fields_[fields_.size() - kStampFields];
   double logged_s = 0.0;
   if (!parse_seconds(field, row.stamp_ns)) return fault = "its stamp is " + quote(field) + ", no time", false;
-  if (row.stamp_ns < 0 || row.stamp_ns > kLatest_ns)
+  if (row.stamp_ns < 0 || row.stamp_ns > kLatestStamp_ns)
     return fault = "its stamp is " + quote(field) + ", not within 0 to 9e9 s", false;
   if (!parse_double(fields_.back(), logged_s))
     return fault = "the logger's time is " + quote(fields_.back()) + ", no time", false;

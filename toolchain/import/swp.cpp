@@ -18,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kBytesPerPoint = 16;
-constexpr rt::Nanoseconds kLatest_ns = 9'000'000'000 * rt::kNanosecondsPerSecond;
+constexpr std::uint64_t kSweepPointBytes = sizeof(SweepPoint);
 
 struct SweepFile {
   std::string path;
@@ -41,7 +40,7 @@ std::vector<SweepFile> find_sweeps(const std::string& path) {
                                      "after the time of its first point (12.5.swp), or give this file alone",
                                  2);
     if (!named) sweep.start_ns = 0;
-    if (sweep.start_ns < 0 || sweep.start_ns > kLatest_ns)
+    if (sweep.start_ns < 0 || sweep.start_ns > kLatestStamp_ns)
       throw firmware::InputError(file + ": the time in its name is not within 0 to 9e9 s; rename it", 2);
     sweeps.push_back(sweep);
   }
@@ -77,10 +76,10 @@ void read_sweep(const SweepFile& sweep, RowJudge& judge, LogBuilder& builder) {
   if (!file.get(rows) || !file.get(columns) || rows == 0 || columns == 0)
     throw firmware::InputError(sweep.path +
                                ": byte 4: the head is damaged (rows, columns); copy the file again");
-  const std::uint64_t points_there = file.left() / kBytesPerPoint;
+  const std::uint64_t points_there = file.left() / kSweepPointBytes;
   // The rows of the sensor that are whole can be used.
   const auto whole = static_cast<std::uint32_t>(std::min<std::uint64_t>(rows, points_there / columns));
-  const std::uint64_t bytes = kBytesPerPoint * whole * columns;
+  const std::uint64_t bytes = kSweepPointBytes * whole * columns;
   if (whole < rows) {
     judge.cut_off(file.position() + bytes, fs::path(sweep.path).filename().string() + ": " +
                                                std::to_string(whole) + " of " + std::to_string(rows) +
@@ -99,21 +98,21 @@ void read_sweep(const SweepFile& sweep, RowJudge& judge, LogBuilder& builder) {
   }
 }
 
-void read_odometry(const std::string& path, RowJudge& judge, LogBuilder& builder) {
-  constexpr ColumnKind kNumber = ColumnKind::number;
+void read_summed_poses(const std::string& path, RowJudge& judge, LogBuilder& builder) {
+  constexpr ColumnKind kValue = ColumnKind::number;
   NumberTable table(path,
                     {"the odometry of a swp set",
                      {{"t_s", ColumnKind::seconds},
-                      {"x_m", kNumber},
-                      {"y_m", kNumber},
-                      {"z_m", kNumber},
-                      {"qx", kNumber},
-                      {"qy", kNumber},
-                      {"qz", kNumber},
-                      {"qw", kNumber}}},
+                      {"x_m", kValue},
+                      {"y_m", kValue},
+                      {"z_m", kValue},
+                      {"qx", kValue},
+                      {"qy", kValue},
+                      {"qz", kValue},
+                      {"qw", kValue}}},
                     judge);
   OdometrySteps odometry(builder);
-  rt::Nanoseconds receipt_ns = -kLatest_ns;
+  rt::Nanoseconds receipt_ns = -kLatestStamp_ns;
   while (table.next(0)) {
     const rt::Nanoseconds stamp_ns = table.nanoseconds(0);
     if (rt::is_far(stamp_ns))
@@ -134,7 +133,7 @@ void import_swp(RowJudge& judge, LogBuilder& builder) {
   const std::string odometry = (folder / "odom.csv").string();
   // Before the sweeps: of one time, a pose comes first.
   if (fs::exists(odometry)) {
-    read_odometry(odometry, judge, builder);
+    read_summed_poses(odometry, judge, builder);
   } else {
     judge.warn(odometry + ": not there; the log holds no motion, and no scene can place its sweeps");
   }
