@@ -17,10 +17,10 @@ bool parse_double(std::string_view text, double& value);
 bool parse_seconds(std::string_view text, std::int64_t& nanoseconds);
 
 /// The latest stamp that a recording of poses or scans may have, 9e9 s: differences of two cannot overflow.
-inline constexpr std::int64_t kLatestStamp_ns = 9\'000\'000\'000 * std::int64_t{1\'000\'000\'000};
+inline constexpr std::int64_t kLatestStamp_ns = 9'000'000'000 * std::int64_t{1'000'000'000};
 
-    /// A text file in memory, read line by line.
-    class TextFile {
+/// A text file in memory, read line by line.
+class TextFile {
  public:
   /// Reads the whole file. Throws InputError if it cannot be read or holds a zero byte (then it is no text).
   explicit TextFile(const std::string& path);
