@@ -479,6 +479,10 @@ expect(2, "import", "sheep", "x", "-o", "x.lcm")
 expect(3, "import", "husky", "absent", "-o", "x.lcm", says=["absent"], only_line=True)
 expect(3, "import", "rls", "text.lcm", "-o", "x.lcm", says=["text.lcm"], only_line=True)
 expect(3, "import", "broad", "text.lcm", "-o", "x.lcm", says=["text.lcm"], only_line=True)
+expect(3, "import", "carmen", "text.lcm", "-o", "x.lcm", says=["text.lcm", "no CARMEN log"], only_line=True)
+expect(3, "import", "swp", "text.lcm", "-o", "x.lcm", says=["text.lcm", "SWP1"], only_line=True)
+expect(2, "import", "husky", "absent", "-o", "x.lcm", "--no-poses", says=["--no-poses is for kind rls"], only_line=True)
+expect(2, "import", "carmen", "absent", "-o", "x.lcm", "--max-range", "-1", says=["--max-range"], only_line=True)
 check(not pathlib.Path("x.lcm").exists(), "a failed import leaves no log")
 husky = DATA / "husky_skid"
 if husky.is_dir():

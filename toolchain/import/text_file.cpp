@@ -111,6 +111,12 @@ std::string_view TextFile::tail() const {
 
 std::string TextFile::place() const { return path_ + ":" + std::to_string(line_); }
 
+std::string quote(std::string_view text) {
+  std::string shown = "'";
+  for (const char c : text.substr(0, 32)) shown.push_back(c >= ' ' && c < 127 ? c : '?');
+  return shown + (text.size() > 32 ? "...'" : "'");
+}
+
 void split(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   fields.clear();
   if (separator == ' ') {
