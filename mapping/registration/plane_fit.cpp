@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/plane_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/registration/plane_algebra.hpp"
+#include "rt/math.hpp"
+
+namespace sortie::mapping {
+namespace {
+using rt::cross;
+using rt::dot;
+using rt::Vector3;
+
+constexpr double kNothingKnown = 1e9;
+
+double square(double v) { return v * v; }
+
+/// Information and right side of the 7 unknowns, whole and of the normals' rows alone.
+struct System {
+  double h[7][7]{};
+  double g[7]{};
+  double turn[3][3]{};
+  double chi2{};
+  std::uint32_t rows{};
+
+  void add(const Vector3& on_turn, const Vector3& on_shift, double on_scale, double residual, double variance) {
+    const double w = 1.0 / variance;
+    const double j[7] = {on_turn.x, on_turn.y, on_turn.z, on_shift.x, on_shift.y, on_shift.z, on_scale};
+    for (int a = 0; a < 7; ++a) {
+      const double wj = w * j[a];
+      for (int b = 0; b <= a; ++b) h[a][b] += wj * j[b];
+      g[a] -= wj * residual;
+    }
+    chi2 += w * residual * residual;
+    ++rows;
+  }
+  /// A row that is about the rotation alone.
+  void add_turn(const Vector3& on_turn, double residual, double variance) {
+    const double w = 1.0 / variance;
+    const double j[3] = {on_turn.x, on_turn.y, on_turn.z};
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b <= a; ++b) {
+        h[a][b] += w * j[a] * j[b];
+        turn[a][b] += w * j[a] * j[b];
+      }
+      g[a] -= w * j[a] * residual;
+    }
+    chi2 += w * residual * residual;
+    ++rows;
+  }
+  void fill() {
+    for (int a = 0; a < 7; ++a) {
+      for (int b = a + 1; b < 7; ++b) h[a][b] = h[b][a];
+    }
+    for (int a = 0; a < 3; ++a) {
+      for (int b = a + 1; b < 3; ++b) turn[a][b] = turn[b][a];
+    }
+  }
+};
+
+/// Variance of a normal's error along the direction `w` in its plane.
+double tilt_variance(const Plane& p, const Vector3& w) {
+  return square(dot(w, p.axis_u) * p.sigma_tilt_rad[1]) + square(dot(w, p.axis_v()) * p.sigma_tilt_rad[0]);
+}
+
+struct Input {
+  std::span<const Plane> source;
+  std::span<const Plane> target;
+  std::span<const PlanePair> pairs;
+  const PlaneEstimate& estimate;
+  const PlaneFitConfig& config;
+};
+
+System linearised(const Input& in, const PlanePose& pose, const Vector3& pivot_target, double& lever_m) {
+  System system;
+  const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
+  double levers = 0.0;
+  double weights = 0.0;
+  for (const PlanePair& pair : in.pairs) {
+    const Plane& s = in.source[pair.source];
+    const Plane& t = in.target[pair.target];
+    const Vector3 u = t.axis_u;
+    const Vector3 v = t.axis_v();
+    const Vector3 n = (pair.opposite ? -1.0 : 1.0) * (r * s.normal);
+    const Vector3 us = r * s.axis_u;
+    const Vector3 vs = cross(r * s.normal, us);
+    const double model = square(in.config.model_sigma_rad);
+    const auto source_variance = [&](const Vector3& w) {
+      return square(dot(w, us) * s.sigma_tilt_rad[1]) + square(dot(w, vs) * s.sigma_tilt_rad[0]);
+    };
+    system.add_turn(cross(n, u), dot(u, n), tilt_variance(t, u) + source_variance(u) + model);
+    system.add_turn(cross(n, v), dot(v, n), tilt_variance(t, v) + source_variance(v) + model);
+    const Vector3 turned = pose.scale * (r * s.centroid_m);
+    const Vector3 at = turned + pose.p_target_source_m;
+    const Vector3 arm = at - pivot_target;
+    const Vector3 d = at - t.centroid_m;
+    const double variance = offset_variance(s, t, pose.scale, dot(d, u), dot(d, v), in.config);
+    const double along = dot(t.normal, arm);
+    system.add(cross(arm, t.normal), t.normal, along, dot(t.normal, d), variance);
+    levers += along * along / variance;
+    weights += 1.0 / variance;
+  }
+  if (in.estimate.has_gravity()) {  // the vertical, where the source believes it to be
+    const rt::RotationMatrix known = rt::to_matrix(in.estimate.T_target_source.q_target_source);
+    const Vector3 up_source{known.m[6], known.m[7], known.m[8]};
+    const Vector3 up = r * up_source;
+    const double variance = square(in.estimate.sigma_tilt_rad);
+    system.add_turn(cross(up, {1, 0, 0}), up.x, variance);
+    system.add_turn(cross(up, {0, 1, 0}), up.y, variance);
+  }
+  lever_m = std::max(1.0, weights > 0.0 ? std::sqrt(levers / weights) : 1.0);
+  system.fill();
+  return system;
+}
+
+/// The directions that are solved for, as columns, and where the others must go.
+struct Basis {
+  double column[7][7]{};
+  int columns{};
+  double locked[7]{};
+};
+
+void lock_turn(const System& system, const Input& in, const PlanePose& pose, PlaneFit& fit, Basis& basis) {
+  const SymmetricEigen<3> eigen = symmetric_eigen(system.turn);
+  const rt::Quaternion& q = in.estimate.T_target_source.q_target_source;
+  const Vector3 to_estimate = rt::log_rotation(q * rt::conjugate(pose.q_target_source));
+  const bool known = in.estimate.has_yaw();
+  fit.rotation_rank = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3 axis{eigen.vector[0][k], eigen.vector[1][k], eigen.vector[2][k]};
+    fit.rotation_axis[k] = axis;
+    const bool observed = eigen.value[k] > 1.0 / square(in.config.observed_sigma_rad);
+    const double part[3] = {axis.x, axis.y, axis.z};
+    if (observed) {
+      for (int i = 0; i < 3; ++i) basis.column[i][basis.columns] = part[i];
+      ++basis.columns;
+      ++fit.rotation_rank;
+    } else if (known) {
+      for (int i = 0; i < 3; ++i) basis.locked[i] += part[i] * dot(axis, to_estimate);
+    }
+  }
+}
+
+/// What is left of the offsets' information on (shift, scale) once the observed turns are taken out.
+bool reduced(const System& system, const Basis& basis, double lever_m, double (&s)[4][4]) {
+  const int m = basis.columns;
+  double a[3][3]{};
+  double cross_terms[3][4]{};
+  for (int i = 0; i < m; ++i) {
+    for (int j = 0; j < m; ++j) {
+      for (int p = 0; p < 3; ++p) {
+        for (int q = 0; q < 3; ++q) a[i][j] += basis.column[p][i] * system.h[p][q] * basis.column[q][j];
+      }
+    }
+    for (int j = 0; j < 4; ++j) {
+      for (int p = 0; p < 3; ++p) cross_terms[i][j] += basis.column[p][i] * system.h[p][3 + j];
+    }
+  }
+  if (m > 0 && !factorise(a, m)) return false;
+  for (int j = 0; j < 4; ++j) {
+    double x[3] = {cross_terms[0][j], cross_terms[1][j], cross_terms[2][j]};
+    if (m > 0) solve(a, m, x);
+    for (int i = 0; i < 4; ++i) {
+      s[i][j] = system.h[3 + i][3 + j];
+      for (int k = 0; k < m; ++k) s[i][j] -= cross_terms[k][i] * x[k];
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const double part = 0.5 * (s[i][j] + s[j][i]) * (i == 3 ? 1.0 / lever_m : 1.0) * (j == 3 ? 1.0 / lever_m : 1.0);
+      s[i][j] = part;
+      s[j][i] = part;
+    }
+  }
+  return true;
+}
+
+void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose, PlaneFit& fit, Basis& basis) {
+  const bool scaled = in.estimate.wants_scale();
+  const PlanePose& given = in.estimate.T_target_source;
+  const Vector3 to_estimate = transform(given, fit.pivot_source_m) - fit.pivot_target_m;
+  const double missing[4] = {to_estimate.x, to_estimate.y, to_estimate.z,
+                             scaled ? fit.lever_m * rt::log(given.scale / pose.scale) : 0.0};
+  double value[4]{};
+  double vector[4][4]{};  // [row][which]
+  const int n = scaled ? 4 : 3;
+  if (scaled) {
+    const SymmetricEigen<4> eigen = symmetric_eigen(s);
+    for (int k = 0; k < 4; ++k) {
+      value[k] = eigen.value[k];
+      for (int i = 0; i < 4; ++i) vector[i][k] = eigen.vector[i][k];
+    }
+  } else {
+    double three[3][3];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) three[i][j] = s[i][j];
+    }
+    const SymmetricEigen<3> eigen = symmetric_eigen(three);
+    for (int k = 0; k < 3; ++k) {
+      value[k] = eigen.value[k];
+      for (int i = 0; i < 3; ++i) vector[i][k] = eigen.vector[i][k];
+    }
+  }
+  fit.translation_rank = 0;
+  for (int k = 0; k < n; ++k) {
+    double along = 0.0;
+    for (int i = 0; i < n; ++i) {
+      fit.direction[k][i] = vector[i][k];
+      along += vector[i][k] * missing[i];
+    }
+    const double per_scale = 1.0 / fit.lever_m;
+    const double sigma = value[k] > square(1.0 / kNothingKnown) ? 1.0 / std::sqrt(value[k]) : kNothingKnown;
+    fit.direction_sigma_m[k] = sigma;
+    if (sigma < in.config.observed_sigma_m) {
+      for (int i = 0; i < n; ++i) basis.column[3 + i][basis.columns] = vector[i][k] * (i == 3 ? per_scale : 1.0);
+      ++basis.columns;
+      ++fit.translation_rank;
+    } else if (in.estimate.has_position()) {
+      for (int i = 0; i < n; ++i) basis.locked[3 + i] += vector[i][k] * along * (i == 3 ? per_scale : 1.0);
+    }
+  }
+}
+
+/// The change that the observed directions take, next to the locked ones; and its covariance.
+bool solve_within(const System& system, const Basis& basis, double (&change)[7], double (&covariance)[7][7]) {
+  const int m = basis.columns;
+  double a[7][7]{};
+  double x[7]{};
+  double image[7][7]{};  // H times the columns
+  for (int p = 0; p < 7; ++p) {
+    for (int j = 0; j < m; ++j) {
+      for (int q = 0; q < 7; ++q) image[p][j] += system.h[p][q] * basis.column[q][j];
+    }
+  }
+  double rest[7];
+  for (int p = 0; p < 7; ++p) {
+    rest[p] = system.g[p];
+    for (int q = 0; q < 7; ++q) rest[p] -= system.h[p][q] * basis.locked[q];
+  }
+  for (int i = 0; i < m; ++i) {
+    for (int p = 0; p < 7; ++p) x[i] += basis.column[p][i] * rest[p];
+    for (int j = 0; j < m; ++j) {
+      for (int p = 0; p < 7; ++p) a[i][j] += basis.column[p][i] * image[p][j];
+    }
+  }
+  if (m > 0 && !factorise(a, m)) return false;
+  if (m > 0) solve(a, m, x);
+  for (int p = 0; p < 7; ++p) {
+    change[p] = basis.locked[p];
+    for (int j = 0; j < m; ++j) change[p] += basis.column[p][j] * x[j];
+  }
+  double inverse_columns[7][7]{};
+  for (int p = 0; p < 7; ++p) {
+    double y[7];
+    for (int j = 0; j < m; ++j) y[j] = basis.column[p][j];
+    if (m > 0) solve(a, m, y);
+    for (int j = 0; j < m; ++j) inverse_columns[p][j] = y[j];
+  }
+  for (int p = 0; p < 7; ++p) {
+    for (int q = 0; q < 7; ++q) {
+      covariance[p][q] = 0.0;
+      for (int j = 0; j < m; ++j) covariance[p][q] += inverse_columns[p][j] * basis.column[q][j];
+    }
+  }
+  return true;
+}
+
+void apply(const double (&change)[7], PlaneFit& fit) {
+  PlanePose& pose = fit.T_target_source;
+  const rt::Quaternion turn = rt::exp_rotation({change[0], change[1], change[2]});
+  const double grown = rt::exp(change[6]);
+  const Vector3 pivot = fit.pivot_target_m;
+  fit.pivot_target_m = pivot + Vector3{change[3], change[4], change[5]};
+  pose.q_target_source = rt::normalised(turn * pose.q_target_source);
+  pose.scale *= grown;
+  pose.p_target_source_m = fit.pivot_target_m + grown * rt::rotate(turn, pose.p_target_source_m - pivot);
+}
+
+bool usable(const PlaneFit& fit) {
+  return rt::is_finite(fit.T_target_source.q_target_source) && rt::is_finite(fit.T_target_source.p_target_source_m) &&
+         fit.T_target_source.scale > 1e-6 && fit.T_target_source.scale < 1e6 && std::isfinite(fit.chi2);
+}
+}  // namespace
+
+double offset_variance(const Plane& s, const Plane& t, double scale, double along_u_m, double along_v_m,
+                       const PlaneFitConfig& config) {
+  return square(scale * s.sigma_offset_m) + square(t.sigma_offset_m) + square(along_v_m * t.sigma_tilt_rad[0]) +
+         square(along_u_m * t.sigma_tilt_rad[1]) + square(config.model_sigma_m);
+}
+
+PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target,
+                    std::span<const PlanePair> pairs, const PlanePose& start, const PlaneEstimate& estimate,
+                    const PlaneFitConfig& config, int steps) {
+  const Input in{source, target, pairs, estimate, config};
+  PlaneFit fit;
+  fit.T_target_source = start;
+  for (const PlanePair& pair : pairs)
+    fit.pivot_source_m = fit.pivot_source_m + (1.0 / static_cast<double>(pairs.size())) * source[pair.source].centroid_m;
+  fit.pivot_target_m = transform(start, fit.pivot_source_m);
+  for (int step = 0; step < steps; ++step) {
+    const PlanePose pose = fit.T_target_source;
+    const System system = linearised(in, pose, fit.pivot_target_m, fit.lever_m);
+    Basis basis;
+    double s[4][4];
+    double change[7];
+    lock_turn(system, in, pose, fit, basis);
+    bool good = reduced(system, basis, fit.lever_m, s);
+    if (good) {
+      lock_shift(s, in, pose, fit, basis);
+      good = solve_within(system, basis, change, fit.covariance);
+    }
+    if (good) apply(change, fit);
+    fit.chi2 = system.chi2;
+    fit.rows = system.rows;
+    if (!good || !usable(fit)) {
+      fit.T_target_source = start;
+      fit.finite = false;
+      return fit;
+    }
+  }
+  double lever_m = 1.0;
+  const System after = linearised(in, fit.T_target_source, fit.pivot_target_m, lever_m);
+  fit.chi2 = after.chi2;
+  fit.finite = usable(fit);
+  return fit;
+}
+
+}  // namespace sortie::mapping
