@@ -30,7 +30,7 @@ struct Plane {
   SORTIE_FIELDS(normal, offset_m, centroid_m, axis_u, least_m, most_m, area_m2, sigma_offset_m, sigma_tilt_rad,
                 id)
 
-  rt::Vector3 axis_v() const { return rt::cross(normal, axis_u); }
+  constexpr rt::Vector3 axis_v() const { return rt::cross(normal, axis_u); }
 };
 
 /// The 4x4 information of (normal, offset) as a measurement of one plane: the inverse of the covariance that

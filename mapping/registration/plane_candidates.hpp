@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Under one rotation: which planes may match, and the shifts that many of them agree on.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/registration/plane_pose.hpp"
+#include "mapping/registration/plane_registration_config.hpp"
+#include "mapping/registration/plane_side.hpp"
+#include "rt/fixed_vector.hpp"
+
+namespace sortie::mapping {
+
+/// A shift along one direction, and the sum of gains of the pairs that agree on it.
+struct ShiftPeak {
+  double at_m{};
+  double gain{};
+};
+
+/// A direction in which pairs of parallel planes vote for shifts.
+struct ShiftAxis {
+  rt::Vector3 axis;
+  std::uint8_t family{};
+  std::uint32_t pairs{};  ///< that voted: inside the bounds that an estimate gives
+  rt::FixedVector<ShiftPeak, 10> peaks;  ///< most gain first
+};
+
+/// Pairs of planes under one rotation and scale, in the order of their sides: largest source planes first.
+/// All places are relative to the middles of the two sides: x_target - middle = scale R (x_source - middle) +
+/// t. 600 kB.
+class PlaneCandidates {
+ public:
+  /// One look at every pair: normals within most_angle_rad, areas within most_area_ratio. What a match of a
+  /// pair is worth: ln of (length of the target along the normal / width of a match / targets that this source
+  /// plane might have matched by chance), plus ln share_matched.
+  void pair_up(const PlaneSide& source, const PlaneSide& target, const rt::Quaternion& q_target_source,
+               const PlaneRegistrationConfig& config);
+
+  /// Scales that ratios of distances between parallel planes vote for, within 3 sigma of the estimate's; at
+  /// most 6, best first. At most 96 pairs a direction are looked at two by two.
+  void find_scales(const PlaneEstimate& estimate, rt::FixedVector<double, 8>& scales) const;
+
+  /// Shifts for one scale: pairs of the three families of target planes that have most of them, and are
+  /// not near one plane, vote in bins of 0.1 m, three of which count together. Fewer than three axes where
+  /// there are no others.
+  void find_shifts(double scale, const PlaneEstimate& estimate, const PlaneRegistrationConfig& config);
+
+  /// Gain of all matches at a shift, with the loose gate and overlapping rectangles; each plane counts once.
+  /// `matched`: how many planes of the target.
+  double gain_at(const rt::Vector3& t_m, std::uint32_t& matched);
+
+  std::uint32_t size() const { return size_; }
+  PlanePair pair(std::uint32_t k) const { return {source_of_[k], target_of_[k], opposite_[k]}; }
+  /// Worth of a pair without its residual and without the width of its own match.
+  double worth(std::uint32_t k) const { return worth_[k]; }
+  std::uint32_t axes() const { return axes_; }
+  const ShiftAxis& axis(std::uint32_t k) const { return axis_[k]; }
+  /// The shift whose parts along the axes are given; along other directions that of the estimate.
+  rt::Vector3 shift(const double (&along)[3]) const;
+  /// Most gain that planes outside the three families can add.
+  double rest_gain() const { return rest_gain_; }
+  double scale() const { return scale_; }
+  std::uint32_t dropped() const { return dropped_; }
+  /// The pose of a shift.
+  PlanePose pose(const rt::Vector3& t_m) const;
+
+ private:
+  struct Rotated {
+    rt::Vector3 centroid;  ///< turned, not scaled, from the middle
+    rt::Vector3 middle;    ///< of the rectangle, likewise
+    rt::Vector3 a;
+    rt::Vector3 b;
+  };
+
+  void choose_axes();
+  void vote(ShiftAxis& axis, const PlaneEstimate& estimate);
+  void invert_axes(const PlaneEstimate& estimate);
+
+  const PlaneSide* source_{};
+  const PlaneSide* target_{};
+  rt::Quaternion q_;
+  double scale_{1};
+  double gate_m_{};
+  double margin_m_{};
+  std::uint32_t size_{};
+  std::uint32_t dropped_{};
+  std::uint32_t axes_{};
+  double rest_gain_{};
+  ShiftAxis axis_[3];
+  rt::Vector3 dual_[3];      ///< shift = sum of parts along axes times these + rest
+  rt::Vector3 rest_;
+  Rotated rotated_[kMostPlanes];
+  rt::Vector3 centred_[kMostPlanes];  ///< target's centroids
+  std::uint16_t source_of_[kMostCandidatePairs]{};
+  std::uint16_t target_of_[kMostCandidatePairs]{};
+  bool opposite_[kMostCandidatePairs]{};
+  double worth_[kMostCandidatePairs]{};
+  double gain_[kMostCandidatePairs]{};
+  double offset_[kMostCandidatePairs]{};  ///< n_t . (c_t - scale R c_s): what n_t . t is at a match
+  double best_[kMostPlanes]{};            ///< of a target's plane, while gains are summed
+  std::uint32_t first_[kMostPlanes + 1]{};  ///< pairs of source plane i: first_[i] .. first_[i + 1]
+};
+
+}  // namespace sortie::mapping

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/plane_consensus.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/registration/plane_patch.hpp"
+#include "rt/math.hpp"
+
+namespace sortie::mapping {
+namespace {
+using rt::dot;
+using rt::Vector3;
+
+double square(double v) { return v * v; }
+
+/// A source plane where the pose puts it.
+struct Placed {
+  Vector3 normal;
+  Vector3 u;
+  Vector3 v;
+  Vector3 centroid;
+};
+
+/// Squared tilt of a placed plane against another in their standard deviations: chi-square of two degrees.
+double tilt_chi2(const Placed& p, const Plane& s, const Plane& t, bool opposite, double model_rad) {
+  double chi2 = 0.0;
+  const Vector3 axes[2] = {t.axis_u, t.axis_v()};
+  const double sigma[2] = {t.sigma_tilt_rad[1], t.sigma_tilt_rad[0]};
+  for (int k = 0; k < 2; ++k) {
+    const double e = (opposite ? -1.0 : 1.0) * dot(axes[k], p.normal);
+    const double variance = square(sigma[k]) + square(dot(axes[k], p.u) * s.sigma_tilt_rad[1]) +
+                            square(dot(axes[k], p.v) * s.sigma_tilt_rad[0]) + square(model_rad);
+    chi2 += e * e / variance;
+  }
+  return chi2;
+}
+}  // namespace
+
+PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
+                     const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs* pairs, double* gains) {
+  double best_of_target[kMostPlanes]{};
+  bool has_partner[kMostPlanes]{};
+  const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
+  if (pairs != nullptr) pairs->clear();
+  PlaneConsensus result;
+  std::uint32_t k = 0;
+  while (k < candidates.size()) {
+    const std::uint16_t i = candidates.pair(k).source;
+    const Plane& s = source[i];
+    Placed p;
+    p.normal = r * s.normal;
+    p.u = r * s.axis_u;
+    p.v = rt::cross(p.normal, p.u);
+    p.centroid = pose.scale * (r * s.centroid_m) + pose.p_target_source_m;
+    double most = 0.0;
+    PlanePair best;
+    for (; k < candidates.size() && candidates.pair(k).source == i; ++k) {
+      const PlanePair pair = candidates.pair(k);
+      const Plane& t = target[pair.target];
+      const Vector3 d = p.centroid - t.centroid_m;
+      const double residual = dot(t.normal, d);
+      const double variance =
+          offset_variance(s, t, pose.scale, dot(d, t.axis_u), dot(d, t.axis_v()), config.fit);
+      if (residual * residual > square(config.sigmas) * variance) continue;
+      if (tilt_chi2(p, s, t, pair.opposite, config.fit.model_sigma_rad) > square(config.sigmas) + 2.0) continue;
+      const PlanePatch own = own_patch(s);
+      const Vector3 middle = p.centroid + (pose.scale * own.centre[0]) * p.u + (pose.scale * own.centre[1]) * p.v;
+      const PlanePatch there = projected(t, middle, (pose.scale * own.a[0]) * p.u, (pose.scale * own.b[1]) * p.v);
+      if (!overlap(own_patch(t), there, config.overlap_margin_m)) continue;
+      const double gain = candidates.worth(k) - 0.5 * (rt::log(variance) + residual * residual / variance);
+      if (gain > most) most = gain, best = pair;
+    }
+    if (most == 0.0) continue;
+    has_partner[i] = true;
+    best_of_target[best.target] = std::max(best_of_target[best.target], most);
+    if (pairs != nullptr) {
+      if (gains != nullptr) gains[pairs->size()] = most;
+      (void)pairs->push_back(best);
+    }
+  }
+  for (std::uint32_t j = 0; j < target.size(); ++j) {
+    result.evidence += best_of_target[j];
+    if (best_of_target[j] > 0.0) ++result.matched;
+  }
+  const bool source_smaller = source.size() <= target.size();
+  const PlaneSide& smaller = source_smaller ? source : target;
+  const PlaneSide& larger = source_smaller ? target : source;
+  const PlanePose to_larger = source_smaller ? pose : inverse(pose);
+  for (std::uint32_t i = 0; i < smaller.size(); ++i) {
+    const bool partner = source_smaller ? has_partner[i] : best_of_target[i] > 0.0;
+    if (!partner && !larger.covers(transform(to_larger, smaller[i].centroid_m), 0.0)) continue;
+    ++result.expected;
+    if (!partner) ++result.missed;
+  }
+  result.evidence += result.missed * rt::log(1.0 - config.share_matched);
+  return result;
+}
+
+}  // namespace sortie::mapping
