@@ -13,10 +13,12 @@ using rt::dot;
 using rt::Vector3;
 
 constexpr double kHalfLog2Pi = 0.91893853320467;
-constexpr int kShiftBins = 2048;
-constexpr double kBin_m = 0.1;
-constexpr double kGainStep = 1.0 / 256.0;  ///< votes are whole numbers
+constexpr double kWindow_m = 0.3;
 }  // namespace
+
+PlaneCandidates::PlaneCandidates() {
+  for (std::uint32_t n = 1; n <= kMostPlanes; ++n) log_count_[n] = rt::log(static_cast<double>(n));
+}
 
 void PlaneCandidates::pair_up(const PlaneSide& source, const PlaneSide& target, const rt::Quaternion& q,
                               const PlaneRegistrationConfig& config) {
@@ -30,6 +32,7 @@ void PlaneCandidates::pair_up(const PlaneSide& source, const PlaneSide& target, 
   const rt::RotationMatrix r = rt::to_matrix(q);
   const double least_cosine = rt::cos(config.most_angle_rad);
   const double log_share = rt::log(config.share_matched);
+  const double least_sigma = rt::log(config.fit.model_sigma_m);
   for (std::uint32_t j = 0; j < target.size(); ++j) centred_[j] = target[j].centroid_m - target.middle_m();
   for (std::uint32_t i = 0; i < source.size(); ++i) {
     const Plane& s = source[i];
@@ -43,27 +46,27 @@ void PlaneCandidates::pair_up(const PlaneSide& source, const PlaneSide& target, 
     rotated.a = own.a[0] * u;
     rotated.b = own.b[1] * v;
     first_[i] = size_;
-    for (std::uint32_t j = 0; j < target.size(); ++j) {
-      const Plane& t = target[j];
-      const double along = dot(n, t.normal);
-      const bool opposite = along < 0.0;
-      if ((opposite ? -along : along) < least_cosine || (opposite && config.signed_normals)) continue;
-      if (s.area_m2 > config.most_area_ratio * t.area_m2 || t.area_m2 > config.most_area_ratio * s.area_m2) continue;
+    std::uint16_t near[kMostPlanes];
+    const std::uint32_t count = target.near_normals(n, least_cosine, config.signed_normals, near);
+    for (std::uint32_t c = 0; c < count; ++c) {
+      const std::uint16_t j = near[c];
+      const double area = target[j].area_m2;
+      if (s.area_m2 > config.most_area_ratio * area || area > config.most_area_ratio * s.area_m2) continue;
       if (size_ == kMostCandidatePairs) {
         ++dropped_;
         continue;
       }
       source_of_[size_] = static_cast<std::uint16_t>(i);
-      target_of_[size_] = static_cast<std::uint16_t>(j);
-      opposite_[size_] = opposite;
+      target_of_[size_] = j;
+      opposite_[size_] = !config.signed_normals && dot(n, target[j].normal) < 0.0;
       worth_[size_] = target.log_extent(j) - kHalfLog2Pi + log_share;
       ++size_;
     }
-    const double chances = rt::log(static_cast<double>(std::max(1u, size_ - first_[i])));
+    const double chances = log_count_[size_ - first_[i]];
     for (std::uint32_t k = first_[i]; k < size_; ++k) {
       worth_[k] -= chances;
       const double sigma = std::max(source.log_sigma(i), target.log_sigma(target_of_[k]));
-      gain_[k] = std::max(0.0, worth_[k] - std::max(sigma, rt::log(config.fit.model_sigma_m)));
+      gain_[k] = std::max(0.0, worth_[k] - std::max(sigma, least_sigma));
     }
   }
   first_[source.size()] = size_;
@@ -152,70 +155,120 @@ void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
                                   const PlaneRegistrationConfig& config) {
   (void)config;
   scale_ = scale;
-  for (std::uint32_t k = 0; k < size_; ++k) {
-    const std::uint16_t j = target_of_[k];
-    offset_[k] = dot((*target_)[j].normal, centred_[j] - scale * rotated_[source_of_[k]].centroid);
-  }
+  voted_ = 0;
   for (std::uint32_t a = 0; a < axes_; ++a) vote(axis_[a], estimate);
   invert_axes(estimate);
-  rest_gain_ = 0.0;
+  other_count_ = 0;
   for (std::uint32_t i = 0; i < source_->size(); ++i) {
-    double best = 0.0;
     for (std::uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
-      const std::uint8_t f = target_->family(target_of_[k]);
+      const std::uint16_t j = target_of_[k];
+      const std::uint8_t f = target_->family(j);
       bool among = false;
       for (std::uint32_t a = 0; a < axes_; ++a) among = among || axis_[a].family == f;
-      if (!among) best = std::max(best, gain_[k]);
+      if (among) continue;
+      others_[other_count_++] = k;
+      offset_[k] = dot((*target_)[j].normal, centred_[j] - scale * rotated_[i].centroid);
+      tally_.add(source_of_[k], j, gain_[k]);
     }
-    rest_gain_ += best;
   }
+  std::uint32_t matched = 0;
+  rest_gain_ = tally_.take(matched);
 }
 
 void PlaneCandidates::vote(ShiftAxis& axis, const PlaneEstimate& estimate) {
-  std::int32_t votes[kShiftBins]{};
-  std::int64_t moments[kShiftBins]{};
   // The most that sides can be shifted against each other and still meet.
-  const double most = 0.5 * (target_->extent_m(axis.axis) + scale_ * source_->extent_m(
-                                 rt::rotate_back(q_, axis.axis))) + 1.0;
-  const double width = std::max(kBin_m, 2.0 * most / (kShiftBins - 8));
+  const double most = 0.5 * (target_->extent_m(axis.axis) +
+                             scale_ * source_->extent_m(rt::rotate_back(q_, axis.axis))) + 1.0;
   const PlanePose& given = estimate.T_target_source;
   const double expected = dot(axis.axis, transform(given, source_->middle_m()) - target_->middle_m());
-  const double within = estimate.has_position() ? 3.0 * estimate.sigma_position_m + 3.0 * kBin_m : 1e12;
-  axis.pairs = 0;
-  int low = kShiftBins;
-  int high = 0;
+  const double within = estimate.has_position() ? 3.0 * estimate.sigma_position_m + kWindow_m : 1e12;
+  axis.first = voted_;
   for (std::uint32_t k = 0; k < size_; ++k) {
     if (target_->family(target_of_[k]) != axis.family) continue;
     const double at = dot(axis.axis, centred_[target_of_[k]] - scale_ * rotated_[source_of_[k]].centroid);
     if (std::fabs(at - expected) > within || std::fabs(at) > most) continue;
-    ++axis.pairs;
-    const double place = (at + most) / width + 2.0;
-    const int bin = static_cast<int>(place);
-    const auto weight = static_cast<std::int32_t>(gain_[k] / kGainStep) + 1;
-    votes[bin] += weight;
-    moments[bin] += static_cast<std::int64_t>(weight) * static_cast<std::int32_t>((place - bin) * 1024.0);
-    low = std::min(low, bin);
-    high = std::max(high, bin);
+    votes_[voted_++] = {at, k};
   }
-  axis.peaks.clear();
-  while (!axis.peaks.full()) {
-    std::int32_t best = 0;
-    int at = -1;
-    for (int bin = low; bin <= high; ++bin) {
-      if (votes[bin] == 0) continue;
-      const std::int32_t sum = votes[bin - 1] + votes[bin] + votes[bin + 1];
-      if (sum > best) best = sum, at = bin;
+  axis.pairs = voted_ - axis.first;
+  std::sort(votes_ + axis.first, votes_ + voted_, [](const Vote& a, const Vote& b) {
+    return a.at_m != b.at_m ? a.at_m < b.at_m : a.pair < b.pair;
+  });
+  find_peaks(axis);
+}
+
+/// Windows that begin at a pair; most gain first, none that overlaps one taken before.
+void PlaneCandidates::find_peaks(ShiftAxis& axis) {
+  const Vote* const votes = votes_ + axis.first;
+  const std::uint32_t n = axis.pairs;
+  sums_[0] = 0.0;
+  for (std::uint32_t k = 0; k < n; ++k) sums_[k + 1] = sums_[k] + gain_[votes[k].pair];
+  rt::FixedVector<ShiftPeak, 10>& peaks = axis.peaks;
+  peaks.clear();
+  const auto put = [&peaks](const ShiftPeak& peak) {
+    for (std::uint32_t k = 0; k < peaks.size(); ++k) {  // one of its own group: the better one stays
+      if (peaks[k].end <= peak.first || peak.end <= peaks[k].first) continue;
+      if (peaks[k].gain >= peak.gain) return;
     }
-    if (at < 0) break;
-    std::int64_t moment = 0;
-    for (int k = -1; k <= 1; ++k) {
-      moment += moments[at + k] + k * 1024 * static_cast<std::int64_t>(votes[at + k]);
-      votes[at + k] = 0;
-      moments[at + k] = 0;
+    for (std::uint32_t k = peaks.size(); k-- > 0;) {
+      if (peaks[k].end > peak.first && peak.end > peaks[k].first) peaks.erase(k);
     }
-    const double place = at + static_cast<double>(moment) / (1024.0 * best);
-    (void)axis.peaks.push_back({(place - 2.0) * width - most, best * kGainStep});
+    if (peaks.full()) {
+      if (peaks.back().gain >= peak.gain) return;
+      peaks.pop_back();
+    }
+    std::uint32_t at = peaks.size();
+    (void)peaks.push_back(peak);
+    for (; at > 0 && peaks[at - 1].gain < peak.gain; --at) peaks[at] = peaks[at - 1];
+    peaks[at] = peak;
+  };
+  std::uint32_t end = 0;
+  for (std::uint32_t first = 0; first < n; ++first) {
+    const std::uint32_t before = end;
+    while (end < n && votes[end].at_m <= votes[first].at_m + kWindow_m) ++end;
+    if (first > 0 && end == before) continue;  // part of the window before
+    put({0.0, sums_[end] - sums_[first], axis.first + first, axis.first + end});
   }
+  for (ShiftPeak& peak : peaks) {
+    double weight = 0.0;
+    double moment = 0.0;
+    for (std::uint32_t k = peak.first; k < peak.end; ++k) {
+      const std::uint32_t pair = votes_[k].pair;
+      const double gain = gain_[pair];
+      tally_.add(source_of_[pair], target_of_[pair], gain);
+      weight += gain + 1e-9;
+      moment += (gain + 1e-9) * (votes_[k].at_m - votes_[peak.first].at_m);
+    }
+    std::uint32_t matched = 0;
+    peak.gain = tally_.take(matched);
+    peak.at_m = votes_[peak.first].at_m + moment / weight;
+  }
+  for (std::uint32_t i = 1; i < peaks.size(); ++i) {
+    for (std::uint32_t k = i; k > 0 && peaks[k - 1].gain < peaks[k].gain; --k) std::swap(peaks[k - 1], peaks[k]);
+  }
+}
+
+void PlaneCandidates::Tally::add(std::uint16_t source, std::uint16_t target, double gain) {
+  if (!(gain > 0.0)) return;
+  if (by_source_[source] == 0.0) sources_[source_count_++] = source;
+  if (by_target_[target] == 0.0) targets_[target_count_++] = target;
+  by_source_[source] = std::max(by_source_[source], gain);
+  by_target_[target] = std::max(by_target_[target], gain);
+}
+
+double PlaneCandidates::Tally::take(std::uint32_t& matched) {
+  double sources = 0.0;
+  double targets = 0.0;
+  for (std::uint32_t k = 0; k < source_count_; ++k) {
+    sources += by_source_[sources_[k]];
+    by_source_[sources_[k]] = 0.0;
+  }
+  for (std::uint32_t k = 0; k < target_count_; ++k) {
+    targets += by_target_[targets_[k]];
+    by_target_[targets_[k]] = 0.0;
+  }
+  matched = std::min(source_count_, target_count_);
+  source_count_ = target_count_ = 0;
+  return std::min(sources, targets);
 }
 
 void PlaneCandidates::invert_axes(const PlaneEstimate& estimate) {
@@ -253,39 +306,46 @@ PlanePose PlaneCandidates::pose(const rt::Vector3& t_m) const {
   return pose;
 }
 
-double PlaneCandidates::gain_at(const rt::Vector3& t_m, std::uint32_t& matched) {
-  std::uint16_t touched[kMostPlanes];
-  std::uint32_t count = 0;
-  const std::uint32_t n = source_->size();
-  for (std::uint32_t i = 0; i < n; ++i) {
-    double most = 0.0;
-    std::uint32_t which = 0;
-    for (std::uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
-      const std::uint16_t j = target_of_[k];
-      const Plane& t = (*target_)[j];
-      const double residual = dot(t.normal, t_m) - offset_[k];
-      if (std::fabs(residual) > gate_m_ || gain_[k] <= most) continue;
-      const Rotated& s = rotated_[i];
-      const Vector3 middle = scale_ * s.middle + t_m - centred_[j];
-      const Vector3 v = t.axis_v();
-      const PlanePatch p{{dot(middle, t.axis_u), dot(middle, v)},
-                         {scale_ * dot(s.a, t.axis_u), scale_ * dot(s.a, v)},
-                         {scale_ * dot(s.b, t.axis_u), scale_ * dot(s.b, v)}};
-      if (!overlap(own_patch(t), p, margin_m_)) continue;
-      most = gain_[k];
-      which = k;
-    }
-    if (most == 0.0) continue;
-    const std::uint16_t j = target_of_[which];
-    if (best_[j] == 0.0) touched[count++] = j;
-    best_[j] = std::max(best_[j], most);
-  }
+bool PlaneCandidates::overlaps(std::uint32_t pair, const rt::Vector3& t_m) const {
+  const std::uint16_t j = target_of_[pair];
+  const Plane& t = (*target_)[j];
+  const Rotated& s = rotated_[source_of_[pair]];
+  const Vector3 middle = scale_ * s.middle + t_m - centred_[j];
+  const Vector3 v = t.axis_v();
+  const PlanePatch p{{dot(middle, t.axis_u), dot(middle, v)},
+                     {scale_ * dot(s.a, t.axis_u), scale_ * dot(s.a, v)},
+                     {scale_ * dot(s.b, t.axis_u), scale_ * dot(s.b, v)}};
+  return overlap(own_patch(t), p, margin_m_);
+}
+
+double PlaneCandidates::gain_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least,
+                                std::uint32_t& matched) {
+  double possible = rest_gain_;
+  for (std::uint32_t a = 0; a < axes_; ++a) possible += axis_[a].peaks[peak[a]].gain;
   double sum = 0.0;
-  for (std::uint32_t k = 0; k < count; ++k) {
-    sum += best_[touched[k]];
-    best_[touched[k]] = 0.0;
+  matched = 0;
+  for (std::uint32_t a = 0; a < axes_; ++a) {
+    const ShiftPeak& p = axis_[a].peaks[peak[a]];
+    for (std::uint32_t k = p.first; k < p.end; ++k) {
+      const std::uint32_t pair = votes_[k].pair;
+      if (overlaps(pair, t_m)) tally_.add(source_of_[pair], target_of_[pair], gain_[pair]);
+    }
+    std::uint32_t of_axis = 0;
+    const double gain = tally_.take(of_axis);
+    sum += gain;
+    possible += gain - p.gain;
+    matched += of_axis;
+    if (possible <= least) return possible;
   }
-  matched = count;
+  for (std::uint32_t k = 0; k < other_count_; ++k) {
+    const std::uint32_t pair = others_[k];
+    const double residual = dot((*target_)[target_of_[pair]].normal, t_m) - offset_[pair];
+    if (std::fabs(residual) <= gate_m_ && overlaps(pair, t_m))
+      tally_.add(source_of_[pair], target_of_[pair], gain_[pair]);
+  }
+  std::uint32_t others = 0;
+  sum += tally_.take(others);
+  matched += others;
   return sum;
 }
 

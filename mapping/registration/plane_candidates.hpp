@@ -11,25 +11,30 @@
 
 namespace sortie::mapping {
 
-/// A shift along one direction, and the sum of gains of the pairs that agree on it.
+/// A shift along one direction, and what the pairs that agree on it gain; each plane counts once.
 struct ShiftPeak {
   double at_m{};
   double gain{};
+  std::uint32_t first{};  ///< of these pairs, in the order of their axis
+  std::uint32_t end{};
 };
 
 /// A direction in which pairs of parallel planes vote for shifts.
 struct ShiftAxis {
   rt::Vector3 axis;
   std::uint8_t family{};
+  std::uint32_t first{};  ///< of its pairs, sorted by their shift
   std::uint32_t pairs{};  ///< that voted: inside the bounds that an estimate gives
   rt::FixedVector<ShiftPeak, 10> peaks;  ///< most gain first
 };
 
 /// Pairs of planes under one rotation and scale, in the order of their sides: largest source planes first.
 /// All places are relative to the middles of the two sides: x_target - middle = scale R (x_source - middle) +
-/// t. 600 kB.
+/// t. 900 kB.
 class PlaneCandidates {
  public:
+  PlaneCandidates();
+
   /// One look at every pair: normals within most_angle_rad, areas within most_area_ratio. What a match of a
   /// pair is worth: ln of (length of the target along the normal / width of a match / targets that this source
   /// plane might have matched by chance), plus ln share_matched.
@@ -41,13 +46,14 @@ class PlaneCandidates {
   void find_scales(const PlaneEstimate& estimate, rt::FixedVector<double, 8>& scales) const;
 
   /// Shifts for one scale: pairs of the three families of target planes that have most of them, and are
-  /// not near one plane, vote in bins of 0.1 m, three of which count together. Fewer than three axes where
-  /// there are no others.
+  /// not near one plane, agree where they lie within 0.3 m. Fewer than three axes where there are no others.
+  /// Cost: sorting the pairs.
   void find_shifts(double scale, const PlaneEstimate& estimate, const PlaneRegistrationConfig& config);
 
-  /// Gain of all matches at a shift, with the loose gate and overlapping rectangles; each plane counts once.
-  /// `matched`: how many planes of the target.
-  double gain_at(const rt::Vector3& t_m, std::uint32_t& matched);
+  /// Gain of the pairs of one peak of each axis whose rectangles overlap at the shift, and of all other pairs
+  /// within the loose gate; each plane counts once. Less than `least` where it cannot be more: then it may
+  /// have stopped early. `matched`: how many planes of the target.
+  double gain_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least, std::uint32_t& matched);
 
   std::uint32_t size() const { return size_; }
   PlanePair pair(std::uint32_t k) const { return {source_of_[k], target_of_[k], opposite_[k]}; }
@@ -72,8 +78,31 @@ class PlaneCandidates {
     rt::Vector3 b;
   };
 
+  /// Best gain of each plane, while gains are summed.
+  class Tally {
+   public:
+    void add(std::uint16_t source, std::uint16_t target, double gain);
+    /// Sum over sources or over targets, the smaller one; empties the tally.
+    double take(std::uint32_t& matched);
+
+   private:
+    double by_source_[kMostPlanes]{};
+    double by_target_[kMostPlanes]{};
+    std::uint16_t sources_[kMostPlanes]{};
+    std::uint16_t targets_[kMostPlanes]{};
+    std::uint32_t source_count_{};
+    std::uint32_t target_count_{};
+  };
+  /// A pair and the shift that it votes for.
+  struct Vote {
+    double at_m;
+    std::uint32_t pair;
+  };
+
   void choose_axes();
   void vote(ShiftAxis& axis, const PlaneEstimate& estimate);
+  void find_peaks(ShiftAxis& axis);
+  bool overlaps(std::uint32_t pair, const rt::Vector3& t_m) const;
   void invert_axes(const PlaneEstimate& estimate);
 
   const PlaneSide* source_{};
@@ -97,7 +126,13 @@ class PlaneCandidates {
   double worth_[kMostCandidatePairs]{};
   double gain_[kMostCandidatePairs]{};
   double offset_[kMostCandidatePairs]{};  ///< n_t . (c_t - scale R c_s): what n_t . t is at a match
-  double best_[kMostPlanes]{};            ///< of a target's plane, while gains are summed
+  Tally tally_;
+  Vote votes_[kMostCandidatePairs]{};
+  std::uint32_t voted_{};
+  std::uint32_t others_[kMostCandidatePairs]{};  ///< pairs of no axis
+  std::uint32_t other_count_{};
+  double log_count_[kMostPlanes + 1]{};
+  double sums_[kMostCandidatePairs + 1]{};  ///< of gains along an axis
   std::uint32_t first_[kMostPlanes + 1]{};  ///< pairs of source plane i: first_[i] .. first_[i + 1]
 };
 

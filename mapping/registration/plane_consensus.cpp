@@ -60,6 +60,11 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
       const Plane& t = target[pair.target];
       const Vector3 d = p.centroid - t.centroid_m;
       const double residual = dot(t.normal, d);
+      // More than the variance can be, before more is looked at: most candidates are far away.
+      const double tilt = std::max(t.sigma_tilt_rad[0], t.sigma_tilt_rad[1]);
+      const double most_variance = square(pose.scale * s.sigma_offset_m) + square(t.sigma_offset_m) +
+                                   dot(d, d) * square(tilt) + square(config.fit.model_sigma_m);
+      if (residual * residual > square(config.sigmas) * most_variance) continue;
       const double variance =
           offset_variance(s, t, pose.scale, dot(d, t.axis_u), dot(d, t.axis_v()), config.fit);
       if (residual * residual > square(config.sigmas) * variance) continue;

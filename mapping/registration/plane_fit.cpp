@@ -224,7 +224,7 @@ void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose,
 }
 
 /// The change that the observed directions take, next to the locked ones; and its covariance.
-bool solve_within(const System& system, const Basis& basis, double (&change)[7], double (&covariance)[7][7]) {
+bool solve_within(const System& system, const Basis& basis, double (&change)[7], double (*covariance)[7]) {
   const int m = basis.columns;
   double a[7][7]{};
   double x[7]{};
@@ -251,6 +251,7 @@ bool solve_within(const System& system, const Basis& basis, double (&change)[7],
     change[p] = basis.locked[p];
     for (int j = 0; j < m; ++j) change[p] += basis.column[p][j] * x[j];
   }
+  if (covariance == nullptr) return true;
   double inverse_columns[7][7]{};
   for (int p = 0; p < 7; ++p) {
     double y[7];
@@ -309,7 +310,7 @@ PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target
     bool good = reduced(system, basis, fit.lever_m, s);
     if (good) {
       lock_shift(s, in, pose, fit, basis);
-      good = solve_within(system, basis, change, fit.covariance);
+      good = solve_within(system, basis, change, step + 1 == steps ? fit.covariance : nullptr);
     }
     if (good) apply(change, fit);
     fit.chi2 = system.chi2;

@@ -8,6 +8,7 @@
 
 namespace sortie::mapping {
 namespace {
+constexpr double kSlack = 3.0;            ///< of evidence, that a second fit may add
 constexpr std::uint64_t kFitUnits = 100;  ///< a matched pair in two fits and two looks
 
 bool good(const PlaneEstimate& e) {
@@ -36,6 +37,7 @@ Status PlaneRegistration::begin(const PlaneSet& source, const PlaneSet& target, 
   result_ = {};
   best_pairs_.clear();
   fitted_count_ = 0;
+  best_look_ = 0.0;
   credit_ = 0;
   bad_plane_ = 0;
   if (!finite(estimate)) return Status::not_finite;
@@ -69,7 +71,7 @@ std::uint64_t PlaneRegistration::next_cost() const {
     case Stage::scale:
       return 4 * candidates_.size() + 100 + (estimate_.wants_scale() ? 2000 : 0);
     case Stage::look:
-      return candidates_.size() + 1;
+      return 40;
     case Stage::fit:
       return 2 * candidates_.size() + kFitUnits * std::max(4u, places_[place_].matched);
     default:
@@ -165,6 +167,7 @@ double PlaneRegistration::harmless() const {
 /// What a place must promise to be worth a look: it could be the best one, or a runner-up that counts.
 double PlaneRegistration::least_gain() const {
   double least = log_places_ + std::max(0.0, harmless());
+  least = std::max(least, 0.5 * best_look_);
   if (places_.full()) least = std::max(least, places_.back().gain);
   return least;
 }
@@ -187,7 +190,8 @@ void PlaneRegistration::look() {
       ++result_.hypotheses;
       Place place;
       place.t_m = candidates_.shift(along);
-      place.gain = candidates_.gain_at(place.t_m, place.matched);
+      place.gain = candidates_.gain_at(place.t_m, at_, least_gain(), place.matched);
+      best_look_ = std::max(best_look_, place.gain);
       keep_place(place);
     } else {
       if (promised > least_gain()) ++result_.dropped;
@@ -235,10 +239,11 @@ void PlaneRegistration::fit_next() {
   for (int round = 0; round < 2; ++round) {
     if (f.pairs.empty()) return;
     f.fit = fit_planes(source_.planes(), target_.planes(), {f.pairs.data(), f.pairs.size()}, pose, estimate_,
-                       config_.fit, 2);
+                       config_.fit, 1 + round);
     if (!f.fit.finite) return;
     pose = f.fit.T_target_source;
     f.consensus = judge(source_, target_, candidates_, pose, config_, &f.pairs, f.gain);
+    if (f.consensus.evidence - log_places_ <= harmless() - kSlack) return;
   }
   f.evidence = f.consensus.evidence - log_places_;
   keep();

@@ -124,6 +124,7 @@ class PlaneRegistration {
   std::uint32_t turn_{};
   std::uint32_t scale_{};
   std::uint32_t at_[3]{};      ///< the combination of peaks that is next
+  double best_look_{};         ///< most gain that any place had
   double log_places_{};        ///< ln of the places that could have been
   PlaneTurns turns_;
   rt::FixedVector<double, 8> scales_;

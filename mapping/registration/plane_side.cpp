@@ -49,6 +49,9 @@ void PlaneSide::take(const PlaneSet& planes) {
   find_box();
   find_families();
   for (std::uint32_t i = 0; i < size_; ++i) {
+    normal_[0][i] = plane_[i].normal.x;
+    normal_[1][i] = plane_[i].normal.y;
+    normal_[2][i] = plane_[i].normal.z;
     log_sigma_[i] = rt::log(plane_[i].sigma_offset_m);
     log_extent_[i] = rt::log(std::max(1.0, extent_m(plane_[i].normal)));
   }
@@ -85,6 +88,17 @@ bool PlaneSide::covers(const rt::Vector3& x_m, double margin_m) const {
 double PlaneSide::extent_m(const rt::Vector3& direction) const {
   return 2.0 * (std::fabs(direction.x) * half_.x + std::fabs(direction.y) * half_.y +
                 std::fabs(direction.z) * half_.z);
+}
+
+std::uint32_t PlaneSide::near_normals(const rt::Vector3& n, double least_cosine, bool signs,
+                                      std::uint16_t* which) const {
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < size_; ++i) {  // no branch: three out of four are not near
+    const double along = n.x * normal_[0][i] + n.y * normal_[1][i] + n.z * normal_[2][i];
+    which[count] = static_cast<std::uint16_t>(i);
+    count += static_cast<std::uint32_t>((signs ? along : std::fabs(along)) >= least_cosine);
+  }
+  return count;
 }
 
 void PlaneSide::find_families() {

@@ -37,6 +37,10 @@ class PlaneSide {
   double log_sigma(std::uint32_t i) const { return log_sigma_[i]; }
   double log_extent(std::uint32_t i) const { return log_extent_[i]; }
 
+  /// Planes whose normal has at least this cosine with the unit direction `n` (or, where signs do not count,
+  /// with -n), in their order; `which` has room for all. About 2 ns a plane.
+  std::uint32_t near_normals(const rt::Vector3& n, double least_cosine, bool signs, std::uint16_t* which) const;
+
   /// Groups of planes within 4 degrees of a common direction, of either sign: largest planes found them.
   std::uint32_t families() const { return families_; }
   const rt::Vector3& family_axis(std::uint32_t f) const { return axis_[f]; }
@@ -53,6 +57,7 @@ class PlaneSide {
   std::uint8_t family_[kMostPlanes]{};
   double log_sigma_[kMostPlanes]{};
   double log_extent_[kMostPlanes]{};
+  double normal_[3][kMostPlanes]{};
   rt::Vector3 axis_[kMostFamilies];
   rt::Vector3 middle_;
   rt::Vector3 half_;

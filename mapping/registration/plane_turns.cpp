@@ -11,13 +11,13 @@ namespace {
 using rt::Vector3;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kBins = 720;          ///< half degrees
-constexpr int kReach = 5;           ///< bins on either side that count for a peak
+constexpr int kBins = 360;          ///< degrees
+constexpr int kReach = 2;           ///< bins on either side that count for a peak
 constexpr std::uint32_t kMostPeaks = 8;
 constexpr double kLeastShare = 0.15;  ///< of the best peak's votes
 constexpr double kWall = 0.5;         ///< |z| of a wall's normal at most
 
-/// Directions of the walls, in half degrees [0, 720), and their weight.
+/// Directions of the walls, in bins, and their weight.
 struct Walls {
   std::uint32_t count{};
   double direction[kMostPlanes];
@@ -63,39 +63,38 @@ void vote(const Walls& source, const Walls& target, bool signs, Votes& votes) {
 
 int wrapped(int bin) { return bin < 0 ? bin + kBins : bin >= kBins ? bin - kBins : bin; }
 
+/// The best bins, none within 2 kReach of a better one.
 void take_peaks(const Votes& votes, const rt::Quaternion& level, double most_bins, PlaneTurns& turns) {
   double around[kBins];
-  double sum = 0.0;
-  for (int k = -kReach; k < kReach; ++k) sum += votes.weight[wrapped(k)];
-  for (int bin = 0; bin < kBins; ++bin) {  // whole sums anew now and then: no drift
-    if (bin % 60 == 0) {
-      sum = 0.0;
-      for (int k = bin - kReach; k < bin + kReach; ++k) sum += votes.weight[wrapped(k)];
-    }
-    sum += votes.weight[wrapped(bin + kReach)];
-    around[bin] = sum;
-    sum -= votes.weight[wrapped(bin - kReach)];
+  for (int bin = 0; bin < kBins; ++bin) {
+    around[bin] = 0.0;
+    for (int k = bin - kReach; k <= bin + kReach; ++k) around[bin] += votes.weight[wrapped(k)];
   }
   double best = 0.0;
-  while (turns.size() < kMostPeaks) {
-    int peak = -1;
-    for (int bin = 0; bin < kBins; ++bin) {
-      const int off = std::min(bin, kBins - bin);
-      if (off <= most_bins && around[bin] > 1e-9 && (peak < 0 || around[bin] > around[peak])) peak = bin;
-    }
-    if (peak < 0 || around[peak] < kLeastShare * best) break;
-    best = std::max(best, around[peak]);
+  for (int bin = 0; bin < kBins; ++bin) {
+    if (std::min(bin, kBins - bin) <= most_bins) best = std::max(best, around[bin]);
+  }
+  rt::FixedVector<int, kBins> tops;
+  for (int bin = 0; bin < kBins; ++bin) {
+    if (std::min(bin, kBins - bin) > most_bins || !(around[bin] > 1e-9) || around[bin] < kLeastShare * best) continue;
+    bool top = true;
+    for (int k = 1; k <= 2 * kReach && top; ++k)  // of equal ones the first
+      top = around[bin] > around[wrapped(bin - k)] && around[bin] >= around[wrapped(bin + k)];
+    if (top) (void)tops.push_back(bin);
+  }
+  std::sort(tops.begin(), tops.end(),
+            [&around](int a, int b) { return around[a] != around[b] ? around[a] > around[b] : a < b; });
+  for (std::uint32_t i = 0; i < tops.size() && turns.size() < kMostPeaks; ++i) {
     double weight = 0.0;
     double moment = 0.0;
     for (int k = -kReach; k <= kReach; ++k) {
-      const int bin = wrapped(peak + k);
+      const int bin = wrapped(tops[i] + k);
       weight += votes.weight[bin];
       moment += votes.moment[bin] + k * votes.weight[bin];
     }
-    const double half_yaw = (peak + moment / weight) * (kPi / kBins);
+    const double half_yaw = (tops[i] + moment / weight) * (kPi / kBins);
     const rt::SinCos h = rt::sincos(half_yaw);
-    (void)turns.push_back({rt::normalised(rt::Quaternion{h.cos, 0, 0, h.sin} * level), around[peak]});
-    for (int k = -2 * kReach; k <= 2 * kReach; ++k) around[wrapped(peak + k)] = 0.0;
+    (void)turns.push_back({rt::normalised(rt::Quaternion{h.cos, 0, 0, h.sin} * level), around[tops[i]]});
   }
 }
 
