@@ -14,6 +14,7 @@ using rt::Vector3;
 
 constexpr double kHalfLog2Pi = 0.91893853320467;
 constexpr double kWindow_m = 0.3;
+constexpr double kMostCover = 0.69314718055994531;  ///< ln 2: what covering each other adds at most
 }  // namespace
 
 PlaneCandidates::PlaneCandidates() {
@@ -66,7 +67,7 @@ void PlaneCandidates::pair_up(const PlaneSide& source, const PlaneSide& target, 
     for (std::uint32_t k = first_[i]; k < size_; ++k) {
       worth_[k] -= chances;
       const double sigma = std::max(source.log_sigma(i), target.log_sigma(target_of_[k]));
-      gain_[k] = std::max(0.0, worth_[k] - std::max(sigma, least_sigma));
+      gain_[k] = std::max(0.0, worth_[k] - std::max(sigma, least_sigma) + kMostCover);
     }
   }
   first_[source.size()] = size_;

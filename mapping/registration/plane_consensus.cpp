@@ -22,6 +22,15 @@ struct Placed {
   Vector3 centroid;
 };
 
+/// ln of how much likelier a common area is for two views of one plane than for two planes that happen to
+/// meet: twice its share of the smaller rectangle, [1/20, 2]. Views show mostly the same; chance does not
+/// prefer any share.
+double log_of_cover(const PlanePatch& here, const PlanePatch& there) {
+  const double smaller = std::min(area_of(here), area_of(there));
+  const double share = smaller > 0.0 ? common_area(here, there) / smaller : 0.5;
+  return rt::log(std::clamp(2.0 * share, 0.05, 2.0));
+}
+
 /// Squared tilt of a placed plane against another in their standard deviations: chi-square of two degrees.
 double tilt_chi2(const Placed& p, const Plane& s, const Plane& t, bool opposite, double model_rad) {
   double chi2 = 0.0;
@@ -72,8 +81,10 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
       const PlanePatch own = own_patch(s);
       const Vector3 middle = p.centroid + (pose.scale * own.centre[0]) * p.u + (pose.scale * own.centre[1]) * p.v;
       const PlanePatch there = projected(t, middle, (pose.scale * own.a[0]) * p.u, (pose.scale * own.b[1]) * p.v);
-      if (!overlap(own_patch(t), there, config.overlap_margin_m)) continue;
-      const double gain = candidates.worth(k) - 0.5 * (rt::log(variance) + residual * residual / variance);
+      const PlanePatch here = own_patch(t);
+      if (!overlap(here, there, config.overlap_margin_m)) continue;
+      const double gain = candidates.worth(k) - 0.5 * (rt::log(variance) + residual * residual / variance) +
+                          log_of_cover(here, there);
       if (gain > most) most = gain, best = pair;
     }
     if (most == 0.0) continue;

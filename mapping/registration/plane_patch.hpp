@@ -54,4 +54,54 @@ inline bool overlap(const PlanePatch& p, const PlanePatch& q, double margin_m) {
   return !separated_by(p, q, margin_m) && !separated_by(q, p, margin_m);
 }
 
+/// Area of a patch [m2].
+inline double area_of(const PlanePatch& p) { return 4.0 * std::fabs(p.a[0] * p.b[1] - p.a[1] * p.b[0]); }
+
+/// Area that a patch has in common with a plane's own rectangle [m2]: the patch's corners, cut at the
+/// rectangle's four sides (I. Sutherland, G. Hodgman 1974). ~0.1 us.
+inline double common_area(const PlanePatch& own, const PlanePatch& patch) {
+  constexpr int kMost = 8;  // four corners, and one more at each cut
+  double corner[kMost][2];
+  int count = 4;
+  const double signs[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+  for (int k = 0; k < 4; ++k) {
+    for (int i = 0; i < 2; ++i)
+      corner[k][i] = patch.centre[i] - own.centre[i] + signs[k][0] * patch.a[i] + signs[k][1] * patch.b[i];
+  }
+  const double half[2] = {own.a[0], own.b[1]};
+  for (int side = 0; side < 4 && count > 0; ++side) {
+    const int axis = side / 2;
+    const double sign = side % 2 == 0 ? 1.0 : -1.0;
+    double kept[kMost][2];
+    int kept_count = 0;
+    for (int k = 0; k < count; ++k) {
+      const double(&p)[2] = corner[k];
+      const double(&q)[2] = corner[(k + 1) % count];
+      const double in_p = half[axis] - sign * p[axis];
+      const double in_q = half[axis] - sign * q[axis];
+      if (in_p >= 0.0 && kept_count < kMost) {
+        kept[kept_count][0] = p[0];
+        kept[kept_count++][1] = p[1];
+      }
+      if (((in_p > 0.0 && in_q < 0.0) || (in_p < 0.0 && in_q > 0.0)) && kept_count < kMost) {
+        const double t = in_p / (in_p - in_q);
+        kept[kept_count][0] = p[0] + t * (q[0] - p[0]);
+        kept[kept_count++][1] = p[1] + t * (q[1] - p[1]);
+      }
+    }
+    count = kept_count;
+    for (int k = 0; k < count; ++k) {
+      corner[k][0] = kept[k][0];
+      corner[k][1] = kept[k][1];
+    }
+  }
+  double twice = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const double(&p)[2] = corner[k];
+    const double(&q)[2] = corner[(k + 1) % count];
+    twice += p[0] * q[1] - p[1] * q[0];
+  }
+  return 0.5 * std::fabs(twice);
+}
+
 }  // namespace sortie::mapping

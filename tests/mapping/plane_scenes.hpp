@@ -252,6 +252,51 @@ inline PlaneScene random_scene(std::uint32_t common, std::uint32_t source_only, 
   return make_scene(both, from, to, truth, source_noise, target_noise, random);
 }
 
+/// A hall that half a turn about its middle takes into itself, `extra` planes on each side aside.
+inline PlaneScene symmetric_scene(std::uint32_t planes, std::uint32_t extra, PlaneRandom& random) {
+  HallMaker hall(random, random.between(10, 40), random.between(8, 25), random.between(3, 8));
+  hall.shell();
+  hall.furnish(6 + (planes - std::min(planes, 6u)) / 2);
+  const rt::Vector3 size = hall.size();
+  std::vector<mapping::Plane> both = hall.planes;
+  for (std::size_t i = 6; i < hall.planes.size(); ++i) {
+    const mapping::Plane& p = hall.planes[i];
+    both.push_back(rectangle({-p.normal.x, -p.normal.y, p.normal.z},
+                             {size.x - p.centroid_m.x, size.y - p.centroid_m.y, p.centroid_m.z},
+                             {-p.axis_u.x, -p.axis_u.y, p.axis_u.z}, p.most_m[0], p.most_m[1]));
+  }
+  HallMaker other(random, size.x, size.y, size.z);
+  other.furnish(2 * extra);
+  const std::vector<mapping::Plane> from(other.planes.begin(), other.planes.begin() + extra);
+  const std::vector<mapping::Plane> to(other.planes.begin() + extra, other.planes.end());
+  return make_scene(both, from, to, random_pose(random, 30, 1.0), {}, {0.01, 0.004, 0.6}, random);
+}
+
+/// A hall, and its mirror image: no pose is right.
+inline PlaneScene mirrored_scene(std::uint32_t planes, PlaneRandom& random) {
+  HallMaker hall(random, random.between(10, 40), random.between(8, 25), random.between(3, 8));
+  hall.shell();
+  hall.furnish(planes);
+  std::vector<mapping::Plane> image;
+  for (const mapping::Plane& p : hall.planes)
+    image.push_back(rectangle({-p.normal.x, p.normal.y, p.normal.z},
+                              {-p.centroid_m.x, p.centroid_m.y, p.centroid_m.z},
+                              {-p.axis_u.x, p.axis_u.y, p.axis_u.z}, p.most_m[0], p.most_m[1]));
+  return make_scene({}, hall.planes, image, random_pose(random, 30, 1.0), {}, {0.01, 0.004, 0.6}, random);
+}
+
+/// Two halls of one kind: the same height of storeys, now and then the same width.
+inline PlaneScene wrong_building_scene(std::uint32_t source, std::uint32_t target, PlaneRandom& random) {
+  const double x = random.between(10, 40), y = random.between(8, 25), z = random.between(3, 8);
+  HallMaker first(random, x, y, z);
+  const bool same_width = random.below(3) == 0;
+  HallMaker second(random, random.between(10, 40), same_width ? y : random.between(8, 25), z);
+  for (HallMaker* hall : {&first, &second}) hall->shell();
+  first.furnish(source);
+  second.furnish(target);
+  return make_scene({}, first.planes, second.planes, random_pose(random, 30, 1.0), {}, {0.01, 0.004, 0.6}, random);
+}
+
 /// How far a pose is off: at the middle of the source's planes, and in angle.
 struct PoseError {
   double position_m;
