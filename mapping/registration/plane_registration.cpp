@@ -38,6 +38,9 @@ Status PlaneRegistration::begin(const PlaneSet& source, const PlaneSet& target, 
   best_pairs_.clear();
   fitted_count_ = 0;
   best_look_ = 0.0;
+  mirror_ = 0;
+  in_mirror_ = false;
+  mirror_rivalry_ = 0.0;
   credit_ = 0;
   bad_plane_ = 0;
   if (!finite(estimate)) return Status::not_finite;
@@ -67,6 +70,7 @@ std::uint64_t PlaneRegistration::next_cost() const {
     case Stage::turns:
       return estimate_.has_gravity() ? all : all + 60000;
     case Stage::pair:
+    case Stage::mirror:
       return all;
     case Stage::scale:
       return 4 * candidates_.size() + 100 + (estimate_.wants_scale() ? 2000 : 0);
@@ -116,14 +120,50 @@ void PlaneRegistration::step() {
     case Stage::fit:
       fit_next();
       break;
+    case Stage::mirror:
+      begin_mirror();
+      break;
     default:
       finish();
   }
 }
 
+/// Mirror images of the source, as the best place has it turned, about its middle along the two axes that lie
+/// flattest: where one of them fits better the place may be the mirror image of the right one.
+void PlaneRegistration::begin_mirror() {
+  in_mirror_ = false;
+  if (fitted_count_ == 0 || mirror_ == 2) {
+    stage_ = Stage::judge;
+    return;
+  }
+  const PlanePose& pose = fitted_[order_[0]].fit.T_target_source;
+  if (mirror_ == 0) {
+    candidates_.pair_up(source_, target_, pose.q_target_source, config_);
+    rt::Vector3 axis[3];
+    std::uint32_t count = 0;
+    for (; count < candidates_.axes(); ++count) axis[count] = candidates_.axis(count).axis;
+    std::sort(axis, axis + count,
+              [](const rt::Vector3& a, const rt::Vector3& b) { return std::fabs(a.z) < std::fabs(b.z); });
+    mirrors_.clear();
+    for (std::uint32_t k = 0; k < count && k < 2; ++k) (void)mirrors_.push_back(axis[k]);
+  }
+  if (mirror_ >= mirrors_.size()) {
+    stage_ = Stage::judge;
+    return;
+  }
+  in_mirror_ = true;
+  image_.mirror(source_, rt::rotate_back(pose.q_target_source, mirrors_[mirror_]));
+  ++mirror_;
+  candidates_.pair_up(image_, target_, pose.q_target_source, config_);
+  scales_.clear();
+  (void)scales_.push_back(pose.scale);
+  scale_ = 0;
+  stage_ = Stage::scale;
+}
+
 void PlaneRegistration::begin_turn() {
   if (turn_ == turns_.size()) {
-    stage_ = Stage::judge;
+    stage_ = Stage::mirror;
     return;
   }
   candidates_.pair_up(source_, target_, turns_[turn_].q_target_source, config_);
@@ -138,7 +178,7 @@ void PlaneRegistration::begin_turn() {
 void PlaneRegistration::begin_scale() {
   if (scales_.empty()) candidates_.find_scales(estimate_, scales_);
   if (scale_ == scales_.size() || candidates_.axes() == 0) {
-    stage_ = Stage::pair;
+    stage_ = in_mirror_ ? Stage::mirror : Stage::pair;
     return;
   }
   candidates_.find_shifts(scales_[scale_], estimate_, config_);
@@ -235,18 +275,21 @@ void PlaneRegistration::fit_next() {
   loose.fit.model_sigma_rad = std::max(config_.fit.model_sigma_rad, config_.most_angle_rad / config_.sigmas);
   PlanePose pose = candidates_.pose(place.t_m);
   Fitted& f = fresh_;
-  f.consensus = judge(source_, target_, candidates_, pose, loose, &f.pairs);
+  f.consensus = judge(side(), target_, candidates_, pose, loose, &f.pairs);
   for (int round = 0; round < 2; ++round) {
     if (f.pairs.empty()) return;
-    f.fit = fit_planes(source_.planes(), target_.planes(), {f.pairs.data(), f.pairs.size()}, pose, estimate_,
+    f.fit = fit_planes(side().planes(), target_.planes(), {f.pairs.data(), f.pairs.size()}, pose, estimate_,
                        config_.fit, 1 + round);
     if (!f.fit.finite) return;
     pose = f.fit.T_target_source;
-    f.consensus = judge(source_, target_, candidates_, pose, config_, &f.pairs, f.gain);
+    f.consensus = judge(side(), target_, candidates_, pose, config_, &f.pairs, f.gain);
     if (f.consensus.evidence - log_places_ <= harmless() - kSlack) return;
   }
   f.evidence = f.consensus.evidence - log_places_;
-  keep();
+  if (in_mirror_)
+    mirror_rivalry_ = std::max(mirror_rivalry_, rivalry(fitted_[order_[0]], f, 0.0));
+  else
+    keep();
 }
 
 bool PlaneRegistration::same_basin(const PlanePose& a, const PlanePose& b) const {
@@ -277,7 +320,7 @@ void PlaneRegistration::keep() {
 }
 
 /// Evidence of the other place over the best one's, without pairs that both have.
-double PlaneRegistration::rivalry(const Fitted& best, const Fitted& other) const {
+double PlaneRegistration::rivalry(const Fitted& best, const Fitted& other, double least_margin) const {
   double shared_of_best = 0.0;
   double shared_of_other = 0.0;
   std::uint32_t k = 0;  // pairs are in the order of source planes
@@ -295,14 +338,14 @@ double PlaneRegistration::rivalry(const Fitted& best, const Fitted& other) const
   };
   const double a = own(best, shared_of_best);
   const double b = own(other, shared_of_other);
-  if (a - b < config_.least_margin) return 1.0;
-  return b / a;
+  if (a - b < least_margin) return std::max(1.0, b / std::max(a, 1e-9));
+  return b / std::max(a, 1e-9);
 }
 
 void PlaneRegistration::finish() {
   stage_ = Stage::done;
   const auto refuse = [this](PlaneRefusal why) {
-    result_.verdict = why == PlaneRefusal::runner_up ? PlaneVerdict::ambiguous : PlaneVerdict::refused;
+    result_.verdict = why == PlaneRefusal::runner_up || why == PlaneRefusal::mirrored ? PlaneVerdict::ambiguous : PlaneVerdict::refused;
     result_.refusal = why;
   };
   if (fitted_count_ == 0) return refuse(PlaneRefusal::few_matches);
@@ -314,18 +357,21 @@ void PlaneRegistration::finish() {
   for (PlanePair pair : best.pairs)
     (void)best_pairs_.push_back({source_.given(pair.source), target_.given(pair.target), pair.opposite});
   for (std::uint32_t k = 1; k < fitted_count_; ++k) {
-    const double rival = rivalry(best, fitted_[order_[k]]);
+    const double rival = rivalry(best, fitted_[order_[k]], config_.least_margin);
     if (k > 1 && rival <= result_.rivalry) continue;
     result_.rivalry = rival;
     result_.runner_up_evidence = fitted_[order_[k]].evidence;
     result_.T_runner_up = fitted_[order_[k]].fit.T_target_source;
   }
+  result_.mirror_rivalry = mirror_rivalry_;
   const bool whole_turn = best.fit.rotation_rank == 3;
   const bool whole_shift = best.fit.translation_rank == (estimate_.wants_scale() ? 4 : 3);
   if (result_.matched < config_.least_matches) return refuse(PlaneRefusal::few_matches);
   if (result_.share < config_.least_share) return refuse(PlaneRefusal::little_share);
-  if (result_.evidence < config_.least_evidence) return refuse(PlaneRefusal::little_evidence);
+  const double expected = std::max(1u, best.consensus.expected);
+  if (result_.evidence < std::max(config_.least_evidence, config_.evidence_per_plane * expected)) return refuse(PlaneRefusal::little_evidence);
   if (result_.rivalry > config_.most_runner_up) return refuse(PlaneRefusal::runner_up);
+  if (result_.mirror_rivalry > config_.most_mirrored) return refuse(PlaneRefusal::mirrored);
   if ((!whole_turn && !estimate_.has_yaw()) || (!whole_shift && !estimate_.has_position()))
     return refuse(PlaneRefusal::unobserved);
   result_.verdict = whole_turn && whole_shift ? PlaneVerdict::placed : PlaneVerdict::placed_partly;
@@ -338,7 +384,7 @@ const char* to_string(PlaneVerdict verdict) {
 
 const char* to_string(PlaneRefusal refusal) {
   constexpr const char* kNames[] = {"none",           "no planes",  "few matches", "little share",
-                                    "little evidence", "unobserved", "runner-up"};
+                                    "little evidence", "unobserved", "runner-up", "mirrored"};
   return kNames[static_cast<int>(refusal)];
 }
 

@@ -31,6 +31,7 @@ enum class PlaneRefusal : std::uint8_t {
   little_evidence,  ///< chance may have done it
   unobserved,      ///< a direction that neither planes nor estimate know
   runner_up,       ///< another place is nearly as likely
+  mirrored,        ///< a mirror image would fit better: another wing, another building
 };
 
 /// The names as they are shown.
@@ -53,9 +54,10 @@ struct PlaneRegistrationResult {
   std::uint32_t fits{};        ///< of them fitted
   std::uint32_t dropped{};     ///< pairs of planes that there was no room for, and hypotheses beyond the most
   std::uint64_t units{};       ///< of work done
-  SORTIE_FIELDS(verdict, refusal, fit, matched, share, evidence, runner_up_evidence, rivalry, T_runner_up, turns,
+  SORTIE_FIELDS(verdict, refusal, fit, matched, share, evidence, runner_up_evidence, rivalry, mirror_rivalry, T_runner_up, turns,
                 hypotheses, fits, dropped, units)
 
+  double mirror_rivalry{};     ///< as rivalry, of the best place of a mirror image; 0: none
   bool placed() const { return verdict == PlaneVerdict::placed || verdict == PlaneVerdict::placed_partly; }
 };
 
@@ -83,7 +85,7 @@ class PlaneRegistration {
   std::uint32_t bad_plane() const { return bad_plane_; }
 
  private:
-  enum class Stage : std::uint8_t { done, turns, pair, scale, look, fit, judge };
+  enum class Stage : std::uint8_t { done, turns, pair, scale, look, fit, mirror, judge };
   /// A place worth fitting.
   struct Place {
     rt::Vector3 t_m;
@@ -108,10 +110,12 @@ class PlaneRegistration {
   };
   static constexpr std::uint32_t kMostFitted = 12;
 
+  const PlaneSide& side() const { return in_mirror_ ? image_ : source_; }
+  void begin_mirror();
   void keep();
   void keep_place(const Place& place);
   double harmless() const;
-  double rivalry(const Fitted& best, const Fitted& other) const;
+  double rivalry(const Fitted& best, const Fitted& other, double least_margin) const;
   bool same_basin(const PlanePose& a, const PlanePose& b) const;
   void finish();
   double least_gain() const;
@@ -137,6 +141,11 @@ class PlaneRegistration {
   Fitted fitted_[kMostFitted];  ///< places apart from each other
   std::uint8_t order_[kMostFitted]{};  ///< of them, most evidence first
   std::uint32_t fitted_count_{};
+  std::uint32_t mirror_{};     ///< mirror images begun
+  bool in_mirror_{};
+  rt::FixedVector<rt::Vector3, 2> mirrors_;
+  double mirror_rivalry_{};
+  PlaneSide image_;
   PlanePairs best_pairs_;
   PlaneRegistrationResult result_;
 };

@@ -48,13 +48,42 @@ void PlaneSide::take(const PlaneSet& planes) {
   for (std::uint32_t i = 0; i < size_; ++i) plane_[i] = planes[given_[i]];
   find_box();
   find_families();
+  take_normals();
+  for (std::uint32_t i = 0; i < size_; ++i) {
+    log_sigma_[i] = rt::log(plane_[i].sigma_offset_m);
+    log_extent_[i] = rt::log(std::max(1.0, extent_m(plane_[i].normal)));
+  }
+}
+
+void PlaneSide::take_normals() {
   for (std::uint32_t i = 0; i < size_; ++i) {
     normal_[0][i] = plane_[i].normal.x;
     normal_[1][i] = plane_[i].normal.y;
     normal_[2][i] = plane_[i].normal.z;
-    log_sigma_[i] = rt::log(plane_[i].sigma_offset_m);
-    log_extent_[i] = rt::log(std::max(1.0, extent_m(plane_[i].normal)));
   }
+}
+
+void PlaneSide::mirror(const PlaneSide& other, const rt::Vector3& axis) {
+  size_ = other.size_;
+  families_ = 0;
+  const auto image = [&axis](const rt::Vector3& v) { return v - (2.0 * rt::dot(axis, v)) * axis; };
+  for (std::uint32_t i = 0; i < size_; ++i) {
+    const Plane& from = other.plane_[i];
+    Plane& to = plane_[i];
+    to = from;
+    to.normal = image(from.normal);
+    to.axis_u = image(from.axis_u);
+    to.centroid_m = other.middle_ + image(from.centroid_m - other.middle_);
+    to.offset_m = rt::dot(to.normal, to.centroid_m);
+    to.least_m[1] = -from.most_m[1];  // v, their vector product, turns round
+    to.most_m[1] = -from.least_m[1];
+    given_[i] = other.given_[i];
+    family_[i] = kNoFamily;
+    log_sigma_[i] = other.log_sigma_[i];
+    log_extent_[i] = other.log_extent_[i];
+  }
+  take_normals();
+  find_box();
 }
 
 void PlaneSide::find_box() {

@@ -21,6 +21,10 @@ class PlaneSide {
   /// Takes a set whose planes passed check(). Cost: n log n comparisons of copies.
   void take(const PlaneSet& planes);
 
+  /// Becomes the mirror image of another side about the plane through its middle that is square to `axis`
+  /// (unit); normals still point to the side that was seen. Families are not looked for.
+  void mirror(const PlaneSide& other, const rt::Vector3& axis);
+
   std::uint32_t size() const { return size_; }
   std::span<const Plane> planes() const { return {plane_, size_}; }
   const Plane& operator[](std::uint32_t i) const { return plane_[i]; }
@@ -48,6 +52,7 @@ class PlaneSide {
 
  private:
   void find_box();
+  void take_normals();
   void find_families();
 
   std::uint32_t size_{};
