@@ -78,7 +78,9 @@ void PlaneCandidates::choose_axes() {
   double weight[kMostFamilies]{};
   for (std::uint32_t k = 0; k < size_; ++k) {
     const std::uint8_t f = target_->family(target_of_[k]);
-    if (f != PlaneSide::kNoFamily) weight[f] += gain_[k];
+    if (f == PlaneSide::kNoFamily) continue;
+    const double area = std::min((*source_)[source_of_[k]].area_m2, (*target_)[target_of_[k]].area_m2);
+    weight[f] += gain_[k] * std::sqrt(std::min(area, 25.0));  // what is large is seen by both
   }
   axes_ = 0;
   while (axes_ < 3) {

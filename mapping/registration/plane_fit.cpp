@@ -23,10 +23,16 @@ struct System {
   double g[7]{};
   double turn[3][3]{};
   double chi2{};
+  double kernel{};  ///< 1 / its width squared
   std::uint32_t rows{};
 
+  double weight(double residual, double variance) const {
+    const double shrunk = 1.0 + kernel * residual * residual / variance;
+    return 1.0 / (variance * shrunk * shrunk);
+  }
+
   void add(const Vector3& on_turn, const Vector3& on_shift, double on_scale, double residual, double variance) {
-    const double w = 1.0 / variance;
+    const double w = weight(residual, variance);
     const double j[7] = {on_turn.x, on_turn.y, on_turn.z, on_shift.x, on_shift.y, on_shift.z, on_scale};
     for (int a = 0; a < 7; ++a) {
       const double wj = w * j[a];
@@ -38,7 +44,7 @@ struct System {
   }
   /// A row that is about the rotation alone.
   void add_turn(const Vector3& on_turn, double residual, double variance) {
-    const double w = 1.0 / variance;
+    const double w = weight(residual, variance);
     const double j[3] = {on_turn.x, on_turn.y, on_turn.z};
     for (int a = 0; a < 3; ++a) {
       for (int b = 0; b <= a; ++b) {
@@ -75,6 +81,7 @@ struct Input {
 
 System linearised(const Input& in, const PlanePose& pose, const Vector3& pivot_target, double& lever_m) {
   System system;
+  if (in.config.kernel_sigmas > 0.0) system.kernel = 1.0 / square(in.config.kernel_sigmas);
   const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
   double levers = 0.0;
   double weights = 0.0;

@@ -9,6 +9,7 @@
 namespace sortie::mapping {
 namespace {
 constexpr double kSlack = 3.0;            ///< of evidence, that a second fit may add
+constexpr double kKernelSigmas = 5.0;
 constexpr std::uint64_t kFitUnits = 100;  ///< a matched pair in two fits and two looks
 
 bool good(const PlaneEstimate& e) {
@@ -270,16 +271,21 @@ void PlaneRegistration::fit_next() {
   if (++place_ == places_.size()) stage_ = Stage::scale;
   if (place.gain - log_places_ <= harmless()) return;
   ++result_.fits;
-  PlaneRegistrationConfig loose = config_;
-  loose.fit.model_sigma_m = std::max(config_.fit.model_sigma_m, config_.search_gate_m / config_.sigmas);
-  loose.fit.model_sigma_rad = std::max(config_.fit.model_sigma_rad, config_.most_angle_rad / config_.sigmas);
+  // What is only near takes part in a first fit, which outliers must not pull; then what agrees.
+  PlaneRegistrationConfig near = config_;
+  near.fit.model_sigma_m = std::max(config_.fit.model_sigma_m, config_.search_gate_m / config_.sigmas);
+  near.fit.model_sigma_rad = std::max(config_.fit.model_sigma_rad, config_.most_angle_rad / config_.sigmas);
+  PlaneFitConfig first = config_.fit;
+  first.kernel_sigmas = kKernelSigmas;
+  first.observed_sigma_m = std::max(config_.fit.observed_sigma_m, config_.search_gate_m);
+  first.observed_sigma_rad = std::max(config_.fit.observed_sigma_rad, config_.most_angle_rad);
   PlanePose pose = candidates_.pose(place.t_m);
   Fitted& f = fresh_;
-  f.consensus = judge(side(), target_, candidates_, pose, loose, &f.pairs);
+  f.consensus = judge(side(), target_, candidates_, pose, near, &f.pairs);
   for (int round = 0; round < 2; ++round) {
     if (f.pairs.empty()) return;
     f.fit = fit_planes(side().planes(), target_.planes(), {f.pairs.data(), f.pairs.size()}, pose, estimate_,
-                       config_.fit, 1 + round);
+                       round == 0 ? first : config_.fit, 2);
     if (!f.fit.finite) return;
     pose = f.fit.T_target_source;
     f.consensus = judge(side(), target_, candidates_, pose, config_, &f.pairs, f.gain);
