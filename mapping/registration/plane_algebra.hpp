@@ -9,7 +9,7 @@ namespace sortie::mapping {
 
 /// Eigenvalues in rising order, and their eigenvectors as columns of `vector`.
 template <int N>
-struct SymmetricEigen {
+struct EigenPairs {
   double value[N]{};
   double vector[N][N]{};  ///< [row][which]
 };
@@ -18,9 +18,9 @@ struct SymmetricEigen {
 /// the eigenvalues about 1e-15 of the largest. Equal eigenvalues keep the order of their columns. About 0.4
 /// us for N = 3. Source: G. Golub, C. Van Loan, Matrix Computations, 8.5.
 template <int N>
-SymmetricEigen<N> symmetric_eigen(const double (&matrix)[N][N]) {
+EigenPairs<N> eigen_pairs(const double (&matrix)[N][N]) {
   double a[N][N];
-  SymmetricEigen<N> out;
+  EigenPairs<N> out;
   double scale = 0.0;
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < N; ++j) {

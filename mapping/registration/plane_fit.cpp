@@ -130,7 +130,7 @@ struct Basis {
 };
 
 void lock_turn(const System& system, const Input& in, const PlanePose& pose, PlaneFit& fit, Basis& basis) {
-  const SymmetricEigen<3> eigen = symmetric_eigen(system.turn);
+  const EigenPairs<3> eigen = eigen_pairs(system.turn);
   const rt::Quaternion& q = in.estimate.T_target_source.q_target_source;
   const Vector3 to_estimate = rt::log_rotation(q * rt::conjugate(pose.q_target_source));
   const bool known = in.estimate.has_yaw();
@@ -194,7 +194,7 @@ void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose,
   double vector[4][4]{};  // [row][which]
   const int n = scaled ? 4 : 3;
   if (scaled) {
-    const SymmetricEigen<4> eigen = symmetric_eigen(s);
+    const EigenPairs<4> eigen = eigen_pairs(s);
     for (int k = 0; k < 4; ++k) {
       value[k] = eigen.value[k];
       for (int i = 0; i < 4; ++i) vector[i][k] = eigen.vector[i][k];
@@ -204,7 +204,7 @@ void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose,
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) three[i][j] = s[i][j];
     }
-    const SymmetricEigen<3> eigen = symmetric_eigen(three);
+    const EigenPairs<3> eigen = eigen_pairs(three);
     for (int k = 0; k < 3; ++k) {
       value[k] = eigen.value[k];
       for (int i = 0; i < 3; ++i) vector[i][k] = eigen.vector[i][k];
