@@ -102,9 +102,9 @@ void PlaneCandidates::choose_axes() {
 void PlaneCandidates::find_scales(const PlaneEstimate& estimate, rt::FixedVector<double, 8>& scales) const {
   constexpr int kScaleBins = 512;
   constexpr double kStep = 0.0025;
-  constexpr std::uint32_t kMostPairs = 96;
+  constexpr std::uint32_t kMostPairs = 192;
   scales.clear();
-  const double given = rt::log(estimate.T_target_source.scale);
+  const double given = estimate.T_target_source.scale;  // bins are parts of it
   const int half = std::clamp(static_cast<int>(3.0 * estimate.sigma_scale / kStep), 1, kScaleBins / 2 - 2);
   double votes[kScaleBins]{};
   double moments[kScaleBins]{};
@@ -128,9 +128,8 @@ void PlaneCandidates::find_scales(const PlaneEstimate& estimate, rt::FixedVector
         const double d_to = to[k] - to[l];
         if (s[k] == s[l] || t[k] == t[l] || std::fabs(d_from) < 1.5 || !(d_to * d_from > 0.0)) continue;
         const double ratio = d_to / d_from;
-        if (ratio < 0.25 || ratio > 4.0) continue;
-        const double at = (rt::log(ratio) - given) / kStep + half + 0.5;
-        if (at < 0.0 || at >= 2 * half + 1) continue;
+        const double at = (ratio / given - 1.0) / kStep + half + 0.5;
+        if (!(at >= 0.0 && at < 2 * half + 1)) continue;
         const int bin = static_cast<int>(at);
         const double w = std::min(std::fabs(d_from), 20.0);
         votes[bin] += w;
@@ -148,7 +147,7 @@ void PlaneCandidates::find_scales(const PlaneEstimate& estimate, rt::FixedVector
     if (best < 0) break;
     double moment = 0.0;
     for (int bin = std::max(0, best - 1); bin <= best + 1; ++bin) moment += moments[bin];
-    (void)scales.push_back(rt::exp(given + kStep * (moment / most - half - 0.5)));
+    (void)scales.push_back(given * (1.0 + kStep * (moment / most - half - 0.5)));
     for (int bin = std::max(0, best - 1); bin <= best + 1; ++bin) votes[bin] = moments[bin] = 0.0;
   }
   if (scales.empty()) (void)scales.push_back(estimate.T_target_source.scale);

@@ -20,7 +20,7 @@ struct PlaneRegistrationConfig {
   double sigmas{3.5};               ///< distance, and angle, of planes that match after it
   double share_matched{0.6};        ///< of the planes seen by both maps, expected
   double least_evidence{10};        ///< below it a place is refused,
-  double evidence_per_plane{1.7};   ///< and below this much a plane that both maps should see
+  double evidence_per_plane{1.5};   ///< and below this much a plane that both maps should see
   double most_mirrored{0.9};        ///< evidence of a mirror image over the best place's
   double most_runner_up{0.6};       ///< evidence of another place over the best one's: above it, ambiguous
   double least_margin{4};           ///< and the least difference between the two
