@@ -14,6 +14,7 @@ using rt::Vector3;
 
 constexpr double kHalfLog2Pi = 0.91893853320467;
 constexpr double kWindow_m = 0.3;
+constexpr double kLeastPeak = 0.4;  ///< of the best one's gain
 constexpr double kMostCover = 0.69314718055994531;  ///< ln 2: what covering each other adds at most
 }  // namespace
 
@@ -34,7 +35,10 @@ void PlaneCandidates::pair_up(const PlaneSide& source, const PlaneSide& target, 
   const double least_cosine = rt::cos(config.most_angle_rad);
   const double log_share = rt::log(config.share_matched);
   const double least_sigma = rt::log(config.fit.model_sigma_m);
-  for (std::uint32_t j = 0; j < target.size(); ++j) centred_[j] = target[j].centroid_m - target.middle_m();
+  for (std::uint32_t j = 0; j < target.size(); ++j) {
+    centred_[j] = target[j].centroid_m - target.middle_m();
+    if (target.size() < source.size()) turned_back_[j] = rt::rotate_back(q, centred_[j]);
+  }
   for (std::uint32_t i = 0; i < source.size(); ++i) {
     const Plane& s = source[i];
     const Vector3 n = r * s.normal;
@@ -173,8 +177,7 @@ void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
       tally_.add(source_of_[k], j, gain_[k]);
     }
   }
-  std::uint32_t matched = 0;
-  rest_gain_ = tally_.take(matched);
+  rest_gain_ = tally_.take(source_->size() <= target_->size(), rest_planes_);
 }
 
 void PlaneCandidates::vote(ShiftAxis& axis, const PlaneEstimate& estimate) {
@@ -228,7 +231,7 @@ void PlaneCandidates::find_peaks(ShiftAxis& axis) {
     const std::uint32_t before = end;
     while (end < n && votes[end].at_m <= votes[first].at_m + kWindow_m) ++end;
     if (first > 0 && end == before) continue;  // part of the window before
-    put({0.0, sums_[end] - sums_[first], axis.first + first, axis.first + end});
+    put({0.0, sums_[end] - sums_[first], axis.first + first, axis.first + end, 0});
   }
   for (ShiftPeak& peak : peaks) {
     double weight = 0.0;
@@ -240,13 +243,13 @@ void PlaneCandidates::find_peaks(ShiftAxis& axis) {
       weight += gain + 1e-9;
       moment += (gain + 1e-9) * (votes_[k].at_m - votes_[peak.first].at_m);
     }
-    std::uint32_t matched = 0;
-    peak.gain = tally_.take(matched);
+    peak.gain = tally_.take(source_->size() <= target_->size(), peak.planes);
     peak.at_m = votes_[peak.first].at_m + moment / weight;
   }
   for (std::uint32_t i = 1; i < peaks.size(); ++i) {
     for (std::uint32_t k = i; k > 0 && peaks[k - 1].gain < peaks[k].gain; --k) std::swap(peaks[k - 1], peaks[k]);
   }
+  while (!peaks.empty() && peaks.back().gain < kLeastPeak * peaks[0].gain) peaks.pop_back();
 }
 
 void PlaneCandidates::Tally::add(std::uint16_t source, std::uint16_t target, double gain) {
@@ -257,7 +260,7 @@ void PlaneCandidates::Tally::add(std::uint16_t source, std::uint16_t target, dou
   by_target_[target] = std::max(by_target_[target], gain);
 }
 
-double PlaneCandidates::Tally::take(std::uint32_t& matched) {
+double PlaneCandidates::Tally::take(bool of_source, std::uint32_t& planes) {
   double sources = 0.0;
   double targets = 0.0;
   for (std::uint32_t k = 0; k < source_count_; ++k) {
@@ -268,7 +271,7 @@ double PlaneCandidates::Tally::take(std::uint32_t& matched) {
     targets += by_target_[targets_[k]];
     by_target_[targets_[k]] = 0.0;
   }
-  matched = std::min(source_count_, target_count_);
+  planes = of_source ? source_count_ : target_count_;
   source_count_ = target_count_ = 0;
   return std::min(sources, targets);
 }
@@ -320,24 +323,25 @@ bool PlaneCandidates::overlaps(std::uint32_t pair, const rt::Vector3& t_m) const
   return overlap(own_patch(t), p, margin_m_);
 }
 
-double PlaneCandidates::gain_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least,
-                                std::uint32_t& matched) {
+ShiftLook PlaneCandidates::look_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least) {
+  const bool of_source = source_->size() <= target_->size();
+  ShiftLook look;
   double possible = rest_gain_;
   for (std::uint32_t a = 0; a < axes_; ++a) possible += axis_[a].peaks[peak[a]].gain;
-  double sum = 0.0;
-  matched = 0;
   for (std::uint32_t a = 0; a < axes_; ++a) {
     const ShiftPeak& p = axis_[a].peaks[peak[a]];
     for (std::uint32_t k = p.first; k < p.end; ++k) {
       const std::uint32_t pair = votes_[k].pair;
       if (overlaps(pair, t_m)) tally_.add(source_of_[pair], target_of_[pair], gain_[pair]);
     }
-    std::uint32_t of_axis = 0;
-    const double gain = tally_.take(of_axis);
-    sum += gain;
-    possible += gain - p.gain;
-    matched += of_axis;
-    if (possible <= least) return possible;
+    std::uint32_t planes = 0;
+    look.of_axis[a] = tally_.take(of_source, planes);
+    look.gain += look.of_axis[a];
+    look.matched += planes;
+    possible += look.of_axis[a] - p.gain;
+    if (possible > least) continue;
+    look.gain = possible;
+    return look;
   }
   for (std::uint32_t k = 0; k < other_count_; ++k) {
     const std::uint32_t pair = others_[k];
@@ -345,10 +349,28 @@ double PlaneCandidates::gain_at(const rt::Vector3& t_m, const std::uint32_t (&pe
     if (std::fabs(residual) <= gate_m_ && overlaps(pair, t_m))
       tally_.add(source_of_[pair], target_of_[pair], gain_[pair]);
   }
-  std::uint32_t others = 0;
-  sum += tally_.take(others);
-  matched += others;
-  return sum;
+  std::uint32_t planes = 0;
+  look.gain += tally_.take(of_source, planes);
+  look.matched += planes;
+  look.whole = true;
+  return look;
+}
+
+std::uint32_t PlaneCandidates::covered_at(const rt::Vector3& t_m) const {
+  std::uint32_t count = 0;
+  const auto within = [](const Vector3& d, const Vector3& half) {
+    return static_cast<std::uint32_t>((std::fabs(d.x) <= half.x) & (std::fabs(d.y) <= half.y) &
+                                      (std::fabs(d.z) <= half.z));
+  };
+  if (source_->size() <= target_->size()) {
+    for (std::uint32_t i = 0; i < source_->size(); ++i)
+      count += within(scale_ * rotated_[i].centroid + t_m, target_->half_m());
+    return count;
+  }
+  const Vector3 back = rt::rotate_back(q_, t_m);
+  const Vector3 half = scale_ * source_->half_m();
+  for (std::uint32_t j = 0; j < target_->size(); ++j) count += within(turned_back_[j] - back, half);
+  return count;
 }
 
 }  // namespace sortie::mapping

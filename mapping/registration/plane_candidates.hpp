@@ -17,6 +17,15 @@ struct ShiftPeak {
   double gain{};
   std::uint32_t first{};  ///< of these pairs, in the order of their axis
   std::uint32_t end{};
+  std::uint32_t planes{};  ///< of the smaller side among them
+};
+
+/// What a look at a shift found.
+struct ShiftLook {
+  double gain{};
+  double of_axis[3]{};      ///< the part that pairs of each axis have in it
+  std::uint32_t matched{};  ///< planes of the smaller side
+  bool whole{};             ///< false: it stopped early, and `gain` is the most that it could have been
 };
 
 /// A direction in which pairs of parallel planes vote for shifts.
@@ -51,9 +60,11 @@ class PlaneCandidates {
   void find_shifts(double scale, const PlaneEstimate& estimate, const PlaneRegistrationConfig& config);
 
   /// Gain of the pairs of one peak of each axis whose rectangles overlap at the shift, and of all other pairs
-  /// within the loose gate; each plane counts once. Less than `least` where it cannot be more: then it may
-  /// have stopped early. `matched`: how many planes of the target.
-  double gain_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least, std::uint32_t& matched);
+  /// within the loose gate; each plane counts once. Stops where it cannot be more than `least`.
+  ShiftLook look_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least);
+
+  /// Planes of the smaller side that lie within the other side's box at a shift.
+  std::uint32_t covered_at(const rt::Vector3& t_m) const;
 
   std::uint32_t size() const { return size_; }
   PlanePair pair(std::uint32_t k) const { return {source_of_[k], target_of_[k], opposite_[k]}; }
@@ -65,6 +76,8 @@ class PlaneCandidates {
   rt::Vector3 shift(const double (&along)[3]) const;
   /// Most gain that planes outside the three families can add.
   double rest_gain() const { return rest_gain_; }
+  /// How many planes of the smaller side these can be.
+  std::uint32_t rest_planes() const { return rest_planes_; }
   double scale() const { return scale_; }
   std::uint32_t dropped() const { return dropped_; }
   /// The pose of a shift.
@@ -82,8 +95,8 @@ class PlaneCandidates {
   class Tally {
    public:
     void add(std::uint16_t source, std::uint16_t target, double gain);
-    /// Sum over sources or over targets, the smaller one; empties the tally.
-    double take(std::uint32_t& matched);
+    /// Sum over sources or over targets, the smaller one, and how many planes of one side; empties the tally.
+    double take(bool of_source, std::uint32_t& planes);
 
    private:
     double by_source_[kMostPlanes]{};
@@ -115,11 +128,13 @@ class PlaneCandidates {
   std::uint32_t dropped_{};
   std::uint32_t axes_{};
   double rest_gain_{};
+  std::uint32_t rest_planes_{};
   ShiftAxis axis_[3];
   rt::Vector3 dual_[3];      ///< shift = sum of parts along axes times these + rest
   rt::Vector3 rest_;
   Rotated rotated_[kMostPlanes];
   rt::Vector3 centred_[kMostPlanes];  ///< target's centroids
+  rt::Vector3 turned_back_[kMostPlanes];  ///< target's centroids as the source's axes have them
   std::uint16_t source_of_[kMostCandidatePairs]{};
   std::uint16_t target_of_[kMostCandidatePairs]{};
   bool opposite_[kMostCandidatePairs]{};

@@ -9,6 +9,7 @@
 namespace sortie::mapping {
 namespace {
 constexpr double kSlack = 3.0;            ///< of evidence, that a second fit may add
+constexpr double kClearly = 0.5;          ///< what is looked at without a fit must be clear
 constexpr double kKernelSigmas = 5.0;
 constexpr std::uint64_t kFitUnits = 100;  ///< a matched pair in two fits and two looks
 
@@ -33,12 +34,17 @@ bool finite(const PlaneEstimate& e) {
 }
 }  // namespace
 
+PlaneRegistration::PlaneRegistration(const PlaneRegistrationConfig& config)
+    : config_(config), miss_cost_(-rt::log(1.0 - config.share_matched)) {}
+
 Status PlaneRegistration::begin(const PlaneSet& source, const PlaneSet& target, const PlaneEstimate& estimate) {
   stage_ = Stage::done;
   result_ = {};
   best_pairs_.clear();
   fitted_count_ = 0;
   best_look_ = 0.0;
+  search_ = 0;
+  best_scale_ = false;
   mirror_ = 0;
   in_mirror_ = false;
   mirror_rivalry_ = 0.0;
@@ -163,6 +169,10 @@ void PlaneRegistration::begin_mirror() {
 }
 
 void PlaneRegistration::begin_turn() {
+  if (turn_ == turns_.size() && estimate_.wants_scale() && fitted_count_ > 0 && !best_scale_) {
+    best_scale_ = true;  // once more all rotations, with the scale that was best under one of them
+    turn_ = 0;
+  }
   if (turn_ == turns_.size()) {
     stage_ = Stage::mirror;
     return;
@@ -172,6 +182,7 @@ void PlaneRegistration::begin_turn() {
   ++turn_;
   scales_.clear();
   if (!estimate_.wants_scale()) (void)scales_.push_back(estimate_.T_target_source.scale);
+  if (best_scale_) (void)scales_.push_back(fitted_[order_[0]].fit.T_target_source.scale);
   scale_ = 0;
   stage_ = Stage::scale;
 }
@@ -183,6 +194,7 @@ void PlaneRegistration::begin_scale() {
     return;
   }
   candidates_.find_shifts(scales_[scale_], estimate_, config_);
+  ++search_;
   ++scale_;
   places_.clear();
   place_ = 0;
@@ -221,21 +233,30 @@ void PlaneRegistration::look() {
   while (!looked) {
     double along[3]{};
     double promised = candidates_.rest_gain();
+    std::uint32_t planes = candidates_.rest_planes();
     for (std::uint32_t a = 0; a < axes; ++a) {
-      along[a] = candidates_.axis(a).peaks[at_[a]].at_m;
-      promised += candidates_.axis(a).peaks[at_[a]].gain;
+      const ShiftPeak& peak = candidates_.axis(a).peaks[at_[a]];
+      along[a] = peak.at_m;
+      promised += peak.gain;
+      planes += peak.planes;
     }
     std::uint32_t moved = 0;  // the axis that goes on
-    if (promised > least_gain() && result_.hypotheses < kMostHypotheses) {
+    const double least = least_gain();
+    if (promised > least && result_.hypotheses < kMostHypotheses) {
       looked = true;
       ++result_.hypotheses;
-      Place place;
-      place.t_m = candidates_.shift(along);
-      place.gain = candidates_.gain_at(place.t_m, at_, least_gain(), place.matched);
-      best_look_ = std::max(best_look_, place.gain);
-      keep_place(place);
+      const rt::Vector3 t_m = candidates_.shift(along);
+      const std::uint32_t covered = candidates_.covered_at(t_m);
+      const auto cost = [&](std::uint32_t matched) { return covered > matched ? miss_cost_ * (covered - matched) : 0.0; };
+      if (promised - cost(planes) > least) {
+        const ShiftLook found = candidates_.look_at(t_m, at_, least + cost(planes));
+        Place place{t_m, found.gain - cost(found.matched), {}, {}, found.matched};
+        for (int a = 0; a < 3; ++a) place.of_axis[a] = found.of_axis[a], place.peak[a] = at_[a];
+        if (found.whole) best_look_ = std::max(best_look_, place.gain);
+        if (found.whole) keep_place(place);
+      }
     } else {
-      if (promised > least_gain()) ++result_.dropped;
+      if (promised > least) ++result_.dropped;
       while (moved < axes && at_[moved] == 0) ++moved;
       ++moved;
     }
@@ -249,6 +270,23 @@ void PlaneRegistration::look() {
       return;
     }
   }
+}
+
+/// A place of the same rotation and scale as the best one has in common with it what lies on the same peaks:
+/// only the other axes tell them apart, and there the best one's own gain is known.
+bool PlaneRegistration::harmless(const Place& place) const {
+  if (place.gain - log_places_ <= harmless()) return true;
+  if (fitted_count_ == 0 || in_mirror_) return false;
+  const Fitted& best = fitted_[order_[0]];
+  if (best.search != search_ || place.gain - log_places_ > best.evidence) return false;
+  double a = 0.0;
+  double b = 0.0;
+  for (std::uint32_t k = 0; k < candidates_.axes(); ++k) {
+    if (place.peak[k] == best.peak[k]) continue;
+    a += best.of_axis[k];
+    b += place.of_axis[k];
+  }
+  return b <= kClearly * config_.most_runner_up * a && a - b >= config_.least_margin / kClearly;
 }
 
 void PlaneRegistration::keep_place(const Place& place) {
@@ -269,7 +307,7 @@ void PlaneRegistration::keep_place(const Place& place) {
 void PlaneRegistration::fit_next() {
   const Place place = places_[place_];
   if (++place_ == places_.size()) stage_ = Stage::scale;
-  if (place.gain - log_places_ <= harmless()) return;
+  if (harmless(place)) return;
   ++result_.fits;
   // What is only near takes part in a first fit, which outliers must not pull; then what agrees.
   PlaneRegistrationConfig near = config_;
@@ -292,6 +330,15 @@ void PlaneRegistration::fit_next() {
     if (f.consensus.evidence - log_places_ <= harmless() - kSlack) return;
   }
   f.evidence = f.consensus.evidence - log_places_;
+  f.search = search_;
+  for (std::uint32_t a = 0; a < 3; ++a) {
+    f.peak[a] = place.peak[a];
+    f.of_axis[a] = 0.0;
+    if (a >= candidates_.axes()) continue;
+    for (std::uint32_t i = 0; i < f.pairs.size(); ++i) {
+      if (target_.family(f.pairs[i].target) == candidates_.axis(a).family) f.of_axis[a] += f.gain[i];
+    }
+  }
   if (in_mirror_)
     mirror_rivalry_ = std::max(mirror_rivalry_, rivalry(fitted_[order_[0]], f, 0.0));
   else

@@ -68,7 +68,7 @@ struct PlaneRegistrationResult {
 /// planes, about 5 ns.
 class PlaneRegistration {
  public:
-  explicit PlaneRegistration(const PlaneRegistrationConfig& config) : config_(config) {}
+  explicit PlaneRegistration(const PlaneRegistrationConfig& config);
 
   /// Starts anew. `not_finite` or `out_of_range` where a plane or the estimate is not good (`bad_plane()`
   /// says which): nothing is done and the verdict is `none`. Cost: sorting both sets.
@@ -89,7 +89,9 @@ class PlaneRegistration {
   /// A place worth fitting.
   struct Place {
     rt::Vector3 t_m;
-    double gain{};
+    double gain{};             ///< less the cost of planes that must be missed
+    double of_axis[3]{};       ///< ShiftLook::of_axis
+    std::uint32_t peak[3]{};   ///< of each axis
     std::uint32_t matched{};
   };
   static constexpr std::uint32_t kMostPlaces = 4;  ///< of one rotation and scale
@@ -107,6 +109,9 @@ class PlaneRegistration {
     double evidence{};
     PlanePairs pairs;
     double gain[kMostPlanes]{};  ///< of each pair
+    std::uint32_t search{};      ///< number of the rotation and scale that it was found under
+    std::uint32_t peak[3]{};     ///< of each axis there
+    double of_axis[3]{};         ///< gain of its pairs by the axis of their target
   };
   static constexpr std::uint32_t kMostFitted = 12;
 
@@ -115,6 +120,7 @@ class PlaneRegistration {
   void keep();
   void keep_place(const Place& place);
   double harmless() const;
+  bool harmless(const Place& place) const;
   double rivalry(const Fitted& best, const Fitted& other, double least_margin) const;
   bool same_basin(const PlanePose& a, const PlanePose& b) const;
   void finish();
@@ -129,6 +135,7 @@ class PlaneRegistration {
   std::uint32_t scale_{};
   std::uint32_t at_[3]{};      ///< the combination of peaks that is next
   double best_look_{};         ///< most gain that any place had
+  double miss_cost_{};         ///< -ln(1 - share_matched)
   double log_places_{};        ///< ln of the places that could have been
   PlaneTurns turns_;
   rt::FixedVector<double, 8> scales_;
@@ -141,8 +148,10 @@ class PlaneRegistration {
   Fitted fitted_[kMostFitted];  ///< places apart from each other
   std::uint8_t order_[kMostFitted]{};  ///< of them, most evidence first
   std::uint32_t fitted_count_{};
+  std::uint32_t search_{};     ///< rotations and scales begun
   std::uint32_t mirror_{};     ///< mirror images begun
   bool in_mirror_{};
+  bool best_scale_{};          ///< rotations are gone through with the best place's scale
   rt::FixedVector<rt::Vector3, 2> mirrors_;
   double mirror_rivalry_{};
   PlaneSide image_;
