@@ -186,7 +186,7 @@ void PlaneCandidates::vote(ShiftAxis& axis, const PlaneEstimate& estimate) {
                              scale_ * source_->extent_m(rt::rotate_back(q_, axis.axis))) + 1.0;
   const PlanePose& given = estimate.T_target_source;
   const double expected = dot(axis.axis, transform(given, source_->middle_m()) - target_->middle_m());
-  const double within = estimate.has_position() ? 3.0 * estimate.sigma_position_m + kWindow_m : 1e12;
+  const double within = estimate.has_position() ? 4.0 * estimate.sigma_position_m + kWindow_m : 1e12;
   axis.first = voted_;
   for (std::uint32_t k = 0; k < size_; ++k) {
     if (target_->family(target_of_[k]) != axis.family) continue;

@@ -108,7 +108,7 @@ void turns_about_vertical(const PlaneSide& source, const PlaneSide& target, cons
   Votes votes;
   vote(from, to, signs, votes);
   const double most = estimate.has_yaw()
-                          ? std::max(3.0 * estimate.sigma_yaw_rad, 3.0 * kPi / 180.0) * (0.5 * kBins / kPi)
+                          ? std::max(4.0 * estimate.sigma_yaw_rad, 3.0 * kPi / 180.0) * (0.5 * kBins / kPi)
                           : kBins;
   take_peaks(votes, level, most, turns);
 }
