@@ -37,6 +37,7 @@ void PlaneCandidates::pair_up(const PlaneSide& source, const PlaneSide& target, 
   const double least_sigma = rt::log(config.fit.model_sigma_m);
   for (std::uint32_t j = 0; j < target.size(); ++j) {
     centred_[j] = target[j].centroid_m - target.middle_m();
+    across_[j] = target[j].axis_v();
     if (target.size() < source.size()) turned_back_[j] = rt::rotate_back(q, centred_[j]);
   }
   for (std::uint32_t i = 0; i < source.size(); ++i) {
@@ -162,6 +163,7 @@ void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
   (void)config;
   scale_ = scale;
   voted_ = 0;
+  for (std::uint32_t k = 0; k < size_; ++k) overlap_[k].reach[0] = kUnknown;
   for (std::uint32_t a = 0; a < axes_; ++a) vote(axis_[a], estimate);
   invert_axes(estimate);
   other_count_ = 0;
@@ -311,16 +313,43 @@ PlanePose PlaneCandidates::pose(const rt::Vector3& t_m) const {
   return pose;
 }
 
-bool PlaneCandidates::overlaps(std::uint32_t pair, const rt::Vector3& t_m) const {
+void PlaneCandidates::prepare(std::uint32_t pair) {
   const std::uint16_t j = target_of_[pair];
   const Plane& t = (*target_)[j];
   const Rotated& s = rotated_[source_of_[pair]];
-  const Vector3 middle = scale_ * s.middle + t_m - centred_[j];
-  const Vector3 v = t.axis_v();
-  const PlanePatch p{{dot(middle, t.axis_u), dot(middle, v)},
-                     {scale_ * dot(s.a, t.axis_u), scale_ * dot(s.a, v)},
-                     {scale_ * dot(s.b, t.axis_u), scale_ * dot(s.b, v)}};
-  return overlap(own_patch(t), p, margin_m_);
+  const PlanePatch own = own_patch(t);
+  const Vector3 middle = scale_ * s.middle - centred_[j];
+  const Vector3& u = t.axis_u;
+  const Vector3& v = across_[j];
+  const double a[2] = {scale_ * dot(s.a, u), scale_ * dot(s.a, v)};
+  const double b[2] = {scale_ * dot(s.b, u), scale_ * dot(s.b, v)};
+  Overlap& o = overlap_[pair];
+  o.u = static_cast<float>(dot(middle, u) - own.centre[0]);
+  o.v = static_cast<float>(dot(middle, v) - own.centre[1]);
+  o.reach[0] = static_cast<float>(own.a[0] + std::fabs(a[0]) + std::fabs(b[0]) + margin_m_);
+  o.reach[1] = static_cast<float>(own.b[1] + std::fabs(a[1]) + std::fabs(b[1]) + margin_m_);
+  const auto across = [&](const double (&side)[2], const double (&other)[2], float (&n)[2]) {
+    const double length = std::sqrt(side[0] * side[0] + side[1] * side[1]);
+    const double x = length > 0.0 ? -side[1] / length : 0.0;
+    const double y = length > 0.0 ? side[0] / length : 0.0;
+    n[0] = static_cast<float>(x);
+    n[1] = static_cast<float>(y);
+    return static_cast<float>(std::fabs(x * other[0] + y * other[1]) + std::fabs(x) * own.a[0] +
+                              std::fabs(y) * own.b[1] + margin_m_);
+  };
+  o.reach[2] = across(a, b, o.across_a);
+  o.reach[3] = across(b, a, o.across_b);
+}
+
+bool PlaneCandidates::overlaps(std::uint32_t pair, const rt::Vector3& t_m) {
+  if (overlap_[pair].reach[0] == kUnknown) prepare(pair);
+  const Overlap& o = overlap_[pair];
+  const std::uint16_t j = target_of_[pair];
+  const float u = o.u + static_cast<float>(dot(t_m, (*target_)[j].axis_u));
+  const float v = o.v + static_cast<float>(dot(t_m, across_[j]));
+  return std::fabs(u) <= o.reach[0] && std::fabs(v) <= o.reach[1] &&
+         std::fabs(o.across_a[0] * u + o.across_a[1] * v) <= o.reach[2] &&
+         std::fabs(o.across_b[0] * u + o.across_b[1] * v) <= o.reach[3];
 }
 
 ShiftLook PlaneCandidates::look_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least) {
