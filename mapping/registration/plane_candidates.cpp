@@ -385,20 +385,18 @@ ShiftLook PlaneCandidates::look_at(const rt::Vector3& t_m, const std::uint32_t (
   return look;
 }
 
-std::uint32_t PlaneCandidates::covered_at(const rt::Vector3& t_m) const {
+std::uint32_t PlaneCandidates::covered_at(const rt::Vector3& t_m, std::uint32_t enough) const {
+  const bool of_source = source_->size() <= target_->size();
+  const std::uint32_t n = of_source ? source_->size() : target_->size();
+  if (enough > n) enough = n + 1;  // all are counted
+  const Vector3 half = of_source ? target_->half_m() : scale_ * source_->half_m();
+  const Vector3 back = of_source ? t_m : rt::rotate_back(q_, t_m);
   std::uint32_t count = 0;
-  const auto within = [](const Vector3& d, const Vector3& half) {
-    return static_cast<std::uint32_t>((std::fabs(d.x) <= half.x) & (std::fabs(d.y) <= half.y) &
-                                      (std::fabs(d.z) <= half.z));
-  };
-  if (source_->size() <= target_->size()) {
-    for (std::uint32_t i = 0; i < source_->size(); ++i)
-      count += within(scale_ * rotated_[i].centroid + t_m, target_->half_m());
-    return count;
+  for (std::uint32_t i = 0; i < n && count < enough; ++i) {
+    const Vector3 d = of_source ? scale_ * rotated_[i].centroid + back : turned_back_[i] - back;
+    count += static_cast<std::uint32_t>((std::fabs(d.x) <= half.x) & (std::fabs(d.y) <= half.y) &
+                                        (std::fabs(d.z) <= half.z));
   }
-  const Vector3 back = rt::rotate_back(q_, t_m);
-  const Vector3 half = scale_ * source_->half_m();
-  for (std::uint32_t j = 0; j < target_->size(); ++j) count += within(turned_back_[j] - back, half);
   return count;
 }
 

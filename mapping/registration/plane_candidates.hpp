@@ -63,8 +63,9 @@ class PlaneCandidates {
   /// within the loose gate; each plane counts once. Stops where it cannot be more than `least`.
   ShiftLook look_at(const rt::Vector3& t_m, const std::uint32_t (&peak)[3], double least);
 
-  /// Planes of the smaller side that lie within the other side's box at a shift.
-  std::uint32_t covered_at(const rt::Vector3& t_m) const;
+  /// Planes of the smaller side that lie within the other side's box at a shift; counts no
+  /// further than `enough`.
+  std::uint32_t covered_at(const rt::Vector3& t_m, std::uint32_t enough) const;
 
   std::uint32_t size() const { return size_; }
   PlanePair pair(std::uint32_t k) const { return {source_of_[k], target_of_[k], opposite_[k]}; }

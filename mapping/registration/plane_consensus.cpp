@@ -22,6 +22,22 @@ struct Placed {
   Vector3 centroid;
 };
 
+Placed placed(const Plane& s, const PlanePose& pose, const rt::RotationMatrix& r) {
+  Placed p;
+  p.normal = r * s.normal;
+  p.u = r * s.axis_u;
+  p.v = rt::cross(p.normal, p.u);
+  p.centroid = pose.scale * (r * s.centroid_m) + pose.p_target_source_m;
+  return p;
+}
+
+/// Its rectangle, as plane `t` sees it.
+PlanePatch patch_of(const Placed& p, const Plane& s, const Plane& t, double scale) {
+  const PlanePatch own = own_patch(s);
+  const Vector3 middle = p.centroid + (scale * own.centre[0]) * p.u + (scale * own.centre[1]) * p.v;
+  return projected(t, middle, (scale * own.a[0]) * p.u, (scale * own.b[1]) * p.v);
+}
+
 /// ln of how much likelier a common area is for two views of one plane than for two planes that happen to
 /// meet: twice its share of the smaller rectangle, [1/20, 2]. Views show mostly the same; chance does not
 /// prefer any share.
@@ -46,6 +62,35 @@ double tilt_chi2(const Placed& p, const Plane& s, const Plane& t, bool opposite,
 }
 }  // namespace
 
+void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
+               const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs& pairs) {
+  const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
+  pairs.clear();
+  std::uint32_t k = 0;
+  while (k < candidates.size()) {
+    const std::uint16_t i = candidates.pair(k).source;
+    const Placed p = placed(source[i], pose, r);
+    double least = 0.0;
+    bool some = false;
+    PlanePair best;
+    for (; k < candidates.size() && candidates.pair(k).source == i; ++k) {
+      const PlanePair pair = candidates.pair(k);
+      const Plane& t = target[pair.target];
+      const double residual = dot(t.normal, p.centroid - t.centroid_m);
+      if (std::fabs(residual) > config.search_gate_m) continue;
+      const double cosine = std::fabs(dot(t.normal, p.normal));
+      const double tilt2 = 2.0 * (1.0 - cosine);
+      const double parts = square(residual / config.search_gate_m) + tilt2 / square(config.most_angle_rad);
+      if (tilt2 > square(config.most_angle_rad) || (some && parts >= least)) continue;
+      if (!overlap(own_patch(t), patch_of(p, source[i], t, pose.scale), config.overlap_margin_m)) continue;
+      least = parts;
+      best = pair;
+      some = true;
+    }
+    if (some) (void)pairs.push_back(best);
+  }
+}
+
 PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
                      const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs* pairs, double* gains) {
   double best_of_target[kMostPlanes]{};
@@ -57,11 +102,7 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
   while (k < candidates.size()) {
     const std::uint16_t i = candidates.pair(k).source;
     const Plane& s = source[i];
-    Placed p;
-    p.normal = r * s.normal;
-    p.u = r * s.axis_u;
-    p.v = rt::cross(p.normal, p.u);
-    p.centroid = pose.scale * (r * s.centroid_m) + pose.p_target_source_m;
+    const Placed p = placed(s, pose, r);
     double most = 0.0;
     PlanePair best;
     for (; k < candidates.size() && candidates.pair(k).source == i; ++k) {
@@ -78,9 +119,7 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
           offset_variance(s, t, pose.scale, dot(d, t.axis_u), dot(d, t.axis_v()), config.fit);
       if (residual * residual > square(config.sigmas) * variance) continue;
       if (tilt_chi2(p, s, t, pair.opposite, config.fit.model_sigma_rad) > square(config.sigmas) + 2.0) continue;
-      const PlanePatch own = own_patch(s);
-      const Vector3 middle = p.centroid + (pose.scale * own.centre[0]) * p.u + (pose.scale * own.centre[1]) * p.v;
-      const PlanePatch there = projected(t, middle, (pose.scale * own.a[0]) * p.u, (pose.scale * own.b[1]) * p.v);
+      const PlanePatch there = patch_of(p, s, t, pose.scale);
       const PlanePatch here = own_patch(t);
       if (!overlap(here, there, config.overlap_margin_m)) continue;
       const double gain = candidates.worth(k) - 0.5 * (rt::log(variance) + residual * residual / variance) +

@@ -31,4 +31,9 @@ struct PlaneConsensus {
 PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
                      const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs* pairs, double* gains = nullptr);
 
+/// Only the pairs, for a first fit: of each source plane's candidates within `gate_m` and `gate_rad` that
+/// overlap it the one whose distance and tilt are least in parts of these gates.
+void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
+               const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs& pairs);
+
 }  // namespace sortie::mapping

@@ -275,6 +275,37 @@ bool solve_within(const System& system, const Basis& basis, double (&change)[7],
   return true;
 }
 
+/// True where all eigenvalues of a symmetric matrix lie above `least`.
+template <int N>
+bool all_above(const double (&matrix)[N][N], int n, double least) {
+  double a[N][N];
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) a[i][j] = matrix[i][j];
+    a[i][i] -= least;
+  }
+  return factorise(a, n);
+}
+
+/// The change where every direction is observed, without looking for directions; false where one may not be.
+bool solve_whole(const System& system, const Input& in, double lever_m, double (&change)[7]) {
+  if (!all_above(system.turn, 3, 1.0 / square(in.config.observed_sigma_rad))) return false;
+  Basis turns;
+  for (int i = 0; i < 3; ++i) turns.column[i][i] = 1.0;
+  turns.columns = 3;
+  const int n = in.estimate.wants_scale() ? 7 : 6;
+  double s[4][4];
+  if (!reduced(system, turns, lever_m, s) || !all_above(s, n - 3, 1.0 / square(in.config.observed_sigma_m)))
+    return false;
+  double a[7][7];
+  for (int i = 0; i < 7; ++i) {
+    for (int j = 0; j < 7; ++j) a[i][j] = system.h[i][j];
+    change[i] = i < n ? system.g[i] : 0.0;
+  }
+  if (!factorise(a, n)) return false;
+  solve(a, n, change);
+  return true;
+}
+
 void apply(const double (&change)[7], PlaneFit& fit) {
   PlanePose& pose = fit.T_target_source;
   const rt::Quaternion turn = rt::exp_rotation({change[0], change[1], change[2]});
@@ -310,14 +341,17 @@ PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target
   for (int step = 0; step < steps; ++step) {
     const PlanePose pose = fit.T_target_source;
     const System system = linearised(in, pose, fit.pivot_target_m, fit.lever_m);
-    Basis basis;
-    double s[4][4];
     double change[7];
-    lock_turn(system, in, pose, fit, basis);
-    bool good = reduced(system, basis, fit.lever_m, s);
-    if (good) {
-      lock_shift(s, in, pose, fit, basis);
-      good = solve_within(system, basis, change, step + 1 == steps ? fit.covariance : nullptr);
+    bool good = step + 1 < steps && solve_whole(system, in, fit.lever_m, change);
+    if (!good) {
+      Basis basis;
+      double s[4][4];
+      lock_turn(system, in, pose, fit, basis);
+      good = reduced(system, basis, fit.lever_m, s);
+      if (good) {
+        lock_shift(s, in, pose, fit, basis);
+        good = solve_within(system, basis, change, step + 1 == steps ? fit.covariance : nullptr);
+      }
     }
     if (good) apply(change, fit);
     fit.chi2 = system.chi2;
@@ -328,10 +362,7 @@ PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target
       return fit;
     }
   }
-  double lever_m = 1.0;
-  const System after = linearised(in, fit.T_target_source, fit.pivot_target_m, lever_m);
-  fit.chi2 = after.chi2;
-  fit.finite = usable(fit);
+  fit.finite = steps > 0;
   return fit;
 }
 

@@ -45,7 +45,7 @@ struct PlaneFit {
   double direction[4][4]{};
   double direction_sigma_m[4]{};  ///< standard deviations along them; 1e9 where nothing is known
   double lever_m{1};              ///< what a relative change of scale moves planes by
-  double chi2{};                  ///< sum of squared, whitened residuals after the fit
+  double chi2{};                  ///< sum of squared, whitened residuals before the last step
   std::uint32_t rows{};           ///< residuals in it
   bool finite{};                  ///< false: the pairs could not be fitted; T_target_source is the start's
 

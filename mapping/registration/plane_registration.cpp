@@ -246,9 +246,11 @@ void PlaneRegistration::look() {
       looked = true;
       ++result_.hypotheses;
       const rt::Vector3 t_m = candidates_.shift(along);
-      const std::uint32_t covered = candidates_.covered_at(t_m);
+      // With so many misses it is not worth it.
+      const auto enough = planes + 1 + static_cast<std::uint32_t>((promised - least) / miss_cost_);
+      const std::uint32_t covered = candidates_.covered_at(t_m, enough);
       const auto cost = [&](std::uint32_t matched) { return covered > matched ? miss_cost_ * (covered - matched) : 0.0; };
-      if (promised - cost(planes) > least) {
+      if (covered < enough) {
         const ShiftLook found = candidates_.look_at(t_m, at_, least + cost(planes));
         Place place{t_m, found.gain - cost(found.matched), {}, {}, found.matched};
         for (int a = 0; a < 3; ++a) place.of_axis[a] = found.of_axis[a], place.peak[a] = at_[a];
@@ -310,16 +312,13 @@ void PlaneRegistration::fit_next() {
   if (harmless(place)) return;
   ++result_.fits;
   // What is only near takes part in a first fit, which outliers must not pull; then what agrees.
-  PlaneRegistrationConfig near = config_;
-  near.fit.model_sigma_m = std::max(config_.fit.model_sigma_m, config_.search_gate_m / config_.sigmas);
-  near.fit.model_sigma_rad = std::max(config_.fit.model_sigma_rad, config_.most_angle_rad / config_.sigmas);
   PlaneFitConfig first = config_.fit;
   first.kernel_sigmas = kKernelSigmas;
   first.observed_sigma_m = std::max(config_.fit.observed_sigma_m, config_.search_gate_m);
   first.observed_sigma_rad = std::max(config_.fit.observed_sigma_rad, config_.most_angle_rad);
   PlanePose pose = candidates_.pose(place.t_m);
   Fitted& f = fresh_;
-  f.consensus = judge(side(), target_, candidates_, pose, near, &f.pairs);
+  pair_near(side(), target_, candidates_, pose, config_, f.pairs);
   for (int round = 0; round < 2; ++round) {
     if (f.pairs.empty()) return;
     f.fit = fit_planes(side().planes(), target_.planes(), {f.pairs.data(), f.pairs.size()}, pose, estimate_,
