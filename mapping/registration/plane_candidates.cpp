@@ -165,6 +165,12 @@ void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
   voted_ = 0;
   for (std::uint32_t k = 0; k < size_; ++k) overlap_[k].reach[0] = kUnknown;
   for (std::uint32_t a = 0; a < axes_; ++a) vote(axis_[a], estimate);
+  for (std::uint32_t a = 0; a < axes_; ++a) find_shadows(axis_[a]);
+  for (auto& of_axis : given_) {
+    for (auto& by_axis : of_axis) {
+      for (auto& row : by_axis) std::fill(std::begin(row), std::end(row), -1.0);
+    }
+  }
   invert_axes(estimate);
   other_count_ = 0;
   for (std::uint32_t i = 0; i < source_->size(); ++i) {
@@ -194,7 +200,7 @@ void PlaneCandidates::vote(ShiftAxis& axis, const PlaneEstimate& estimate) {
     if (target_->family(target_of_[k]) != axis.family) continue;
     const double at = dot(axis.axis, centred_[target_of_[k]] - scale_ * rotated_[source_of_[k]].centroid);
     if (std::fabs(at - expected) > within || std::fabs(at) > most) continue;
-    votes_[voted_++] = {at, k};
+    votes_[voted_++] = {at, k, {}, {}};
   }
   axis.pairs = voted_ - axis.first;
   std::sort(votes_ + axis.first, votes_ + voted_, [](const Vote& a, const Vote& b) {
@@ -209,7 +215,7 @@ void PlaneCandidates::find_peaks(ShiftAxis& axis) {
   const std::uint32_t n = axis.pairs;
   sums_[0] = 0.0;
   for (std::uint32_t k = 0; k < n; ++k) sums_[k + 1] = sums_[k] + gain_[votes[k].pair];
-  rt::FixedVector<ShiftPeak, 10>& peaks = axis.peaks;
+  rt::FixedVector<ShiftPeak, kMostShiftPeaks>& peaks = axis.peaks;
   peaks.clear();
   const auto put = [&peaks](const ShiftPeak& peak) {
     for (std::uint32_t k = 0; k < peaks.size(); ++k) {  // one of its own group: the better one stays
@@ -311,6 +317,44 @@ PlanePose PlaneCandidates::pose(const rt::Vector3& t_m) const {
   PlanePose pose{q_, {}, scale_};
   pose.p_target_source_m = target_->middle_m() + t_m - scale_ * rt::rotate(q_, source_->middle_m());
   return pose;
+}
+
+/// Shadows of the rectangles of an axis' peaks on the other axes. Rectangles that overlap but for a margin
+/// along their own sides may be further apart along others: by less than 1.5 margins.
+void PlaneCandidates::find_shadows(const ShiftAxis& axis) {
+  for (const ShiftPeak& peak : axis.peaks) {
+    for (std::uint32_t k = peak.first; k < peak.end; ++k) {
+      Vote& vote = votes_[k];
+      const std::uint16_t j = target_of_[vote.pair];
+      const Plane& t = (*target_)[j];
+      const Rotated& s = rotated_[source_of_[vote.pair]];
+      const PlanePatch own = own_patch(t);
+      const Vector3 middle =
+          scale_ * s.middle - centred_[j] - own.centre[0] * t.axis_u - own.centre[1] * across_[j];
+      for (std::uint32_t b = 0; b < axes_; ++b) {
+        const Vector3& n = axis_[b].axis;
+        vote.apart_m[b] = static_cast<float>(dot(n, middle));
+        vote.reach_m[b] = static_cast<float>(
+            1.5 * margin_m_ + own.a[0] * std::fabs(dot(n, t.axis_u)) + own.b[1] * std::fabs(dot(n, across_[j])) +
+            scale_ * (std::fabs(dot(n, s.a)) + std::fabs(dot(n, s.b))));
+      }
+    }
+  }
+}
+
+double PlaneCandidates::gain_given(std::uint32_t a, std::uint32_t i, std::uint32_t b, std::uint32_t j) {
+  double& known = given_[a][b][i][j];
+  if (known >= 0.0) return known;
+  const ShiftPeak& peak = axis_[a].peaks[i];
+  const auto shift = static_cast<float>(axis_[b].peaks[j].at_m);
+  for (std::uint32_t k = peak.first; k < peak.end; ++k) {
+    const Vote& vote = votes_[k];
+    if (std::fabs(vote.apart_m[b] + shift) <= vote.reach_m[b])
+      tally_.add(source_of_[vote.pair], target_of_[vote.pair], gain_[vote.pair]);
+  }
+  std::uint32_t planes = 0;
+  known = tally_.take(true, planes);
+  return known;
 }
 
 void PlaneCandidates::prepare(std::uint32_t pair) {

@@ -28,13 +28,16 @@ struct ShiftLook {
   bool whole{};             ///< false: it stopped early, and `gain` is the most that it could have been
 };
 
+/// Most peaks of an axis.
+inline constexpr std::uint32_t kMostShiftPeaks = 10;
+
 /// A direction in which pairs of parallel planes vote for shifts.
 struct ShiftAxis {
   rt::Vector3 axis;
   std::uint8_t family{};
   std::uint32_t first{};  ///< of its pairs, sorted by their shift
   std::uint32_t pairs{};  ///< that voted: inside the bounds that an estimate gives
-  rt::FixedVector<ShiftPeak, 10> peaks;  ///< most gain first
+  rt::FixedVector<ShiftPeak, kMostShiftPeaks> peaks;  ///< most gain first
 };
 
 /// Pairs of planes under one rotation and scale, in the order of their sides: largest source planes first.
@@ -58,6 +61,10 @@ class PlaneCandidates {
   /// not near one plane, agree where they lie within 0.3 m. Fewer than three axes where there are no others.
   /// Cost: sorting the pairs.
   void find_shifts(double scale, const PlaneEstimate& estimate, const PlaneRegistrationConfig& config);
+
+  /// Most that the pairs of peak `i` of axis `a` can gain where the shift along axis `b` is that of its peak
+  /// `j`: those whose rectangles meet along b. Worked out once.
+  double gain_given(std::uint32_t a, std::uint32_t i, std::uint32_t b, std::uint32_t j);
 
   /// Gain of the pairs of one peak of each axis whose rectangles overlap at the shift, and of all other pairs
   /// within the loose gate; each plane counts once. Stops where it cannot be more than `least`.
@@ -116,15 +123,19 @@ class PlaneCandidates {
     std::uint32_t source_count_{};
     std::uint32_t target_count_{};
   };
-  /// A pair and the shift that it votes for.
+  /// A pair, the shift that it votes for, and along each axis how far its rectangles are apart at no shift
+  /// and how far they may be.
   struct Vote {
     double at_m;
     std::uint32_t pair;
+    float apart_m[3];
+    float reach_m[3];
   };
 
   void choose_axes();
   void vote(ShiftAxis& axis, const PlaneEstimate& estimate);
   void find_peaks(ShiftAxis& axis);
+  void find_shadows(const ShiftAxis& axis);
   bool overlaps(std::uint32_t pair, const rt::Vector3& t_m);
   void prepare(std::uint32_t pair);
   void invert_axes(const PlaneEstimate& estimate);
@@ -157,6 +168,7 @@ class PlaneCandidates {
   Tally tally_;
   Vote votes_[kMostCandidatePairs]{};
   std::uint32_t voted_{};
+  double given_[3][3][kMostShiftPeaks][kMostShiftPeaks]{};  ///< gain_given(), or less than 0
   std::uint32_t others_[kMostCandidatePairs]{};  ///< pairs of no axis
   std::uint32_t other_count_{};
   double log_count_[kMostPlanes + 1]{};

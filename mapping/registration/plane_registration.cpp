@@ -225,43 +225,47 @@ double PlaneRegistration::least_gain() const {
   return least;
 }
 
-/// Goes on to the next combination that promises enough, looks at it, and stands behind it. Peaks are sorted:
-/// what the first of them cannot promise, those behind it cannot either.
+/// What the combination of peaks at_ promises, step by step less and dearer, until it is not worth a look:
+/// then how many axes may go on at once. Peaks are sorted: what the first of them cannot promise, those behind
+/// it cannot either.
+std::uint32_t PlaneRegistration::hopeless_axes(double least) {
+  constexpr std::uint32_t kWorthALook = 0;
+  const std::uint32_t axes = candidates_.axes();
+  double promised = candidates_.rest_gain();
+  for (std::uint32_t a = 0; a < axes; ++a) promised += candidates_.axis(a).peaks[at_[a]].gain;
+  if (promised <= least) {
+    std::uint32_t moved = 0;
+    while (moved < axes && at_[moved] == 0) ++moved;
+    return std::min(moved + 2, axes + 1);
+  }
+  if (axes < 3) return kWorthALook;
+  const auto given = [this](std::uint32_t a, std::uint32_t b) {
+    return candidates_.gain_given(a, at_[a], b, at_[b]);
+  };
+  // Without the first axis: the same for all of its peaks.
+  const double second = given(1, 2);
+  const double third = given(2, 1);
+  double first = candidates_.axis(0).peaks[at_[0]].gain;
+  if (candidates_.rest_gain() + first + second + third <= least) return 2;
+  first = std::min(given(0, 1), given(0, 2));
+  const double all = candidates_.rest_gain() + first + std::min(second, given(1, 0)) + std::min(third, given(2, 0));
+  return all <= least ? 1 : kWorthALook;
+}
+
+/// Goes through some combinations of peaks, or to the first that is looked at.
 void PlaneRegistration::look() {
   const std::uint32_t axes = candidates_.axes();
   bool looked = false;
-  while (!looked) {
-    double along[3]{};
-    double promised = candidates_.rest_gain();
-    std::uint32_t planes = candidates_.rest_planes();
-    for (std::uint32_t a = 0; a < axes; ++a) {
-      const ShiftPeak& peak = candidates_.axis(a).peaks[at_[a]];
-      along[a] = peak.at_m;
-      promised += peak.gain;
-      planes += peak.planes;
-    }
-    std::uint32_t moved = 0;  // the axis that goes on
+  for (int tries = 0; tries < 16 && !looked; ++tries) {
     const double least = least_gain();
-    if (promised > least && result_.hypotheses < kMostHypotheses) {
-      looked = true;
-      ++result_.hypotheses;
-      const rt::Vector3 t_m = candidates_.shift(along);
-      // With so many misses it is not worth it.
-      const auto enough = planes + 1 + static_cast<std::uint32_t>((promised - least) / miss_cost_);
-      const std::uint32_t covered = candidates_.covered_at(t_m, enough);
-      const auto cost = [&](std::uint32_t matched) { return covered > matched ? miss_cost_ * (covered - matched) : 0.0; };
-      if (covered < enough) {
-        const ShiftLook found = candidates_.look_at(t_m, at_, least + cost(planes));
-        Place place{t_m, found.gain - cost(found.matched), {}, {}, found.matched};
-        for (int a = 0; a < 3; ++a) place.of_axis[a] = found.of_axis[a], place.peak[a] = at_[a];
-        if (found.whole) best_look_ = std::max(best_look_, place.gain);
-        if (found.whole) keep_place(place);
-      }
-    } else {
-      if (promised > least) ++result_.dropped;
-      while (moved < axes && at_[moved] == 0) ++moved;
-      ++moved;
+    std::uint32_t moved = hopeless_axes(least);
+    if (moved == 0 && result_.hypotheses == kMostHypotheses) {
+      ++result_.dropped;
+      moved = axes + 1;
     }
+    looked = moved == 0;
+    if (looked) look_at_place(least);
+    moved = moved == 0 ? 0 : moved - 1;  // peaks of so many axes begin anew
     for (std::uint32_t a = 0; a < moved && a < axes; ++a) at_[a] = 0;
     while (moved < axes) {
       if (++at_[moved] < candidates_.axis(moved).peaks.size()) break;
@@ -272,6 +276,31 @@ void PlaneRegistration::look() {
       return;
     }
   }
+}
+
+void PlaneRegistration::look_at_place(double least) {
+  ++result_.hypotheses;
+  double along[3]{};
+  double promised = candidates_.rest_gain();
+  std::uint32_t planes = candidates_.rest_planes();
+  for (std::uint32_t a = 0; a < candidates_.axes(); ++a) {
+    const ShiftPeak& peak = candidates_.axis(a).peaks[at_[a]];
+    along[a] = peak.at_m;
+    promised += peak.gain;
+    planes += peak.planes;
+  }
+  const rt::Vector3 t_m = candidates_.shift(along);
+  // With so many misses it is not worth it.
+  const auto enough = planes + 1 + static_cast<std::uint32_t>((promised - least) / miss_cost_);
+  const std::uint32_t covered = candidates_.covered_at(t_m, enough);
+  if (covered >= enough) return;
+  const auto cost = [&](std::uint32_t matched) { return covered > matched ? miss_cost_ * (covered - matched) : 0.0; };
+  const ShiftLook found = candidates_.look_at(t_m, at_, least + cost(planes));
+  if (!found.whole) return;
+  Place place{t_m, found.gain - cost(found.matched), {}, {}, found.matched};
+  for (int a = 0; a < 3; ++a) place.of_axis[a] = found.of_axis[a], place.peak[a] = at_[a];
+  best_look_ = std::max(best_look_, place.gain);
+  keep_place(place);
 }
 
 /// A place of the same rotation and scale as the best one has in common with it what lies on the same peaks:

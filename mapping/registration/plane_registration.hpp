@@ -101,6 +101,8 @@ class PlaneRegistration {
   void begin_turn();
   void begin_scale();
   void look();
+  void look_at_place(double least);
+  std::uint32_t hopeless_axes(double least);
   void fit_next();
   /// A place that was fitted.
   struct Fitted {
