@@ -416,9 +416,13 @@ ShiftLook PlaneCandidates::look_at(const rt::Vector3& t_m, const std::uint32_t (
     look.gain = possible;
     return look;
   }
+  double along[kMostPlanes];  // of the shift, each target's normal
+  if (other_count_ > 0) {
+    for (std::uint32_t j = 0; j < target_->size(); ++j) along[j] = dot((*target_)[j].normal, t_m);
+  }
   for (std::uint32_t k = 0; k < other_count_; ++k) {
     const std::uint32_t pair = others_[k];
-    const double residual = dot((*target_)[target_of_[pair]].normal, t_m) - offset_[pair];
+    const double residual = along[target_of_[pair]] - offset_[pair];
     if (std::fabs(residual) <= gate_m_ && overlaps(pair, t_m))
       tally_.add(source_of_[pair], target_of_[pair], gain_[pair]);
   }

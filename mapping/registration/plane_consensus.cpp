@@ -63,9 +63,11 @@ double tilt_chi2(const Placed& p, const Plane& s, const Plane& t, bool opposite,
 }  // namespace
 
 void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
-               const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs& pairs) {
+               const PlanePose& pose, const PlaneRegistrationConfig& config, NearCandidates& near,
+               PlanePairs& pairs) {
   const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
   pairs.clear();
+  near.clear();
   std::uint32_t k = 0;
   while (k < candidates.size()) {
     const std::uint16_t i = candidates.pair(k).source;
@@ -77,6 +79,8 @@ void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCand
       const PlanePair pair = candidates.pair(k);
       const Plane& t = target[pair.target];
       const double residual = dot(t.normal, p.centroid - t.centroid_m);
+      if (std::fabs(residual) > 2.0 * config.search_gate_m) continue;
+      (void)near.push_back(static_cast<std::uint16_t>(k));
       if (std::fabs(residual) > config.search_gate_m) continue;
       const double cosine = std::fabs(dot(t.normal, p.normal));
       const double tilt2 = 2.0 * (1.0 - cosine);
@@ -92,20 +96,22 @@ void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCand
 }
 
 PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
-                     const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs* pairs, double* gains) {
+                     const NearCandidates& near, const PlanePose& pose, const PlaneRegistrationConfig& config,
+                     PlanePairs& pairs, double* gains) {
   double best_of_target[kMostPlanes]{};
   bool has_partner[kMostPlanes]{};
   const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
-  if (pairs != nullptr) pairs->clear();
+  pairs.clear();
   PlaneConsensus result;
-  std::uint32_t k = 0;
-  while (k < candidates.size()) {
-    const std::uint16_t i = candidates.pair(k).source;
+  std::uint32_t at = 0;
+  while (at < near.size()) {
+    const std::uint16_t i = candidates.pair(near[at]).source;
     const Plane& s = source[i];
     const Placed p = placed(s, pose, r);
     double most = 0.0;
     PlanePair best;
-    for (; k < candidates.size() && candidates.pair(k).source == i; ++k) {
+    for (; at < near.size() && candidates.pair(near[at]).source == i; ++at) {
+      const std::uint32_t k = near[at];
       const PlanePair pair = candidates.pair(k);
       const Plane& t = target[pair.target];
       const Vector3 d = p.centroid - t.centroid_m;
@@ -129,10 +135,8 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
     if (most == 0.0) continue;
     has_partner[i] = true;
     best_of_target[best.target] = std::max(best_of_target[best.target], most);
-    if (pairs != nullptr) {
-      if (gains != nullptr) gains[pairs->size()] = most;
-      (void)pairs->push_back(best);
-    }
+    gains[pairs.size()] = most;
+    (void)pairs.push_back(best);
   }
   for (std::uint32_t j = 0; j < target.size(); ++j) {
     result.evidence += best_of_target[j];

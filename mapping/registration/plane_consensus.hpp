@@ -22,18 +22,23 @@ struct PlaneConsensus {
   double share() const { return expected > 0 ? 1.0 - static_cast<double>(missed) / expected : 0.0; }
 };
 
-/// Matches every source plane with the candidate that gains most of those within `sigmas` of it in distance
+/// Candidates that a fit may bring together, by their numbers.
+using NearCandidates = rt::FixedVector<std::uint16_t, 4096>;
+
+/// Matches every source plane with the candidate of `near` that gains most of those within `sigmas` of it in distance
 /// and in tilt, and overlapping it. A match gains its worth less ln(standard deviation of its distance) less
 /// half its squared residual in these, plus ln of twice the share of the smaller rectangle that the other
 /// covers; a plane of the smaller set that lies within the other set's box and
-/// has no partner costs -ln(1 - share_matched). `pairs` may be nullptr. Cost: a look a candidate, ~60 ns a
-/// match. `gains`: room for what each pair gains, or nullptr.
+/// has no partner costs -ln(1 - share_matched). `gains` has room for what each of the pairs gains. Cost: a look a candidate, ~60 ns a
+/// match.
 PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
-                     const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs* pairs, double* gains = nullptr);
+                     const NearCandidates& near, const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs& pairs, double* gains);
 
 /// Only the pairs, for a first fit: of each source plane's candidates within `gate_m` and `gate_rad` that
-/// overlap it the one whose distance and tilt are least in parts of these gates.
+/// overlap it the one whose distance and tilt are least in parts of these gates. `near` gets all candidates
+/// within twice the distance, for what follows.
 void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
-               const PlanePose& pose, const PlaneRegistrationConfig& config, PlanePairs& pairs);
+               const PlanePose& pose, const PlaneRegistrationConfig& config, NearCandidates& near,
+               PlanePairs& pairs);
 
 }  // namespace sortie::mapping

@@ -347,14 +347,14 @@ void PlaneRegistration::fit_next() {
   first.observed_sigma_rad = std::max(config_.fit.observed_sigma_rad, config_.most_angle_rad);
   PlanePose pose = candidates_.pose(place.t_m);
   Fitted& f = fresh_;
-  pair_near(side(), target_, candidates_, pose, config_, f.pairs);
+  pair_near(side(), target_, candidates_, pose, config_, near_, f.pairs);
   for (int round = 0; round < 2; ++round) {
     if (f.pairs.empty()) return;
     f.fit = fit_planes(side().planes(), target_.planes(), {f.pairs.data(), f.pairs.size()}, pose, estimate_,
                        round == 0 ? first : config_.fit, 2);
     if (!f.fit.finite) return;
     pose = f.fit.T_target_source;
-    f.consensus = judge(side(), target_, candidates_, pose, config_, &f.pairs, f.gain);
+    f.consensus = judge(side(), target_, candidates_, near_, pose, config_, f.pairs, f.gain);
     if (f.consensus.evidence - log_places_ <= harmless() - kSlack) return;
   }
   f.evidence = f.consensus.evidence - log_places_;

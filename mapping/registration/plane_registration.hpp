@@ -146,6 +146,7 @@ class PlaneRegistration {
   PlaneSide source_;
   PlaneSide target_;
   PlaneCandidates candidates_;
+  NearCandidates near_;
   Fitted fresh_;
   Fitted fitted_[kMostFitted];  ///< places apart from each other
   std::uint8_t order_[kMostFitted]{};  ///< of them, most evidence first

@@ -14,7 +14,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kBins = 360;          ///< degrees
 constexpr int kReach = 2;           ///< bins on either side that count for a peak
 constexpr std::uint32_t kMostPeaks = 8;
-constexpr double kLeastShare = 0.15;  ///< of the best peak's votes
+constexpr double kLeastShare = 0.3;  ///< of the best peak's votes
 constexpr double kWall = 0.5;         ///< |z| of a wall's normal at most
 
 /// Directions of the walls, in bins, and their weight.
