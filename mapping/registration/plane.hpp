@@ -13,22 +13,22 @@
 namespace sortie::mapping {
 
 /// A rectangle in a plane, in the frame of its set. Points x of the plane have normal . x = offset_m. The
-/// rectangle's sides lie along axis_u and axis_v = normal x axis_u, the directions of most and least spread of
-/// what it was fitted to. Errors are those of the fit: about these axes, and at this centroid, they are
+/// rectangle's sides lie along axis_u and axis_v = normal x axis_u, the directions of most and least spread
+/// of what it was fitted to. Errors are those of the fit: about these axes, and at this centroid, they are
 /// independent of each other, so that three numbers are the whole covariance (K. Pathak et al. 2010).
 struct Plane {
-  rt::Vector3 normal{0, 0, 1};    ///< unit; to the side that it was seen from, where that is known
-  double offset_m{};              ///< normal . centroid
-  rt::Vector3 centroid_m;         ///< mean of its points
-  rt::Vector3 axis_u{1, 0, 0};    ///< unit, in the plane
-  double least_m[2]{};            ///< the rectangle's lower sides along u and v, from the centroid; <= 0
-  double most_m[2]{};             ///< its upper sides; >= 0
-  double area_m2{};               ///< of what was seen, at most the rectangle's
-  double sigma_offset_m{0.01};    ///< standard deviation along the normal, at the centroid
-  double sigma_tilt_rad[2]{};     ///< of the turn about u, and about v
-  std::uint32_t id{};             ///< its owner's name for it
-  SORTIE_FIELDS(normal, offset_m, centroid_m, axis_u, least_m, most_m, area_m2, sigma_offset_m, sigma_tilt_rad,
-                id)
+  rt::Vector3 normal{0, 0, 1};  ///< unit; to the side that it was seen from, where that is known
+  double offset_m{};            ///< normal . centroid
+  rt::Vector3 centroid_m;       ///< mean of its points
+  rt::Vector3 axis_u{1, 0, 0};  ///< unit, in the plane
+  double least_m[2]{};          ///< the rectangle's lower sides along u and v, from the centroid; <= 0
+  double most_m[2]{};           ///< its upper sides; >= 0
+  double area_m2{};             ///< of what was seen, at most the rectangle's
+  double sigma_offset_m{0.01};  ///< standard deviation along the normal, at the centroid
+  double sigma_tilt_rad[2]{};   ///< of the turn about u, and about v
+  std::uint32_t id{};           ///< its owner's name for it
+  SORTIE_FIELDS(normal, offset_m, centroid_m, axis_u, least_m, most_m, area_m2, sigma_offset_m,
+                sigma_tilt_rad, id)
 
   constexpr rt::Vector3 axis_v() const { return rt::cross(normal, axis_u); }
 };
@@ -70,8 +70,9 @@ inline constexpr double kMostPlaneSigma = 1e6;
 /// to each other (1e-6), the centroid is not on the plane (1e-6 of its distance, 1 um), sides are on the
 /// wrong side, or anything is beyond the limits above. Cost: about 40 operations.
 inline Status check(const Plane& p) {
-  const double numbers[] = {p.offset_m,  p.least_m[0], p.least_m[1],     p.most_m[0],         p.most_m[1],
-                            p.area_m2,   p.sigma_offset_m, p.sigma_tilt_rad[0], p.sigma_tilt_rad[1]};
+  const double numbers[] = {p.offset_m,       p.least_m[0],        p.least_m[1],
+                            p.most_m[0],      p.most_m[1],         p.area_m2,
+                            p.sigma_offset_m, p.sigma_tilt_rad[0], p.sigma_tilt_rad[1]};
   bool finite = rt::is_finite(p.normal) && rt::is_finite(p.centroid_m) && rt::is_finite(p.axis_u);
   for (const double number : numbers) finite = finite && std::isfinite(number);
   if (!finite) return Status::not_finite;
@@ -82,8 +83,8 @@ inline Status check(const Plane& p) {
   };
   bool good = unit(p.normal) && unit(p.axis_u) && within(rt::dot(p.normal, p.axis_u), -1e-6, 1e-6);
   good = good && inside(p.centroid_m.x) && inside(p.centroid_m.y) && inside(p.centroid_m.z);
-  good = good && std::fabs(rt::dot(p.normal, p.centroid_m) - p.offset_m) <=
-                     1e-6 * (1.0 + rt::norm(p.centroid_m));
+  good = good &&
+         std::fabs(rt::dot(p.normal, p.centroid_m) - p.offset_m) <= 1e-6 * (1.0 + rt::norm(p.centroid_m));
   for (int k = 0; k < 2; ++k) {
     good = good && within(p.least_m[k], -kMostPlaneCoordinate_m, 0.0) &&
            within(p.most_m[k], 0.0, kMostPlaneCoordinate_m) &&

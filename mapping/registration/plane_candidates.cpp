@@ -14,7 +14,7 @@ using rt::Vector3;
 
 constexpr double kHalfLog2Pi = 0.91893853320467;
 constexpr double kWindow_m = 0.3;
-constexpr double kLeastPeak = 0.4;  ///< of the best one's gain
+constexpr double kLeastPeak = 0.4;                  ///< of the best one's gain
 constexpr double kMostCover = 0.69314718055994531;  ///< ln 2: what covering each other adds at most
 }  // namespace
 
@@ -190,8 +190,8 @@ void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
 
 void PlaneCandidates::vote(ShiftAxis& axis, const PlaneEstimate& estimate) {
   // The most that sides can be shifted against each other and still meet.
-  const double most = 0.5 * (target_->extent_m(axis.axis) +
-                             scale_ * source_->extent_m(rt::rotate_back(q_, axis.axis))) + 1.0;
+  const double most =
+      0.5 * (target_->extent_m(axis.axis) + scale_ * source_->extent_m(rt::rotate_back(q_, axis.axis))) + 1.0;
   const PlanePose& given = estimate.T_target_source;
   const double expected = dot(axis.axis, transform(given, source_->middle_m()) - target_->middle_m());
   const double within = estimate.has_position() ? 4.0 * estimate.sigma_position_m + kWindow_m : 1e12;
@@ -255,7 +255,8 @@ void PlaneCandidates::find_peaks(ShiftAxis& axis) {
     peak.at_m = votes_[peak.first].at_m + moment / weight;
   }
   for (std::uint32_t i = 1; i < peaks.size(); ++i) {
-    for (std::uint32_t k = i; k > 0 && peaks[k - 1].gain < peaks[k].gain; --k) std::swap(peaks[k - 1], peaks[k]);
+    for (std::uint32_t k = i; k > 0 && peaks[k - 1].gain < peaks[k].gain; --k)
+      std::swap(peaks[k - 1], peaks[k]);
   }
   while (!peaks.empty() && peaks.back().gain < kLeastPeak * peaks[0].gain) peaks.pop_back();
 }
@@ -334,9 +335,9 @@ void PlaneCandidates::find_shadows(const ShiftAxis& axis) {
       for (std::uint32_t b = 0; b < axes_; ++b) {
         const Vector3& n = axis_[b].axis;
         vote.apart_m[b] = static_cast<float>(dot(n, middle));
-        vote.reach_m[b] = static_cast<float>(
-            1.5 * margin_m_ + own.a[0] * std::fabs(dot(n, t.axis_u)) + own.b[1] * std::fabs(dot(n, across_[j])) +
-            scale_ * (std::fabs(dot(n, s.a)) + std::fabs(dot(n, s.b))));
+        vote.reach_m[b] = static_cast<float>(1.5 * margin_m_ + own.a[0] * std::fabs(dot(n, t.axis_u)) +
+                                             own.b[1] * std::fabs(dot(n, across_[j])) +
+                                             scale_ * (std::fabs(dot(n, s.a)) + std::fabs(dot(n, s.b))));
       }
     }
   }
@@ -372,7 +373,7 @@ void PlaneCandidates::prepare(std::uint32_t pair) {
   o.v = static_cast<float>(dot(middle, v) - own.centre[1]);
   o.reach[0] = static_cast<float>(own.a[0] + std::fabs(a[0]) + std::fabs(b[0]) + margin_m_);
   o.reach[1] = static_cast<float>(own.b[1] + std::fabs(a[1]) + std::fabs(b[1]) + margin_m_);
-  const auto across = [&](const double (&side)[2], const double (&other)[2], float (&n)[2]) {
+  const auto across = [&](const double(&side)[2], const double(&other)[2], float(&n)[2]) {
     const double length = std::sqrt(side[0] * side[0] + side[1] * side[1]);
     const double x = length > 0.0 ? -side[1] / length : 0.0;
     const double y = length > 0.0 ? side[0] / length : 0.0;

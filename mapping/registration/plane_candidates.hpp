@@ -48,8 +48,8 @@ class PlaneCandidates {
   PlaneCandidates();
 
   /// One look at every pair: normals within most_angle_rad, areas within most_area_ratio. What a match of a
-  /// pair is worth: ln of (length of the target along the normal / width of a match / targets that this source
-  /// plane might have matched by chance), plus ln share_matched.
+  /// pair is worth: ln of (length of the target along the normal / width of a match / targets that this
+  /// source plane might have matched by chance), plus ln share_matched.
   void pair_up(const PlaneSide& source, const PlaneSide& target, const rt::Quaternion& q_target_source,
                const PlaneRegistrationConfig& config);
 
@@ -100,11 +100,11 @@ class PlaneCandidates {
   };
   /// What overlap() of a pair's rectangles comes to when only the shift changes. 40 bytes.
   struct Overlap {
-    float u{};           ///< middle of the source's rectangle from the middle of the target's at no shift,
-    float v{};           ///< along the target's axes
+    float u{};            ///< middle of the source's rectangle from the middle of the target's at no shift,
+    float v{};            ///< along the target's axes
     float across_a[2]{};  ///< square to the sides of the source's, unit
     float across_b[2]{};
-    float reach[4]{};    ///< along u, v and these two: half of both shadows, and the margin
+    float reach[4]{};  ///< along u, v and these two: half of both shadows, and the margin
   };
   static constexpr float kUnknown = -1.0f;  ///< a reach not yet worked out
 
@@ -152,11 +152,11 @@ class PlaneCandidates {
   double rest_gain_{};
   std::uint32_t rest_planes_{};
   ShiftAxis axis_[3];
-  rt::Vector3 dual_[3];      ///< shift = sum of parts along axes times these + rest
+  rt::Vector3 dual_[3];  ///< shift = sum of parts along axes times these + rest
   rt::Vector3 rest_;
   Rotated rotated_[kMostPlanes];
-  rt::Vector3 centred_[kMostPlanes];  ///< target's centroids
-  rt::Vector3 across_[kMostPlanes];   ///< target's axis_v
+  rt::Vector3 centred_[kMostPlanes];      ///< target's centroids
+  rt::Vector3 across_[kMostPlanes];       ///< target's axis_v
   rt::Vector3 turned_back_[kMostPlanes];  ///< target's centroids as the source's axes have them
   std::uint16_t source_of_[kMostCandidatePairs]{};
   std::uint16_t target_of_[kMostCandidatePairs]{};
@@ -169,7 +169,7 @@ class PlaneCandidates {
   Vote votes_[kMostCandidatePairs]{};
   std::uint32_t voted_{};
   double given_[3][3][kMostShiftPeaks][kMostShiftPeaks]{};  ///< gain_given(), or less than 0
-  std::uint32_t others_[kMostCandidatePairs]{};  ///< pairs of no axis
+  std::uint32_t others_[kMostCandidatePairs]{};             ///< pairs of no axis
   std::uint32_t other_count_{};
   double log_count_[kMostPlanes + 1]{};
   double sums_[kMostCandidatePairs + 1]{};  ///< of gains along an axis

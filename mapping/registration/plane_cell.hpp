@@ -12,11 +12,11 @@ namespace sortie::mapping {
 
 /// Points of one cell as a Gaussian. The cell covers [at, at + 1) edges of the grid.
 struct PlaneCell {
-  std::int32_t at[3]{};      ///< whole coordinates, each in [-2^19, 2^19)
-  float mean_m[3]{};         ///< of the points, from the cell's centre; within one edge
-  float normal[3]{};         ///< unit, along the least variance
-  float variance_m2[3]{};    ///< along the axes, rising
-  std::uint32_t count{};     ///< points; 0: the cell is empty
+  std::int32_t at[3]{};    ///< whole coordinates, each in [-2^19, 2^19)
+  float mean_m[3]{};       ///< of the points, from the cell's centre; within one edge
+  float normal[3]{};       ///< unit, along the least variance
+  float variance_m2[3]{};  ///< along the axes, rising
+  std::uint32_t count{};   ///< points; 0: the cell is empty
   SORTIE_FIELDS(at, mean_m, normal, variance_m2, count)
 };
 
@@ -27,8 +27,8 @@ inline constexpr std::int32_t kPlaneReach = 1024;
 /// Heaviest a cell can be.
 inline constexpr std::uint32_t kPlaneWeight = 64;
 
-/// Weighted sums over points in whole steps, relative to the centre of an anchor cell: exact, so that what was
-/// added can be taken away again and no order matters. Below 2^61 for 16,384 cells within kPlaneReach.
+/// Weighted sums over points in whole steps, relative to the centre of an anchor cell: exact, so that what
+/// was added can be taken away again and no order matters. Below 2^61 for 16,384 cells within kPlaneReach.
 struct PlaneSums {
   std::int64_t weight{};
   std::int64_t sum[3]{};
@@ -66,13 +66,15 @@ inline PlaneSums sums_of(const PlaneCell& cell, double edge_m, std::uint32_t mos
     mean[i] = whole(static_cast<double>(cell.mean_m[i]) / step_m);
     out.sum[i] = out.weight * mean[i];
   }
-  const double across = 0.5 * (static_cast<double>(cell.variance_m2[1]) + static_cast<double>(cell.variance_m2[2]));
+  const double across =
+      0.5 * (static_cast<double>(cell.variance_m2[1]) + static_cast<double>(cell.variance_m2[2]));
   const double along = static_cast<double>(cell.variance_m2[0]) - across;
   constexpr int kAxes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   for (int k = 0; k < 6; ++k) {
     const auto [i, j] = kAxes[k];
     const double part = along * static_cast<double>(cell.normal[i]) * static_cast<double>(cell.normal[j]);
-    out.product[k] = out.weight * (mean[i] * mean[j] + whole((part + (i == j ? across : 0.0)) / (step_m * step_m)));
+    out.product[k] =
+        out.weight * (mean[i] * mean[j] + whole((part + (i == j ? across : 0.0)) / (step_m * step_m)));
   }
   return out;
 }
@@ -80,8 +82,8 @@ inline PlaneSums sums_of(const PlaneCell& cell, double edge_m, std::uint32_t mos
 /// The plane that sums make: its axes and variances, in m, relative to the anchor's centre.
 struct PlaneMoments {
   rt::Vector3 mean_m;
-  rt::Vector3 normal;  ///< the first of z, y, x that is not 0 is positive
-  rt::Vector3 axis_u;  ///< of most variance
+  rt::Vector3 normal;       ///< the first of z, y, x that is not 0 is positive
+  rt::Vector3 axis_u;       ///< of most variance
   double variance_m2[3]{};  ///< rising: along normal, normal x u, u
 };
 
@@ -104,7 +106,8 @@ inline PlaneMoments moments_of(PlaneSums sums, double edge_m) {
   }
   const EigenPairs<3> eigen = eigen_pairs(c);
   PlaneMoments out;
-  out.mean_m = {step_m * (mean[0] - static_cast<double>(middle[0])), step_m * (mean[1] - static_cast<double>(middle[1])),
+  out.mean_m = {step_m * (mean[0] - static_cast<double>(middle[0])),
+                step_m * (mean[1] - static_cast<double>(middle[1])),
                 step_m * (mean[2] - static_cast<double>(middle[2]))};
   rt::Vector3 normal{eigen.vector[0][0], eigen.vector[1][0], eigen.vector[2][0]};
   const double sign = normal.z != 0.0 ? normal.z : normal.y != 0.0 ? normal.y : normal.x;

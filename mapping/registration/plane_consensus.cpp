@@ -124,7 +124,8 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
       const double variance =
           offset_variance(s, t, pose.scale, dot(d, t.axis_u), dot(d, t.axis_v()), config.fit);
       if (residual * residual > square(config.sigmas) * variance) continue;
-      if (tilt_chi2(p, s, t, pair.opposite, config.fit.model_sigma_rad) > square(config.sigmas) + 2.0) continue;
+      if (tilt_chi2(p, s, t, pair.opposite, config.fit.model_sigma_rad) > square(config.sigmas) + 2.0)
+        continue;
       const PlanePatch there = patch_of(p, s, t, pose.scale);
       const PlanePatch here = own_patch(t);
       if (!overlap(here, there, config.overlap_margin_m)) continue;

@@ -31,7 +31,8 @@ struct System {
     return 1.0 / (variance * shrunk * shrunk);
   }
 
-  void add(const Vector3& on_turn, const Vector3& on_shift, double on_scale, double residual, double variance) {
+  void add(const Vector3& on_turn, const Vector3& on_shift, double on_scale, double residual,
+           double variance) {
     const double w = weight(residual, variance);
     const double j[7] = {on_turn.x, on_turn.y, on_turn.z, on_shift.x, on_shift.y, on_shift.z, on_scale};
     for (int a = 0; a < 7; ++a) {
@@ -176,7 +177,8 @@ bool reduced(const System& system, const Basis& basis, double lever_m, double (&
   }
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j <= i; ++j) {
-      const double part = 0.5 * (s[i][j] + s[j][i]) * (i == 3 ? 1.0 / lever_m : 1.0) * (j == 3 ? 1.0 / lever_m : 1.0);
+      const double part =
+          0.5 * (s[i][j] + s[j][i]) * (i == 3 ? 1.0 / lever_m : 1.0) * (j == 3 ? 1.0 / lever_m : 1.0);
       s[i][j] = part;
       s[j][i] = part;
     }
@@ -184,7 +186,8 @@ bool reduced(const System& system, const Basis& basis, double lever_m, double (&
   return true;
 }
 
-void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose, PlaneFit& fit, Basis& basis) {
+void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose, PlaneFit& fit,
+                Basis& basis) {
   const bool scaled = in.estimate.wants_scale();
   const PlanePose& given = in.estimate.T_target_source;
   const Vector3 to_estimate = transform(given, fit.pivot_source_m) - fit.pivot_target_m;
@@ -221,7 +224,8 @@ void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose,
     const double sigma = value[k] > square(1.0 / kNothingKnown) ? 1.0 / std::sqrt(value[k]) : kNothingKnown;
     fit.direction_sigma_m[k] = sigma;
     if (sigma < in.config.observed_sigma_m) {
-      for (int i = 0; i < n; ++i) basis.column[3 + i][basis.columns] = vector[i][k] * (i == 3 ? per_scale : 1.0);
+      for (int i = 0; i < n; ++i)
+        basis.column[3 + i][basis.columns] = vector[i][k] * (i == 3 ? per_scale : 1.0);
       ++basis.columns;
       ++fit.translation_rank;
     } else if (in.estimate.has_position()) {
@@ -318,15 +322,17 @@ void apply(const double (&change)[7], PlaneFit& fit) {
 }
 
 bool usable(const PlaneFit& fit) {
-  return rt::is_finite(fit.T_target_source.q_target_source) && rt::is_finite(fit.T_target_source.p_target_source_m) &&
-         fit.T_target_source.scale > 1e-6 && fit.T_target_source.scale < 1e6 && std::isfinite(fit.chi2);
+  return rt::is_finite(fit.T_target_source.q_target_source) &&
+         rt::is_finite(fit.T_target_source.p_target_source_m) && fit.T_target_source.scale > 1e-6 &&
+         fit.T_target_source.scale < 1e6 && std::isfinite(fit.chi2);
 }
 }  // namespace
 
 double offset_variance(const Plane& s, const Plane& t, double scale, double along_u_m, double along_v_m,
                        const PlaneFitConfig& config) {
-  return square(scale * s.sigma_offset_m) + square(t.sigma_offset_m) + square(along_v_m * t.sigma_tilt_rad[0]) +
-         square(along_u_m * t.sigma_tilt_rad[1]) + square(config.model_sigma_m);
+  return square(scale * s.sigma_offset_m) + square(t.sigma_offset_m) +
+         square(along_v_m * t.sigma_tilt_rad[0]) + square(along_u_m * t.sigma_tilt_rad[1]) +
+         square(config.model_sigma_m);
 }
 
 PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target,
@@ -336,7 +342,8 @@ PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target
   PlaneFit fit;
   fit.T_target_source = start;
   for (const PlanePair& pair : pairs)
-    fit.pivot_source_m = fit.pivot_source_m + (1.0 / static_cast<double>(pairs.size())) * source[pair.source].centroid_m;
+    fit.pivot_source_m =
+        fit.pivot_source_m + (1.0 / static_cast<double>(pairs.size())) * source[pair.source].centroid_m;
   fit.pivot_target_m = transform(start, fit.pivot_source_m);
   for (int step = 0; step < steps; ++step) {
     const PlanePose pose = fit.T_target_source;

@@ -26,17 +26,18 @@ struct PlaneFitConfig {
   double observed_sigma_rad{0.0175};  ///< an axis of rotation counts as observed below it
   double model_sigma_m{0.005};        ///< added to every offset: walls are not flat
   double model_sigma_rad{0.002};      ///< added to every normal
-  double kernel_sigmas{0};  ///< residuals about this large count a quarter (Geman, McClure 1985); 0: all count
+  double kernel_sigmas{
+      0};  ///< residuals about this large count a quarter (Geman, McClure 1985); 0: all count
 };
 
 /// Result of a fit. Changes are small turns about the target's axes, the shift of the pivot, and the
 /// logarithm of the scale about the pivot, in this order: 7 numbers.
 struct PlaneFit {
   PlanePose T_target_source;
-  rt::Vector3 pivot_source_m;  ///< weighted middle of the source's planes; what turns and scale are about
-  rt::Vector3 pivot_target_m;  ///< where it lies in the target
-  double covariance[7][7]{};   ///< of (turn rad, pivot m, ln scale); 0 in what is not observed
-  std::uint8_t rotation_rank{};     ///< axes of rotation that normals (and gravity) show, 0..3
+  rt::Vector3 pivot_source_m;    ///< weighted middle of the source's planes; what turns and scale are about
+  rt::Vector3 pivot_target_m;    ///< where it lies in the target
+  double covariance[7][7]{};     ///< of (turn rad, pivot m, ln scale); 0 in what is not observed
+  std::uint8_t rotation_rank{};  ///< axes of rotation that normals (and gravity) show, 0..3
   std::uint8_t translation_rank{};  ///< directions that offsets show, 0..3; with a scale 0..4
   /// Axes of rotation, least seen first: the first 3 - rotation_rank keep the estimate's turn.
   rt::Vector3 rotation_axis[3];
@@ -62,11 +63,11 @@ double offset_variance(const Plane& s, const Plane& t, double scale, double alon
 /// where it has one; `steps` of it from `start`. The rotation's rank is that of normals and vertical, sigma =
 /// 1 / singular value below observed_sigma_rad. The translation's (and the scale's, as a fourth column) is
 /// that of what is left of the offsets' information once the rotation has been taken out: singular values
-/// sigma_i of the whitened system with 1 / sigma_i < observed_sigma_m. Directions i <= r get sigma_i^-1 (u_i .
-/// d) v_i, the others (t_e . v_i) v_i from `estimate` ("3D mapping for multi hybrid robot cooperation",
-/// equations 5 to 8, which as printed have sigma_1 in the first sum and a sigma^-1 too many in the second). Planes are indexed by `pairs`, which must
-/// be valid. Deterministic; the order of pairs matters in the last bits. About 0.15 us a pair and step + 2 us
-/// a step.
+/// sigma_i of the whitened system with 1 / sigma_i < observed_sigma_m. Directions i <= r get sigma_i^-1 (u_i
+/// . d) v_i, the others (t_e . v_i) v_i from `estimate` ("3D mapping for multi hybrid robot cooperation",
+/// equations 5 to 8, which as printed have sigma_1 in the first sum and a sigma^-1 too many in the second).
+/// Planes are indexed by `pairs`, which must be valid. Deterministic; the order of pairs matters in the last
+/// bits. About 0.15 us a pair and step + 2 us a step.
 PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target,
                     std::span<const PlanePair> pairs, const PlanePose& start, const PlaneEstimate& estimate,
                     const PlaneFitConfig& config, int steps);

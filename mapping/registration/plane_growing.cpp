@@ -27,7 +27,8 @@ std::uint8_t grade_of(const PlaneCell& cell) {
 Status check(const PlaneCell& c, double edge_m) {
   bool finite = true;
   for (int i = 0; i < 3; ++i)
-    finite = finite && std::isfinite(c.mean_m[i]) && std::isfinite(c.normal[i]) && std::isfinite(c.variance_m2[i]);
+    finite =
+        finite && std::isfinite(c.mean_m[i]) && std::isfinite(c.normal[i]) && std::isfinite(c.variance_m2[i]);
   if (!finite) return Status::not_finite;
   bool good = true;
   double length = 0.0;
@@ -38,7 +39,8 @@ Status check(const PlaneCell& c, double edge_m) {
     length += static_cast<double>(c.normal[i]) * static_cast<double>(c.normal[i]);
   }
   good = good && length > 1.0 - 1e-3 && length < 1.0 + 1e-3;
-  good = good && c.variance_m2[0] <= c.variance_m2[1] * 1.001f && c.variance_m2[1] <= c.variance_m2[2] * 1.001f;
+  good =
+      good && c.variance_m2[0] <= c.variance_m2[1] * 1.001f && c.variance_m2[1] <= c.variance_m2[2] * 1.001f;
   return good ? Status::ok : Status::out_of_range;
 }
 }  // namespace
@@ -241,7 +243,8 @@ std::uint32_t PlaneGrowing::planes(PlaneSet& out) const {
       out.pop_back();
     }
     (void)out.push_back(region.shape);
-    for (std::uint32_t k = out.size() - 1; k > 0 && larger(out[k], out[k - 1]); --k) std::swap(out[k], out[k - 1]);
+    for (std::uint32_t k = out.size() - 1; k > 0 && larger(out[k], out[k - 1]); --k)
+      std::swap(out[k], out[k - 1]);
   }
   return left_out;
 }

@@ -107,7 +107,8 @@ void PlaneGrowing::shape(PlaneRegion& region) {
   p.normal = config_.signed_normals ? region.normal : m.normal;
   p.axis_u = m.axis_u;
   p.centroid_m = Vector3{(region.anchor[0] + 0.5) * edge, (region.anchor[1] + 0.5) * edge,
-                         (region.anchor[2] + 0.5) * edge} + m.mean_m;
+                         (region.anchor[2] + 0.5) * edge} +
+                 m.mean_m;
   p.offset_m = dot(p.normal, p.centroid_m);
   const Vector3 v = p.axis_v();
   const double beyond[2] = {
@@ -164,12 +165,13 @@ std::uint16_t PlaneGrowing::new_region(std::uint32_t slot) {
 std::uint16_t PlaneGrowing::best_neighbour(const PlaneCellSlot& cell) const {
   std::uint16_t best = 0;
   double least = 0.0;
-  around(cell.at, [&](const std::int32_t (&place)[3]) {
+  around(cell.at, [&](const std::int32_t(&place)[3]) {
     const std::uint32_t slot = find(place);
     const std::uint16_t number = slot == 0 ? std::uint16_t{0} : memory_.cells[slot - 1].region;
     double off = 0.0;
     if (number == 0 || number == best || !fits(memory_.regions[number - 1u], cell, off)) return;
-    const bool older = best != 0 && off == least && memory_.regions[number - 1u].id < memory_.regions[best - 1u].id;
+    const bool older =
+        best != 0 && off == least && memory_.regions[number - 1u].id < memory_.regions[best - 1u].id;
     if (best == 0 || off < least || older) best = number, least = off;
   });
   return best;
@@ -205,7 +207,7 @@ void PlaneGrowing::grow() {
   const std::uint32_t slot = memory_.queue[queue_begin_++];
   if (memory_.cells[slot - 1].region != growing_) return;  // it has changed meanwhile
   if (2 * region.cells > 3 * region.fitted) fit(region);
-  around(memory_.cells[slot - 1].at, [&](const std::int32_t (&place)[3]) {
+  around(memory_.cells[slot - 1].at, [&](const std::int32_t(&place)[3]) {
     const std::uint32_t other = find(place);
     if (other == 0) return;
     const PlaneCellSlot& cell = memory_.cells[other - 1];

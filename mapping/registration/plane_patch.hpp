@@ -22,7 +22,8 @@ constexpr PlanePatch own_patch(const Plane& plane) {
           {0, 0.5 * (plane.most_m[1] - plane.least_m[1])}};
 }
 
-/// A rectangle with middle `p` and half sides `a` and `b` (in the frame of `onto`), projected onto that plane.
+/// A rectangle with middle `p` and half sides `a` and `b` (in the frame of `onto`), projected onto that
+/// plane.
 constexpr PlanePatch projected(const Plane& onto, const rt::Vector3& p, const rt::Vector3& a,
                                const rt::Vector3& b) {
   const rt::Vector3 u = onto.axis_u;
@@ -35,13 +36,14 @@ constexpr PlanePatch projected(const Plane& onto, const rt::Vector3& p, const rt
 /// apart.
 inline bool separated_by(const PlanePatch& p, const PlanePatch& q, double margin_m) {
   const double d[2] = {q.centre[0] - p.centre[0], q.centre[1] - p.centre[1]};
-  const auto along = [](const double (&n)[2], const double (&e)[2]) { return n[0] * e[0] + n[1] * e[1]; };
+  const auto along = [](const double(&n)[2], const double(&e)[2]) { return n[0] * e[0] + n[1] * e[1]; };
   const double normals[2][2] = {{-p.a[1], p.a[0]}, {-p.b[1], p.b[0]}};
   for (const auto& n : normals) {
     const double reach = std::fabs(along(n, p.a)) + std::fabs(along(n, p.b)) + std::fabs(along(n, q.a)) +
                          std::fabs(along(n, q.b));
     const double distance = std::fabs(along(n, d));
-    // n is as long as the side: margin and distance are compared in its length; the root only where it counts.
+    // n is as long as the side: margin and distance are compared in its length; the root only where it
+    // counts.
     if (distance > reach && distance > reach + margin_m * std::sqrt(along(n, n))) return true;
   }
   return false;

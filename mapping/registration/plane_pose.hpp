@@ -34,8 +34,8 @@ inline PlanePose inverse(const PlanePose& pose) {
 /// What is known from outside: GPS, odometry, an earlier match. What the planes cannot say keeps its values.
 struct PlaneEstimate {
   PlanePose T_target_source;
-  double sigma_position_m{};  ///< of the middle of the source's planes, each axis; 0: nothing is known
-  double sigma_yaw_rad{};     ///< about the target's z; 0: nothing is known
+  double sigma_position_m{};      ///< of the middle of the source's planes, each axis; 0: nothing is known
+  double sigma_yaw_rad{};         ///< about the target's z; 0: nothing is known
   double sigma_tilt_rad{0.0087};  ///< of the source's vertical in the target: gravity; 0: nothing is known
   double sigma_scale{};           ///< relative; 0: the scale is 1 and is not looked for
   SORTIE_FIELDS(T_target_source, sigma_position_m, sigma_yaw_rad, sigma_tilt_rad, sigma_scale)

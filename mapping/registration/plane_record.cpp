@@ -8,7 +8,7 @@
 namespace sortie::mapping {
 namespace {
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSteps = 32767.0;       ///< of an octahedron's coordinate
+constexpr double kSteps = 32767.0;  ///< of an octahedron's coordinate
 constexpr double kCentroidStep_m = 0.001;
 constexpr std::int32_t kMostCentroid = (1 << 23) - 1;
 constexpr double kSideStep_m = 0.01;
@@ -51,7 +51,9 @@ rt::Vector3 reference(const rt::Vector3& n) {
   const double x = std::fabs(n.x);
   const double y = std::fabs(n.y);
   const double z = std::fabs(n.z);
-  const rt::Vector3 a = x <= y && x <= z ? rt::Vector3{1, 0, 0} : y <= z ? rt::Vector3{0, 1, 0} : rt::Vector3{0, 0, 1};
+  const rt::Vector3 a = x <= y && x <= z ? rt::Vector3{1, 0, 0}
+                        : y <= z         ? rt::Vector3{0, 1, 0}
+                                         : rt::Vector3{0, 0, 1};
   const rt::Vector3 square = rt::cross(n, a);
   return (1.0 / rt::norm(square)) * square;
 }
@@ -100,7 +102,8 @@ Status encode(const Plane& plane, PlaneRecord& record) {
   for (unsigned k = 0; k < 2; ++k) {
     put(record, 15 + 2 * k, 2, static_cast<std::uint32_t>(rounded(sides[k] / kSideStep_m)));
     const double below = backward ? plane.most_m[k] : -plane.least_m[k];
-    put(record, 19 + k, 1, static_cast<std::uint32_t>(sides[k] > 0.0 ? rounded(255.0 * below / sides[k]) : 0));
+    put(record, 19 + k, 1,
+        static_cast<std::uint32_t>(sides[k] > 0.0 ? rounded(255.0 * below / sides[k]) : 0));
   }
   put(record, 21, 1,
       static_cast<std::uint32_t>(box > 0.0 ? rounded(255.0 * std::min(1.0, plane.area_m2 / box)) : 0));

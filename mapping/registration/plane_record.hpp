@@ -37,7 +37,8 @@ inline constexpr double kRecordSigma = 0.05;         ///< relative
 Status encode(const Plane& plane, PlaneRecord& record);
 
 /// `malformed` for bytes that encode() does not write (a normal off the octahedron); then `plane` is not
-/// touched. What it gives passes check(). Any other bytes are some plane: a record has no checksum of its own.
+/// touched. What it gives passes check(). Any other bytes are some plane: a record has no checksum of its
+/// own.
 Status decode(const PlaneRecord& record, Plane& plane);
 
 }  // namespace sortie::mapping

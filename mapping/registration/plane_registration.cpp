@@ -8,8 +8,8 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr double kSlack = 3.0;            ///< of evidence, that a second fit may add
-constexpr double kClearly = 0.5;          ///< what is looked at without a fit must be clear
+constexpr double kSlack = 3.0;    ///< of evidence, that a second fit may add
+constexpr double kClearly = 0.5;  ///< what is looked at without a fit must be clear
 constexpr double kKernelSigmas = 5.0;
 constexpr std::uint64_t kFitUnits = 100;  ///< a matched pair in two fits and two looks
 
@@ -37,7 +37,8 @@ bool finite(const PlaneEstimate& e) {
 PlaneRegistration::PlaneRegistration(const PlaneRegistrationConfig& config)
     : config_(config), miss_cost_(-rt::log(1.0 - config.share_matched)) {}
 
-Status PlaneRegistration::begin(const PlaneSet& source, const PlaneSet& target, const PlaneEstimate& estimate) {
+Status PlaneRegistration::begin(const PlaneSet& source, const PlaneSet& target,
+                                const PlaneEstimate& estimate) {
   stage_ = Stage::done;
   result_ = {};
   best_pairs_.clear();
@@ -226,8 +227,8 @@ double PlaneRegistration::least_gain() const {
 }
 
 /// What the combination of peaks at_ promises, step by step less and dearer, until it is not worth a look:
-/// then how many axes may go on at once. Peaks are sorted: what the first of them cannot promise, those behind
-/// it cannot either.
+/// then how many axes may go on at once. Peaks are sorted: what the first of them cannot promise, those
+/// behind it cannot either.
 std::uint32_t PlaneRegistration::hopeless_axes(double least) {
   constexpr std::uint32_t kWorthALook = 0;
   const std::uint32_t axes = candidates_.axes();
@@ -248,7 +249,8 @@ std::uint32_t PlaneRegistration::hopeless_axes(double least) {
   double first = candidates_.axis(0).peaks[at_[0]].gain;
   if (candidates_.rest_gain() + first + second + third <= least) return 2;
   first = std::min(given(0, 1), given(0, 2));
-  const double all = candidates_.rest_gain() + first + std::min(second, given(1, 0)) + std::min(third, given(2, 0));
+  const double all =
+      candidates_.rest_gain() + first + std::min(second, given(1, 0)) + std::min(third, given(2, 0));
   return all <= least ? 1 : kWorthALook;
 }
 
@@ -294,7 +296,9 @@ void PlaneRegistration::look_at_place(double least) {
   const auto enough = planes + 1 + static_cast<std::uint32_t>((promised - least) / miss_cost_);
   const std::uint32_t covered = candidates_.covered_at(t_m, enough);
   if (covered >= enough) return;
-  const auto cost = [&](std::uint32_t matched) { return covered > matched ? miss_cost_ * (covered - matched) : 0.0; };
+  const auto cost = [&](std::uint32_t matched) {
+    return covered > matched ? miss_cost_ * (covered - matched) : 0.0;
+  };
   const ShiftLook found = candidates_.look_at(t_m, at_, least + cost(planes));
   if (!found.whole) return;
   Place place{t_m, found.gain - cost(found.matched), {}, {}, found.matched};
@@ -408,7 +412,8 @@ double PlaneRegistration::rivalry(const Fitted& best, const Fitted& other, doubl
   for (std::uint32_t i = 0; i < best.pairs.size(); ++i) {
     while (k < other.pairs.size() && other.pairs[k].source < best.pairs[i].source) ++k;
     if (k == other.pairs.size()) break;
-    if (other.pairs[k].source != best.pairs[i].source || other.pairs[k].target != best.pairs[i].target) continue;
+    if (other.pairs[k].source != best.pairs[i].source || other.pairs[k].target != best.pairs[i].target)
+      continue;
     shared_of_best += best.gain[i];
     shared_of_other += other.gain[k];
   }
@@ -426,7 +431,9 @@ double PlaneRegistration::rivalry(const Fitted& best, const Fitted& other, doubl
 void PlaneRegistration::finish() {
   stage_ = Stage::done;
   const auto refuse = [this](PlaneRefusal why) {
-    result_.verdict = why == PlaneRefusal::runner_up || why == PlaneRefusal::mirrored ? PlaneVerdict::ambiguous : PlaneVerdict::refused;
+    result_.verdict = why == PlaneRefusal::runner_up || why == PlaneRefusal::mirrored
+                          ? PlaneVerdict::ambiguous
+                          : PlaneVerdict::refused;
     result_.refusal = why;
   };
   if (fitted_count_ == 0) return refuse(PlaneRefusal::few_matches);
@@ -450,7 +457,8 @@ void PlaneRegistration::finish() {
   if (result_.matched < config_.least_matches) return refuse(PlaneRefusal::few_matches);
   if (result_.share < config_.least_share) return refuse(PlaneRefusal::little_share);
   const double expected = std::max(1u, best.consensus.expected);
-  if (result_.evidence < std::max(config_.least_evidence, config_.evidence_per_plane * expected)) return refuse(PlaneRefusal::little_evidence);
+  if (result_.evidence < std::max(config_.least_evidence, config_.evidence_per_plane * expected))
+    return refuse(PlaneRefusal::little_evidence);
   if (result_.rivalry > config_.most_runner_up) return refuse(PlaneRefusal::runner_up);
   if (result_.mirror_rivalry > config_.most_mirrored) return refuse(PlaneRefusal::mirrored);
   if ((!whole_turn && !estimate_.has_yaw()) || (!whole_shift && !estimate_.has_position()))
@@ -464,8 +472,9 @@ const char* to_string(PlaneVerdict verdict) {
 }
 
 const char* to_string(PlaneRefusal refusal) {
-  constexpr const char* kNames[] = {"none",           "no planes",  "few matches", "little share",
-                                    "little evidence", "unobserved", "runner-up", "mirrored"};
+  constexpr const char* kNames[] = {"none",         "no planes",       "few matches",
+                                    "little share", "little evidence", "unobserved",
+                                    "runner-up",    "mirrored"};
   return kNames[static_cast<int>(refusal)];
 }
 

@@ -25,13 +25,13 @@ enum class PlaneVerdict : std::uint8_t {
 /// Why.
 enum class PlaneRefusal : std::uint8_t {
   none,
-  no_planes,       ///< one of the sets is empty
-  few_matches,     ///< fewer than least_matches
-  little_share,    ///< too few of the planes that both should see
+  no_planes,        ///< one of the sets is empty
+  few_matches,      ///< fewer than least_matches
+  little_share,     ///< too few of the planes that both should see
   little_evidence,  ///< chance may have done it
-  unobserved,      ///< a direction that neither planes nor estimate know
-  runner_up,       ///< another place is nearly as likely
-  mirrored,        ///< a mirror image would fit better: another wing, another building
+  unobserved,       ///< a direction that neither planes nor estimate know
+  runner_up,        ///< another place is nearly as likely
+  mirrored,         ///< a mirror image would fit better: another wing, another building
 };
 
 /// The names as they are shown.
@@ -42,10 +42,10 @@ const char* to_string(PlaneRefusal refusal);
 struct PlaneRegistrationResult {
   PlaneVerdict verdict{PlaneVerdict::none};
   PlaneRefusal refusal{PlaneRefusal::none};
-  PlaneFit fit;                ///< of the best place, also where it is refused
-  std::uint32_t matched{};     ///< planes of the target with a partner
-  double share{};              ///< PlaneConsensus::share()
-  double evidence{};           ///< ln of how much likelier than chance, all places looked at
+  PlaneFit fit;                 ///< of the best place, also where it is refused
+  std::uint32_t matched{};      ///< planes of the target with a partner
+  double share{};               ///< PlaneConsensus::share()
+  double evidence{};            ///< ln of how much likelier than chance, all places looked at
   double runner_up_evidence{};  ///< of the place in another basin that comes nearest to it; 0: none
   double rivalry{};  ///< its evidence over the best place's, without the pairs that both have in common
   PlanePose T_runner_up;
@@ -54,10 +54,10 @@ struct PlaneRegistrationResult {
   std::uint32_t fits{};        ///< of them fitted
   std::uint32_t dropped{};     ///< pairs of planes that there was no room for, and hypotheses beyond the most
   std::uint64_t units{};       ///< of work done
-  SORTIE_FIELDS(verdict, refusal, fit, matched, share, evidence, runner_up_evidence, rivalry, mirror_rivalry, T_runner_up, turns,
-                hypotheses, fits, dropped, units)
+  SORTIE_FIELDS(verdict, refusal, fit, matched, share, evidence, runner_up_evidence, rivalry, mirror_rivalry,
+                T_runner_up, turns, hypotheses, fits, dropped, units)
 
-  double mirror_rivalry{};     ///< as rivalry, of the best place of a mirror image; 0: none
+  double mirror_rivalry{};  ///< as rivalry, of the best place of a mirror image; 0: none
   bool placed() const { return verdict == PlaneVerdict::placed || verdict == PlaneVerdict::placed_partly; }
 };
 
@@ -89,9 +89,9 @@ class PlaneRegistration {
   /// A place worth fitting.
   struct Place {
     rt::Vector3 t_m;
-    double gain{};             ///< less the cost of planes that must be missed
-    double of_axis[3]{};       ///< ShiftLook::of_axis
-    std::uint32_t peak[3]{};   ///< of each axis
+    double gain{};            ///< less the cost of planes that must be missed
+    double of_axis[3]{};      ///< ShiftLook::of_axis
+    std::uint32_t peak[3]{};  ///< of each axis
     std::uint32_t matched{};
   };
   static constexpr std::uint32_t kMostPlaces = 4;  ///< of one rotation and scale
@@ -135,10 +135,10 @@ class PlaneRegistration {
   std::uint32_t bad_plane_{};
   std::uint32_t turn_{};
   std::uint32_t scale_{};
-  std::uint32_t at_[3]{};      ///< the combination of peaks that is next
-  double best_look_{};         ///< most gain that any place had
-  double miss_cost_{};         ///< -ln(1 - share_matched)
-  double log_places_{};        ///< ln of the places that could have been
+  std::uint32_t at_[3]{};  ///< the combination of peaks that is next
+  double best_look_{};     ///< most gain that any place had
+  double miss_cost_{};     ///< -ln(1 - share_matched)
+  double log_places_{};    ///< ln of the places that could have been
   PlaneTurns turns_;
   rt::FixedVector<double, 8> scales_;
   rt::FixedVector<Place, kMostPlaces> places_;
@@ -148,13 +148,13 @@ class PlaneRegistration {
   PlaneCandidates candidates_;
   NearCandidates near_;
   Fitted fresh_;
-  Fitted fitted_[kMostFitted];  ///< places apart from each other
+  Fitted fitted_[kMostFitted];         ///< places apart from each other
   std::uint8_t order_[kMostFitted]{};  ///< of them, most evidence first
   std::uint32_t fitted_count_{};
-  std::uint32_t search_{};     ///< rotations and scales begun
-  std::uint32_t mirror_{};     ///< mirror images begun
+  std::uint32_t search_{};  ///< rotations and scales begun
+  std::uint32_t mirror_{};  ///< mirror images begun
   bool in_mirror_{};
-  bool best_scale_{};          ///< rotations are gone through with the best place's scale
+  bool best_scale_{};  ///< rotations are gone through with the best place's scale
   rt::FixedVector<rt::Vector3, 2> mirrors_;
   double mirror_rivalry_{};
   PlaneSide image_;

@@ -9,26 +9,26 @@
 
 namespace sortie::mapping {
 
-/// Gates are for the search; what is accepted in the end is decided by the planes' own errors and by evidence:
-/// the logarithm of how much likelier the matches are at this place than by chance, less that of the number of
-/// places looked at.
+/// Gates are for the search; what is accepted in the end is decided by the planes' own errors and by
+/// evidence: the logarithm of how much likelier the matches are at this place than by chance, less that of
+/// the number of places looked at.
 struct PlaneRegistrationConfig {
-  double most_angle_rad{0.14};      ///< between normals that may match
-  double most_area_ratio{20};       ///< between areas that may match
-  double overlap_margin_m{0.3};     ///< rectangles this far apart still overlap
-  double search_gate_m{0.3};        ///< distance of planes that may match before the fit
-  double sigmas{3.5};               ///< distance, and angle, of planes that match after it
-  double share_matched{0.6};        ///< of the planes seen by both maps, expected
-  double least_evidence{12};        ///< below it a place is refused,
-  double evidence_per_plane{1.6};   ///< and below this much a plane that both maps should see
-  double most_mirrored{1.25};        ///< evidence of a mirror image over the best place's
-  double most_runner_up{0.55};      ///< evidence of another place over the best one's: above it, ambiguous
-  double least_margin{4};           ///< and the least difference between the two
-  double least_share{0.4};          ///< matches over the planes of the smaller set within the other's bounds
-  std::uint32_t least_matches{4};   ///< below it a place is refused
-  double basin_m{0.15};             ///< places this near, and
-  double basin_rad{0.03};           ///< turned by no more than this, are one place
-  bool signed_normals{true};        ///< normals point to where they were seen from, in both sets
+  double most_angle_rad{0.14};     ///< between normals that may match
+  double most_area_ratio{20};      ///< between areas that may match
+  double overlap_margin_m{0.3};    ///< rectangles this far apart still overlap
+  double search_gate_m{0.3};       ///< distance of planes that may match before the fit
+  double sigmas{3.5};              ///< distance, and angle, of planes that match after it
+  double share_matched{0.6};       ///< of the planes seen by both maps, expected
+  double least_evidence{12};       ///< below it a place is refused,
+  double evidence_per_plane{1.6};  ///< and below this much a plane that both maps should see
+  double most_mirrored{1.25};      ///< evidence of a mirror image over the best place's
+  double most_runner_up{0.55};     ///< evidence of another place over the best one's: above it, ambiguous
+  double least_margin{4};          ///< and the least difference between the two
+  double least_share{0.4};         ///< matches over the planes of the smaller set within the other's bounds
+  std::uint32_t least_matches{4};  ///< below it a place is refused
+  double basin_m{0.15};            ///< places this near, and
+  double basin_rad{0.03};          ///< turned by no more than this, are one place
+  bool signed_normals{true};       ///< normals point to where they were seen from, in both sets
   PlaneFitConfig fit;
 
   SORTIE_KEYS(c, key) {

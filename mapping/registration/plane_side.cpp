@@ -97,12 +97,17 @@ void PlaneSide::find_box() {
                                (v_part * sign < 0.0 ? -p.least_m[1] : p.most_m[1]) * std::fabs(v_part)};
       return sides[0] + sides[1];
     };
-    const rt::Vector3 low{p.centroid_m.x - reach(p.axis_u.x, v.x, -1), p.centroid_m.y - reach(p.axis_u.y, v.y, -1),
+    const rt::Vector3 low{p.centroid_m.x - reach(p.axis_u.x, v.x, -1),
+                          p.centroid_m.y - reach(p.axis_u.y, v.y, -1),
                           p.centroid_m.z - reach(p.axis_u.z, v.z, -1)};
-    const rt::Vector3 high{p.centroid_m.x + reach(p.axis_u.x, v.x, 1), p.centroid_m.y + reach(p.axis_u.y, v.y, 1),
+    const rt::Vector3 high{p.centroid_m.x + reach(p.axis_u.x, v.x, 1),
+                           p.centroid_m.y + reach(p.axis_u.y, v.y, 1),
                            p.centroid_m.z + reach(p.axis_u.z, v.z, 1)};
-    least = i == 0 ? low : rt::Vector3{std::min(least.x, low.x), std::min(least.y, low.y), std::min(least.z, low.z)};
-    most = i == 0 ? high : rt::Vector3{std::max(most.x, high.x), std::max(most.y, high.y), std::max(most.z, high.z)};
+    least = i == 0
+                ? low
+                : rt::Vector3{std::min(least.x, low.x), std::min(least.y, low.y), std::min(least.z, low.z)};
+    most = i == 0 ? high
+                  : rt::Vector3{std::max(most.x, high.x), std::max(most.y, high.y), std::max(most.z, high.z)};
   }
   middle_ = 0.5 * (least + most);
   half_ = 0.5 * (most - least);

@@ -43,7 +43,8 @@ class PlaneSide {
 
   /// Planes whose normal has at least this cosine with the unit direction `n` (or, where signs do not count,
   /// with -n), in their order; `which` has room for all. About 2 ns a plane.
-  std::uint32_t near_normals(const rt::Vector3& n, double least_cosine, bool signs, std::uint16_t* which) const;
+  std::uint32_t near_normals(const rt::Vector3& n, double least_cosine, bool signs,
+                             std::uint16_t* which) const;
 
   /// Groups of planes within 4 degrees of a common direction, of either sign: largest planes found them.
   std::uint32_t families() const { return families_; }

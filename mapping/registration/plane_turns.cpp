@@ -11,11 +11,11 @@ namespace {
 using rt::Vector3;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kBins = 360;          ///< degrees
-constexpr int kReach = 2;           ///< bins on either side that count for a peak
+constexpr int kBins = 360;  ///< degrees
+constexpr int kReach = 2;   ///< bins on either side that count for a peak
 constexpr std::uint32_t kMostPeaks = 8;
 constexpr double kLeastShare = 0.3;  ///< of the best peak's votes
-constexpr double kWall = 0.5;         ///< |z| of a wall's normal at most
+constexpr double kWall = 0.5;        ///< |z| of a wall's normal at most
 
 /// Directions of the walls, in bins, and their weight.
 struct Walls {
@@ -76,7 +76,8 @@ void take_peaks(const Votes& votes, const rt::Quaternion& level, double most_bin
   }
   rt::FixedVector<int, kBins> tops;
   for (int bin = 0; bin < kBins; ++bin) {
-    if (std::min(bin, kBins - bin) > most_bins || !(around[bin] > 1e-9) || around[bin] < kLeastShare * best) continue;
+    if (std::min(bin, kBins - bin) > most_bins || !(around[bin] > 1e-9) || around[bin] < kLeastShare * best)
+      continue;
     bool top = true;
     for (int k = 1; k <= 2 * kReach && top; ++k)  // of equal ones the first
       top = around[bin] > around[wrapped(bin - k)] && around[bin] >= around[wrapped(bin + k)];
@@ -115,7 +116,7 @@ void turns_about_vertical(const PlaneSide& source, const PlaneSide& target, cons
 
 /// The rotation that takes a to x, and b into the plane of x and y.
 rt::Quaternion triad(const Vector3& a, const Vector3& b, const Vector3& x, const Vector3& y) {
-  const auto basis = [](const Vector3& first, const Vector3& second, Vector3 (&axes)[3]) {
+  const auto basis = [](const Vector3& first, const Vector3& second, Vector3(&axes)[3]) {
     const Vector3 square = rt::cross(first, second);
     axes[0] = first;
     axes[2] = (1.0 / rt::norm(square)) * square;
@@ -176,12 +177,14 @@ void turns_of_pairs(const PlaneSide& source, const PlaneSide& target, bool signs
           const double other = rt::dot(target[j].normal, target[l].normal);
           if (std::fabs(other) > 0.94) continue;
           const double weight = std::sqrt(std::min({source[i].area_m2, source[k].area_m2, target[j].area_m2,
-                                                    target[l].area_m2, 25.0})) + 0.1;
+                                                    target[l].area_m2, 25.0})) +
+                                0.1;
           for (int flip = 0; flip < (signs ? 1 : 4); ++flip) {
             const double first = (flip & 1) != 0 ? -1.0 : 1.0;
             const double second = (flip & 2) != 0 ? -1.0 : 1.0;
             if (std::fabs(first * second * angle - other) > 0.087) continue;
-            add(triad(first * source[i].normal, second * source[k].normal, target[j].normal, target[l].normal),
+            add(triad(first * source[i].normal, second * source[k].normal, target[j].normal,
+                      target[l].normal),
                 weight);
           }
         }

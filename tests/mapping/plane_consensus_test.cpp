@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search for a place against brute force: every yaw that two walls give, with every three pairs of planes.
+// The search for a place against brute force: every yaw that two walls give, with every three pairs of
+// planes.
 #include <catch2/catch.hpp>
 #include <memory>
 
@@ -14,7 +15,8 @@ using rt::Vector3;
 std::vector<Vector3> corners(const mapping::Plane& p) {
   std::vector<Vector3> all;
   for (const double u : {p.least_m[0], p.most_m[0]}) {
-    for (const double v : {p.least_m[1], p.most_m[1]}) all.push_back(p.centroid_m + u * p.axis_u + v * p.axis_v());
+    for (const double v : {p.least_m[1], p.most_m[1]})
+      all.push_back(p.centroid_m + u * p.axis_u + v * p.axis_v());
   }
   return all;
 }
@@ -78,7 +80,8 @@ std::uint32_t brute_force(const tests::PlaneScene& scene) {
     for (const mapping::Plane& s : scene.source) {
       const mapping::Plane turned = tests::carried(s, pose);
       for (const mapping::Plane& t : scene.target) {
-        if (dot(turned.normal, t.normal) > 0.99) pairs.push_back({t.normal, dot(t.normal, t.centroid_m - turned.centroid_m)});
+        if (dot(turned.normal, t.normal) > 0.99)
+          pairs.push_back({t.normal, dot(t.normal, t.centroid_m - turned.centroid_m)});
       }
     }
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -89,8 +92,9 @@ std::uint32_t brute_force(const tests::PlaneScene& scene) {
           const double det = dot(square, pairs[k].normal);
           if (std::fabs(det) < 0.3) continue;
           pose.p_target_source_m =
-              (1.0 / det) * (pairs[i].shift * rt::cross(pairs[j].normal, pairs[k].normal) +
-                             pairs[j].shift * rt::cross(pairs[k].normal, pairs[i].normal) + pairs[k].shift * square);
+              (1.0 / det) *
+              (pairs[i].shift * rt::cross(pairs[j].normal, pairs[k].normal) +
+               pairs[j].shift * rt::cross(pairs[k].normal, pairs[i].normal) + pairs[k].shift * square);
           best = std::max(best, agreement(scene, pose));
         }
       }

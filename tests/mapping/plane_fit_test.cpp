@@ -149,7 +149,8 @@ TEST_CASE("Scale is the fourth column of the same system") {
     Eigen::VectorXd d(rows);
     for (Eigen::Index k = 0; k < rows; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      const double sigma = std::hypot(f.T_target_source.scale * p.source[i].sigma_offset_m, p.target[i].sigma_offset_m);
+      const double sigma =
+          std::hypot(f.T_target_source.scale * p.source[i].sigma_offset_m, p.target[i].sigma_offset_m);
       n.row(k) << eigen(p.target[i].normal).transpose() / sigma, p.source[i].offset_m / sigma;
       d[k] = p.target[i].offset_m / sigma;
     }
@@ -183,8 +184,10 @@ TEST_CASE("Exact planes give the exact pose, near and 100 km from the origin") {
       REQUIRE(f.finite);
       CHECK(f.rotation_rank == 3);
       CHECK(f.translation_rank == 3);
-      CHECK(rt::norm(f.T_target_source.p_target_source_m - truth.p_target_source_m) < (far > 0 ? 1e-4 : 1e-8));
-      CHECK(rt::norm(rt::log_rotation(f.T_target_source.q_target_source * rt::conjugate(truth.q_target_source))) < 1e-9);
+      CHECK(rt::norm(f.T_target_source.p_target_source_m - truth.p_target_source_m) <
+            (far > 0 ? 1e-4 : 1e-8));
+      CHECK(rt::norm(rt::log_rotation(f.T_target_source.q_target_source *
+                                      rt::conjugate(truth.q_target_source))) < 1e-9);
     }
   }
 }
@@ -207,7 +210,8 @@ TEST_CASE("Parallel planes: the turn about their normal and the way along them k
   CHECK(rt::log_rotation(f.T_target_source.q_target_source).z == Approx(0.25).margin(2e-3));
   for (const mapping::Plane& s : p.source) {  // what they do say is right
     const auto at = static_cast<std::size_t>(&s - p.source.data());
-    CHECK(std::fabs(rt::dot(p.target[at].normal, mapping::transform(f.T_target_source, s.centroid_m)) - p.target[at].offset_m) < 1e-6);
+    CHECK(std::fabs(rt::dot(p.target[at].normal, mapping::transform(f.T_target_source, s.centroid_m)) -
+                    p.target[at].offset_m) < 1e-6);
   }
   // The pivot has moved along what is not seen to where the estimate has it.
   const rt::Vector3 given = mapping::transform(estimate.T_target_source, f.pivot_source_m);
@@ -275,7 +279,8 @@ TEST_CASE("Errors of 1e-6 and of 1e3 side by side, a tilted vertical, and no pai
   REQUIRE(f.finite);
   CHECK(f.translation_rank == 3);
   CHECK(f.T_target_source.p_target_source_m.x == Approx(0.1).margin(1e-6));
-  for (std::size_t k = 0; k < p.source.size(); ++k) p.source[k].sigma_offset_m = p.target[k].sigma_offset_m = 1e3;
+  for (std::size_t k = 0; k < p.source.size(); ++k)
+    p.source[k].sigma_offset_m = p.target[k].sigma_offset_m = 1e3;
   const mapping::PlaneFit unknown = fit(p, {}, guess({9, 9, 9}, 1.0), exact_config());
   REQUIRE(unknown.finite);
   CHECK(unknown.translation_rank == 0);

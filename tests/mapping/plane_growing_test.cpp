@@ -52,14 +52,16 @@ const mapping::Plane* found(const mapping::PlaneSet& set, const mapping::Plane& 
     const rt::Vector3 v = p.axis_v();
     const mapping::PlanePatch own = mapping::own_patch(p);
     const rt::Vector3 middle = p.centroid_m + own.centre[0] * p.axis_u + own.centre[1] * v;
-    if (mapping::overlap(mapping::own_patch(truth), mapping::projected(truth, middle, own.a[0] * p.axis_u, own.b[1] * v), 0.0))
+    if (mapping::overlap(mapping::own_patch(truth),
+                         mapping::projected(truth, middle, own.a[0] * p.axis_u, own.b[1] * v), 0.0))
       return &p;
   }
   return nullptr;
 }
 }  // namespace
 
-TEST_CASE("Every wall of a hall that is some cells large becomes one plane, where it is and as large as it is") {
+TEST_CASE(
+    "Every wall of a hall that is some cells large becomes one plane, where it is and as large as it is") {
   constexpr std::uint32_t kSeed = 31;
   CAPTURE(kSeed);
   std::uint32_t large = 0;
@@ -71,7 +73,8 @@ TEST_CASE("Every wall of a hall that is some cells large becomes one plane, wher
     tests::HallMaker hall = some_hall(random);
     hall.planes.resize(6);
     tests::OwnedGrowing owned({});
-    for (const mapping::PlaneCell& cell : some_cells(hall, random)) REQUIRE(owned.growing.set_cell(cell) == Status::ok);
+    for (const mapping::PlaneCell& cell : some_cells(hall, random))
+      REQUIRE(owned.growing.set_cell(cell) == Status::ok);
     REQUIRE(owned.run_all());
     mapping::PlaneSet set;
     CHECK(owned.growing.planes(set) == 0);
@@ -157,7 +160,8 @@ TEST_CASE("After many changes planes are those of a growing from scratch, and no
     for (const mapping::PlaneCell& cell : some_cells(hall, random)) {  // those that `all` does not have
       bool known = false;
       for (const mapping::PlaneCell& other : all)
-        known = known || (cell.at[0] == other.at[0] && cell.at[1] == other.at[1] && cell.at[2] == other.at[2]);
+        known =
+            known || (cell.at[0] == other.at[0] && cell.at[1] == other.at[1] && cell.at[2] == other.at[2]);
       if (known) continue;
       mapping::PlaneCell gone;
       for (int k = 0; k < 3; ++k) gone.at[k] = cell.at[k];
@@ -202,13 +206,15 @@ TEST_CASE("Sums of a plane are exact: adding, shifting and taking away leave not
   for (int trial = 0; trial < 200; ++trial) {
     mapping::PlaneSums sums;
     std::vector<mapping::PlaneSums> parts;
-    const std::int64_t d[3] = {random.below(1000000), -std::int64_t{random.below(1000000)}, random.below(1000000)};
+    const std::int64_t d[3] = {random.below(1000000), -std::int64_t{random.below(1000000)},
+                               random.below(1000000)};
     const std::int64_t back[3] = {-d[0], -d[1], -d[2]};
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     Eigen::Matrix3d product = Eigen::Matrix3d::Zero();
     double weight = 0;
     for (int k = 0; k < 50; ++k) {
-      const double a = random.between(-20, 20), b = random.between(-20, 20), c = 0.3 * a + 0.01 * random.normal();
+      const double a = random.between(-20, 20), b = random.between(-20, 20),
+                   c = 0.3 * a + 0.01 * random.normal();
       mapping::PlaneCell cell;
       for (float& n : cell.normal) n = 0;
       cell.normal[2] = 1;
@@ -313,7 +319,8 @@ TEST_CASE("A sphere has no large plane, a step of 10 cm parts two, a step of 2 c
     if (v.norm() > 0.1 && v.norm() < 1) ball.push_back(3.0 * v.normalized());
   }
   tests::OwnedGrowing sphere({});
-  for (const mapping::PlaneCell& cell : tests::cells_of(ball, 0.4)) REQUIRE(sphere.growing.set_cell(cell) == Status::ok);
+  for (const mapping::PlaneCell& cell : tests::cells_of(ball, 0.4))
+    REQUIRE(sphere.growing.set_cell(cell) == Status::ok);
   REQUIRE(sphere.run_all());
   mapping::PlaneSet set;
   sphere.growing.planes(set);
@@ -322,7 +329,8 @@ TEST_CASE("A sphere has no large plane, a step of 10 cm parts two, a step of 2 c
     std::vector<mapping::Plane> halves{tests::rectangle({0, 0, 1}, {-2, 0, 0.2}, {1, 0, 0}, 2, 2),
                                        tests::rectangle({0, 0, 1}, {2, 0, 0.2 + step}, {1, 0, 0}, 2, 2)};
     tests::OwnedGrowing owned({});
-    for (const mapping::PlaneCell& cell : tests::cells_of(tests::points_on(halves, 10000, 0.003, random), 0.4))
+    for (const mapping::PlaneCell& cell :
+         tests::cells_of(tests::points_on(halves, 10000, 0.003, random), 0.4))
       REQUIRE(owned.growing.set_cell(cell) == Status::ok);
     REQUIRE(owned.run_all());
     owned.growing.planes(set);

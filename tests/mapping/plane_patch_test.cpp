@@ -13,7 +13,8 @@ using Point = std::array<double, 2>;
 
 mapping::PlanePatch random_patch(tests::PlaneRandom& random, bool turned) {
   const double yaw = turned ? random.between(0, 6.28) : 0.0;
-  const double a = random.between(0.1, 2), b = random.between(0.1, 2), skew = turned ? random.between(-0.15, 0.15) : 0;
+  const double a = random.between(0.1, 2), b = random.between(0.1, 2),
+               skew = turned ? random.between(-0.15, 0.15) : 0;
   mapping::PlanePatch p;
   p.centre[0] = random.between(-2.5, 2.5), p.centre[1] = random.between(-2.5, 2.5);
   p.a[0] = a * std::cos(yaw), p.a[1] = a * std::sin(yaw);
@@ -32,7 +33,8 @@ std::vector<Point> corners(const mapping::PlanePatch& p) {
 bool inside(const mapping::PlanePatch& p, const Point& x) {
   const double det = p.a[0] * p.b[1] - p.a[1] * p.b[0];
   const double dx = x[0] - p.centre[0], dy = x[1] - p.centre[1];
-  return std::fabs((dx * p.b[1] - dy * p.b[0]) / det) <= 1 && std::fabs((dy * p.a[0] - dx * p.a[1]) / det) <= 1;
+  return std::fabs((dx * p.b[1] - dy * p.b[0]) / det) <= 1 &&
+         std::fabs((dy * p.a[0] - dx * p.a[1]) / det) <= 1;
 }
 
 bool edges_cross(const Point& p, const Point& q, const Point& r, const Point& s) {

@@ -74,7 +74,11 @@ inline std::vector<mapping::PlaneCell> cells_of(const std::vector<Eigen::Vector3
 struct OwnedGrowing {
   explicit OwnedGrowing(const mapping::PlaneGrowingConfig& config, std::size_t capacity = 16384,
                         std::size_t region_capacity = 1024)
-      : cells(capacity), table(4 * capacity), heap(capacity), queue(capacity), regions(region_capacity),
+      : cells(capacity),
+        table(4 * capacity),
+        heap(capacity),
+        queue(capacity),
+        regions(region_capacity),
         growing(config, {cells, table, heap, queue, regions}) {}
   bool run_all() {
     std::uint64_t units = std::uint64_t{1} << 60;

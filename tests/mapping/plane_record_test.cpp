@@ -25,7 +25,8 @@ mapping::Plane random_plane(tests::PlaneRandom& random) {
   const double x = random.between(-8388, 8388);
   const double y = random.between(-8388, 8388);
   const rt::Vector3 c{x, y, random.between(-8388, 8388)};
-  mapping::Plane p = tests::rectangle(n, c, random_unit(random), random.between(0.01, 300), random.between(0.01, 300));
+  mapping::Plane p =
+      tests::rectangle(n, c, random_unit(random), random.between(0.01, 300), random.between(0.01, 300));
   for (int k = 0; k < 2; ++k) {
     const double part = random.between(0, 1);
     const double side = p.most_m[k] - p.least_m[k];
@@ -39,14 +40,17 @@ mapping::Plane random_plane(tests::PlaneRandom& random) {
   return p;
 }
 
-double angle(const rt::Vector3& a, const rt::Vector3& b) { return std::atan2(rt::norm(rt::cross(a, b)), rt::dot(a, b)); }
+double angle(const rt::Vector3& a, const rt::Vector3& b) {
+  return std::atan2(rt::norm(rt::cross(a, b)), rt::dot(a, b));
+}
 }  // namespace
 
 TEST_CASE("A plane's record loses no more than its bounds") {
   constexpr std::uint32_t kSeed = 1;
   tests::PlaneRandom random(kSeed);
   CAPTURE(kSeed);
-  double worst_normal = 0, worst_axis = 0, worst_centroid = 0, worst_side = 0, worst_corner = 0, worst_sigma = 0;
+  double worst_normal = 0, worst_axis = 0, worst_centroid = 0, worst_side = 0, worst_corner = 0,
+         worst_sigma = 0;
   for (int i = 0; i < 20000; ++i) {
     const mapping::Plane p = random_plane(random);
     mapping::PlaneRecord record{};
@@ -58,7 +62,8 @@ TEST_CASE("A plane's record loses no more than its bounds") {
     const double turned = angle(p.axis_u, q.axis_u);  // or half a turn, sides exchanged
     const bool backward = turned > 1.5;
     worst_axis = std::max(worst_axis, backward ? 3.14159265358979 - turned : turned);
-    for (const double d : {p.centroid_m.x - q.centroid_m.x, p.centroid_m.y - q.centroid_m.y, p.centroid_m.z - q.centroid_m.z})
+    for (const double d :
+         {p.centroid_m.x - q.centroid_m.x, p.centroid_m.y - q.centroid_m.y, p.centroid_m.z - q.centroid_m.z})
       worst_centroid = std::max(worst_centroid, std::fabs(d));
     for (int k = 0; k < 2; ++k) {
       const double side = p.most_m[k] - p.least_m[k];

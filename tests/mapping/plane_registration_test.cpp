@@ -87,12 +87,14 @@ TEST_CASE("A corridor without ends: exact across, the estimate's along, and it s
     tests::HallMaker hall(random, 40, 3, 2.8);
     hall.shell();
     hall.planes.erase(hall.planes.begin() + 2, hall.planes.begin() + 4);  // both ends
-    for (int k = 0; k < 4; ++k) {  // shelves along the walls
+    for (int k = 0; k < 4; ++k) {                                         // shelves along the walls
       const double x = random.between(5, 35);
-      hall.planes.push_back(tests::rectangle({0, k % 2 == 0 ? 1.0 : -1.0, 0}, {x, k % 2 == 0 ? 0.4 : 2.5, 1.2}, {1, 0, 0}, 3, 1));
+      hall.planes.push_back(tests::rectangle({0, k % 2 == 0 ? 1.0 : -1.0, 0},
+                                             {x, k % 2 == 0 ? 0.4 : 2.5, 1.2}, {1, 0, 0}, 3, 1));
     }
-    const tests::PlaneScene scene = tests::make_scene(hall.planes, {}, {}, tests::random_pose(random, 20, 1.0),
-                                                      {0.007, 0.003, 0.6}, {0.007, 0.003, 0.6}, random);
+    const tests::PlaneScene scene =
+        tests::make_scene(hall.planes, {}, {}, tests::random_pose(random, 20, 1.0), {0.007, 0.003, 0.6},
+                          {0.007, 0.003, 0.6}, random);
     const mapping::PlaneEstimate estimate = tests::gps(scene, true, 0.0, random);
     const mapping::PlaneRegistrationResult without = tests::registered(*registration, scene, {});
     CHECK_FALSE(without.placed());
@@ -166,7 +168,8 @@ TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed
     for (const std::size_t k : which) (void)set.push_back(hall.planes[k]);
     return set;
   };
-  const auto run = [&registration](const mapping::PlaneSet& a, const mapping::PlaneSet& b, const mapping::PlaneEstimate& e) {
+  const auto run = [&registration](const mapping::PlaneSet& a, const mapping::PlaneSet& b,
+                                   const mapping::PlaneEstimate& e) {
     REQUIRE(registration->begin(a, b, e) == Status::ok);
     std::uint64_t units = kAll;
     REQUIRE(registration->run(units));
@@ -181,7 +184,8 @@ TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed
   CHECK(run(set_of({0, 2}), set_of({0, 2}), known).refusal == mapping::PlaneRefusal::few_matches);
   CHECK_FALSE(run(set_of({0, 1}), set_of({0, 1}), {}).placed());
   // An empty box-shaped room fits itself in two ways.
-  const mapping::PlaneRegistrationResult room = run(set_of({0, 1, 2, 3, 4, 5}), set_of({0, 1, 2, 3, 4, 5}), {});
+  const mapping::PlaneRegistrationResult room =
+      run(set_of({0, 1, 2, 3, 4, 5}), set_of({0, 1, 2, 3, 4, 5}), {});
   CHECK(room.verdict == mapping::PlaneVerdict::ambiguous);
   CHECK(room.refusal == mapping::PlaneRefusal::runner_up);
   // Floors alone: the height is found, all else is the estimate's.
@@ -191,7 +195,8 @@ TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed
   mapping::PlaneSet floors;
   mapping::PlaneSet raised;
   for (int k = 0; k < 6; ++k) {
-    mapping::Plane p = tests::rectangle({0, 0, 1}, {2.0 * k, 3.0 - k, 0.7 * k * k}, {1, 0, 0}, 2, 1 + 0.1 * k);
+    mapping::Plane p =
+        tests::rectangle({0, 0, 1}, {2.0 * k, 3.0 - k, 0.7 * k * k}, {1, 0, 0}, 2, 1 + 0.1 * k);
     (void)floors.push_back(p);
     p.centroid_m.z += 0.4;
     p.offset_m += 0.4;
@@ -258,7 +263,8 @@ TEST_CASE("Errors of 1e-6 and 1e3 in some planes, planes of no area, and 10 km: 
     }
     if (i % 2 == 1) {  // both maps are there
       const rt::Vector3 d{1e4, -1e4, 100};
-      scene.truth.p_target_source_m = scene.truth.p_target_source_m + d - rt::rotate(scene.truth.q_target_source, d);
+      scene.truth.p_target_source_m =
+          scene.truth.p_target_source_m + d - rt::rotate(scene.truth.q_target_source, d);
     }
     tally.judge(scene, tests::registered(*registration, scene, {}));
   }
@@ -278,12 +284,14 @@ TEST_CASE("Without gravity, and without signs of normals, places are found as we
     tests::PlaneRandom random(11000 + i);
     tests::PlaneScene scene = tests::air_scene(14, 1.0, random);
     mapping::PlaneSet turned;
-    const mapping::PlanePose tilt{rt::exp_rotation({random.between(-2, 2), random.between(-2, 2), 0}), {1, 2, 3}, 1};
+    const mapping::PlanePose tilt{
+        rt::exp_rotation({random.between(-2, 2), random.between(-2, 2), 0}), {1, 2, 3}, 1};
     for (const mapping::Plane& p : scene.source) (void)turned.push_back(tests::carried(p, tilt));
     tests::PlaneScene other = scene;
     other.source = turned;
     other.truth.q_target_source = scene.truth.q_target_source * rt::conjugate(tilt.q_target_source);
-    other.truth.p_target_source_m = scene.truth.p_target_source_m - rt::rotate(other.truth.q_target_source, {1, 2, 3});
+    other.truth.p_target_source_m =
+        scene.truth.p_target_source_m - rt::rotate(other.truth.q_target_source, {1, 2, 3});
     mapping::PlaneEstimate nothing;
     nothing.sigma_tilt_rad = 0;
     tilted.judge(other, tests::registered(*registration, other, nothing));

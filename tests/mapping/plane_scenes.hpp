@@ -30,7 +30,8 @@ class PlaneRandom {
   }
   template <class T>
   void shuffle(std::vector<T>& all) {
-    for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[below(static_cast<std::uint32_t>(i))]);
+    for (std::size_t i = all.size(); i > 1; --i)
+      std::swap(all[i - 1], all[below(static_cast<std::uint32_t>(i))]);
   }
 
  private:
@@ -57,7 +58,8 @@ inline mapping::Plane rectangle(const rt::Vector3& n, const rt::Vector3& c, cons
 /// Walls, floors and boxes of a building.
 class HallMaker {
  public:
-  HallMaker(PlaneRandom& random, double x_m, double y_m, double z_m) : random_(random), size_{x_m, y_m, z_m} {}
+  HallMaker(PlaneRandom& random, double x_m, double y_m, double z_m)
+      : random_(random), size_{x_m, y_m, z_m} {}
 
   void shell() {
     const double x = size_.x, y = size_.y, z = size_.z;
@@ -198,9 +200,11 @@ inline mapping::PlanePose random_pose(PlaneRandom& random, double most_m, double
 
 /// Puts what both see, and what one alone sees, into a scene: `common` planes are seen by both with their
 /// own errors.
-inline PlaneScene make_scene(const std::vector<mapping::Plane>& common, const std::vector<mapping::Plane>& source_only,
+inline PlaneScene make_scene(const std::vector<mapping::Plane>& common,
+                             const std::vector<mapping::Plane>& source_only,
                              const std::vector<mapping::Plane>& target_only, const mapping::PlanePose& truth,
-                             const PlaneNoise& source_noise, const PlaneNoise& target_noise, PlaneRandom& random) {
+                             const PlaneNoise& source_noise, const PlaneNoise& target_noise,
+                             PlaneRandom& random) {
   PlaneScene scene;
   scene.truth = truth;
   scene.common = static_cast<std::uint32_t>(common.size());
@@ -294,7 +298,8 @@ inline PlaneScene wrong_building_scene(std::uint32_t source, std::uint32_t targe
   for (HallMaker* hall : {&first, &second}) hall->shell();
   first.furnish(source);
   second.furnish(target);
-  return make_scene({}, first.planes, second.planes, random_pose(random, 30, 1.0), {}, {0.01, 0.004, 0.6}, random);
+  return make_scene({}, first.planes, second.planes, random_pose(random, 30, 1.0), {}, {0.01, 0.004, 0.6},
+                    random);
 }
 
 /// How far a pose is off: at the middle of the source's planes, and in angle.

@@ -25,7 +25,8 @@ inline PlaneScene false_scene(int kind, PlaneRandom& random) {
 
 /// What satellites and a compass say: 3 m and 6 degrees about the truth, and a scale of 1. Nothing but
 /// gravity where not `known`.
-inline mapping::PlaneEstimate gps(const PlaneScene& scene, bool known, double sigma_scale, PlaneRandom& random) {
+inline mapping::PlaneEstimate gps(const PlaneScene& scene, bool known, double sigma_scale,
+                                  PlaneRandom& random) {
   mapping::PlaneEstimate e;
   e.sigma_scale = sigma_scale;
   const double yaw = 0.1 * random.normal();
@@ -43,7 +44,8 @@ inline mapping::PlaneEstimate gps(const PlaneScene& scene, bool known, double si
 }
 
 /// One registration from begin to end; the verdict is `none` where begin() refused.
-inline mapping::PlaneRegistrationResult registered(mapping::PlaneRegistration& registration, const PlaneScene& scene,
+inline mapping::PlaneRegistrationResult registered(mapping::PlaneRegistration& registration,
+                                                   const PlaneScene& scene,
                                                    const mapping::PlaneEstimate& estimate) {
   if (registration.begin(scene.source, scene.target, estimate) != Status::ok) return {};
   std::uint64_t units = std::uint64_t{1} << 60;
@@ -68,7 +70,8 @@ struct PlaneTally {
     if (result.verdict == mapping::PlaneVerdict::placed_partly) {
       const rt::Vector3 d = result.fit.pivot_target_m - transform(scene.truth, result.fit.pivot_source_m);
       double squared = 0.0;
-      const double grown = result.fit.lever_m * std::log(result.fit.T_target_source.scale / scene.truth.scale);
+      const double grown =
+          result.fit.lever_m * std::log(result.fit.T_target_source.scale / scene.truth.scale);
       for (int k = 0; k < 4; ++k) {
         const double sigma = result.fit.direction_sigma_m[k];
         if (!(sigma > 0.0 && sigma < 0.05)) continue;
