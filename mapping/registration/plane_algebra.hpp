@@ -7,6 +7,8 @@
 
 namespace sortie::mapping {
 
+constexpr double squared(double v) { return v * v; }
+
 /// Eigenvalues in rising order, and their eigenvectors as columns of `vector`.
 template <int N>
 struct EigenPairs {

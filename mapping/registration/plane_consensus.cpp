@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/registration/plane_algebra.hpp"
 #include "mapping/registration/plane_patch.hpp"
 #include "rt/math.hpp"
 
@@ -11,8 +12,6 @@ namespace sortie::mapping {
 namespace {
 using rt::dot;
 using rt::Vector3;
-
-double square(double v) { return v * v; }
 
 /// A source plane where the pose puts it.
 struct Placed {
@@ -54,8 +53,8 @@ double tilt_chi2(const Placed& p, const Plane& s, const Plane& t, bool opposite,
   const double sigma[2] = {t.sigma_tilt_rad[1], t.sigma_tilt_rad[0]};
   for (int k = 0; k < 2; ++k) {
     const double e = (opposite ? -1.0 : 1.0) * dot(axes[k], p.normal);
-    const double variance = square(sigma[k]) + square(dot(axes[k], p.u) * s.sigma_tilt_rad[1]) +
-                            square(dot(axes[k], p.v) * s.sigma_tilt_rad[0]) + square(model_rad);
+    const double variance = squared(sigma[k]) + squared(dot(axes[k], p.u) * s.sigma_tilt_rad[1]) +
+                            squared(dot(axes[k], p.v) * s.sigma_tilt_rad[0]) + squared(model_rad);
     chi2 += e * e / variance;
   }
   return chi2;
@@ -84,8 +83,8 @@ void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCand
       if (std::fabs(residual) > config.search_gate_m) continue;
       const double cosine = std::fabs(dot(t.normal, p.normal));
       const double tilt2 = 2.0 * (1.0 - cosine);
-      const double parts = square(residual / config.search_gate_m) + tilt2 / square(config.most_angle_rad);
-      if (tilt2 > square(config.most_angle_rad) || (some && parts >= least)) continue;
+      const double parts = squared(residual / config.search_gate_m) + tilt2 / squared(config.most_angle_rad);
+      if (tilt2 > squared(config.most_angle_rad) || (some && parts >= least)) continue;
       if (!overlap(own_patch(t), patch_of(p, source[i], t, pose.scale), config.overlap_margin_m)) continue;
       least = parts;
       best = pair;
@@ -118,13 +117,13 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
       const double residual = dot(t.normal, d);
       // More than the variance can be, before more is looked at: most candidates are far away.
       const double tilt = std::max(t.sigma_tilt_rad[0], t.sigma_tilt_rad[1]);
-      const double most_variance = square(pose.scale * s.sigma_offset_m) + square(t.sigma_offset_m) +
-                                   dot(d, d) * square(tilt) + square(config.fit.model_sigma_m);
-      if (residual * residual > square(config.sigmas) * most_variance) continue;
+      const double most_variance = squared(pose.scale * s.sigma_offset_m) + squared(t.sigma_offset_m) +
+                                   dot(d, d) * squared(tilt) + squared(config.fit.model_sigma_m);
+      if (residual * residual > squared(config.sigmas) * most_variance) continue;
       const double variance =
           offset_variance(s, t, pose.scale, dot(d, t.axis_u), dot(d, t.axis_v()), config.fit);
-      if (residual * residual > square(config.sigmas) * variance) continue;
-      if (tilt_chi2(p, s, t, pair.opposite, config.fit.model_sigma_rad) > square(config.sigmas) + 2.0)
+      if (residual * residual > squared(config.sigmas) * variance) continue;
+      if (tilt_chi2(p, s, t, pair.opposite, config.fit.model_sigma_rad) > squared(config.sigmas) + 2.0)
         continue;
       const PlanePatch there = patch_of(p, s, t, pose.scale);
       const PlanePatch here = own_patch(t);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/registration/plane_algebra.hpp"
+#include "mapping/registration/plane_system.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::mapping {
@@ -15,114 +16,6 @@ using rt::Vector3;
 
 constexpr double kNothingKnown = 1e9;
 
-double square(double v) { return v * v; }
-
-/// Information and right side of the 7 unknowns, whole and of the normals' rows alone.
-struct System {
-  double h[7][7]{};
-  double g[7]{};
-  double turn[3][3]{};
-  double chi2{};
-  double kernel{};  ///< 1 / its width squared
-  std::uint32_t rows{};
-
-  double weight(double residual, double variance) const {
-    const double shrunk = 1.0 + kernel * residual * residual / variance;
-    return 1.0 / (variance * shrunk * shrunk);
-  }
-
-  void add(const Vector3& on_turn, const Vector3& on_shift, double on_scale, double residual,
-           double variance) {
-    const double w = weight(residual, variance);
-    const double j[7] = {on_turn.x, on_turn.y, on_turn.z, on_shift.x, on_shift.y, on_shift.z, on_scale};
-    for (int a = 0; a < 7; ++a) {
-      const double wj = w * j[a];
-      for (int b = 0; b <= a; ++b) h[a][b] += wj * j[b];
-      g[a] -= wj * residual;
-    }
-    chi2 += w * residual * residual;
-    ++rows;
-  }
-  /// A row that is about the rotation alone.
-  void add_turn(const Vector3& on_turn, double residual, double variance) {
-    const double w = weight(residual, variance);
-    const double j[3] = {on_turn.x, on_turn.y, on_turn.z};
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b <= a; ++b) {
-        h[a][b] += w * j[a] * j[b];
-        turn[a][b] += w * j[a] * j[b];
-      }
-      g[a] -= w * j[a] * residual;
-    }
-    chi2 += w * residual * residual;
-    ++rows;
-  }
-  void fill() {
-    for (int a = 0; a < 7; ++a) {
-      for (int b = a + 1; b < 7; ++b) h[a][b] = h[b][a];
-    }
-    for (int a = 0; a < 3; ++a) {
-      for (int b = a + 1; b < 3; ++b) turn[a][b] = turn[b][a];
-    }
-  }
-};
-
-/// Variance of a normal's error along the direction `w` in its plane.
-double tilt_variance(const Plane& p, const Vector3& w) {
-  return square(dot(w, p.axis_u) * p.sigma_tilt_rad[1]) + square(dot(w, p.axis_v()) * p.sigma_tilt_rad[0]);
-}
-
-struct Input {
-  std::span<const Plane> source;
-  std::span<const Plane> target;
-  std::span<const PlanePair> pairs;
-  const PlaneEstimate& estimate;
-  const PlaneFitConfig& config;
-};
-
-System linearised(const Input& in, const PlanePose& pose, const Vector3& pivot_target, double& lever_m) {
-  System system;
-  if (in.config.kernel_sigmas > 0.0) system.kernel = 1.0 / square(in.config.kernel_sigmas);
-  const rt::RotationMatrix r = rt::to_matrix(pose.q_target_source);
-  double levers = 0.0;
-  double weights = 0.0;
-  for (const PlanePair& pair : in.pairs) {
-    const Plane& s = in.source[pair.source];
-    const Plane& t = in.target[pair.target];
-    const Vector3 u = t.axis_u;
-    const Vector3 v = t.axis_v();
-    const Vector3 n = (pair.opposite ? -1.0 : 1.0) * (r * s.normal);
-    const Vector3 us = r * s.axis_u;
-    const Vector3 vs = cross(r * s.normal, us);
-    const double model = square(in.config.model_sigma_rad);
-    const auto source_variance = [&](const Vector3& w) {
-      return square(dot(w, us) * s.sigma_tilt_rad[1]) + square(dot(w, vs) * s.sigma_tilt_rad[0]);
-    };
-    system.add_turn(cross(n, u), dot(u, n), tilt_variance(t, u) + source_variance(u) + model);
-    system.add_turn(cross(n, v), dot(v, n), tilt_variance(t, v) + source_variance(v) + model);
-    const Vector3 turned = pose.scale * (r * s.centroid_m);
-    const Vector3 at = turned + pose.p_target_source_m;
-    const Vector3 arm = at - pivot_target;
-    const Vector3 d = at - t.centroid_m;
-    const double variance = offset_variance(s, t, pose.scale, dot(d, u), dot(d, v), in.config);
-    const double along = dot(t.normal, arm);
-    system.add(cross(arm, t.normal), t.normal, along, dot(t.normal, d), variance);
-    levers += along * along / variance;
-    weights += 1.0 / variance;
-  }
-  if (in.estimate.has_gravity()) {  // the vertical, where the source believes it to be
-    const rt::RotationMatrix known = rt::to_matrix(in.estimate.T_target_source.q_target_source);
-    const Vector3 up_source{known.m[6], known.m[7], known.m[8]};
-    const Vector3 up = r * up_source;
-    const double variance = square(in.estimate.sigma_tilt_rad);
-    system.add_turn(cross(up, {1, 0, 0}), up.x, variance);
-    system.add_turn(cross(up, {0, 1, 0}), up.y, variance);
-  }
-  lever_m = std::max(1.0, weights > 0.0 ? std::sqrt(levers / weights) : 1.0);
-  system.fill();
-  return system;
-}
-
 /// The directions that are solved for, as columns, and where the others must go.
 struct Basis {
   double column[7][7]{};
@@ -130,7 +23,8 @@ struct Basis {
   double locked[7]{};
 };
 
-void lock_turn(const System& system, const Input& in, const PlanePose& pose, PlaneFit& fit, Basis& basis) {
+void lock_turn(const PlaneSystem& system, const PlaneFitInput& in, const PlanePose& pose, PlaneFit& fit,
+               Basis& basis) {
   const EigenPairs<3> eigen = eigen_pairs(system.turn);
   const rt::Quaternion& q = in.estimate.T_target_source.q_target_source;
   const Vector3 to_estimate = rt::log_rotation(q * rt::conjugate(pose.q_target_source));
@@ -139,7 +33,7 @@ void lock_turn(const System& system, const Input& in, const PlanePose& pose, Pla
   for (int k = 0; k < 3; ++k) {
     const Vector3 axis{eigen.vector[0][k], eigen.vector[1][k], eigen.vector[2][k]};
     fit.rotation_axis[k] = axis;
-    const bool observed = eigen.value[k] > 1.0 / square(in.config.observed_sigma_rad);
+    const bool observed = eigen.value[k] > 1.0 / squared(in.config.observed_sigma_rad);
     const double part[3] = {axis.x, axis.y, axis.z};
     if (observed) {
       for (int i = 0; i < 3; ++i) basis.column[i][basis.columns] = part[i];
@@ -152,7 +46,7 @@ void lock_turn(const System& system, const Input& in, const PlanePose& pose, Pla
 }
 
 /// What is left of the offsets' information on (shift, scale) once the observed turns are taken out.
-bool reduced(const System& system, const Basis& basis, double lever_m, double (&s)[4][4]) {
+bool reduced(const PlaneSystem& system, const Basis& basis, double lever_m, double (&s)[4][4]) {
   const int m = basis.columns;
   double a[3][3]{};
   double cross_terms[3][4]{};
@@ -186,7 +80,7 @@ bool reduced(const System& system, const Basis& basis, double lever_m, double (&
   return true;
 }
 
-void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose, PlaneFit& fit,
+void lock_shift(const double (&s)[4][4], const PlaneFitInput& in, const PlanePose& pose, PlaneFit& fit,
                 Basis& basis) {
   const bool scaled = in.estimate.wants_scale();
   const PlanePose& given = in.estimate.T_target_source;
@@ -221,7 +115,7 @@ void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose,
       along += vector[i][k] * missing[i];
     }
     const double per_scale = 1.0 / fit.lever_m;
-    const double sigma = value[k] > square(1.0 / kNothingKnown) ? 1.0 / std::sqrt(value[k]) : kNothingKnown;
+    const double sigma = value[k] > squared(1.0 / kNothingKnown) ? 1.0 / std::sqrt(value[k]) : kNothingKnown;
     fit.direction_sigma_m[k] = sigma;
     if (sigma < in.config.observed_sigma_m) {
       for (int i = 0; i < n; ++i)
@@ -235,7 +129,8 @@ void lock_shift(const double (&s)[4][4], const Input& in, const PlanePose& pose,
 }
 
 /// The change that the observed directions take, next to the locked ones; and its covariance.
-bool solve_within(const System& system, const Basis& basis, double (&change)[7], double (*covariance)[7]) {
+bool solve_within(const PlaneSystem& system, const Basis& basis, double (&change)[7],
+                  double (*covariance)[7]) {
   const int m = basis.columns;
   double a[7][7]{};
   double x[7]{};
@@ -291,14 +186,14 @@ bool all_above(const double (&matrix)[N][N], int n, double least) {
 }
 
 /// The change where every direction is observed, without looking for directions; false where one may not be.
-bool solve_whole(const System& system, const Input& in, double lever_m, double (&change)[7]) {
-  if (!all_above(system.turn, 3, 1.0 / square(in.config.observed_sigma_rad))) return false;
+bool solve_whole(const PlaneSystem& system, const PlaneFitInput& in, double lever_m, double (&change)[7]) {
+  if (!all_above(system.turn, 3, 1.0 / squared(in.config.observed_sigma_rad))) return false;
   Basis turns;
   for (int i = 0; i < 3; ++i) turns.column[i][i] = 1.0;
   turns.columns = 3;
   const int n = in.estimate.wants_scale() ? 7 : 6;
   double s[4][4];
-  if (!reduced(system, turns, lever_m, s) || !all_above(s, n - 3, 1.0 / square(in.config.observed_sigma_m)))
+  if (!reduced(system, turns, lever_m, s) || !all_above(s, n - 3, 1.0 / squared(in.config.observed_sigma_m)))
     return false;
   double a[7][7];
   for (int i = 0; i < 7; ++i) {
@@ -330,15 +225,15 @@ bool usable(const PlaneFit& fit) {
 
 double offset_variance(const Plane& s, const Plane& t, double scale, double along_u_m, double along_v_m,
                        const PlaneFitConfig& config) {
-  return square(scale * s.sigma_offset_m) + square(t.sigma_offset_m) +
-         square(along_v_m * t.sigma_tilt_rad[0]) + square(along_u_m * t.sigma_tilt_rad[1]) +
-         square(config.model_sigma_m);
+  return squared(scale * s.sigma_offset_m) + squared(t.sigma_offset_m) +
+         squared(along_v_m * t.sigma_tilt_rad[0]) + squared(along_u_m * t.sigma_tilt_rad[1]) +
+         squared(config.model_sigma_m);
 }
 
 PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target,
                     std::span<const PlanePair> pairs, const PlanePose& start, const PlaneEstimate& estimate,
                     const PlaneFitConfig& config, int steps) {
-  const Input in{source, target, pairs, estimate, config};
+  const PlaneFitInput in{source, target, pairs, estimate, config};
   PlaneFit fit;
   fit.T_target_source = start;
   for (const PlanePair& pair : pairs)
@@ -347,7 +242,7 @@ PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target
   fit.pivot_target_m = transform(start, fit.pivot_source_m);
   for (int step = 0; step < steps; ++step) {
     const PlanePose pose = fit.T_target_source;
-    const System system = linearised(in, pose, fit.pivot_target_m, fit.lever_m);
+    const PlaneSystem system = linearised(in, pose, fit.pivot_target_m, fit.lever_m);
     double change[7];
     bool good = step + 1 < steps && solve_whole(system, in, fit.lever_m, change);
     if (!good) {

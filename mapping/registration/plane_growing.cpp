@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cells and regions: what is kept, and how a cell comes and goes. The steps are in plane_growing_steps.cpp.
+// Cells and regions: what is kept, and how a cell comes and goes. The steps are in plane_growing_steps.cpp
+// and plane_growing_merge.cpp.
 #include "mapping/registration/plane_growing.hpp"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kHalfTurn_rad = 3.14159265358979323846;
 constexpr double kSteps = 32767.0;  ///< of an octahedron's coordinate
 constexpr double kCentroidStep_m = 0.001;
 constexpr std::int32_t kMostCentroid = (1 << 23) - 1;
@@ -94,8 +94,8 @@ Status encode(const Plane& plane, PlaneRecord& record) {
   const rt::Vector3 e = reference(seen);
   double turn = rt::atan2(rt::dot(rt::cross(seen, e), plane.axis_u), rt::dot(e, plane.axis_u));
   bool backward = false;  // half a turn is enough when the sides change places
-  if (turn < 0.0) turn += kPi, backward = true;
-  std::int32_t turns = rounded(turn / kPi * 65536.0);
+  if (turn < 0.0) turn += kHalfTurn_rad, backward = true;
+  std::int32_t turns = rounded(turn / kHalfTurn_rad * 65536.0);
   if (turns == 65536) turns = 0, backward = !backward;
   put(record, 13, 2, static_cast<std::uint32_t>(turns));
   const double box = sides[0] * sides[1];
@@ -123,7 +123,7 @@ Status decode(const PlaneRecord& record, Plane& plane) {
   p.centroid_m = {kCentroidStep_m * get_signed(record, 4, 3), kCentroidStep_m * get_signed(record, 7, 3),
                   kCentroidStep_m * get_signed(record, 10, 3)};
   p.offset_m = rt::dot(p.normal, p.centroid_m);
-  const rt::SinCos turn = rt::sincos(get(record, 13, 2) * (kPi / 65536.0));
+  const rt::SinCos turn = rt::sincos(get(record, 13, 2) * (kHalfTurn_rad / 65536.0));
   const rt::Vector3 e = reference(p.normal);
   p.axis_u = turn.cos * e + turn.sin * rt::cross(p.normal, e);
   double box = 1.0;

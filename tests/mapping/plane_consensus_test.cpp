@@ -12,7 +12,7 @@ using rt::dot;
 using rt::Vector3;
 
 /// Corners of a plane's rectangle, in the frame of its set.
-std::vector<Vector3> corners(const mapping::Plane& p) {
+std::vector<Vector3> corners_of(const mapping::Plane& p) {
   std::vector<Vector3> all;
   for (const double u : {p.least_m[0], p.most_m[0]}) {
     for (const double v : {p.least_m[1], p.most_m[1]})
@@ -27,7 +27,7 @@ bool boxes_meet(const mapping::Plane& t, const std::vector<Vector3>& placed) {
     double low[2] = {1e9, 1e9};
     double high[2] = {-1e9, -1e9};
     int k = 0;
-    for (const std::vector<Vector3>& points : {corners(t), placed}) {
+    for (const std::vector<Vector3>& points : {corners_of(t), placed}) {
       for (const Vector3& x : points) {
         low[k] = std::min(low[k], dot(axis, x));
         high[k] = std::max(high[k], dot(axis, x));
@@ -48,7 +48,7 @@ std::uint32_t agreement(const tests::PlaneScene& scene, const mapping::PlanePose
     for (const mapping::Plane& t : scene.target) {
       if (met || dot(placed.normal, t.normal) < 0.99939) continue;
       if (std::fabs(dot(t.normal, placed.centroid_m) - t.offset_m) > 0.08) continue;
-      met = boxes_meet(t, corners(placed));
+      met = boxes_meet(t, corners_of(placed));
     }
     count += met ? 1u : 0u;
   }

@@ -10,10 +10,10 @@
 #include "rt/posix/heap_trap.hpp"
 #include "tests/mapping/plane_points.hpp"
 
+namespace {
 using namespace sortie;
 
-namespace {
-constexpr std::uint64_t kAll = std::uint64_t{1} << 60;
+constexpr std::uint64_t kAllUnits = std::uint64_t{1} << 60;
 
 /// A hall off the cells' borders: a wall in the middle of a border is in two layers of cells.
 tests::HallMaker some_hall(tests::PlaneRandom& random, double x_m = 20, double y_m = 12) {
@@ -118,7 +118,7 @@ TEST_CASE("Cells in any order, and work in pieces, give the same bits") {
       tests::OwnedGrowing owned({});
       for (const mapping::PlaneCell& cell : cells) REQUIRE(owned.growing.set_cell(cell) == Status::ok);
       for (bool done = false; !done;) {
-        const std::uint64_t given = pass == 0 ? kAll : 1 + random.below(50);
+        const std::uint64_t given = pass == 0 ? kAllUnits : 1 + random.below(50);
         std::uint64_t left = given;
         done = owned.growing.run(left);
         REQUIRE(left <= given);

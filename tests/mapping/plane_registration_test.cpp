@@ -10,9 +10,9 @@
 #include "tests/mapping/plane_scenes.hpp"
 #include "tests/mapping/plane_trials.hpp"
 
+namespace {
 using namespace sortie;
 
-namespace {
 constexpr std::uint64_t kAll = std::uint64_t{1} << 60;
 
 std::uint64_t digest_of(const mapping::PlaneRegistrationResult& result) {
