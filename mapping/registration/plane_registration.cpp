@@ -239,7 +239,9 @@ void PlaneRegistration::finish() {
   if (result_.evidence < std::max(config_.least_evidence, config_.evidence_per_plane * expected))
     return refuse(PlaneRefusal::little_evidence);
   if (result_.rivalry > config_.most_runner_up) return refuse(PlaneRefusal::runner_up);
-  if (result_.mirror_rivalry > config_.most_mirrored) return refuse(PlaneRefusal::mirrored);
+  const bool known = estimate_.has_position() && estimate_.has_yaw();
+  if (result_.mirror_rivalry > (known ? config_.most_mirrored_known : config_.most_mirrored))
+    return refuse(PlaneRefusal::mirrored);
   if ((!whole_turn && !estimate_.has_yaw()) || (!whole_shift && !estimate_.has_position()))
     return refuse(PlaneRefusal::unobserved);
   result_.verdict = whole_turn && whole_shift ? PlaneVerdict::placed : PlaneVerdict::placed_partly;

@@ -19,9 +19,11 @@ struct PlaneRegistrationConfig {
   double search_gate_m{0.3};       ///< distance of planes that may match before the fit
   double sigmas{3.5};              ///< distance, and angle, of planes that match after it
   double share_matched{0.6};       ///< of the planes seen by both maps, expected
-  double least_evidence{12};       ///< below it a place is refused,
+  double least_evidence{15};       ///< below it a place is refused,
   double evidence_per_plane{1.6};  ///< and below this much a plane that both maps should see
-  double most_mirrored{1.25};      ///< evidence of a mirror image over the best place's
+  double most_mirrored{0.9};       ///< evidence of a mirror image over the best place's, above it ambiguous
+  double most_mirrored_known{
+      1.25};                       ///< the same where position and yaw are known: the other wing is not near
   double most_runner_up{0.55};     ///< evidence of another place over the best one's: above it, ambiguous
   double least_margin{4};          ///< and the least difference between the two
   double least_share{0.4};         ///< matches over the planes of the smaller set within the other's bounds
