@@ -136,6 +136,14 @@ const rt::Task<rt::AttitudeEstimate>* Robot::attitude_task() const {
   return first([](const Part& part) { return part.attitude_task(); });
 }
 
+const rt::Task<rt::LocatedPose>* Robot::located_task() const {
+  return first([](const Part& part) { return part.located_task(); });
+}
+
+ReportQueue<rt::LocatedPose>* Robot::located_poses() {
+  return first([](Part& part) { return part.located_poses(); });
+}
+
 ReportQueue<rt::SegmentList>* Robot::segment_lists() {
   return first([](Part& part) { return part.segment_lists(); });
 }

@@ -7,6 +7,7 @@
 #include "drivers/wire.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_ssl.hpp"
@@ -230,6 +231,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintTruth, read_plain<rt::TruthSample>},
     {drivers::kFingerprintContacts, read_contacts},
     {drivers::kFingerprintSegments, read_segments},
+    {drivers::kFingerprintLocated, read_numbered<rt::LocatedPose>},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
     {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},
