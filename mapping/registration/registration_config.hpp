@@ -19,8 +19,9 @@ struct RegistrationConfig {
   std::uint32_t min_points{5};        ///< that make a Gaussian
   std::uint32_t memory_points{8192};  ///< of a cell, before it fades
   double sigma_m{0.02};               ///< a scan's noise, and what a surface is uneven by
-  double least_share{0.5};            ///< of the returns that must lie on the map's surfaces
-  double good_share{0.8};             ///< below it other starts are tried
+  double least_share{0.7};            ///< of the returns where the map has a surface: that must lie on it
+  double least_known{0.15};           ///< of the returns: that must fall where the map has a surface
+  double good_share{0.85};            ///< below it other starts are tried
   double most_crossed{0.05};          ///< of the rays that may go through surfaces of the map
   double recovery_turn_rad{1.0472};
   double recovery_move_m{1.0};
@@ -37,7 +38,10 @@ struct RegistrationConfig {
         {16, 32768, "points", "that a cell remembers, half of them for long"});
     key("sigma_m", c.sigma_m,
         {0.001, 1, "m", "noise of a return, and what a surface is uneven by", rt::kKnob});
-    key("least_share", c.least_share, {0, 1, "", "of the returns that must lie on the map's surfaces"});
+    key("least_share", c.least_share,
+        {0, 1, "", "of the returns where the map has a surface, that must lie on it"});
+    key("least_known", c.least_known,
+        {0, 1, "", "of the returns, that must fall where the map has a surface"});
     key("good_share", c.good_share, {0, 1, "", "below it other starts are tried"});
     key("most_crossed", c.most_crossed, {0, 1, "", "of the rays that may go through the map's surfaces"});
     key("recovery_turn_deg", c.recovery_turn_rad,

@@ -8,7 +8,7 @@
 
 #include "mapping/registration/match_score.hpp"
 #include "mapping/registration/registration_config.hpp"
-#include "mapping/registration/scan_step.hpp"
+#include "mapping/registration/weak_directions.hpp"
 #include "rt/arena.hpp"
 #include "rt/status.hpp"
 
@@ -21,10 +21,13 @@ inline constexpr int kSurfelLayers = 3;
 struct Match {
   RigidPose pose;  ///< map from sensor
   MatchScore score;
-  NormalEquations equations;  ///< at the pose, finest layer
+  NormalEquations equations;  ///< at the pose, finest layer, with noise
+  WeakDirections weak;        ///< of these
+  double spread[6][6]{};      ///< of where starts about the pose ended that did as well: (turn, move)
   std::uint32_t steps{};      ///< spent, each of at most the sample's returns
   bool recovered{};           ///< other starts were tried
   bool other_start{};         ///< the pose comes from another start than the given one
+  bool ambiguous{};           ///< another pose, well apart, did as well
 };
 
 /// Registration of scans to a map that it keeps. All memory comes from an arena; no heap afterwards. The same
@@ -32,13 +35,14 @@ struct Match {
 class ScanRegistration {
  public:
   /// Throws nothing; `arena` says what it had no room for.
-  ScanRegistration(const RegistrationConfig& config, rt::Arena& arena, std::uint32_t most_surfels = 16384,
+  ScanRegistration(const RegistrationConfig& config, rt::Arena& arena, std::uint32_t most_surfels = 32768,
                    unsigned bits_xy = 7, unsigned bits_z = 5);
 
   /// Takes a scan's sample; the calls below are about it. How many returns it has.
   std::size_t take(std::span<const rt::ScanPoint> scan);
-  /// Matches from `start`, and from `other` as well where that does not do.
-  Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior);
+  /// Matches from `start`. Where that does not do, or does much worse than `usual_share` of the scan before,
+  /// also from turns of it and of `other`.
+  Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior, double usual_share);
   /// Adds the sample's scan to the map at a pose.
   void insert(std::span<const rt::ScanPoint> scan, const RigidPose& pose);
 
@@ -52,7 +56,7 @@ class ScanRegistration {
   };
   RigidPose descend(RigidPose pose, const PosePrior& prior, const Ladder& ladder, std::size_t returns,
                     Match& match);
-  bool look_about(Match& match, const PosePrior& prior);
+  void look_about(Match& match, const PosePrior& prior);
   void recover(Match& match, const RigidPose& start, const RigidPose& other, const PosePrior& prior);
   SurfelLayer make_layer(rt::Arena& arena, int level, std::uint32_t most, unsigned bits_xy,
                          unsigned bits_z) const;

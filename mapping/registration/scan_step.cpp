@@ -8,8 +8,35 @@ namespace sortie::mapping {
 namespace {
 /// Returns of one cell that count: more of them share their errors.
 constexpr double kMostOfCell = 8.0;
+/// Of a return's variance: what a normal may be off by where its points happen to lie well.
+constexpr double kLeastNoise = 0.1;
+
+/// What of a surface's thickness may be its bend, which more points do not make less.
+constexpr double kBent = 0.03;
+/// A cell whose points lie on a line has no normal: its middle variance is less than this many of the least
+/// one, or of the cell's edge squared.
+constexpr double kLine = 4.0;
+constexpr double kThinLine = 0.0036;
 
 double square(double v) { return v * v; }
+
+/// A normal that is off by an angle about a tangent of its surface seems to hold what it does not.
+void add_noise(const Surfel& surfel, const rt::Vector3& x, double weight, double noise_m2,
+               NormalEquations& out) {
+  for (int k = 1; k < 3; ++k) {
+    const rt::Vector3 t{static_cast<double>(surfel.axis[k][0]), static_cast<double>(surfel.axis[k][1]),
+                        static_cast<double>(surfel.axis[k][2])};
+    const double ratio = (static_cast<double>(surfel.variance_m2[0]) + kLeastNoise * noise_m2) /
+                         static_cast<double>(surfel.variance_m2[k]);
+    const double angle2 = ratio * (1.0 / static_cast<double>(surfel.count) + kBent);
+    const rt::Vector3 turn = rt::cross(x, t);
+    const double j[6] = {turn.x, turn.y, turn.z, t.x, t.y, t.z};
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column)
+        out.noise[row][column] += weight * angle2 * j[row] * j[column];
+    }
+  }
+}
 }  // namespace
 
 std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SamplePoint> sample,
@@ -33,6 +60,18 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
   return used;
 }
 
+/// Whether the cell beside one along an axis has a surface as well: then the strip of surface in it is no
+/// edge, but where the returns end.
+bool ScanStep::goes_on(const SurfelLayer& layer, const CellSums& cell, const rt::Vector3& axis) const {
+  for (const double side : {1.0, -1.0}) {
+    SurfelCell next = cell.cell;
+    const double part[3] = {side * axis.x, side * axis.y, side * axis.z};
+    for (int i = 0; i < 3; ++i) next.at[i] += part[i] > 0.5 ? 1 : part[i] < -0.5 ? -1 : 0;
+    if (layer.find(next) != kNoSurfel) return true;
+  }
+  return false;
+}
+
 NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const SamplePoint> sample,
                                     const RigidPose& pose, const StepRule& rule) {
   NormalEquations out;
@@ -43,6 +82,10 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
   const double noise = square(rule.sigma_m);
   for (const CellSums& cell : memory_.cells.first(used)) {
     const Surfel& surfel = layer.surfel(cell.surfel);
+    const auto middle = static_cast<double>(surfel.variance_m2[1]);
+    if (middle < kLine * static_cast<double>(surfel.variance_m2[0]) ||
+        middle < kThinLine * square(layer.cell_m()))
+      continue;
     const auto n = static_cast<double>(cell.sums.count);
     const rt::Vector3 mean =
         (step / n) * rt::Vector3{static_cast<double>(cell.sums.sum[0]), static_cast<double>(cell.sums.sum[1]),
@@ -58,6 +101,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
       if (variance > extended) break;  // they rise
       const rt::Vector3 a{static_cast<double>(surfel.axis[i][0]), static_cast<double>(surfel.axis[i][1]),
                           static_cast<double>(surfel.axis[i][2])};
+      if (i > 0 && goes_on(layer, cell, a)) break;
       const double residual = rt::dot(a, off);
       const auto* s = cell.sums.product;
       const double second =
@@ -75,6 +119,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
         for (int column = row; column < 6; ++column) out.h[row][column] += wj * j[column];
         out.g[row] += wj * residual;
       }
+      if (rule.noise && i == 0) add_noise(surfel, x, weight, noise, out);
       out.squares += weight * square(residual);
       out.weight += weight;
       ++out.rows;

@@ -17,10 +17,10 @@ namespace sortie::mapping {
 struct NormalEquations {
   double h[6][6]{};
   double g[6]{};
-  double squares{};        ///< weighted sum of squared residuals
-  double weight{};         ///< sum of weights
-  double false_turn[3]{};  ///< sums of w s^2: what h would hold were nothing but the normals' noise in it
-  double false_move{};
+  double squares{};  ///< weighted sum of squared residuals
+  double weight{};   ///< sum of weights
+  double noise[6]
+              [6]{};  ///< what h would hold were the normals' noise all that is in it; where it was asked for
   std::uint32_t cells{};  ///< that gave a residual
   std::uint32_t rows{};   ///< residuals
 };
@@ -35,6 +35,7 @@ struct PosePrior {
 struct StepRule {
   double scale_m{0.1};  ///< of Geman-McClure: residuals beyond it hardly count
   double sigma_m{0.02};
+  bool noise{false};  ///< NormalEquations::noise is wanted, at twice the cost
 };
 
 /// A scan's sums in one cell, on their way.
@@ -66,6 +67,7 @@ class ScanStep {
   static bool advance(const NormalEquations& equations, const PosePrior& prior, RigidPose& pose);
 
  private:
+  bool goes_on(const SurfelLayer& layer, const CellSums& cell, const rt::Vector3& axis) const;
   std::uint32_t sum_up(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose);
 
   StepMemory memory_;
