@@ -12,13 +12,15 @@ constexpr double kShift = 1 << 20;  ///< makes whole coordinates positive: beyon
 constexpr std::size_t kStride = 0x9e3779b1u;  ///< odd: visits every slot of a table of 2^n once
 
 std::uint64_t whole(double u) { return static_cast<std::uint64_t>(u + kShift); }
-}  // namespace
 
+/// A number that a return's bits decide, evenly spread.
 std::uint64_t rank_of(const rt::ScanPoint& p) {
   return mix64(
       mix64(std::bit_cast<std::uint32_t>(p.x_m) | std::uint64_t{std::bit_cast<std::uint32_t>(p.y_m)} << 32) ^
       std::bit_cast<std::uint32_t>(p.z_m));
 }
+
+}  // namespace
 
 std::size_t ScanSample::choose(std::span<const rt::ScanPoint> scan, std::span<SamplePoint> out,
                                ScanSampleCounts& counts) {

@@ -29,10 +29,6 @@ struct SamplePoint {
   float z_m{};
 };
 
-/// A number that a return's bits decide, evenly spread: what is chosen by it does not depend on the returns'
-/// order.
-std::uint64_t rank_of(const rt::ScanPoint& point);
-
 /// Chooses returns. What it chooses, and in which order it gives it, depends on the returns alone and not on
 /// their order. Memory: 16 bytes a slot. No heap.
 class ScanSample {
