@@ -60,7 +60,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& od
   located_.weak_moves = located_.weak_turns = 0;
   if (located_.returns < kFewReturns) return refuse(LocateVerdict::few_returns, odometry);
   if (located_.counts.first == 0) {
-    begin(points, odometry);
+    begin(odometry);
     return located_;
   }
   const PosePrior prior = expect(odometry);
@@ -76,17 +76,17 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& od
   const LocateVerdict verdict = judge(match, prior, odometry);
   if (verdict != LocateVerdict::accepted) return refuse(verdict, odometry);
   if (match.other_start) ++located_.counts.recovered;
-  accept(points, match.pose, odometry);
+  accept(match.pose, odometry);
   usual_share_ = match.score.matched;
   ++located_.counts.accepted;
   return located_;
 }
 
-void Locator::begin(std::span<const rt::ScanPoint> points, const OdometryHint& odometry) {
+void Locator::begin(const OdometryHint& odometry) {
   const RigidPose pose = odometry.known ? odometry.T_odom_sensor : RigidPose{};
   before_ = newest_ = pose;
   before_ns_ = newest_ns_ = located_.stamp_ns;
-  accept(points, pose, odometry);
+  accept(pose, odometry);
   before_ = newest_;
   before_ns_ = newest_ns_;
   located_.verdict = LocateVerdict::first;
@@ -144,8 +144,7 @@ const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odomet
   return located_;
 }
 
-void Locator::accept(std::span<const rt::ScanPoint> points, const RigidPose& pose,
-                     const OdometryHint& odometry) {
+void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
   located_.verdict = LocateVerdict::accepted;
   located_.T_map_sensor = pose;
   if (odometry.known) located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
@@ -153,7 +152,7 @@ void Locator::accept(std::span<const rt::ScanPoint> points, const RigidPose& pos
   before_ns_ = newest_ns_;
   newest_ = pose;
   newest_ns_ = located_.stamp_ns;
-  registration_.insert(points, pose);
+  registration_.insert(pose);
 }
 
 void Locator::describe(const Match& match, const PosePrior& prior) {

@@ -91,11 +91,11 @@ class Locator {
   const ScanRegistration& registration() const { return registration_; }
 
  private:
-  void begin(std::span<const rt::ScanPoint> points, const OdometryHint& odometry);
+  void begin(const OdometryHint& odometry);
   PosePrior expect(const OdometryHint& odometry) const;
   LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
   const Located& refuse(LocateVerdict verdict, const OdometryHint& odometry);
-  void accept(std::span<const rt::ScanPoint> points, const RigidPose& pose, const OdometryHint& odometry);
+  void accept(const RigidPose& pose, const OdometryHint& odometry);
   void describe(const Match& match, const PosePrior& prior);
 
   static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer

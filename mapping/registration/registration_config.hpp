@@ -10,7 +10,7 @@ namespace sortie::mapping {
 
 /// The defaults work in a building and around one, with 16 to 128 rows.
 struct RegistrationConfig {
-  double cell_m{0.4};           ///< edge of the finest surfel; the coarser layers have 2 and 4 times it
+  double cell_m{0.5};           ///< edge of the finest surfel; the coarser layers have 2 and 4 times it
   double edge_m{0.1};           ///< of the cubes that a scan is thinned to one return in
   std::uint32_t returns{3072};  ///< most of a scan that are matched
   double min_range_m{0.6};

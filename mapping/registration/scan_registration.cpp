@@ -6,10 +6,10 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::size_t kMostInserted = 16384;  ///< returns of a scan that go into the map
-constexpr std::size_t kFewReturns = 512;      ///< of a sample, for starts that are but tried
-constexpr double kClearlyBetter = 1.02;       ///< of a score
-constexpr double kAboutTurn = 0.03;           ///< rad and m from a result to the starts about it
+constexpr std::size_t kMostInserted = 8192;  ///< returns of a scan's sample: all of them go into the map
+constexpr std::size_t kFewReturns = 512;     ///< of a sample, for starts that are but tried
+constexpr double kClearlyBetter = 1.02;      ///< of a score
+constexpr double kAboutTurn = 0.03;          ///< rad and m from a result to the starts about it
 constexpr double kAboutMove = 0.15;
 constexpr int kTurns = 5;    ///< about the upright, either way
 constexpr int kLattice = 5;  ///< an edge of it
@@ -50,15 +50,16 @@ ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& 
               make_layer(arena, 2, most_surfels, bits_xy, bits_z)},
       step_({arena.make_array<StepMemory::Slot>("match_slots", most_surfels),
              arena.make_array<CellSums>("match_cells", config.returns)}),
-      chooser_(
-          config.edge_m, config.min_range_m, config.max_range_m,
-          arena.make_array<ScanSample::Slot>("sample_slots", std::bit_ceil(std::size_t{config.returns} * 8))),
-      sample_(arena.make_array<SamplePoint>("sample", config.returns)),
-      points_(arena.make_array<rt::Vector3>("map_points", kMostInserted)),
-      cells_(arena.make_array<std::uint64_t>("map_cells", kMostInserted)) {}
+      chooser_(config.edge_m, config.min_range_m, config.max_range_m,
+               arena.make_array<ScanSample::Slot>(
+                   "sample_slots", 4 * std::bit_ceil(std::max<std::size_t>(kMostInserted, config.returns)))),
+      sample_(arena.make_array<SamplePoint>("sample", std::max<std::size_t>(kMostInserted, config.returns))),
+      points_(arena.make_array<rt::Vector3>("map_points", sample_.size())),
+      cells_(arena.make_array<std::uint64_t>("map_cells", sample_.size())) {}
 
 std::size_t ScanRegistration::take(std::span<const rt::ScanPoint> scan) {
-  size_ = chooser_.choose(scan, sample_, counts_);
+  chosen_ = chooser_.choose(scan, sample_, counts_);
+  size_ = std::min<std::size_t>(chosen_, config_.returns);
   return size_;
 }
 
@@ -183,21 +184,14 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
   return match;
 }
 
-void ScanRegistration::insert(std::span<const rt::ScanPoint> scan, const RigidPose& pose) {
+void ScanRegistration::insert(const RigidPose& pose) {
   const rt::RotationMatrix r = rt::to_matrix(pose.q);
-  const double min2 = config_.min_range_m * config_.min_range_m;
-  const double max2 = config_.max_range_m * config_.max_range_m;
-  std::size_t n = 0;
-  const std::size_t stride = 1 + scan.size() / (kMostInserted + 1);
-  for (std::size_t i = 0; i < scan.size() && n < points_.size(); i += stride) {
-    const rt::Vector3 v{scan[i].x_m, scan[i].y_m, scan[i].z_m};
-    const double range2 = rt::dot(v, v);
-    if (range2 >= min2 && range2 <= max2) points_[n++] = r * v + pose.p;
-  }
+  for (std::size_t i = 0; i < chosen_; ++i)
+    points_[i] = r * rt::Vector3{sample_[i].x_m, sample_[i].y_m, sample_[i].z_m} + pose.p;
   ++scans_;
   for (SurfelLayer& layer : layers_) {
     layer.evict_beyond(pose.p);
-    layer.insert(points_.first(n), scans_, cells_);
+    layer.insert(points_.first(chosen_), scans_, cells_);
   }
 }
 

@@ -43,8 +43,8 @@ class ScanRegistration {
   /// Matches from `start`. Where that does not do, or does much worse than `usual_share` of the scan before,
   /// also from turns of it and of `other`.
   Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior, double usual_share);
-  /// Adds the sample's scan to the map at a pose.
-  void insert(std::span<const rt::ScanPoint> scan, const RigidPose& pose);
+  /// Adds the sample to the map at a pose.
+  void insert(const RigidPose& pose);
 
   const SurfelLayer& layer(int level) const { return layers_[level]; }
   std::span<const SamplePoint> sample() const { return sample_.first(size_); }
@@ -68,7 +68,8 @@ class ScanRegistration {
   std::span<SamplePoint> sample_;
   std::span<rt::Vector3> points_;
   std::span<std::uint64_t> cells_;
-  std::size_t size_{};
+  std::size_t chosen_{};  ///< of the scan
+  std::size_t size_{};  ///< of them that are matched; the order is by chance, so the first are as good as any
   std::uint32_t scans_{};
   ScanSampleCounts counts_;
 };

@@ -12,6 +12,14 @@ constexpr double kShift = 1 << 20;  ///< makes whole coordinates positive: beyon
 constexpr std::size_t kStride = 0x9e3779b1u;  ///< odd: visits every slot of a table of 2^n once
 
 std::uint64_t whole(double u) { return static_cast<std::uint64_t>(u + kShift); }
+
+/// A number that a return's bits decide, evenly spread.
+std::uint64_t rank_of(const rt::ScanPoint& p) {
+  return mix64(
+      mix64(std::bit_cast<std::uint32_t>(p.x_m) | std::uint64_t{std::bit_cast<std::uint32_t>(p.y_m)} << 32) ^
+      std::bit_cast<std::uint32_t>(p.z_m));
+}
+
 }  // namespace
 
 std::size_t ScanSample::choose(std::span<const rt::ScanPoint> scan, std::span<SamplePoint> out,
@@ -36,9 +44,7 @@ std::size_t ScanSample::choose(std::span<const rt::ScanPoint> scan, std::span<Sa
           whole(x * per_edge_) | whole(y * per_edge_) << 21 | whole(z * per_edge_) << 42;
       Slot& slot = slots_[mix64(cube) & mask];
       // Two returns with the same bits are one and the same.
-      const std::uint64_t rank = mix64(std::bit_cast<std::uint32_t>(p.x_m) |
-                                       std::uint64_t{std::bit_cast<std::uint32_t>(p.y_m)} << 32) ^
-                                 std::bit_cast<std::uint32_t>(p.z_m);
+      const std::uint64_t rank = rank_of(p);
       if (slot.scan == scan_ && slot.rank <= rank) continue;
       slot = {rank, static_cast<std::uint32_t>(i), scan_};
     }
