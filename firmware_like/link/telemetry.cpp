@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <chrono>
 
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_timing.hpp"
+#include "rt/built_parts.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/make_thread.hpp"
 
@@ -181,6 +183,18 @@ void Telemetry::publish_segments() {
   }
 }
 
+void Telemetry::publish_located() {
+  ReportQueue<rt::LocatedPose>* poses = runtime_.parts().find<ReportQueue<rt::LocatedPose>>();
+  if (poses == nullptr) return;
+  for (rt::LocatedPose pose; poses->take(pose);) {
+    pose.stamp_ns += utc_minus_run_ns_;
+    static_cast<void>(publisher_.publish_encoded(drivers::kChannelLocated,
+                                                 [&](std::span<std::uint8_t> out, std::size_t& size) {
+                                                   return drivers::encode(pose, located_seq_++, out, size);
+                                                 }));
+  }
+}
+
 void Telemetry::start() {
   if (!publisher_.active()) return;
   thread_ = rt::posix::make_thread("telemetry", [this] {
@@ -194,6 +208,7 @@ void Telemetry::start() {
       publish_answers(utime);
       publish_events();
       publish_segments();
+      if constexpr (rt::kBuilt<"locate">) publish_located();
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -19,9 +19,10 @@
 namespace sortie::firmware {
 
 /// Publishes from a thread of its own: outputs as fields_t on SORTIE_FIELDS_<task> ten times a second,
-/// the map's segments after each scan, statistics and the run-time parameters once a second (parameters also
-/// as soon as one changes), answers to requests ten times a second where a task obeys any, the pose as
-/// bot_core.pose_t on POSE_BODY. The real-time workers never wait for it: it reads their mailboxes.
+/// the map's segments and the robot's place after each scan, statistics and the run-time parameters once a
+/// second (parameters also as soon as one changes), answers to requests ten times a second where a task obeys
+/// any, the pose as bot_core.pose_t on POSE_BODY. The real-time workers never wait for it: it reads their
+/// mailboxes.
 ///
 /// One offset dates everything that a run tells, on every channel, in its log and in its events: UTC at the
 /// run's time 0, read once and added to the run's clock. Nothing here asks for the date again, so setting the
@@ -62,6 +63,7 @@ class Telemetry {
   void publish_statistics(std::int64_t utime);
   void publish_events();
   void publish_segments();
+  void publish_located();
   void note_parameters(const rt::TaskBase& task);
   void publish_parameters(std::int64_t utime, bool anyway);
   void read_answers();
@@ -83,6 +85,7 @@ class Telemetry {
   ReportQueue<rt::SegmentList>* lists_;  // of the map's segments; null: the scene has none
   rt::SegmentList segments_;
   std::int64_t segments_seq_{};
+  std::int64_t located_seq_{};
   std::atomic<rt::Nanoseconds> cpu_ns_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;

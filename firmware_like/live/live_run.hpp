@@ -40,6 +40,7 @@ struct LiveRunOptions {
 struct LiveRunOutcome {
   Results results;
   Trajectory estimate;
+  Trajectory located;  ///< of the body on the map that the robot made; empty without one
   Trajectory truth;
   std::vector<ContactSummary> contacts;  ///< of the simulated robot, if it knows
   std::unique_ptr<Runtime> runtime;      ///< as the run left it: the map is still there

@@ -14,10 +14,12 @@
 
 namespace sortie::firmware {
 
-/// Picks the pose out of the fields of each job: the task's value itself belongs to its worker.
-class PoseCollector {
+/// Picks a task's pose out of the fields of each job: the task's value itself belongs to its worker.
+template <class Output>
+class TaskPoses {
  public:
-  explicit PoseCollector(const Runtime& runtime) : task_(runtime.vehicle().pose_task()) {
+  /// `whose` may be null.
+  TaskPoses(const Runtime& runtime, const rt::Task<Output>* whose) : task_(whose) {
     if (task_ == nullptr) return;
     for (const rt::TaskBase* task : runtime.executive().group(task_->group()).tasks) {
       if (task == task_) break;
@@ -28,15 +30,29 @@ class PoseCollector {
     if (task_ == nullptr || record.group != task_->group() ||
         record.field_bytes < offset_ + task_->output_bytes())
       return;
-    rt::PoseEstimate pose;
+    Output pose;
     rt::decode_canonical(record.fields + offset_, pose);
     if (pose.stamp_ns != 0) poses.add(to_timed_pose(pose));
   }
   BoundedTrajectory poses{1};
 
  private:
-  const rt::Task<rt::PoseEstimate>* task_;
+  const rt::Task<Output>* task_;
   std::uint32_t offset_{};
+};
+
+/// Trajectories of a run.
+class PoseCollector {
+ public:
+  explicit PoseCollector(const Runtime& runtime)
+      : estimate(runtime, runtime.vehicle().pose_task()),
+        located(runtime, runtime.vehicle().located_task()) {}
+  void job(const rt::JobRecord& record) {
+    estimate.job(record);
+    located.job(record);
+  }
+  TaskPoses<rt::PoseEstimate> estimate;
+  TaskPoses<rt::LocatedPose> located;
 };
 
 /// Devices that are not simulated in this process.

@@ -197,6 +197,8 @@ void refuse_early_fault(const std::string& fault, rt::Tick tick, rt::Tick begin)
 void take_observed(ReplayOutcome& outcome, ReplayObserver& observer) {
   outcome.estimate = std::move(observer.estimate);
   tidy(outcome.estimate);
+  outcome.located = std::move(observer.located);
+  tidy(outcome.located);
   outcome.divergence = observer.first;
   outcome.diverged_jobs = observer.diverged_jobs;
   outcome.compared_jobs = observer.compared_jobs;

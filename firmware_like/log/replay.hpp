@@ -46,6 +46,7 @@ struct ReplayOptions {
 struct ReplayOutcome {
   Results results;
   Trajectory estimate;
+  Trajectory located;  ///< of the body on the map that the robot made; empty without one
   Trajectory truth;
   std::vector<ContactSummary> contacts;  ///< truth of contacts and flippers, if a simulation wrote it
   bool comparable{};

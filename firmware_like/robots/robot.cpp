@@ -136,6 +136,10 @@ const rt::Task<rt::AttitudeEstimate>* Robot::attitude_task() const {
   return first([](const Part& part) { return part.attitude_task(); });
 }
 
+const rt::Task<rt::LocatedPose>* Robot::located_task() const {
+  return first([](const Part& part) { return part.located_task(); });
+}
+
 void Robot::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
   for (const std::unique_ptr<Part>& part : parts_) part->for_each_voxel(put);
 }

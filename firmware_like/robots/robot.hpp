@@ -27,6 +27,7 @@ class Robot final : public Vehicle, public UnitTryer {
   drivers::ScanSink* scan_sink() override;
   const rt::Task<rt::PoseEstimate>* pose_task() const override;
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override;
+  const rt::Task<rt::LocatedPose>* located_task() const override;
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
   std::optional<mapping::OccupancyView> occupancy() const override;
   UnitTrial try_units() const override;

@@ -8,6 +8,7 @@
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/request_gate.hpp"
+#include "rt/located_pose.hpp"
 #include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
@@ -72,6 +73,9 @@ class Vehicle {
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
+  /// The task whose output is the robot's place on a map that it makes, or null: errors and trajectories of
+  /// their own come from it.
+  virtual const rt::Task<rt::LocatedPose>* located_task() const { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& /*put*/) const {}
   /// The occupancy map as it is when no job runs; nothing without one.

@@ -44,7 +44,13 @@ void export_tum(const CommandContext& context, const ExportOptions& options, con
     write_tum(out, log.truth());
     return;
   }
-  write_tum(out, firmware::replay(log, context.parts.vehicles, options.replay).estimate);
+  const firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
+  const bool on_map = options.task == "locate";
+  if (on_map && outcome.located.empty())
+    throw InputError(options.log + ": this scene has no task locate; choose one that has, or --task odometry",
+                     2);
+  // A scene without odometry has no other path.
+  write_tum(out, on_map || outcome.estimate.empty() ? outcome.located : outcome.estimate);
 }
 
 void export_ply(const CommandContext& context, const ExportOptions& options, const LogFile& log,
@@ -255,6 +261,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "trace, latency and jobs also read the flight ring of a run that died.\n"
       "Examples:\n"
       "  sortie export tum hall.lcm -o hall.tum\n"
+      "  sortie export tum walk.lcm --scene lidar_walk --task locate -o walk.tum\n"
       "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
       "  sortie export csv pallet.lcm --task truth_contacts -o contacts.csv\n"
       "  sortie export flight_map ugv.lcm --for uav_rescue -o uav.toml\n"
@@ -272,7 +279,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
   command
       ->add_option("--task", options->task,
                    "csv: whose output, or truth_contacts, truth_flippers, truth_sensors; tum: `truth` writes "
-                   "the reference")
+                   "the reference, `locate` the path on the robot's own map")
       ->capture_default_str();
   command->add_option("--for", options->for_scene, "flight_map: the scene that is to fly by it")
       ->type_name("SCENE");

@@ -64,10 +64,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
   report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
-  report.estimate =
-      evaluation.pairs.estimate.empty() ? std::move(outcome.estimate) : std::move(evaluation.pairs.estimate);
-  report.truth = std::move(evaluation.pairs.truth);
-  report.errors = std::move(evaluation.series);
+  add_paths(report, outcome, evaluation);
   replayed.ground = plot_map(map_points(outcome.runtime->vehicle()), {});
   replayed.damage = outcome.damage;
   replayed.failures = outcome.failures;

@@ -10,6 +10,7 @@
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "drivers/wire_fly.hpp"
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -253,6 +254,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintTruth, read_plain<rt::TruthSample>},
     {drivers::kFingerprintContacts, read_contacts},
     {drivers::kFingerprintSegments, read_segments},
+    {drivers::kFingerprintLocated, read_numbered<rt::LocatedPose>},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
     {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/locator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/registration/match_covariance.hpp"
+
+namespace sortie::mapping {
+namespace {
+constexpr std::size_t kFewReturns = 100;
+constexpr std::uint32_t kRays = 128;
+constexpr std::uint32_t kMostRayCells = 64;
+constexpr double kFar2 = 22.46;  ///< 99.9 % of chi-square with 6 degrees of freedom
+
+RigidPose after(const RigidPose& a, const RigidPose& b) {
+  return {a.p + rt::rotate(a.q, b.p), rt::normalised(a.q * b.q)};
+}
+RigidPose inverse(const RigidPose& a) { return {-1.0 * rt::rotate_back(a.q, a.p), rt::conjugate(a.q)}; }
+
+/// `share` of a motion goes on.
+RigidPose gone_on(const RigidPose& from, const RigidPose& to, double share) {
+  const RigidPose step = after(inverse(from), to);
+  return after(to, {share * step.p, rt::exp_rotation(share * rt::log_rotation(step.q))});
+}
+
+void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_m) {
+  for (int i = 0; i < 3; ++i) {
+    prior.information[i][i] = 1.0 / (sigma_turn_rad * sigma_turn_rad);
+    prior.information[3 + i][3 + i] = 1.0 / (sigma_move_m * sigma_move_m);
+  }
+}
+
+/// Squared distance from the prior in its own standard deviations.
+double squared_distance(const PosePrior& prior, const RigidPose& pose) {
+  const rt::Vector3 turned = rt::log_rotation(pose.q * rt::conjugate(prior.at.q));
+  const rt::Vector3 moved = pose.p - prior.at.p;
+  const double x[6] = {turned.x, turned.y, turned.z, moved.x, moved.y, moved.z};
+  double sum = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) sum += x[i] * prior.information[i][k] * x[k];
+  }
+  return sum;
+}
+}  // namespace
+
+const char* to_string(LocateVerdict verdict) {
+  constexpr const char* kNames[] = {"none",    "first",     "accepted",       "few returns", "little share",
+                                    "crossed", "ambiguous", "far from prior", "unheld"};
+  const auto at = static_cast<std::size_t>(verdict);
+  return at < std::size(kNames) ? kNames[at] : "unknown";
+}
+
+const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& odometry) {
+  const std::span<const rt::ScanPoint> points{scan.points, scan.header.points};
+  located_.stamp_ns = scan.header.stamp_ns;
+  ++located_.counts.in;
+  located_.steps = 0;
+  located_.returns = static_cast<std::uint32_t>(registration_.take(points));
+  located_.weak_moves = located_.weak_turns = 0;
+  if (located_.returns < kFewReturns) return refuse(LocateVerdict::few_returns, odometry);
+  if (located_.counts.first == 0) {
+    begin(odometry);
+    return located_;
+  }
+  const PosePrior prior = expect(odometry);
+  const RigidPose other = odometry.known ? prior.at : newest_;
+  const Match match = registration_.match(prior.at, other, prior, usual_share_);
+  located_.share = match.score.matched;
+  located_.known = match.score.known;
+  located_.steps = match.steps;
+  describe(match, prior);
+  const std::uint32_t through =
+      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
+  located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
+  const LocateVerdict verdict = judge(match, prior, odometry);
+  if (verdict != LocateVerdict::accepted) return refuse(verdict, odometry);
+  if (match.other_start) ++located_.counts.recovered;
+  accept(match.pose, odometry);
+  usual_share_ = match.score.matched;
+  ++located_.counts.accepted;
+  return located_;
+}
+
+void Locator::begin(const OdometryHint& odometry) {
+  const RigidPose pose = odometry.known ? odometry.T_odom_sensor : RigidPose{};
+  before_ = newest_ = pose;
+  before_ns_ = newest_ns_ = located_.stamp_ns;
+  accept(pose, odometry);
+  before_ = newest_;
+  before_ns_ = newest_ns_;
+  located_.verdict = LocateVerdict::first;
+  ++located_.counts.first;
+}
+
+/// The odometry's pose or, without any, the last motion for as long again.
+PosePrior Locator::expect(const OdometryHint& odometry) const {
+  PosePrior prior;
+  if (odometry.known) {
+    prior.at = after(located_.T_map_odom, odometry.T_odom_sensor);
+    set_information(prior, odometry.sigma_turn_rad, odometry.sigma_move_m);
+    return prior;
+  }
+  const auto last = static_cast<double>(newest_ns_ - before_ns_);
+  const auto now = static_cast<double>(located_.stamp_ns - newest_ns_);
+  prior.at = gone_on(before_, newest_, last > 0.0 && now > 0.0 ? std::min(now / last, kLongestGap) : 0.0);
+  set_information(prior, 10.0, 10.0);
+  return prior;
+}
+
+LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const {
+  if (match.equations.rows < 6) return LocateVerdict::unheld;
+  if (match.score.matched < config_.least_share * match.score.known ||
+      match.score.known < config_.least_known || match.score.matched < kLeastOfUsual * usual_share_)
+    return LocateVerdict::little_share;
+  if (located_.crossed > config_.most_crossed) return LocateVerdict::crossed;
+  if (match.ambiguous) return LocateVerdict::ambiguous;
+  if (odometry.known && squared_distance(prior, match.pose) > kFar2) return LocateVerdict::far_from_prior;
+  return LocateVerdict::accepted;
+}
+
+const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odometry) {
+  located_.verdict = verdict;
+  switch (verdict) {
+    case LocateVerdict::few_returns:
+      ++located_.counts.few_returns;
+      break;
+    case LocateVerdict::little_share:
+      ++located_.counts.little_share;
+      break;
+    case LocateVerdict::crossed:
+      ++located_.counts.crossed;
+      break;
+    case LocateVerdict::ambiguous:
+      ++located_.counts.ambiguous;
+      break;
+    case LocateVerdict::far_from_prior:
+      ++located_.counts.far_from_prior;
+      break;
+    default:
+      ++located_.counts.unheld;
+  }
+  if (odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
+  return located_;
+}
+
+void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
+  located_.verdict = LocateVerdict::accepted;
+  located_.T_map_sensor = pose;
+  if (odometry.known) located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+  before_ = newest_;
+  before_ns_ = newest_ns_;
+  newest_ = pose;
+  newest_ns_ = located_.stamp_ns;
+  registration_.insert(pose);
+}
+
+void Locator::describe(const Match& match, const PosePrior& prior) {
+  double c[6][6];
+  if (!match_covariance(match.equations, match.weak, prior, match.spread, c)) return;
+  const WeakDirections& weak = match.weak;
+  located_.weak_moves = weak.moves;
+  located_.weak_turns = weak.turns;
+  const auto note = [&c](const rt::Vector3& axis, int at, WeakDirection& out) {
+    const double v[3] = {axis.x, axis.y, axis.z};
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      out.axis_map[i] = v[i];
+      for (int k = 0; k < 3; ++k) sum += v[i] * c[at + i][at + k] * v[k];
+    }
+    out.sigma = std::sqrt(std::max(0.0, sum));
+  };
+  for (std::uint32_t i = 0; i < weak.moves; ++i) note(weak.move[i], 3, located_.weak_move[i]);
+  for (std::uint32_t i = 0; i < weak.turns; ++i) note(weak.turn[i], 0, located_.weak_turn[i]);
+  // Turns are about the map's axes so far: R' C R for those in the sensor.
+  const rt::RotationMatrix r = rt::to_matrix(match.pose.q);
+  double turned[6][6]{};
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      for (int j = 0; j < 3; ++j) turned[i][k] += c[i][j] * r.m[3 * j + k];
+      turned[i][3 + k] = c[i][3 + k];
+    }
+  }
+  double& (*at)(Located&, int, int) = [](Located& l, int i, int k) -> double& {
+    return l.covariance[6 * i + k];
+  };
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      double both = 0.0;
+      double mixed = 0.0;
+      for (int j = 0; j < 3; ++j) {
+        both += r.m[3 * j + i] * turned[j][k];
+        mixed += r.m[3 * j + k] * c[3 + i][j];
+      }
+      at(located_, i, k) = c[3 + i][3 + k];
+      at(located_, 3 + i, 3 + k) = both;
+      at(located_, i, 3 + k) = mixed;
+      at(located_, 3 + k, i) = mixed;
+    }
+  }
+}
+
+}  // namespace sortie::mapping

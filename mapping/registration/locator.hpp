@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The robot's place on a map that grows with it: each scan is matched to the scans before, and the odometry,
+// which stays smooth, hangs on the map by one transform.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/registration/scan_registration.hpp"
+#include "rt/samples.hpp"
+
+namespace sortie::mapping {
+
+/// Whether a scan's pose is believed, and why not.
+enum class LocateVerdict : std::uint8_t {
+  none = 0,  ///< no scan yet
+  first,     ///< the first scan: the map begins with it
+  accepted,
+  few_returns,     ///< too few that could be matched
+  little_share,    ///< too few of them lie on the map's surfaces
+  crossed,         ///< rays go through surfaces of the map
+  ambiguous,       ///< another pose does as well
+  far_from_prior,  ///< outside what the odometry leaves possible
+  unheld,          ///< nothing holds the pose
+};
+const char* to_string(LocateVerdict verdict);
+
+/// Scans by verdict. in = all others.
+struct LocateCounts {
+  std::uint64_t in{};
+  std::uint64_t first{};
+  std::uint64_t accepted{};
+  std::uint64_t few_returns{};
+  std::uint64_t little_share{};
+  std::uint64_t crossed{};
+  std::uint64_t ambiguous{};
+  std::uint64_t far_from_prior{};
+  std::uint64_t unheld{};
+  std::uint64_t recovered{};  ///< of the accepted: found from another start
+  SORTIE_FIELDS(in, first, accepted, few_returns, little_share, crossed, ambiguous, far_from_prior, unheld,
+                recovered)
+};
+
+/// A direction in space that the scan says little about.
+struct WeakDirection {
+  double axis_map[3]{};  ///< unit vector
+  double sigma{};        ///< standard deviation along it (m) or about it (rad), prior included
+  SORTIE_FIELDS(axis_map, sigma)
+};
+
+/// Where a scan was taken.
+struct Located {
+  rt::Nanoseconds stamp_ns{};
+  LocateVerdict verdict{LocateVerdict::none};
+  RigidPose T_map_odom;    ///< of the newest accepted scan
+  RigidPose T_map_sensor;  ///< of this scan; where it was refused, the odometry's
+  double
+      covariance[36]{};  ///< of T_map_sensor: (position in map, rotation in sensor), row-major, m^2 and rad^2
+  double share{};        ///< of the returns, on the map's surfaces
+  double known{};        ///< of the returns, in cells that have a surface
+  double crossed{};      ///< of the rays
+  std::uint32_t returns{};     ///< that were matched
+  std::uint32_t steps{};       ///< of work, each over at most `returns` returns
+  std::uint32_t weak_moves{};  ///< directions that the scan does not hold; at most 3
+  std::uint32_t weak_turns{};
+  WeakDirection weak_move[3];
+  WeakDirection weak_turn[3];
+  LocateCounts counts;
+  SORTIE_FIELDS(stamp_ns, verdict, T_map_odom, T_map_sensor, covariance, share, known, crossed, returns,
+                steps, weak_moves, weak_turns, weak_move, weak_turn, counts)
+};
+
+/// What is known of the sensor's pose before its scan.
+struct OdometryHint {
+  bool known{};  ///< false: no odometry; the motion of the scan before is taken to go on
+  RigidPose T_odom_sensor;
+  double sigma_move_m{0.05};  ///< of the motion since the scan before
+  double sigma_turn_rad{0.02};
+};
+
+/// Places scans. All memory is taken from the arena; no heap, no lock, work bounded by a fixed number of
+/// steps. The same bits on every compiler and board, whatever the order of a scan's returns.
+class Locator {
+ public:
+  Locator(const RegistrationConfig& config, rt::Arena& arena)
+      : config_(config), registration_(config, arena) {}
+
+  /// The place of a scan whose returns are as of one moment, sensor frame. An accepted scan becomes part of
+  /// the map.
+  const Located& locate(const rt::PointScan& scan, const OdometryHint& odometry);
+  const Located& located() const { return located_; }
+  const ScanRegistration& registration() const { return registration_; }
+
+ private:
+  void begin(const OdometryHint& odometry);
+  PosePrior expect(const OdometryHint& odometry) const;
+  LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
+  const Located& refuse(LocateVerdict verdict, const OdometryHint& odometry);
+  void accept(const RigidPose& pose, const OdometryHint& odometry);
+  void describe(const Match& match, const PosePrior& prior);
+
+  static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer
+
+  static constexpr double kLeastOfUsual = 0.7;  ///< of the share of the scan before
+
+  RegistrationConfig config_;
+  ScanRegistration registration_;
+  Located located_;
+  RigidPose T_odom_sensor_;  ///< of the newest accepted scan
+  RigidPose newest_;         ///< T_map_sensor of the two newest accepted scans
+  RigidPose before_;
+  rt::Nanoseconds newest_ns_{};
+  rt::Nanoseconds before_ns_{};
+  double usual_share_{};
+};
+
+}  // namespace sortie::mapping

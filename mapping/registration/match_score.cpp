@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/match_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sortie::mapping {
+namespace {
+/// Squared distance of a point from a surfel in standard deviations; the point relative to the cell's centre.
+double squared_deviations(const Surfel& surfel, const rt::Vector3& at_m, double noise_m2) {
+  const rt::Vector3 off{at_m.x - static_cast<double>(surfel.mean_m[0]),
+                        at_m.y - static_cast<double>(surfel.mean_m[1]),
+                        at_m.z - static_cast<double>(surfel.mean_m[2])};
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double along = static_cast<double>(surfel.axis[i][0]) * off.x +
+                         static_cast<double>(surfel.axis[i][1]) * off.y +
+                         static_cast<double>(surfel.axis[i][2]) * off.z;
+    sum += along * along / (static_cast<double>(surfel.variance_m2[i]) + noise_m2);
+  }
+  return sum;
+}
+}  // namespace
+
+MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose,
+                       double sigma_m) {
+  const rt::RotationMatrix r = rt::to_matrix(pose.q);
+  const double step = layer.cell_m() / kSurfelSteps;
+  MatchScore score;
+  if (sample.empty()) return score;
+  std::uint32_t known = 0;
+  std::uint32_t matched = 0;
+  SurfelPlace place;
+  for (const SamplePoint& point : sample) {
+    const rt::Vector3 p = r * rt::Vector3{point.x_m, point.y_m, point.z_m} + pose.p;
+    if (!layer.place(p.x, p.y, p.z, place)) continue;
+    const Surfel* const surfel = layer.surfel_at(place.cell);
+    if (surfel == nullptr) continue;
+    ++known;
+    const rt::Vector3 at{step * place.at[0], step * place.at[1], step * place.at[2]};
+    const double d2 = squared_deviations(*surfel, at, sigma_m * sigma_m);
+    if (d2 < 9.0) ++matched;
+    score.value += 1.0 / (1.0 + d2 * d2 / 9.0);
+  }
+  const auto all = static_cast<double>(sample.size());
+  score.value /= all;
+  score.matched = matched / all;
+  score.known = known / all;
+  return score;
+}
+
+std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const SamplePoint> sample,
+                                    const RigidPose& pose, std::uint32_t rays, std::uint32_t most_cells) {
+  const double cell = layer.cell_m();
+  const std::size_t stride = std::max<std::size_t>(1, sample.size() / std::max(1u, rays));
+  const double thin = 0.15 * cell;  // a surfel flatter than this stops a ray
+  std::uint32_t through = 0;
+  SurfelPlace place;
+  for (std::size_t i = 0; i < sample.size(); i += stride) {
+    const rt::Vector3 v{sample[i].x_m, sample[i].y_m, sample[i].z_m};
+    const double range = rt::norm(v);
+    const rt::Vector3 ray = rt::rotate(pose.q, (1.0 / range) * v);
+    // Half a cell at a time; a surface that the return itself may lie on does not count.
+    const double end = std::min(range - 1.5 * cell, 0.5 * cell * most_cells);
+    for (double s = 1.5 * cell; s < end; s += 0.5 * cell) {
+      const rt::Vector3 p = pose.p + s * ray;
+      if (!layer.place(p.x, p.y, p.z, place)) break;
+      const Surfel* const surfel = layer.surfel_at(place.cell);
+      if (surfel == nullptr) continue;
+      const auto least = static_cast<double>(surfel->variance_m2[0]);
+      const auto middle = static_cast<double>(surfel->variance_m2[1]);
+      // Flat, and filled by its surface from wall to wall: no edge, no bush.
+      if (least > thin * thin * 0.25 || middle < cell * cell / 16.0) continue;
+      const rt::Vector3 n{static_cast<double>(surfel->axis[0][0]), static_cast<double>(surfel->axis[0][1]),
+                          static_cast<double>(surfel->axis[0][2])};
+      const double slope = rt::dot(n, ray);
+      if (std::fabs(slope) < 0.25) continue;  // grazing
+      const rt::Vector3 centre = layer.centre_m(place.cell);
+      const rt::Vector3 mean{centre.x + static_cast<double>(surfel->mean_m[0]),
+                             centre.y + static_cast<double>(surfel->mean_m[1]),
+                             centre.z + static_cast<double>(surfel->mean_m[2])};
+      const double hit =
+          rt::dot(n, mean - pose.p) / slope;  // range at which the ray meets the surface's plane
+      const rt::Vector3 at = pose.p + hit * ray - mean;
+      // Through the middle of it, and well before the return.
+      if (rt::dot(at, at) < 0.16 * cell * cell && hit < range - 1.0 * cell) {
+        ++through;
+        break;
+      }
+    }
+  }
+  return through;
+}
+
+}  // namespace sortie::mapping

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/scan_registration.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace sortie::mapping {
+namespace {
+constexpr std::size_t kMostInserted = 8192;  ///< returns of a scan's sample: all of them go into the map
+constexpr std::size_t kFewReturns = 512;     ///< of a sample, for starts that are but tried
+constexpr double kClearlyBetter = 1.02;      ///< of a score
+constexpr double kAboutTurn = 0.03;          ///< rad and m from a result to the starts about it
+constexpr double kAboutMove = 0.15;
+constexpr int kTurns = 5;    ///< about the upright, either way
+constexpr int kLattice = 5;  ///< an edge of it
+constexpr int kLatticeRadius2 = 5;
+constexpr double kNoiseMargin = 4.0;  ///< what holds a direction, against what noise could make of nothing
+constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less is a reason to look elsewhere
+constexpr double kAsGood = 0.95;      ///< of the best score: as good
+constexpr double kApartMove = 0.5;    ///< m and rad: two poses are well apart
+constexpr double kApartTurn = 0.17;
+
+bool apart(const RigidPose& a, const RigidPose& b, double move_m = kApartMove, double turn_rad = kApartTurn) {
+  return rt::norm(a.p - b.p) > move_m || rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > turn_rad;
+}
+}  // namespace
+
+SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level, std::uint32_t most, unsigned bits_xy,
+                                         unsigned bits_z) const {
+  static constexpr const char* kNames[] = {"surfels_fine", "surfels_middle", "surfels_coarse"};
+  const auto shift = static_cast<unsigned>(level);
+  const std::uint32_t count = std::max(most >> shift, 256u);  // a quarter is flat, the rest is small
+  const SurfelLayerMemory memory{
+      arena.make_array<SurfelIndex>(kNames[level],
+                                    std::size_t{1} << (2 * (bits_xy - shift) + bits_z - shift)),
+      arena.make_array<std::uint64_t>(kNames[level], count),
+      arena.make_array<SurfelSums>(kNames[level], count),
+      arena.make_array<Surfel>(kNames[level], count),
+      arena.make_array<SurfelIndex>(kNames[level], count),
+      arena.make_array<std::uint32_t>(kNames[level], count)};
+  return {config_.cell_m * (1 << level), bits_xy - shift, bits_z - shift, config_.min_points,
+          config_.memory_points,         memory};
+}
+
+ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& arena,
+                                   std::uint32_t most_surfels, unsigned bits_xy, unsigned bits_z)
+    : config_(config),
+      layers_{make_layer(arena, 0, most_surfels, bits_xy, bits_z),
+              make_layer(arena, 1, most_surfels, bits_xy, bits_z),
+              make_layer(arena, 2, most_surfels, bits_xy, bits_z)},
+      step_({arena.make_array<StepMemory::Slot>("match_slots", most_surfels),
+             arena.make_array<CellSums>("match_cells", config.returns)}),
+      chooser_(config.edge_m, config.min_range_m, config.max_range_m,
+               arena.make_array<ScanSample::Slot>(
+                   "sample_slots", 4 * std::bit_ceil(std::max<std::size_t>(kMostInserted, config.returns)))),
+      sample_(arena.make_array<SamplePoint>("sample", std::max<std::size_t>(kMostInserted, config.returns))),
+      points_(arena.make_array<rt::Vector3>("map_points", sample_.size())),
+      cells_(arena.make_array<std::uint64_t>("map_cells", sample_.size())) {}
+
+std::size_t ScanRegistration::take(std::span<const rt::ScanPoint> scan) {
+  chosen_ = chooser_.choose(scan, sample_, counts_);
+  size_ = std::min<std::size_t>(chosen_, config_.returns);
+  return size_;
+}
+
+/// Steps from coarse to fine. The sample's first returns are as good as any others: their order is by chance.
+RigidPose ScanRegistration::descend(RigidPose pose, const PosePrior& prior, const Ladder& ladder,
+                                    std::size_t returns, Match& match) {
+  const std::span<const SamplePoint> sample = sample_.first(std::min(size_, returns));
+  const auto steps = [&](int level, std::uint32_t count, double scale_m) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      NormalEquations equations =
+          step_.equations(layers_[level], sample, pose, {scale_m, config_.sigma_m, level == 0 && i == 0});
+      if (level == 0) {
+        if (i == 0) match.weak = weak_directions(equations, kNoiseMargin);
+        let_go(match.weak, equations);
+      }
+      if (!ScanStep::advance(equations, prior, pose)) return;
+      ++match.steps;
+    }
+  };
+  steps(2, ladder.coarse, 2.5 * config_.cell_m);
+  steps(1, ladder.middle, 1.5 * config_.cell_m);
+  steps(0, ladder.fine / 2, 0.75 * config_.cell_m);
+  steps(0, ladder.fine - ladder.fine / 2, 0.25 * config_.cell_m);
+  return pose;
+}
+
+/// Starts about a result, on each side along each of its six unknowns. A match that is a false minimum falls
+/// into a better one from some of them; where the pose is not held they stay apart, and that is its
+/// uncertainty.
+void ScanRegistration::look_about(Match& match, const PosePrior& prior) {
+  const std::span<const SamplePoint> few = sample_.first(std::min<std::size_t>(size_, 1024));
+  const double value = match_score(layers_[0], few, match.pose, config_.sigma_m).value;
+  double best = value * kClearlyBetter;
+  RigidPose found = match.pose;
+  bool better = false;
+  for (int i = 0; i < 12; ++i) {
+    double by[6]{};
+    by[i / 2] = (i % 2 == 0 ? 1.0 : -1.0) * (i < 6 ? kAboutTurn : kAboutMove);
+    RigidPose pose{match.pose.p + rt::Vector3{by[3], by[4], by[5]},
+                   rt::exp_rotation({by[0], by[1], by[2]}) * match.pose.q};
+    for (int k = 0; k < 2; ++k) {
+      NormalEquations equations = step_.equations(layers_[0], few, pose, {0.15, config_.sigma_m});
+      let_go(match.weak, equations);
+      if (!ScanStep::advance(equations, prior, pose)) break;
+      ++match.steps;
+    }
+    const double reached = match_score(layers_[0], few, pose, config_.sigma_m).value;
+    if (reached > best) {
+      best = reached;
+      found = pose;
+      better = true;
+    }
+    if (reached * kClearlyBetter < value) continue;
+    const rt::Vector3 turned = rt::log_rotation(pose.q * rt::conjugate(match.pose.q));
+    const rt::Vector3 moved = pose.p - match.pose.p;
+    const double x[6] = {turned.x, turned.y, turned.z, moved.x, moved.y, moved.z};
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) match.spread[row][column] += x[row] * x[column] / 12.0;
+    }
+  }
+  if (better) match.pose = descend(found, prior, {0, 0, config_.steps}, size_, match);
+}
+
+void ScanRegistration::recover(Match& match, const RigidPose& start, const RigidPose& other,
+                               const PosePrior& prior) {
+  struct Candidate {
+    RigidPose pose;
+    double value{-1.0};
+  };
+  Candidate best[3];
+  const std::span<const SamplePoint> few = sample_.first(std::min(size_, kFewReturns));
+  const auto try_turn = [&](const RigidPose& base, const rt::Vector3& by_rad) {
+    Candidate candidate{descend({base.p, rt::normalised(rt::exp_rotation(by_rad) * base.q)}, prior, {2, 2, 2},
+                                kFewReturns, match)};
+    candidate.value = match_score(layers_[0], few, candidate.pose, config_.sigma_m).value;
+    for (Candidate& one : best) {
+      if (candidate.value > one.value) std::swap(candidate, one);
+    }
+  };
+  // Turns about the upright, which are the usual ones, close together; about all axes on a lattice.
+  const double most = config_.recovery_turn_rad;
+  for (const RigidPose* base : {&start, &other}) {
+    for (int i = -kTurns; i <= kTurns; ++i) try_turn(*base, {0, 0, most * i / kTurns});
+    for (int i = 0; i < kLattice * kLattice * kLattice; ++i) {
+      const int step[3] = {i % kLattice - 2, i / kLattice % kLattice - 2, i / (kLattice * kLattice) - 2};
+      const int flat = step[0] * step[0] + step[1] * step[1];
+      if (flat == 0 || flat + step[2] * step[2] > kLatticeRadius2) continue;
+      try_turn(*base, {0.5 * most * step[0], 0.5 * most * step[1], 0.5 * most * step[2]});
+    }
+    if (!apart(start, other, 0.01, 0.001)) break;
+  }
+  match.recovered = true;
+  MatchScore scores[4] = {match.score};
+  RigidPose poses[4] = {match.pose};
+  int chosen = 0;
+  for (int i = 1; i < 4; ++i) {
+    poses[i] = descend(best[i - 1].pose, prior, {0, 1, config_.steps}, size_, match);
+    scores[i] = match_score(layers_[0], sample(), poses[i], config_.sigma_m);
+    if (scores[i].value > scores[chosen].value * (chosen == 0 ? kClearlyBetter : 1.0)) chosen = i;
+  }
+  match.pose = poses[chosen];
+  match.other_start = chosen != 0;
+  for (int i = 0; i < 4; ++i) {
+    match.ambiguous =
+        match.ambiguous || (scores[i].value > kAsGood * scores[chosen].value && apart(poses[i], match.pose));
+  }
+}
+
+Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, const PosePrior& prior,
+                              double usual_share) {
+  Match match;
+  match.pose = descend(start, prior, {2, 2, config_.steps}, size_, match);
+  match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
+  if (match.score.matched < config_.good_share * match.score.known ||
+      match.score.matched < kUsualDrop * usual_share)
+    recover(match, start, other, prior);
+  look_about(match, prior);
+  match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
+  match.equations =
+      step_.equations(layers_[0], sample(), match.pose, {0.25 * config_.cell_m, config_.sigma_m, true});
+  match.weak = weak_directions(match.equations, kNoiseMargin);
+  return match;
+}
+
+void ScanRegistration::insert(const RigidPose& pose) {
+  const rt::RotationMatrix r = rt::to_matrix(pose.q);
+  for (std::size_t i = 0; i < chosen_; ++i)
+    points_[i] = r * rt::Vector3{sample_[i].x_m, sample_[i].y_m, sample_[i].z_m} + pose.p;
+  ++scans_;
+  for (SurfelLayer& layer : layers_) {
+    layer.evict_beyond(pose.p);
+    layer.insert(points_.first(chosen_), scans_, cells_);
+  }
+}
+
+}  // namespace sortie::mapping

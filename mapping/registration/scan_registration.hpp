@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A scan's pose on the map: matching from a start, a dozen starts about the result, and many where it was
+// lost.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "mapping/registration/match_score.hpp"
+#include "mapping/registration/registration_config.hpp"
+#include "mapping/registration/weak_directions.hpp"
+#include "rt/arena.hpp"
+#include "rt/status.hpp"
+
+namespace sortie::mapping {
+
+/// Three layers of surfels over the same points, the cells of each twice as long as those of the one before.
+inline constexpr int kSurfelLayers = 3;
+
+/// What a match found.
+struct Match {
+  RigidPose pose;  ///< map from sensor
+  MatchScore score;
+  NormalEquations equations;  ///< at the pose, finest layer, with noise
+  WeakDirections weak;        ///< of these
+  double spread[6][6]{};      ///< of where starts about the pose ended that did as well: (turn, move)
+  std::uint32_t steps{};      ///< spent, each of at most the sample's returns
+  bool recovered{};           ///< other starts were tried
+  bool other_start{};         ///< the pose comes from another start than the given one
+  bool ambiguous{};           ///< another pose, well apart, did as well
+};
+
+/// Registration of scans to a map that it keeps. All memory comes from an arena; no heap afterwards. The same
+/// bits whatever the order of a scan's points, on every compiler and board.
+class ScanRegistration {
+ public:
+  /// Throws nothing; `arena` says what it had no room for.
+  ScanRegistration(const RegistrationConfig& config, rt::Arena& arena, std::uint32_t most_surfels = 32768,
+                   unsigned bits_xy = 7, unsigned bits_z = 5);
+
+  /// Takes a scan's sample; the calls below are about it. How many returns it has.
+  std::size_t take(std::span<const rt::ScanPoint> scan);
+  /// Matches from `start`. Where that does not do, or does much worse than `usual_share` of the scan before,
+  /// also from turns of it and of `other`.
+  Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior, double usual_share);
+  /// Adds the sample to the map at a pose.
+  void insert(const RigidPose& pose);
+
+  const SurfelLayer& layer(int level) const { return layers_[level]; }
+  std::span<const SamplePoint> sample() const { return sample_.first(size_); }
+  const ScanSampleCounts& counts() const { return counts_; }
+
+ private:
+  struct Ladder {
+    std::uint32_t coarse, middle, fine;
+  };
+  RigidPose descend(RigidPose pose, const PosePrior& prior, const Ladder& ladder, std::size_t returns,
+                    Match& match);
+  void look_about(Match& match, const PosePrior& prior);
+  void recover(Match& match, const RigidPose& start, const RigidPose& other, const PosePrior& prior);
+  SurfelLayer make_layer(rt::Arena& arena, int level, std::uint32_t most, unsigned bits_xy,
+                         unsigned bits_z) const;
+
+  RegistrationConfig config_;
+  SurfelLayer layers_[kSurfelLayers];
+  ScanStep step_;
+  ScanSample chooser_;
+  std::span<SamplePoint> sample_;
+  std::span<rt::Vector3> points_;
+  std::span<std::uint64_t> cells_;
+  std::size_t chosen_{};  ///< of the scan
+  std::size_t size_{};  ///< of them that are matched; the order is by chance, so the first are as good as any
+  std::uint32_t scans_{};
+  ScanSampleCounts counts_;
+};
+
+}  // namespace sortie::mapping

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/scan_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sortie::mapping {
+namespace {
+/// Returns of one cell that count: more of them share their errors.
+constexpr double kMostOfCell = 8.0;
+/// Of a return's variance: what a normal may be off by where its points happen to lie well.
+constexpr double kLeastNoise = 0.1;
+
+/// What of a surface's thickness may be its bend, which more points do not make less.
+constexpr double kBent = 0.03;
+/// A cell whose points lie on a line has no normal: its middle variance is less than this many of the least
+/// one, or of the cell's edge squared.
+constexpr double kLine = 4.0;
+constexpr double kThinLine = 0.0036;
+
+double square(double v) { return v * v; }
+
+/// A normal that is off by an angle about a tangent of its surface seems to hold what it does not.
+void add_noise(const Surfel& surfel, const rt::Vector3& x, double weight, double noise_m2,
+               NormalEquations& out) {
+  for (int k = 1; k < 3; ++k) {
+    const rt::Vector3 t{static_cast<double>(surfel.axis[k][0]), static_cast<double>(surfel.axis[k][1]),
+                        static_cast<double>(surfel.axis[k][2])};
+    const double ratio = (static_cast<double>(surfel.variance_m2[0]) + kLeastNoise * noise_m2) /
+                         static_cast<double>(surfel.variance_m2[k]);
+    const double angle2 = ratio * (1.0 / static_cast<double>(surfel.count) + kBent);
+    const rt::Vector3 turn = rt::cross(x, t);
+    const double j[6] = {turn.x, turn.y, turn.z, t.x, t.y, t.z};
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column)
+        out.noise[row][column] += weight * angle2 * j[row] * j[column];
+    }
+  }
+}
+}  // namespace
+
+std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SamplePoint> sample,
+                               const RigidPose& pose) {
+  ++stamp_;
+  const rt::RotationMatrix r = rt::to_matrix(pose.q);
+  std::uint32_t used = 0;
+  SurfelPlace place;
+  for (const SamplePoint& point : sample) {
+    const rt::Vector3 p = r * rt::Vector3{point.x_m, point.y_m, point.z_m} + pose.p;
+    if (!layer.place(p.x, p.y, p.z, place)) continue;
+    const SurfelIndex index = layer.find(place.cell);
+    if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
+    StepMemory::Slot& slot = memory_.slots[index];
+    if (slot.stamp != stamp_) {
+      slot = {stamp_, used};
+      memory_.cells[used++] = {SurfelSums{}, place.cell, index};
+    }
+    memory_.cells[slot.at].sums.add(place.at);
+  }
+  return used;
+}
+
+/// Whether the cell beside one along an axis has a surface as well: then the strip of surface in it is no
+/// edge, but where the returns end.
+bool ScanStep::goes_on(const SurfelLayer& layer, const CellSums& cell, const rt::Vector3& axis) const {
+  for (const double side : {1.0, -1.0}) {
+    SurfelCell next = cell.cell;
+    const double part[3] = {side * axis.x, side * axis.y, side * axis.z};
+    for (int i = 0; i < 3; ++i) next.at[i] += part[i] > 0.5 ? 1 : part[i] < -0.5 ? -1 : 0;
+    if (layer.find(next) != kNoSurfel) return true;
+  }
+  return false;
+}
+
+NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const SamplePoint> sample,
+                                    const RigidPose& pose, const StepRule& rule) {
+  NormalEquations out;
+  const std::uint32_t used = sum_up(layer, sample, pose);
+  const double step = layer.cell_m() / kSurfelSteps;
+  // A direction along which the surface goes on into the next cell says nothing (Li and Huang 2024, ICET).
+  const double extended = square(layer.cell_m() / 4.0);
+  const double noise = square(rule.sigma_m);
+  for (const CellSums& cell : memory_.cells.first(used)) {
+    const Surfel& surfel = layer.surfel(cell.surfel);
+    const auto middle = static_cast<double>(surfel.variance_m2[1]);
+    if (middle < kLine * static_cast<double>(surfel.variance_m2[0]) ||
+        middle < kThinLine * square(layer.cell_m()))
+      continue;
+    const auto n = static_cast<double>(cell.sums.count);
+    const rt::Vector3 mean =
+        (step / n) * rt::Vector3{static_cast<double>(cell.sums.sum[0]), static_cast<double>(cell.sums.sum[1]),
+                                 static_cast<double>(cell.sums.sum[2])};
+    const rt::Vector3 x = layer.centre_m(cell.cell) + mean - pose.p;
+    const rt::Vector3 off{mean.x - static_cast<double>(surfel.mean_m[0]),
+                          mean.y - static_cast<double>(surfel.mean_m[1]),
+                          mean.z - static_cast<double>(surfel.mean_m[2])};
+    const double spread = step * step / n;
+    bool counted = false;
+    for (int i = 0; i < 3; ++i) {
+      const auto variance = static_cast<double>(surfel.variance_m2[i]);
+      if (variance > extended) break;  // they rise
+      const rt::Vector3 a{static_cast<double>(surfel.axis[i][0]), static_cast<double>(surfel.axis[i][1]),
+                          static_cast<double>(surfel.axis[i][2])};
+      if (i > 0 && goes_on(layer, cell, a)) break;
+      const double residual = rt::dot(a, off);
+      const auto* s = cell.sums.product;
+      const double second =
+          spread * (a.x * a.x * static_cast<double>(s[0]) + a.y * a.y * static_cast<double>(s[1]) +
+                    a.z * a.z * static_cast<double>(s[2]) +
+                    2.0 * (a.x * a.y * static_cast<double>(s[3]) + a.x * a.z * static_cast<double>(s[4]) +
+                           a.y * a.z * static_cast<double>(s[5])));
+      const double own = std::max(0.0, second - square(rt::dot(a, mean)));
+      const double robust = square(rule.scale_m) / (square(rule.scale_m) + square(residual));
+      const double weight = std::min(n, kMostOfCell) / (variance + own + noise) * robust * robust;
+      const rt::Vector3 turn = rt::cross(x, a);
+      const double j[6] = {turn.x, turn.y, turn.z, a.x, a.y, a.z};
+      for (int row = 0; row < 6; ++row) {
+        const double wj = weight * j[row];
+        for (int column = row; column < 6; ++column) out.h[row][column] += wj * j[column];
+        out.g[row] += wj * residual;
+      }
+      if (rule.noise && i == 0) add_noise(surfel, x, weight, noise, out);
+      out.squares += weight * square(residual);
+      out.weight += weight;
+      ++out.rows;
+      counted = true;
+    }
+    if (counted) ++out.cells;
+  }
+  for (int row = 1; row < 6; ++row) {
+    for (int column = 0; column < row; ++column) out.h[row][column] = out.h[column][row];
+  }
+  return out;
+}
+
+bool solve6(const double (&a)[6][6], const double (&b)[6], double (&x)[6]) {
+  double l[6][6]{};
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k <= i; ++k) {
+      double sum = a[i][k];
+      for (int j = 0; j < k; ++j) sum -= l[i][j] * l[k][j];
+      if (i != k) {
+        l[i][k] = sum / l[k][k];
+      } else {
+        // What cancels by more than 12 digits is nothing but rounding.
+        if (!(sum > 1e-12 * a[i][i]) || !std::isfinite(sum)) return false;
+        l[i][i] = std::sqrt(sum);
+      }
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    double sum = b[i];
+    for (int j = 0; j < i; ++j) sum -= l[i][j] * x[j];
+    x[i] = sum / l[i][i];
+  }
+  for (int i = 5; i >= 0; --i) {
+    double sum = x[i];
+    for (int j = i + 1; j < 6; ++j) sum -= l[j][i] * x[j];
+    x[i] = sum / l[i][i];
+  }
+  return true;
+}
+
+bool ScanStep::advance(const NormalEquations& equations, const PosePrior& prior, RigidPose& pose) {
+  const rt::Vector3 turned = rt::log_rotation(pose.q * rt::conjugate(prior.at.q));
+  const rt::Vector3 moved = pose.p - prior.at.p;
+  const double from_prior[6] = {turned.x, turned.y, turned.z, moved.x, moved.y, moved.z};
+  double a[6][6];
+  double b[6];
+  for (int row = 0; row < 6; ++row) {
+    b[row] = -equations.g[row];
+    for (int column = 0; column < 6; ++column) {
+      a[row][column] = equations.h[row][column] + prior.information[row][column];
+      b[row] -= prior.information[row][column] * from_prior[column];
+    }
+  }
+  double x[6];
+  if (!solve6(a, b, x)) return false;
+  pose.q = rt::normalised(rt::exp_rotation({x[0], x[1], x[2]}) * pose.q);
+  pose.p = pose.p + rt::Vector3{x[3], x[4], x[5]};
+  return true;
+}
+
+}  // namespace sortie::mapping

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a coarse cell of the map knows of the surface in it: sums over its points in whole numbers, and the
+// Gaussian that they make.
+#pragma once
+
+#include <cstdint>
+
+#include "rt/describe.hpp"
+
+namespace sortie::mapping {
+
+/// Points in a cell are whole 1/4096 of its edge from its centre (0.1 mm for 0.4 m).
+inline constexpr std::int32_t kSurfelSteps = 4096;
+
+/// Sums over the points of a cell, exact and in any order the same. 64 bytes. Room for 32,768 points: (4096 /
+/// 2)^2 * 32768 < 2^38.
+struct SurfelSums {
+  std::int64_t product[6]{};  ///< xx, yy, zz, xy, xz, yz
+  std::int32_t sum[3]{};
+  std::uint32_t count{};
+  SORTIE_FIELDS(product, sum, count)
+
+  void add(const std::int32_t (&at)[3]) {
+    const std::int64_t x = at[0], y = at[1], z = at[2];
+    product[0] += x * x, product[1] += y * y, product[2] += z * z;
+    product[3] += x * y, product[4] += x * z, product[5] += y * z;
+    for (int i = 0; i < 3; ++i) sum[i] += at[i];
+    ++count;
+  }
+  /// Half of everything: what is new counts more from now on.
+  void fade() {
+    for (std::int64_t& part : product) part >>= 1;
+    for (std::int32_t& part : sum) part >>= 1;
+    count >>= 1;
+  }
+};
+static_assert(sizeof(SurfelSums) == 64);
+
+/// The Gaussian of a cell, relative to its centre. 64 bytes.
+struct Surfel {
+  float mean_m[3]{};
+  float axis[3][3]{};      ///< unit vectors, by rising variance: axis[0] is the normal of a flat one
+  float variance_m2[3]{};  ///< along the axes
+  std::uint32_t count{};   ///< points it was made of; 0: none yet
+  SORTIE_FIELDS(mean_m, axis, variance_m2, count)
+};
+static_assert(sizeof(Surfel) == 64);
+
+/// The Gaussian of some sums in cells of an edge, m. At least one point. About 0.3 us.
+Surfel surfel_of(const SurfelSums& sums, double cell_m);
+
+}  // namespace sortie::mapping

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/surfel_layer.hpp"
+
+#include <algorithm>
+
+namespace sortie::mapping {
+
+SurfelLayer::SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
+                         std::uint32_t memory_points, const SurfelLayerMemory& memory)
+    : cell_m_(cell_m),
+      per_cell_(1.0 / cell_m),
+      bits_xy_(bits_xy),
+      bits_z_(bits_z),
+      mask_xy_((1u << bits_xy) - 1),
+      mask_z_((1u << bits_z) - 1),
+      min_points_(min_points),
+      memory_points_(memory_points),
+      memory_(memory) {
+  clear();
+}
+
+void SurfelLayer::clear() {
+  std::fill(memory_.window.begin(), memory_.window.end(), kNoSurfel);
+  std::fill(memory_.keys.begin(), memory_.keys.end(), kUnused);
+  free_ = memory_.keys.size();
+  for (std::size_t i = 0; i < free_; ++i) memory_.free[i] = static_cast<SurfelIndex>(free_ - 1 - i);
+}
+
+void SurfelLayer::release(SurfelIndex index) {
+  const std::uint32_t at = entry(SurfelCell::from_key(memory_.keys[index]));
+  if (memory_.window[at] == index) memory_.window[at] = kNoSurfel;
+  memory_.keys[index] = kUnused;
+  memory_.free[free_++] = index;
+  ++counts_.evicted;
+}
+
+void SurfelLayer::evict_beyond(const rt::Vector3& middle_m) {
+  SurfelPlace middle;
+  if (!place(middle_m.x, middle_m.y, middle_m.z, middle)) return;
+  const std::int32_t most[3] = {std::int32_t{1} << (bits_xy_ - 1), std::int32_t{1} << (bits_xy_ - 1),
+                                std::int32_t{1} << (bits_z_ - 1)};
+  for (std::size_t i = 0; i < memory_.keys.size(); ++i) {
+    if (memory_.keys[i] == kUnused) continue;
+    const SurfelCell cell = SurfelCell::from_key(memory_.keys[i]);
+    bool inside = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int32_t away = cell.at[axis] - middle.cell.at[axis];
+      inside = inside && away >= -most[axis] && away < most[axis];
+    }
+    if (!inside) release(static_cast<SurfelIndex>(i));
+  }
+}
+
+/// Room for cells that are not there, in the order of their keys.
+void SurfelLayer::make_room(std::span<std::uint64_t> missing) {
+  std::sort(missing.begin(), missing.end());
+  std::uint64_t last = kUnused;
+  for (const std::uint64_t key : missing) {
+    if (key == last) continue;
+    last = key;
+    const std::uint32_t at = entry(SurfelCell::from_key(key));
+    if (memory_.window[at] != kNoSurfel) release(memory_.window[at]);
+    if (free_ == 0) continue;  // counted with its points
+    const SurfelIndex index = memory_.free[--free_];
+    memory_.window[at] = index;
+    memory_.keys[index] = key;
+    memory_.sums[index] = {};
+    memory_.surfels[index] = {};
+    ++counts_.created;
+  }
+}
+
+void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
+                         std::span<std::uint64_t> cells) {
+  std::size_t missing = 0;
+  SurfelPlace at;
+  for (const rt::Vector3& p : points_m) {
+    if (place(p.x, p.y, p.z, at) && find(at.cell) == kNoSurfel) cells[missing++] = at.cell.key();
+  }
+  make_room(cells.first(missing));
+  std::size_t touched = 0;
+  for (const rt::Vector3& p : points_m) {
+    ++counts_.in;
+    if (!place(p.x, p.y, p.z, at)) {
+      ++counts_.outside;
+      continue;
+    }
+    const SurfelIndex index = find(at.cell);
+    if (index == kNoSurfel) {
+      ++counts_.pool_full;
+      continue;
+    }
+    ++counts_.used;
+    // What would not fit any more before the scan's end is left out; a cell fades between scans.
+    if (memory_.sums[index].count < 32768) memory_.sums[index].add(at.at);
+    if (memory_.newest[index] != scan) {
+      memory_.newest[index] = scan;
+      cells[touched++] = index;
+    }
+  }
+  for (const std::uint64_t entry : cells.first(touched)) {
+    const auto index = static_cast<std::size_t>(entry);
+    SurfelSums& sums = memory_.sums[index];
+    Surfel& surfel = memory_.surfels[index];
+    const std::uint32_t known = surfel.count;
+    if (sums.count >= min_points_ && sums.count > known + known / 10) surfel = surfel_of(sums, cell_m_);
+    if (sums.count >= memory_points_) {
+      surfel = surfel_of(sums, cell_m_);
+      sums.fade();
+      surfel.count = sums.count;
+    }
+  }
+}
+
+}  // namespace sortie::mapping

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A grid of surfels in fixed memory, in a window that wraps around.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "mapping/registration/surfel.hpp"
+#include "rt/describe.hpp"
+#include "rt/rotation.hpp"
+
+namespace sortie::mapping {
+
+using SurfelIndex = std::uint16_t;
+inline constexpr SurfelIndex kNoSurfel = 0xffff;
+
+/// A cell by its whole coordinates, each in [-2^20, 2^20), and as a 63-bit key.
+struct SurfelCell {
+  static constexpr std::int32_t kLimit = 1 << 20;
+  std::int32_t at[3]{};
+
+  constexpr std::uint64_t key() const {
+    const auto part = [](std::int32_t i) { return static_cast<std::uint64_t>(std::int64_t{i} + kLimit); };
+    return part(at[0]) | part(at[1]) << 21 | part(at[2]) << 42;
+  }
+  static constexpr SurfelCell from_key(std::uint64_t key) {
+    const auto part = [key](int shift) {
+      return static_cast<std::int32_t>((key >> shift) & 0x1fffffu) - kLimit;
+    };
+    return {{part(0), part(21), part(42)}};
+  }
+};
+
+/// A point's cell and its place in it, whole kSurfelSteps from the centre.
+struct SurfelPlace {
+  SurfelCell cell;
+  std::int32_t at[3]{};
+};
+
+/// Memory of a layer, which outlives it: value-initialised arrays of one length, but for the window.
+struct SurfelLayerMemory {
+  std::span<SurfelIndex> window;  ///< 2^(2 bits_xy + bits_z)
+  std::span<std::uint64_t> keys;  ///< at most 65,535 surfels
+  std::span<SurfelSums> sums;
+  std::span<Surfel> surfels;
+  std::span<SurfelIndex> free;
+  std::span<std::uint32_t> newest;  ///< number of the scan that touched it last
+};
+
+/// What became of the points. in = used + all others; the last two count surfels.
+struct SurfelLayerCounts {
+  std::uint64_t in{};
+  std::uint64_t used{};
+  std::uint64_t outside{};    ///< beyond the reach of whole coordinates
+  std::uint64_t pool_full{};  ///< points of cells that found no room
+  std::uint64_t created{};
+  std::uint64_t evicted{};  ///< a whole window away from a newer one, or beyond the window about the sensor
+  SORTIE_FIELDS(in, used, outside, pool_full, created, evicted)
+};
+
+/// Surfels by their cells. One look-up a cell, no probing, no heap. What a scan does to it does not depend on
+/// the order of its points: new cells get their room in the order of their keys.
+class SurfelLayer {
+ public:
+  /// 140 bytes a surfel and 2 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
+  /// `min_points` on, and fades from `memory_points` on (at most 32,768).
+  SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
+              std::uint32_t memory_points, const SurfelLayerMemory& memory);
+
+  double cell_m() const { return cell_m_; }
+  std::size_t size() const { return memory_.keys.size() - free_; }
+  const SurfelLayerCounts& counts() const { return counts_; }
+
+  /// False: beyond the reach of whole coordinates, or not finite.
+  bool place(double x_m, double y_m, double z_m, SurfelPlace& out) const {
+    const double u[3] = {x_m * per_cell_, y_m * per_cell_, z_m * per_cell_};
+    constexpr double kFar = SurfelCell::kLimit - 2;
+    for (int i = 0; i < 3; ++i) {
+      if (!(u[i] > -kFar && u[i] < kFar)) return false;
+      // Shifted to be positive: a cast then rounds down.
+      const auto cell = static_cast<std::int32_t>(u[i] + SurfelCell::kLimit) - SurfelCell::kLimit;
+      out.cell.at[i] = cell;
+      out.at[i] = static_cast<std::int32_t>((u[i] - cell) * kSurfelSteps) - kSurfelSteps / 2;
+    }
+    return true;
+  }
+  /// Surfel of a cell, or kNoSurfel.
+  SurfelIndex find(const SurfelCell& cell) const {
+    const SurfelIndex index = memory_.window[entry(cell)];
+    return index != kNoSurfel && memory_.keys[index] == cell.key() ? index : kNoSurfel;
+  }
+  /// The Gaussian of one; its count is 0 where it has too few points yet.
+  const Surfel& surfel(SurfelIndex index) const { return memory_.surfels[index]; }
+  /// The same, or null where there is no Gaussian.
+  const Surfel* surfel_at(const SurfelCell& cell) const {
+    const SurfelIndex index = find(cell);
+    return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
+  }
+  rt::Vector3 centre_m(const SurfelCell& cell) const {
+    return {(cell.at[0] + 0.5) * cell_m_, (cell.at[1] + 0.5) * cell_m_, (cell.at[2] + 0.5) * cell_m_};
+  }
+  std::span<const std::uint64_t> keys() const { return memory_.keys; }
+  static constexpr std::uint64_t kUnused = ~std::uint64_t{0};
+
+  /// Adds points of the map's frame. `cells` is scratch, as long as `points_m`; `scan` is the scan's number,
+  /// which rises by one from scan to scan.
+  void insert(std::span<const rt::Vector3> points_m, std::uint32_t scan, std::span<std::uint64_t> cells);
+  /// Gives back what lies beyond the window about a place. About 1 ns a surfel.
+  void evict_beyond(const rt::Vector3& middle_m);
+  void clear();
+
+ private:
+  std::uint32_t entry(const SurfelCell& cell) const {
+    const auto part = [](std::int32_t i, std::uint32_t mask) { return static_cast<std::uint32_t>(i) & mask; };
+    return (part(cell.at[0], mask_xy_) << bits_xy_ | part(cell.at[1], mask_xy_)) << bits_z_ |
+           part(cell.at[2], mask_z_);
+  }
+  void make_room(std::span<std::uint64_t> missing);
+  void release(SurfelIndex index);
+
+  double cell_m_;
+  double per_cell_;
+  unsigned bits_xy_;
+  unsigned bits_z_;
+  std::uint32_t mask_xy_;
+  std::uint32_t mask_z_;
+  std::uint32_t min_points_;
+  std::uint32_t memory_points_;
+  SurfelLayerMemory memory_;
+  std::size_t free_{};  ///< entries of memory_.free
+  SurfelLayerCounts counts_;
+};
+
+}  // namespace sortie::mapping

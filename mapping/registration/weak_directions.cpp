@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/weak_directions.hpp"
+
+#include <algorithm>
+
+#include "mapping/registration/symmetric_eigen.hpp"
+
+namespace sortie::mapping {
+namespace {
+/// Of the largest eigenvalue: what is less is rounding.
+constexpr double kNothing = 1e-12;
+
+Symmetric3 block(const double (&m)[6][6], int at) {
+  return {m[at][at], m[at + 1][at + 1], m[at + 2][at + 2], m[at][at + 1], m[at][at + 2], m[at + 1][at + 2]};
+}
+
+/// (turn, move): `own` block free by its direction v, the other one giving way as it likes best: -O^+ C v,
+/// where O is the other's block and C couples them.
+rt::Vector3 giving_way(const double (&h)[6][6], int own, const SymmetricEigen& other, const rt::Vector3& v) {
+  const int at = 3 - own;
+  double c[3];
+  for (int i = 0; i < 3; ++i)
+    c[i] = h[at + i][own] * v.x + h[at + i][own + 1] * v.y + h[at + i][own + 2] * v.z;
+  double way[3]{};
+  for (int k = 0; k < 3; ++k) {
+    if (!(other.value[k] > kNothing * other.value[2])) continue;
+    const auto& e = other.vector[k];
+    const double part = -(e[0] * c[0] + e[1] * c[1] + e[2] * c[2]) / other.value[k];
+    for (int i = 0; i < 3; ++i) way[i] += part * e[i];
+  }
+  return {way[0], way[1], way[2]};
+}
+
+double form(const double (&m)[6][6], const double (&z)[6]) {
+  double sum = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) sum += z[i] * m[i][k] * z[k];
+  }
+  return sum;
+}
+
+/// Schur complement of a block: `own` with the other one free.
+Symmetric3 alone(const double (&h)[6][6], int own, const SymmetricEigen& other) {
+  double s[3][3];
+  for (int k = 0; k < 3; ++k) {
+    const rt::Vector3 way =
+        giving_way(h, own, other, {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
+    const int at = 3 - own;
+    for (int i = 0; i < 3; ++i)
+      s[i][k] = h[own + i][own + k] + h[own + i][at] * way.x + h[own + i][at + 1] * way.y +
+                h[own + i][at + 2] * way.z;
+  }
+  return {s[0][0],
+          s[1][1],
+          s[2][2],
+          0.5 * (s[0][1] + s[1][0]),
+          0.5 * (s[0][2] + s[2][0]),
+          0.5 * (s[1][2] + s[2][1])};
+}
+
+void look(const NormalEquations& equations, int own, double margin, WeakDirections& weak) {
+  const SymmetricEigen other = symmetric_eigen(block(equations.h, 3 - own));
+  const SymmetricEigen eigen = symmetric_eigen(alone(equations.h, own, other));
+  for (int k = 0; k < 3; ++k) {
+    const rt::Vector3 v{eigen.vector[k][0], eigen.vector[k][1], eigen.vector[k][2]};
+    const rt::Vector3 way = giving_way(equations.h, own, other, v);
+    double z[6];
+    const double first[3] = {v.x, v.y, v.z};
+    const double second[3] = {way.x, way.y, way.z};
+    for (int i = 0; i < 3; ++i) {
+      z[own + i] = first[i];
+      z[3 - own + i] = second[i];
+    }
+    const double noise = form(equations.noise, z);
+    if (eigen.value[k] > margin * noise && eigen.value[k] > kNothing * std::max(1.0, eigen.value[2]))
+      continue;
+    const std::uint32_t row = weak.moves + weak.turns;
+    for (int i = 0; i < 6; ++i) weak.along[row][i] = z[i];
+    if (own == 3) {
+      weak.move[weak.moves++] = v;
+    } else {
+      weak.turn[weak.turns++] = v;
+    }
+  }
+}
+}  // namespace
+
+WeakDirections weak_directions(const NormalEquations& equations, double margin) {
+  WeakDirections weak;
+  look(equations, 3, margin, weak);
+  look(equations, 0, margin, weak);
+  return weak;
+}
+
+void let_go(const WeakDirections& weak, NormalEquations& equations) {
+  for (std::uint32_t row = 0; row < weak.moves + weak.turns; ++row) {
+    const auto& z = weak.along[row];
+    double hz[6]{};
+    double zhz = 0.0;
+    double zg = 0.0;
+    for (int i = 0; i < 6; ++i) {
+      for (int k = 0; k < 6; ++k) hz[i] += equations.h[i][k] * z[k];
+      zhz += z[i] * hz[i];
+      zg += z[i] * equations.g[i];
+    }
+    if (!(zhz > 0.0)) continue;
+    for (int i = 0; i < 6; ++i) {
+      for (int k = 0; k < 6; ++k) equations.h[i][k] -= hz[i] * hz[k] / zhz;
+      equations.g[i] -= hz[i] * zg / zhz;
+    }
+  }
+}
+
+bool invert6(const double (&a)[6][6], double (&inverse)[6][6]) {
+  for (int column = 0; column < 6; ++column) {
+    double unit[6]{};
+    unit[column] = 1.0;
+    double x[6];
+    if (!solve6(a, unit, x)) return false;
+    for (int row = 0; row < 6; ++row) inverse[row][column] = x[row];
+  }
+  return true;
+}
+
+}  // namespace sortie::mapping
