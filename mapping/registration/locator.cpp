@@ -46,7 +46,7 @@ double squared_distance(const PosePrior& prior, const RigidPose& pose) {
 
 const char* to_string(LocateVerdict verdict) {
   constexpr const char* kNames[] = {"none",    "first",     "accepted",       "few returns", "little share",
-                                    "crossed", "ambiguous", "far from prior", "unheld"};
+                                    "crossed", "ambiguous", "far from prior", "unheld",      "new place"};
   const auto at = static_cast<std::size_t>(verdict);
   return at < std::size(kNames) ? kNames[at] : "unknown";
 }
@@ -73,6 +73,12 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& od
   const std::uint32_t through =
       rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
   located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
+  if (odometry.known && match.score.known < config_.least_known) {
+    accept(prior.at, odometry);
+    located_.verdict = LocateVerdict::new_place;
+    ++located_.counts.new_place;
+    return located_;
+  }
   const LocateVerdict verdict = judge(match, prior, odometry);
   if (verdict != LocateVerdict::accepted) return refuse(verdict, odometry);
   if (match.other_start) ++located_.counts.recovered;

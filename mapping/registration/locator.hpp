@@ -21,6 +21,7 @@ enum class LocateVerdict : std::uint8_t {
   ambiguous,       ///< another pose does as well
   far_from_prior,  ///< outside what the odometry leaves possible
   unheld,          ///< nothing holds the pose
+  new_place,  ///< hardly any of it is on the map yet: the odometry's pose is taken, and the map grows by it
 };
 const char* to_string(LocateVerdict verdict);
 
@@ -35,9 +36,10 @@ struct LocateCounts {
   std::uint64_t ambiguous{};
   std::uint64_t far_from_prior{};
   std::uint64_t unheld{};
+  std::uint64_t new_place{};
   std::uint64_t recovered{};  ///< of the accepted: found from another start
   SORTIE_FIELDS(in, first, accepted, few_returns, little_share, crossed, ambiguous, far_from_prior, unheld,
-                recovered)
+                new_place, recovered)
 };
 
 /// A direction in space that the scan says little about.
