@@ -24,6 +24,14 @@ RigidPose gone_on(const RigidPose& from, const RigidPose& to, double share) {
   return after(to, {share * step.p, rt::exp_rotation(share * rt::log_rotation(step.q))});
 }
 
+/// Numbers that a pose can be made of: others would stay in the map's place for good.
+bool usable(const OdometryHint& hint) {
+  const double q2 = rt::squared_norm(hint.T_odom_sensor.q);
+  const auto fits = [](double sigma) { return sigma > 1e-9 && sigma < 1e9; };
+  return hint.known && rt::is_finite(hint.T_odom_sensor.p) && q2 > 0.99 && q2 < 1.01 &&
+         fits(hint.sigma_move_m) && fits(hint.sigma_turn_rad);
+}
+
 void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_m) {
   for (int i = 0; i < 3; ++i) {
     prior.information[i][i] = 1.0 / (sigma_turn_rad * sigma_turn_rad);
@@ -51,11 +59,14 @@ const char* to_string(LocateVerdict verdict) {
   return at < std::size(kNames) ? kNames[at] : "unknown";
 }
 
-const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& odometry) {
+const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hint) {
+  OdometryHint odometry = hint;
+  odometry.known = usable(hint);
   const std::span<const rt::ScanPoint> points{scan.points, scan.header.points};
   located_.stamp_ns = scan.header.stamp_ns;
   ++located_.counts.in;
   located_.steps = 0;
+  located_.share = located_.known = located_.crossed = 0.0;
   located_.returns = static_cast<std::uint32_t>(registration_.take(points));
   located_.weak_moves = located_.weak_turns = 0;
   if (located_.returns < kFewReturns) return refuse(LocateVerdict::few_returns, odometry);

@@ -87,8 +87,8 @@ class Locator {
       : config_(config), registration_(config, arena) {}
 
   /// The place of a scan whose returns are as of one moment, sensor frame. An accepted scan becomes part of
-  /// the map.
-  const Located& locate(const rt::PointScan& scan, const OdometryHint& odometry);
+  /// the map. Odometry that is not finite, no rotation, or as good as sure counts as none.
+  const Located& locate(const rt::PointScan& scan, const OdometryHint& hint);
   const Located& located() const { return located_; }
   const ScanRegistration& registration() const { return registration_; }
 

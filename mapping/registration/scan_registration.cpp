@@ -6,10 +6,11 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::size_t kMostInserted = 8192;  ///< returns of a scan's sample: all of them go into the map
-constexpr std::size_t kFewReturns = 512;     ///< of a sample, for starts that are but tried
-constexpr double kClearlyBetter = 1.02;      ///< of a score
-constexpr double kAboutTurn = 0.03;          ///< rad and m from a result to the starts about it
+constexpr std::size_t kMostInserted = 8192;    ///< returns of a scan's sample: all of them go into the map
+constexpr std::uint32_t kFewestSurfels = 256;  ///< of a layer
+constexpr std::size_t kFewReturns = 512;       ///< of a sample, for starts that are but tried
+constexpr double kClearlyBetter = 1.02;        ///< of a score
+constexpr double kAboutTurn = 0.03;            ///< rad and m from a result to the starts about it
 constexpr double kAboutMove = 0.15;
 constexpr int kTurns = 5;    ///< about the upright, either way
 constexpr int kLattice = 5;  ///< an edge of it
@@ -31,7 +32,8 @@ SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level, std::uint3
                                          unsigned bits_z) const {
   static constexpr const char* kNames[] = {"surfels_fine", "surfels_middle", "surfels_coarse"};
   const auto shift = static_cast<unsigned>(level);
-  const std::uint32_t count = std::max(most >> shift, 256u);  // a quarter is flat, the rest is small
+  const std::uint32_t count =
+      std::max(most >> shift, kFewestSurfels);  // a quarter is flat, the rest is small
   const SurfelLayerMemory memory{
       arena.make_array<SurfelIndex>(kNames[level],
                                     std::size_t{1} << (2 * (bits_xy - shift) + bits_z - shift)),
@@ -50,7 +52,7 @@ ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& 
       layers_{make_layer(arena, 0, most_surfels, bits_xy, bits_z),
               make_layer(arena, 1, most_surfels, bits_xy, bits_z),
               make_layer(arena, 2, most_surfels, bits_xy, bits_z)},
-      step_({arena.make_array<StepMemory::Slot>("match_slots", most_surfels),
+      step_({arena.make_array<StepMemory::Slot>("match_slots", std::max(most_surfels, kFewestSurfels)),
              arena.make_array<CellSums>("match_cells", config.returns)}),
       chooser_(config.edge_m, config.min_range_m, config.max_range_m,
                arena.make_array<ScanSample::Slot>(
