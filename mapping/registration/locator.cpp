@@ -84,7 +84,8 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   const std::uint32_t through =
       rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
   located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
-  if (odometry.known && match.score.known < config_.least_known) {
+  if (odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung &&
+      located_.crossed <= config_.most_crossed) {
     accept(prior.at, odometry);
     located_.verdict = LocateVerdict::new_place;
     ++located_.counts.new_place;
@@ -138,6 +139,7 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
 
 const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odometry) {
   located_.verdict = verdict;
+  usual_share_ *= kForget;
   switch (verdict) {
     case LocateVerdict::few_returns:
       ++located_.counts.few_returns;

@@ -102,6 +102,8 @@ class Locator {
 
   static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer
 
+  static constexpr double kForget = 0.9;        ///< of the usual share, a scan that is refused
+  static constexpr double kYoung = 0.5;         ///< a usual share: the map is thin, or was left behind
   static constexpr double kLeastOfUsual = 0.7;  ///< of the share of the scan before
 
   RegistrationConfig config_;
