@@ -76,16 +76,19 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   }
   const PosePrior prior = expect(odometry);
   const RigidPose other = odometry.known ? prior.at : newest_;
-  const Match match = registration_.match(prior.at, other, prior, usual_share_);
+  Match match = registration_.match(prior.at, other, prior, usual_share_);
+  look_along_rays(match);
+  if (!clear() && !match.recovered) {  // it looked well, and cannot be
+    const std::uint32_t spent = match.steps;
+    match = registration_.match(prior.at, other, prior, kNeverUsual);
+    match.steps += spent;
+    look_along_rays(match);
+  }
   located_.share = match.score.matched;
   located_.known = match.score.known;
   located_.steps = match.steps;
   describe(match, prior);
-  const std::uint32_t through =
-      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
-  located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
-  if (odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung &&
-      located_.crossed <= config_.most_crossed) {
+  if (odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear()) {
     accept(prior.at, odometry);
     located_.verdict = LocateVerdict::new_place;
     ++located_.counts.new_place;
@@ -98,6 +101,17 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   usual_share_ = match.score.matched;
   ++located_.counts.accepted;
   return located_;
+}
+
+void Locator::look_along_rays(const Match& match) {
+  const std::uint32_t through =
+      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
+  located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
+  located_.inside = seen_.share_inside(registration_.sample(), match.pose);
+}
+
+bool Locator::clear() const {
+  return located_.crossed <= config_.most_crossed && located_.inside <= config_.most_inside;
 }
 
 void Locator::begin(const OdometryHint& odometry) {
@@ -127,11 +141,16 @@ PosePrior Locator::expect(const OdometryHint& odometry) const {
 }
 
 LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const {
-  if (match.equations.rows < 6) return LocateVerdict::unheld;
+  // Without odometry nothing else holds what the scan does not, and standing still fits as well as any
+  // motion: then nothing at all may speak against the pose.
+  const bool weak = match.weak.moves + match.weak.turns > 0;
+  if (match.equations.rows < 6 || (weak && !odometry.known && located_.inside > kHardlyAny))
+    return LocateVerdict::unheld;
   if (match.score.matched < config_.least_share * match.score.known ||
       match.score.known < config_.least_known || match.score.matched < kLeastOfUsual * usual_share_)
     return LocateVerdict::little_share;
-  if (located_.crossed > config_.most_crossed) return LocateVerdict::crossed;
+  if (located_.crossed > config_.most_crossed || located_.inside > config_.most_inside)
+    return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
   if (odometry.known && squared_distance(prior, match.pose) > kFar2) return LocateVerdict::far_from_prior;
   return LocateVerdict::accepted;
@@ -172,6 +191,7 @@ void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
   newest_ = pose;
   newest_ns_ = located_.stamp_ns;
   registration_.insert(pose);
+  seen_.take(registration_.chosen(), pose);
 }
 
 void Locator::describe(const Match& match, const PosePrior& prior) {
