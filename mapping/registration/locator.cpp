@@ -75,7 +75,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
     return located_;
   }
   const PosePrior prior = expect(odometry);
-  const RigidPose other = odometry.known ? prior.at : newest_;
+  const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
   const Match match = registration_.match(prior.at, other, prior, usual_share_);
   located_.share = match.score.matched;
   located_.known = match.score.known;
@@ -104,10 +104,10 @@ void Locator::begin(const OdometryHint& odometry) {
   ++located_.counts.first;
 }
 
-/// The odometry's pose or, without any, the last motion for as long again.
+/// The odometry's pose or, without any that the map knows, the last motion for as long again.
 PosePrior Locator::expect(const OdometryHint& odometry) const {
   PosePrior prior;
-  if (odometry.known) {
+  if (tied_ && odometry.known) {
     prior.at = after(located_.T_map_odom, odometry.T_odom_sensor);
     set_information(prior, odometry.sigma_turn_rad, odometry.sigma_move_m);
     return prior;
@@ -126,7 +126,8 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
     return LocateVerdict::little_share;
   if (located_.crossed > config_.most_crossed) return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
-  if (odometry.known && squared_distance(prior, match.pose) > kFar2) return LocateVerdict::far_from_prior;
+  if (tied_ && odometry.known && squared_distance(prior, match.pose) > kFar2)
+    return LocateVerdict::far_from_prior;
   return LocateVerdict::accepted;
 }
 
@@ -151,14 +152,17 @@ const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odomet
     default:
       ++located_.counts.unheld;
   }
-  if (odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
+  if (tied_ && odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
   return located_;
 }
 
 void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
   located_.verdict = LocateVerdict::accepted;
   located_.T_map_sensor = pose;
-  if (odometry.known) located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+  if (odometry.known) {
+    located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+    tied_ = true;
+  }
   before_ = newest_;
   before_ns_ = newest_ns_;
   newest_ = pose;
