@@ -66,7 +66,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.stamp_ns = scan.header.stamp_ns;
   ++located_.counts.in;
   located_.steps = 0;
-  located_.share = located_.known = located_.crossed = 0.0;
+  located_.share = located_.known = located_.crossed = located_.inside = 0.0;
   located_.returns = static_cast<std::uint32_t>(registration_.take(points));
   located_.weak_moves = located_.weak_turns = 0;
   if (located_.returns < kFewReturns) return refuse(LocateVerdict::few_returns, odometry);
@@ -75,7 +75,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
     return located_;
   }
   const PosePrior prior = expect(odometry);
-  const RigidPose other = odometry.known ? prior.at : newest_;
+  const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
   Match match = registration_.match(prior.at, other, prior, usual_share_);
   look_along_rays(match);
   if (!clear() && !match.recovered) {  // it looked well, and cannot be
@@ -88,7 +88,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.known = match.score.known;
   located_.steps = match.steps;
   describe(match, prior);
-  if (odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear()) {
+  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear()) {
     accept(prior.at, odometry);
     located_.verdict = LocateVerdict::new_place;
     ++located_.counts.new_place;
@@ -125,10 +125,10 @@ void Locator::begin(const OdometryHint& odometry) {
   ++located_.counts.first;
 }
 
-/// The odometry's pose or, without any, the last motion for as long again.
+/// The odometry's pose or, without any that the map knows, the last motion for as long again.
 PosePrior Locator::expect(const OdometryHint& odometry) const {
   PosePrior prior;
-  if (odometry.known) {
+  if (tied_ && odometry.known) {
     prior.at = after(located_.T_map_odom, odometry.T_odom_sensor);
     set_information(prior, odometry.sigma_turn_rad, odometry.sigma_move_m);
     return prior;
@@ -152,7 +152,8 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
   if (located_.crossed > config_.most_crossed || located_.inside > config_.most_inside)
     return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
-  if (odometry.known && squared_distance(prior, match.pose) > kFar2) return LocateVerdict::far_from_prior;
+  if (tied_ && odometry.known && squared_distance(prior, match.pose) > kFar2)
+    return LocateVerdict::far_from_prior;
   return LocateVerdict::accepted;
 }
 
@@ -178,14 +179,17 @@ const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odomet
     default:
       ++located_.counts.unheld;
   }
-  if (odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
+  if (tied_ && odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
   return located_;
 }
 
 void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
   located_.verdict = LocateVerdict::accepted;
   located_.T_map_sensor = pose;
-  if (odometry.known) located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+  if (odometry.known) {
+    located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+    tied_ = true;
+  }
   before_ = newest_;
   before_ns_ = newest_ns_;
   newest_ = pose;

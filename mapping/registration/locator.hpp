@@ -118,8 +118,8 @@ class Locator {
   ScanRegistration registration_;
   SeenSpace seen_;  ///< of the newest accepted scan
   Located located_;
-  RigidPose T_odom_sensor_;  ///< of the newest accepted scan
-  RigidPose newest_;         ///< T_map_sensor of the two newest accepted scans
+  bool tied_{};       ///< the odometry's place on the map is known: an accepted scan came with some
+  RigidPose newest_;  ///< T_map_sensor of the two newest accepted scans
   RigidPose before_;
   rt::Nanoseconds newest_ns_{};
   rt::Nanoseconds before_ns_{};
