@@ -25,6 +25,11 @@ enum class LocateVerdict : std::uint8_t {
   new_place,  ///< hardly any of it is on the map yet: the odometry's pose is taken, and the map grows by it
 };
 const char* to_string(LocateVerdict verdict);
+/// Whether the scan went into the map.
+constexpr bool is_placed(LocateVerdict verdict) {
+  return verdict == LocateVerdict::first || verdict == LocateVerdict::accepted ||
+         verdict == LocateVerdict::new_place;
+}
 
 /// Scans by verdict. in = all others.
 struct LocateCounts {
