@@ -65,7 +65,8 @@ std::string differs_in(const mapping::Located& a, const mapping::Located& b) {
 void check_located(const mapping::Located& l, std::uint64_t scans) {
   CHECK(l.counts.in == scans);
   CHECK(l.counts.in == l.counts.first + l.counts.accepted + l.counts.few_returns + l.counts.little_share +
-                           l.counts.crossed + l.counts.ambiguous + l.counts.far_from_prior + l.counts.unheld);
+                           l.counts.crossed + l.counts.ambiguous + l.counts.far_from_prior + l.counts.unheld +
+                           l.counts.new_place);
   CHECK(l.counts.recovered <= l.counts.accepted);
   CHECK(l.verdict != LocateVerdict::none);
   CHECK(std::string(mapping::to_string(l.verdict)) != "unknown");
@@ -82,7 +83,7 @@ void check_located(const mapping::Located& l, std::uint64_t scans) {
   CHECK(l.weak_turns <= 3);
   for (std::uint32_t i = 0; i < l.weak_moves; ++i) CHECK(std::isfinite(l.weak_move[i].sigma));
   for (std::uint32_t i = 0; i < l.weak_turns; ++i) CHECK(std::isfinite(l.weak_turn[i].sigma));
-  for (const double share : {l.share, l.known, l.crossed}) {
+  for (const double share : {l.share, l.known, l.crossed, l.inside}) {
     CHECK(share >= 0.0);
     CHECK(share <= 1.0);
   }
@@ -166,6 +167,7 @@ TEST_CASE("A locator takes scans that hold nothing, or too little, and goes on a
         CHECK(l.share == 0.0);
         CHECK(l.known == 0.0);
         CHECK(l.crossed == 0.0);
+        CHECK(l.inside == 0.0);
         CHECK(l.steps == 0);
       }
       for (std::size_t tick = 2; tick < 5; ++tick, now += kTick_ns) {
@@ -252,14 +254,16 @@ TEST_CASE("Odometry beyond reach, or none at all in its numbers, leaves no trace
       }
     }
   }
-  // Ten thousand kilometres out: no cell has a number there. Nothing is accepted, and nothing breaks.
+  // Ten thousand kilometres out: no cell has a number there. Nothing is matched, and nothing breaks.
   testing::OwnedLocator owned({});
   for (std::uint64_t in = 1; in <= 3; ++in) {
     mapping::OdometryHint hint{true, drive.poses[in]};
     hint.T_odom_sensor.p.x += 1e7;
     const mapping::Located l = locate(owned, drive.scans[in], static_cast<std::int64_t>(in) * kTick_ns, hint);
     check_located(l, in);
-    CHECK(l.verdict == (in == 1 ? LocateVerdict::first : LocateVerdict::unheld));
+    CHECK(l.verdict == (in == 1 ? LocateVerdict::first : LocateVerdict::new_place));
+    CHECK(owned.part.registration().layer(0).size() == 0);
+    CHECK(apart_m(l.T_map_sensor, hint.T_odom_sensor) < 1e-6);
   }
 }
 

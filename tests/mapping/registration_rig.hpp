@@ -45,7 +45,7 @@ struct OwnedSurfelLayer {
 /// A locator, or a registration, with memory of its own.
 template <class Part>
 struct OwnedPart {
-  static constexpr std::size_t kBytes = std::size_t{24} << 20;
+  static constexpr std::size_t kBytes = std::size_t{32} << 20;
   std::unique_ptr<std::byte[]> bytes{new std::byte[kBytes]};
   rt::Arena arena{{bytes.get(), kBytes}};
   Part part;
