@@ -82,7 +82,7 @@ void look(const NormalEquations& equations, int own, double margin, WeakDirectio
       z[3 - own + i] = second[i];
     }
     const double noise = form(equations.noise, z);
-    if (eigen.value[k] > margin * noise && eigen.value[k] > kNothing * std::max(1.0, eigen.value[2]))
+    if (eigen.value[k] > margin * noise && eigen.value[k] > kNothing * std::max(1.0, largest(equations.h)))
       continue;
     const std::uint32_t row = weak.moves + weak.turns;
     for (int i = 0; i < 6; ++i) weak.along[row][i] = z[i];
