@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/bench/registration/judged_match.hpp"
+#include "tests/bench/registration/matched_step.hpp"
 #include "tests/bench/registration/pcl_peers.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/scan_sets.hpp"
@@ -59,8 +59,8 @@ void compare(const char* name, const std::vector<MapAndScans>& sets) {
     if (has_pcl_registration()) peers = std::make_unique<PclPeers>(points_of(set.map));
     for (std::size_t i = 0; i < set.scans.size(); ++i) {
       const PlacedScan& scan = set.scans[i];
-      const JudgedMatch judged = judged_match(*map, config, scan.points, set.starts[i], 0.9);
-      ours.add(pose_error(judged.match.pose, scan.pose), judged.ms);
+      const MatchedStep step = matched_step(*map, scan.points, set.starts[i], 0.9);
+      ours.add(pose_error(step.match.pose, scan.pose), step.ms);
       for (int peer = 0; peers != nullptr && peer < kPclPeers; ++peer) {
         const PclResult result = peers->align(peer, map->registration.sample(), set.starts[i]);
         theirs[peer].add(pose_error(result.pose, scan.pose), result.ms);
@@ -84,7 +84,8 @@ void compare(const char* name, const std::vector<MapAndScans>& sets) {
 
 void registration_beside_peers(const RegistrationSettings& settings) {
   std::printf(
-      "\nStep: from %u returns to the pose; ours with covariance and verdict. Map: keeping it up with a scan "
+      "\nStep: from %u returns to the pose; ours with covariance and the look along the rays. Map: keeping "
+      "it up with a scan "
       "(ours), making what the peer knows of it (theirs).\n\n"
       "| set, start off by | who | n | step ms median | p99 | max | median of ours | p99 of ours | max of "
       "own "

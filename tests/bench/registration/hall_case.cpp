@@ -36,18 +36,6 @@ PlacedScan Hall::scan(testing::Draws& draws) const {
   return {testing::TestLidar{}.scan(world_, pose.p, pose.q, draws), pose};
 }
 
-std::unique_ptr<OwnedRegistration> map_of(const Hall& hall, const mapping::RegistrationConfig& config,
-                                          int scans, testing::Draws& draws, std::vector<PlacedScan>* kept) {
-  auto owned = std::make_unique<OwnedRegistration>(config);
-  for (int i = 0; i < scans; ++i) {
-    PlacedScan scan = hall.scan(draws);
-    (void)owned->registration.take(scan.points);
-    owned->registration.insert(scan.pose);
-    if (kept != nullptr) kept->push_back(std::move(scan));
-  }
-  return owned;
-}
-
 mapping::RigidPose start_beside(const mapping::RigidPose& pose, const StartError& error,
                                 testing::Draws& draws) {
   rt::Vector3 along = draws.direction();

@@ -39,11 +39,6 @@ struct OwnedRegistration {
   mapping::ScanRegistration registration;
 };
 
-/// One that holds `scans` scans of a hall. The scans go to `kept` as well, if it is given.
-std::unique_ptr<OwnedRegistration> map_of(const Hall& hall, const mapping::RegistrationConfig& config,
-                                          int scans, testing::Draws& draws,
-                                          std::vector<PlacedScan>* kept = nullptr);
-
 /// How a start is off.
 struct StartError {
   double move_m{};

@@ -44,12 +44,23 @@ mapping::RigidPose pose_of(const Eigen::Matrix4f& m) {
           rt::normalised(rt::Quaternion{q.w(), q.x(), q.y(), q.z()})};
 }
 
-/// Makes the map's covariances ahead of the first scan, as those of a scan are made with it.
-class Gicp : public pcl::GeneralizedIterativeClosestPoint<Point, Point> {
+/// Makes the map's tree ahead of the first scan.
+template <class Registration>
+class Prepared : public Registration {
  public:
-  void prepare(const Cloud::Ptr& map) {
-    setInputTarget(map);
-    tree_->setInputCloud(map);
+  template <class MapPtr>
+  void prepare(const MapPtr& map) {
+    this->setInputTarget(map);
+    this->tree_->setInputCloud(map);
+    this->target_cloud_updated_ = false;
+  }
+};
+
+/// Its covariances as well.
+class Gicp : public Prepared<pcl::GeneralizedIterativeClosestPoint<Point, Point>> {
+ public:
+  void prepare_all(const Cloud::Ptr& map) {
+    prepare(map);
     const auto covariances = std::make_shared<MatricesVector>();
     computeCovariances<Point>(map, tree_, *covariances);
     setTargetCovariances(covariances);
@@ -74,8 +85,8 @@ NormalCloud::Ptr with_normals(const Cloud::Ptr& cloud) {
 
 struct PclPeers::Inside {
   Gicp gicp;
-  pcl::NormalDistributionsTransform<Point, Point> ndt;
-  pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> icp;
+  Prepared<pcl::NormalDistributionsTransform<Point, Point>> ndt;
+  Prepared<pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal>> icp;
   std::array<double, kPclPeers> prepared_ms{};
 };
 
@@ -92,16 +103,16 @@ PclPeers::PclPeers(std::span<const rt::Vector3> map_m) : inside_(std::make_uniqu
   const auto map = std::make_shared<Cloud>();
   filter.filter(*map);
   const double t1 = pcl_ms();
-  inside_->gicp.prepare(map);
+  inside_->gicp.prepare_all(map);
   inside_->gicp.setMaxCorrespondenceDistance(kReach);
   inside_->gicp.setMaximumIterations(50);
   const double t2 = pcl_ms();
   inside_->ndt.setResolution(1.0f);
-  inside_->ndt.setInputTarget(map);
+  inside_->ndt.prepare(map);
   inside_->ndt.setMaximumIterations(35);
   inside_->ndt.setTransformationEpsilon(0.0001);
   const double t3 = pcl_ms();
-  inside_->icp.setInputTarget(with_normals(map));
+  inside_->icp.prepare(with_normals(map));
   inside_->icp.setMaxCorrespondenceDistance(kReach);
   inside_->icp.setMaximumIterations(50);
   inside_->icp.setTransformationEpsilon(1e-8);

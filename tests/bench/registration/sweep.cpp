@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/bench/registration/judged_match.hpp"
+#include "tests/bench/registration/matched_step.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/scan_sets.hpp"
 #include "tests/bench/report/figures.hpp"
@@ -30,9 +30,9 @@ SweepCell measure(const mapping::RegistrationConfig& config, const std::vector<M
   for (const MapAndScans& set : sets) {
     const auto map = map_of(set, config);
     for (std::size_t i = 0; i < set.scans.size(); ++i) {
-      const JudgedMatch judged = judged_match(*map, config, set.scans[i].points, set.starts[i], 0.0);
-      const PoseError error = pose_error(judged.match.pose, set.scans[i].pose);
-      ms.add(judged.ms);
+      const MatchedStep step = matched_step(*map, set.scans[i].points, set.starts[i], 0.0);
+      const PoseError error = pose_error(step.match.pose, set.scans[i].pose);
+      ms.add(step.ms);
       mm.add(1e3 * error.move_m);
       right += error.within(0.02, 0.2) ? 1 : 0;
     }
