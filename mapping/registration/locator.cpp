@@ -24,6 +24,14 @@ RigidPose gone_on(const RigidPose& from, const RigidPose& to, double share) {
   return after(to, {share * step.p, rt::exp_rotation(share * rt::log_rotation(step.q))});
 }
 
+/// Numbers that a pose can be made of: others would stay in the map's place for good.
+bool usable(const OdometryHint& hint) {
+  const double q2 = rt::squared_norm(hint.T_odom_sensor.q);
+  const auto fits = [](double sigma) { return sigma > 1e-9 && sigma < 1e9; };
+  return hint.known && rt::is_finite(hint.T_odom_sensor.p) && q2 > 0.99 && q2 < 1.01 &&
+         fits(hint.sigma_move_m) && fits(hint.sigma_turn_rad);
+}
+
 void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_m) {
   for (int i = 0; i < 3; ++i) {
     prior.information[i][i] = 1.0 / (sigma_turn_rad * sigma_turn_rad);
@@ -46,16 +54,19 @@ double squared_distance(const PosePrior& prior, const RigidPose& pose) {
 
 const char* to_string(LocateVerdict verdict) {
   constexpr const char* kNames[] = {"none",    "first",     "accepted",       "few returns", "little share",
-                                    "crossed", "ambiguous", "far from prior", "unheld"};
+                                    "crossed", "ambiguous", "far from prior", "unheld",      "new place"};
   const auto at = static_cast<std::size_t>(verdict);
   return at < std::size(kNames) ? kNames[at] : "unknown";
 }
 
-const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& odometry) {
+const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hint) {
+  OdometryHint odometry = hint;
+  odometry.known = usable(hint);
   const std::span<const rt::ScanPoint> points{scan.points, scan.header.points};
   located_.stamp_ns = scan.header.stamp_ns;
   ++located_.counts.in;
   located_.steps = 0;
+  located_.share = located_.known = located_.crossed = located_.inside = 0.0;
   located_.returns = static_cast<std::uint32_t>(registration_.take(points));
   located_.weak_moves = located_.weak_turns = 0;
   if (located_.returns < kFewReturns) return refuse(LocateVerdict::few_returns, odometry);
@@ -64,15 +75,25 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& od
     return located_;
   }
   const PosePrior prior = expect(odometry);
-  const RigidPose other = odometry.known ? prior.at : newest_;
-  const Match match = registration_.match(prior.at, other, prior, usual_share_);
+  const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
+  Match match = registration_.match(prior.at, other, prior, usual_share_);
+  look_along_rays(match);
+  if (!clear() && !match.recovered) {  // it looked well, and cannot be
+    const std::uint32_t spent = match.steps;
+    match = registration_.match(prior.at, other, prior, kNeverUsual);
+    match.steps += spent;
+    look_along_rays(match);
+  }
   located_.share = match.score.matched;
   located_.known = match.score.known;
   located_.steps = match.steps;
   describe(match, prior);
-  const std::uint32_t through =
-      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
-  located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
+  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear()) {
+    accept(prior.at, odometry);
+    located_.verdict = LocateVerdict::new_place;
+    ++located_.counts.new_place;
+    return located_;
+  }
   const LocateVerdict verdict = judge(match, prior, odometry);
   if (verdict != LocateVerdict::accepted) return refuse(verdict, odometry);
   if (match.other_start) ++located_.counts.recovered;
@@ -80,6 +101,17 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& od
   usual_share_ = match.score.matched;
   ++located_.counts.accepted;
   return located_;
+}
+
+void Locator::look_along_rays(const Match& match) {
+  const std::uint32_t through =
+      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
+  located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
+  located_.inside = seen_.share_inside(registration_.sample(), match.pose);
+}
+
+bool Locator::clear() const {
+  return located_.crossed <= config_.most_crossed && located_.inside <= config_.most_inside;
 }
 
 void Locator::begin(const OdometryHint& odometry) {
@@ -93,10 +125,10 @@ void Locator::begin(const OdometryHint& odometry) {
   ++located_.counts.first;
 }
 
-/// The odometry's pose or, without any, the last motion for as long again.
+/// The odometry's pose or, without any that the map knows, the last motion for as long again.
 PosePrior Locator::expect(const OdometryHint& odometry) const {
   PosePrior prior;
-  if (odometry.known) {
+  if (tied_ && odometry.known) {
     prior.at = after(located_.T_map_odom, odometry.T_odom_sensor);
     set_information(prior, odometry.sigma_turn_rad, odometry.sigma_move_m);
     return prior;
@@ -109,18 +141,25 @@ PosePrior Locator::expect(const OdometryHint& odometry) const {
 }
 
 LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const {
-  if (match.equations.rows < 6) return LocateVerdict::unheld;
+  // Without odometry nothing else holds what the scan does not, and standing still fits as well as any
+  // motion: then nothing at all may speak against the pose.
+  const bool weak = match.weak.moves + match.weak.turns > 0;
+  if (match.equations.rows < 6 || (weak && !odometry.known && located_.inside > kHardlyAny))
+    return LocateVerdict::unheld;
   if (match.score.matched < config_.least_share * match.score.known ||
       match.score.known < config_.least_known || match.score.matched < kLeastOfUsual * usual_share_)
     return LocateVerdict::little_share;
-  if (located_.crossed > config_.most_crossed) return LocateVerdict::crossed;
+  if (located_.crossed > config_.most_crossed || located_.inside > config_.most_inside)
+    return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
-  if (odometry.known && squared_distance(prior, match.pose) > kFar2) return LocateVerdict::far_from_prior;
+  if (tied_ && odometry.known && squared_distance(prior, match.pose) > kFar2)
+    return LocateVerdict::far_from_prior;
   return LocateVerdict::accepted;
 }
 
 const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odometry) {
   located_.verdict = verdict;
+  usual_share_ *= kForget;
   switch (verdict) {
     case LocateVerdict::few_returns:
       ++located_.counts.few_returns;
@@ -140,19 +179,23 @@ const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odomet
     default:
       ++located_.counts.unheld;
   }
-  if (odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
+  if (tied_ && odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
   return located_;
 }
 
 void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
   located_.verdict = LocateVerdict::accepted;
   located_.T_map_sensor = pose;
-  if (odometry.known) located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+  if (odometry.known) {
+    located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
+    tied_ = true;
+  }
   before_ = newest_;
   before_ns_ = newest_ns_;
   newest_ = pose;
   newest_ns_ = located_.stamp_ns;
   registration_.insert(pose);
+  seen_.take(registration_.chosen(), pose);
 }
 
 void Locator::describe(const Match& match, const PosePrior& prior) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "mapping/registration/scan_registration.hpp"
+#include "mapping/registration/seen_space.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::mapping {
@@ -15,12 +16,13 @@ enum class LocateVerdict : std::uint8_t {
   none = 0,  ///< no scan yet
   first,     ///< the first scan: the map begins with it
   accepted,
-  few_returns,     ///< too few that could be matched
-  little_share,    ///< too few of them lie on the map's surfaces
-  crossed,         ///< rays go through surfaces of the map
-  ambiguous,       ///< another pose does as well
+  few_returns,   ///< too few that could be matched
+  little_share,  ///< too few of them lie on the map's surfaces
+  crossed,       ///< rays go through surfaces of the map, or returns stand where the scan before saw nothing
+  ambiguous,     ///< another pose does as well
   far_from_prior,  ///< outside what the odometry leaves possible
   unheld,          ///< nothing holds the pose
+  new_place,  ///< hardly any of it is on the map yet: the odometry's pose is taken, and the map grows by it
 };
 const char* to_string(LocateVerdict verdict);
 
@@ -35,9 +37,10 @@ struct LocateCounts {
   std::uint64_t ambiguous{};
   std::uint64_t far_from_prior{};
   std::uint64_t unheld{};
+  std::uint64_t new_place{};
   std::uint64_t recovered{};  ///< of the accepted: found from another start
   SORTIE_FIELDS(in, first, accepted, few_returns, little_share, crossed, ambiguous, far_from_prior, unheld,
-                recovered)
+                new_place, recovered)
 };
 
 /// A direction in space that the scan says little about.
@@ -57,7 +60,8 @@ struct Located {
       covariance[36]{};  ///< of T_map_sensor: (position in map, rotation in sensor), row-major, m^2 and rad^2
   double share{};        ///< of the returns, on the map's surfaces
   double known{};        ///< of the returns, in cells that have a surface
-  double crossed{};      ///< of the rays
+  double crossed{};      ///< of the rays: through surfaces of the map
+  double inside{};       ///< of the returns: where the scan before saw nothing
   std::uint32_t returns{};     ///< that were matched
   std::uint32_t steps{};       ///< of work, each over at most `returns` returns
   std::uint32_t weak_moves{};  ///< directions that the scan does not hold; at most 3
@@ -65,8 +69,8 @@ struct Located {
   WeakDirection weak_move[3];
   WeakDirection weak_turn[3];
   LocateCounts counts;
-  SORTIE_FIELDS(stamp_ns, verdict, T_map_odom, T_map_sensor, covariance, share, known, crossed, returns,
-                steps, weak_moves, weak_turns, weak_move, weak_turn, counts)
+  SORTIE_FIELDS(stamp_ns, verdict, T_map_odom, T_map_sensor, covariance, share, known, crossed, inside,
+                returns, steps, weak_moves, weak_turns, weak_move, weak_turn, counts)
 };
 
 /// What is known of the sensor's pose before its scan.
@@ -82,15 +86,19 @@ struct OdometryHint {
 class Locator {
  public:
   Locator(const RegistrationConfig& config, rt::Arena& arena)
-      : config_(config), registration_(config, arena) {}
+      : config_(config),
+        registration_(config, arena),
+        seen_(arena.make_array<float>("seen_space", SeenSpace::kDirections)) {}
 
   /// The place of a scan whose returns are as of one moment, sensor frame. An accepted scan becomes part of
-  /// the map.
-  const Located& locate(const rt::PointScan& scan, const OdometryHint& odometry);
+  /// the map. Odometry that is not finite, no rotation, or as good as sure counts as none.
+  const Located& locate(const rt::PointScan& scan, const OdometryHint& hint);
   const Located& located() const { return located_; }
   const ScanRegistration& registration() const { return registration_; }
 
  private:
+  void look_along_rays(const Match& match);
+  bool clear() const;  ///< neither rays through surfaces nor returns in what was seen to be empty
   void begin(const OdometryHint& odometry);
   PosePrior expect(const OdometryHint& odometry) const;
   LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
@@ -100,13 +108,18 @@ class Locator {
 
   static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer
 
+  static constexpr double kNeverUsual = 2.0;    ///< a share that no match has: all starts are tried
+  static constexpr double kHardlyAny = 0.005;   ///< of the returns
+  static constexpr double kForget = 0.9;        ///< of the usual share, a scan that is refused
+  static constexpr double kYoung = 0.5;         ///< a usual share: the map is thin, or was left behind
   static constexpr double kLeastOfUsual = 0.7;  ///< of the share of the scan before
 
   RegistrationConfig config_;
   ScanRegistration registration_;
+  SeenSpace seen_;  ///< of the newest accepted scan
   Located located_;
-  RigidPose T_odom_sensor_;  ///< of the newest accepted scan
-  RigidPose newest_;         ///< T_map_sensor of the two newest accepted scans
+  bool tied_{};       ///< the odometry's place on the map is known: an accepted scan came with some
+  RigidPose newest_;  ///< T_map_sensor of the two newest accepted scans
   RigidPose before_;
   rt::Nanoseconds newest_ns_{};
   rt::Nanoseconds before_ns_{};

@@ -52,12 +52,13 @@ MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sa
 std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const SamplePoint> sample,
                                     const RigidPose& pose, std::uint32_t rays, std::uint32_t most_cells) {
   const double cell = layer.cell_m();
-  const std::size_t stride = std::max<std::size_t>(1, sample.size() / std::max(1u, rays));
+  const std::size_t looked_at = std::min<std::size_t>(rays, sample.size());
   const double thin = 0.15 * cell;  // a surfel flatter than this stops a ray
   std::uint32_t through = 0;
   SurfelPlace place;
-  for (std::size_t i = 0; i < sample.size(); i += stride) {
-    const rt::Vector3 v{sample[i].x_m, sample[i].y_m, sample[i].z_m};
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    const SamplePoint& point = sample[i * sample.size() / looked_at];
+    const rt::Vector3 v{point.x_m, point.y_m, point.z_m};
     const double range = rt::norm(v);
     const rt::Vector3 ray = rt::rotate(pose.q, (1.0 / range) * v);
     // Half a cell at a time; a surface that the return itself may lie on does not count.

@@ -24,9 +24,9 @@ struct MatchScore {
 MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose,
                        double sigma_m);
 
-/// How many of `rays` rays, evenly from the sample, go through a flat surface of the map on their way to
-/// their return. Each is looked at from 1.5 cells behind the sensor to 1.5 cells before its return, at most
-/// `most_cells` cells of it. Cost: 20 ns a cell.
+/// How many of `rays` rays (of all, where the sample has fewer), evenly from the sample, go through a flat
+/// surface of the map on their way to their return. Each is looked at from 1.5 cells behind the sensor to 1.5
+/// cells before its return, at most `most_cells` cells of it. Cost: 20 ns a cell.
 std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const SamplePoint> sample,
                                     const RigidPose& pose, std::uint32_t rays, std::uint32_t most_cells);
 

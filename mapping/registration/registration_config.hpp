@@ -23,6 +23,7 @@ struct RegistrationConfig {
   double least_known{0.15};           ///< of the returns: that must fall where the map has a surface
   double good_share{0.85};            ///< below it other starts are tried
   double most_crossed{0.05};          ///< of the rays that may go through surfaces of the map
+  double most_inside{0.02};           ///< of the returns: where the scan before saw nothing
   double recovery_turn_rad{1.0472};
   double recovery_move_m{1.0};
 
@@ -44,6 +45,8 @@ struct RegistrationConfig {
         {0, 1, "", "of the returns, that must fall where the map has a surface"});
     key("good_share", c.good_share, {0, 1, "", "below it other starts are tried"});
     key("most_crossed", c.most_crossed, {0, 1, "", "of the rays that may go through the map's surfaces"});
+    key("most_inside", c.most_inside,
+        {0, 1, "", "of the returns, that may stand where the scan before saw nothing"});
     key("recovery_turn_deg", c.recovery_turn_rad,
         {0, 180, rt::kDegInRad, "a lost robot is looked for this far either way"});
     key("recovery_move_m", c.recovery_move_m, {0, 10, "m", "a lost robot is looked for this far"});

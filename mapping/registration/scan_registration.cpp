@@ -6,14 +6,17 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::size_t kMostInserted = 8192;  ///< returns of a scan's sample: all of them go into the map
-constexpr std::size_t kFewReturns = 512;     ///< of a sample, for starts that are but tried
-constexpr double kClearlyBetter = 1.02;      ///< of a score
-constexpr double kAboutTurn = 0.03;          ///< rad and m from a result to the starts about it
+constexpr std::size_t kMostInserted = 8192;    ///< returns of a scan's sample: all of them go into the map
+constexpr std::uint32_t kFewestSurfels = 256;  ///< of a layer
+constexpr std::size_t kFewReturns = 512;       ///< of a sample, for starts that are but tried
+constexpr double kClearlyBetter = 1.02;        ///< of a score
+constexpr double kAboutTurn = 0.03;            ///< rad and m from a result to the starts about it
 constexpr double kAboutMove = 0.15;
 constexpr int kTurns = 5;    ///< about the upright, either way
 constexpr int kLattice = 5;  ///< an edge of it
 constexpr int kLatticeRadius2 = 5;
+constexpr double kCompass[8][2] = {{1, 0},  {0.7, 0.7},   {0, 1},  {-0.7, 0.7},
+                                   {-1, 0}, {-0.7, -0.7}, {0, -1}, {0.7, -0.7}};
 constexpr double kNoiseMargin = 4.0;  ///< what holds a direction, against what noise could make of nothing
 constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less is a reason to look elsewhere
 constexpr double kAsGood = 0.95;      ///< of the best score: as good
@@ -29,7 +32,8 @@ SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level, std::uint3
                                          unsigned bits_z) const {
   static constexpr const char* kNames[] = {"surfels_fine", "surfels_middle", "surfels_coarse"};
   const auto shift = static_cast<unsigned>(level);
-  const std::uint32_t count = std::max(most >> shift, 256u);  // a quarter is flat, the rest is small
+  const std::uint32_t count =
+      std::max(most >> shift, kFewestSurfels);  // a quarter is flat, the rest is small
   const SurfelLayerMemory memory{
       arena.make_array<SurfelIndex>(kNames[level],
                                     std::size_t{1} << (2 * (bits_xy - shift) + bits_z - shift)),
@@ -48,7 +52,7 @@ ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& 
       layers_{make_layer(arena, 0, most_surfels, bits_xy, bits_z),
               make_layer(arena, 1, most_surfels, bits_xy, bits_z),
               make_layer(arena, 2, most_surfels, bits_xy, bits_z)},
-      step_({arena.make_array<StepMemory::Slot>("match_slots", most_surfels),
+      step_({arena.make_array<StepMemory::Slot>("match_slots", std::max(most_surfels, kFewestSurfels)),
              arena.make_array<CellSums>("match_cells", config.returns)}),
       chooser_(config.edge_m, config.min_range_m, config.max_range_m,
                arena.make_array<ScanSample::Slot>(
@@ -120,7 +124,10 @@ void ScanRegistration::look_about(Match& match, const PosePrior& prior) {
       for (int column = 0; column < 6; ++column) match.spread[row][column] += x[row] * x[column] / 12.0;
     }
   }
-  if (better) match.pose = descend(found, prior, {0, 0, config_.steps}, size_, match);
+  if (!better) return;
+  found = descend(found, prior, {0, 0, config_.steps}, size_, match);
+  const MatchScore score = match_score(layers_[0], sample(), found, config_.sigma_m);
+  if (score.value > match.score.value) match.pose = found;
 }
 
 void ScanRegistration::recover(Match& match, const RigidPose& start, const RigidPose& other,
@@ -131,51 +138,78 @@ void ScanRegistration::recover(Match& match, const RigidPose& start, const Rigid
   };
   Candidate best[3];
   const std::span<const SamplePoint> few = sample_.first(std::min(size_, kFewReturns));
-  const auto try_turn = [&](const RigidPose& base, const rt::Vector3& by_rad) {
-    Candidate candidate{descend({base.p, rt::normalised(rt::exp_rotation(by_rad) * base.q)}, prior, {2, 2, 2},
-                                kFewReturns, match)};
-    candidate.value = match_score(layers_[0], few, candidate.pose, config_.sigma_m).value;
+  const auto try_start = [&](const RigidPose& base, const rt::Vector3& turn_rad, const rt::Vector3& move_m) {
+    const RigidPose from{base.p + move_m, rt::normalised(rt::exp_rotation(turn_rad) * base.q)};
+    Candidate candidate{descend(from, prior, {2, 2, 2}, kFewReturns, match)};
+    // The middle layer as well: where the map is but one scan, its rings fit on the rings of the next one
+    // wherever that was taken.
+    candidate.value = match_score(layers_[0], few, candidate.pose, config_.sigma_m).value +
+                      match_score(layers_[1], few, candidate.pose, config_.sigma_m).value;
     for (Candidate& one : best) {
       if (candidate.value > one.value) std::swap(candidate, one);
     }
   };
-  // Turns about the upright, which are the usual ones, close together; about all axes on a lattice.
+  // Turns about the upright, which are the usual ones, close together; about all axes on a lattice. Moves all
+  // round.
   const double most = config_.recovery_turn_rad;
   for (const RigidPose* base : {&start, &other}) {
-    for (int i = -kTurns; i <= kTurns; ++i) try_turn(*base, {0, 0, most * i / kTurns});
+    for (int i = -kTurns; i <= kTurns; ++i) try_start(*base, {0, 0, most * i / kTurns}, {});
     for (int i = 0; i < kLattice * kLattice * kLattice; ++i) {
       const int step[3] = {i % kLattice - 2, i / kLattice % kLattice - 2, i / (kLattice * kLattice) - 2};
       const int flat = step[0] * step[0] + step[1] * step[1];
       if (flat == 0 || flat + step[2] * step[2] > kLatticeRadius2) continue;
-      try_turn(*base, {0.5 * most * step[0], 0.5 * most * step[1], 0.5 * most * step[2]});
+      try_start(*base, {0.5 * most * step[0], 0.5 * most * step[1], 0.5 * most * step[2]}, {});
+    }
+    for (int i = 0; i < 16; ++i) {
+      const double far = i < 8 ? config_.recovery_move_m : 0.5 * config_.recovery_move_m;
+      try_start(*base, {}, {far * kCompass[i % 8][0], far * kCompass[i % 8][1], 0.0});
     }
     if (!apart(start, other, 0.01, 0.001)) break;
   }
   match.recovered = true;
-  MatchScore scores[4] = {match.score};
+  const auto value_at = [&](const RigidPose& pose) {
+    return match_score(layers_[0], sample(), pose, config_.sigma_m).value +
+           match_score(layers_[1], sample(), pose, config_.sigma_m).value;
+  };
+  double values[4] = {value_at(match.pose)};
   RigidPose poses[4] = {match.pose};
   int chosen = 0;
   for (int i = 1; i < 4; ++i) {
     poses[i] = descend(best[i - 1].pose, prior, {0, 1, config_.steps}, size_, match);
-    scores[i] = match_score(layers_[0], sample(), poses[i], config_.sigma_m);
-    if (scores[i].value > scores[chosen].value * (chosen == 0 ? kClearlyBetter : 1.0)) chosen = i;
+    values[i] = value_at(poses[i]);
+    if (values[i] > values[chosen] * (chosen == 0 ? kClearlyBetter : 1.0)) chosen = i;
   }
   match.pose = poses[chosen];
   match.other_start = chosen != 0;
   for (int i = 0; i < 4; ++i) {
     match.ambiguous =
-        match.ambiguous || (scores[i].value > kAsGood * scores[chosen].value && apart(poses[i], match.pose));
+        match.ambiguous || (values[i] > kAsGood * values[chosen] && apart(poses[i], match.pose));
   }
 }
 
 Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, const PosePrior& prior,
                               double usual_share) {
   Match match;
-  match.pose = descend(start, prior, {2, 2, config_.steps}, size_, match);
-  match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
-  if (match.score.matched < config_.good_share * match.score.known ||
-      match.score.matched < kUsualDrop * usual_share)
+  const auto good = [&] {
+    return match.score.matched >= config_.good_share * match.score.known &&
+           match.score.matched >= kUsualDrop * usual_share;
+  };
+  const auto take = [&](const RigidPose& pose) {
+    const MatchScore score = match_score(layers_[0], sample(), pose, config_.sigma_m);
+    if (score.value <= match.score.value) return;
+    match.pose = pose;
+    match.score = score;
+  };
+  // The coarse layers reach farther, and are led astray where the map is thin: only where a good start did
+  // not do.
+  match.pose = start;
+  match.score = match_score(layers_[0], sample(), start, config_.sigma_m);
+  take(descend(start, prior, {0, 0, config_.steps}, size_, match));
+  if (!good()) take(descend(start, prior, {2, 2, config_.steps}, size_, match));
+  if (!good()) {
     recover(match, start, other, prior);
+    match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
+  }
   look_about(match, prior);
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
   match.equations =

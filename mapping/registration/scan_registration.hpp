@@ -48,6 +48,8 @@ class ScanRegistration {
 
   const SurfelLayer& layer(int level) const { return layers_[level]; }
   std::span<const SamplePoint> sample() const { return sample_.first(size_); }
+  /// All that was chosen of the scan, the sample first.
+  std::span<const SamplePoint> chosen() const { return sample_.first(chosen_); }
   const ScanSampleCounts& counts() const { return counts_; }
 
  private:

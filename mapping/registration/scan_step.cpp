@@ -101,7 +101,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
       if (variance > extended) break;  // they rise
       const rt::Vector3 a{static_cast<double>(surfel.axis[i][0]), static_cast<double>(surfel.axis[i][1]),
                           static_cast<double>(surfel.axis[i][2])};
-      if (i > 0 && goes_on(layer, cell, a)) break;
+      if (i > 0) break;
       const double residual = rt::dot(a, off);
       const auto* s = cell.sums.product;
       const double second =

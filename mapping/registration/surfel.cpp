@@ -7,6 +7,14 @@
 
 namespace sortie::mapping {
 
+void SurfelSums::fade() {
+  if (count == 0) return;
+  const std::uint32_t half = count / 2;
+  for (std::int64_t& part : product) part = part * half / count;  // below 2^37 * 2^14
+  for (std::int32_t& part : sum) part = static_cast<std::int32_t>(std::int64_t{part} * half / count);
+  count = half;
+}
+
 Surfel surfel_of(const SurfelSums& sums, double cell_m) {
   const auto n = static_cast<std::int64_t>(sums.count);
   const double step = cell_m / kSurfelSteps;

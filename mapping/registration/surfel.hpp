@@ -27,12 +27,9 @@ struct SurfelSums {
     for (int i = 0; i < 3; ++i) sum[i] += at[i];
     ++count;
   }
-  /// Half of everything: what is new counts more from now on.
-  void fade() {
-    for (std::int64_t& part : product) part >>= 1;
-    for (std::int32_t& part : sum) part >>= 1;
-    count >>= 1;
-  }
+  /// Half of everything: what is new counts more from now on. Of an odd number of points the sums keep their
+  /// share, to the step, so that mean and covariance stay what they were.
+  void fade();
 };
 static_assert(sizeof(SurfelSums) == 64);
 

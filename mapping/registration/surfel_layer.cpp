@@ -23,6 +23,7 @@ void SurfelLayer::clear() {
   std::fill(memory_.window.begin(), memory_.window.end(), kNoSurfel);
   std::fill(memory_.keys.begin(), memory_.keys.end(), kUnused);
   free_ = memory_.keys.size();
+  has_middle_ = false;
   for (std::size_t i = 0; i < free_; ++i) memory_.free[i] = static_cast<SurfelIndex>(free_ - 1 - i);
 }
 
@@ -37,36 +38,49 @@ void SurfelLayer::release(SurfelIndex index) {
 void SurfelLayer::evict_beyond(const rt::Vector3& middle_m) {
   SurfelPlace middle;
   if (!place(middle_m.x, middle_m.y, middle_m.z, middle)) return;
-  const std::int32_t most[3] = {std::int32_t{1} << (bits_xy_ - 1), std::int32_t{1} << (bits_xy_ - 1),
-                                std::int32_t{1} << (bits_z_ - 1)};
+  middle_ = middle.cell;
+  has_middle_ = true;
   for (std::size_t i = 0; i < memory_.keys.size(); ++i) {
-    if (memory_.keys[i] == kUnused) continue;
-    const SurfelCell cell = SurfelCell::from_key(memory_.keys[i]);
-    bool inside = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int32_t away = cell.at[axis] - middle.cell.at[axis];
-      inside = inside && away >= -most[axis] && away < most[axis];
-    }
-    if (!inside) release(static_cast<SurfelIndex>(i));
+    if (memory_.keys[i] != kUnused && !within_window(SurfelCell::from_key(memory_.keys[i])))
+      release(static_cast<SurfelIndex>(i));
   }
 }
 
-/// Room for cells that are not there, in the order of their keys.
-void SurfelLayer::make_room(std::span<std::uint64_t> missing) {
+bool SurfelLayer::within_window(const SurfelCell& cell) const {
+  const std::int32_t most[3] = {std::int32_t{1} << (bits_xy_ - 1), std::int32_t{1} << (bits_xy_ - 1),
+                                std::int32_t{1} << (bits_z_ - 1)};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int32_t away = cell.at[axis] - middle_.at[axis];
+    if (away < -most[axis] || away >= most[axis]) return false;
+  }
+  return true;
+}
+
+/// Room for cells that are not there, in the order of their keys. Those beyond the window come last, and get
+/// what is left: each of them would have the place of a near one.
+void SurfelLayer::make_room(std::span<std::uint64_t> missing, std::uint32_t scan) {
   std::sort(missing.begin(), missing.end());
-  std::uint64_t last = kUnused;
-  for (const std::uint64_t key : missing) {
-    if (key == last) continue;
-    last = key;
-    const std::uint32_t at = entry(SurfelCell::from_key(key));
-    if (memory_.window[at] != kNoSurfel) release(memory_.window[at]);
-    if (free_ == 0) continue;  // counted with its points
-    const SurfelIndex index = memory_.free[--free_];
-    memory_.window[at] = index;
-    memory_.keys[index] = key;
-    memory_.sums[index] = {};
-    memory_.surfels[index] = {};
-    ++counts_.created;
+  for (const bool near : {true, false}) {
+    std::uint64_t last = kUnused;
+    for (const std::uint64_t key : missing) {
+      if (key == last) continue;
+      last = key;
+      const SurfelCell cell = SurfelCell::from_key(key);
+      if ((!has_middle_ || within_window(cell)) != near) continue;
+      const std::uint32_t at = entry(cell);
+      if (memory_.window[at] != kNoSurfel) {
+        if (!near) continue;  // counted with its points
+        release(memory_.window[at]);
+      }
+      if (free_ == 0) continue;  // the same
+      const SurfelIndex index = memory_.free[--free_];
+      memory_.window[at] = index;
+      memory_.keys[index] = key;
+      memory_.sums[index] = {};
+      memory_.surfels[index] = {};
+      memory_.newest[index] = scan - 1;
+      ++counts_.created;
+    }
   }
 }
 
@@ -77,7 +91,7 @@ void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t sc
   for (const rt::Vector3& p : points_m) {
     if (place(p.x, p.y, p.z, at) && find(at.cell) == kNoSurfel) cells[missing++] = at.cell.key();
   }
-  make_room(cells.first(missing));
+  make_room(cells.first(missing), scan);
   std::size_t touched = 0;
   for (const rt::Vector3& p : points_m) {
     ++counts_.in;

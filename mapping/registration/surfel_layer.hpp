@@ -105,7 +105,8 @@ class SurfelLayer {
   /// Adds points of the map's frame. `cells` is scratch, as long as `points_m`; `scan` is the scan's number,
   /// which rises by one from scan to scan.
   void insert(std::span<const rt::Vector3> points_m, std::uint32_t scan, std::span<std::uint64_t> cells);
-  /// Gives back what lies beyond the window about a place. About 1 ns a surfel.
+  /// Gives back what lies beyond the window about a place. From then on cells beyond it get only what room
+  /// those within it leave. About 1 ns a surfel.
   void evict_beyond(const rt::Vector3& middle_m);
   void clear();
 
@@ -115,7 +116,8 @@ class SurfelLayer {
     return (part(cell.at[0], mask_xy_) << bits_xy_ | part(cell.at[1], mask_xy_)) << bits_z_ |
            part(cell.at[2], mask_z_);
   }
-  void make_room(std::span<std::uint64_t> missing);
+  bool within_window(const SurfelCell& cell) const;
+  void make_room(std::span<std::uint64_t> missing, std::uint32_t scan);
   void release(SurfelIndex index);
 
   double cell_m_;
@@ -128,6 +130,8 @@ class SurfelLayer {
   std::uint32_t memory_points_;
   SurfelLayerMemory memory_;
   std::size_t free_{};  ///< entries of memory_.free
+  SurfelCell middle_;   ///< of the window
+  bool has_middle_{};   ///< false: nothing was evicted about a place yet; any cell is a near one
   SurfelLayerCounts counts_;
 };
 

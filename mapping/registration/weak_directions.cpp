@@ -9,6 +9,14 @@ namespace sortie::mapping {
 namespace {
 /// Of the largest eigenvalue: what is less is rounding.
 constexpr double kNothing = 1e-12;
+/// Of what held a direction at first: with less left it was let go already, along with others.
+constexpr double kGone = 0.01;
+
+double largest(const double (&h)[6][6]) {
+  double most = 0.0;
+  for (int i = 0; i < 6; ++i) most = std::max(most, h[i][i]);
+  return most;
+}
 
 Symmetric3 block(const double (&m)[6][6], int at) {
   return {m[at][at], m[at + 1][at + 1], m[at + 2][at + 2], m[at][at + 1], m[at][at + 2], m[at + 1][at + 2]};
@@ -22,8 +30,10 @@ rt::Vector3 giving_way(const double (&h)[6][6], int own, const SymmetricEigen& o
   for (int i = 0; i < 3; ++i)
     c[i] = h[at + i][own] * v.x + h[at + i][own + 1] * v.y + h[at + i][own + 2] * v.z;
   double way[3]{};
+  // Of all unknowns: a block may be rounding as a whole, as turns about the middle of a ball are.
+  const double least = kNothing * largest(h);
   for (int k = 0; k < 3; ++k) {
-    if (!(other.value[k] > kNothing * other.value[2])) continue;
+    if (!(other.value[k] > least)) continue;
     const auto& e = other.vector[k];
     const double part = -(e[0] * c[0] + e[1] * c[1] + e[2] * c[2]) / other.value[k];
     for (int i = 0; i < 3; ++i) way[i] += part * e[i];
@@ -93,17 +103,25 @@ WeakDirections weak_directions(const NormalEquations& equations, double margin) 
 }
 
 void let_go(const WeakDirections& weak, NormalEquations& equations) {
-  for (std::uint32_t row = 0; row < weak.moves + weak.turns; ++row) {
+  const std::uint32_t rows = weak.moves + weak.turns;
+  const double least = kNothing * largest(equations.h);
+  double at_first[6]{};
+  for (std::uint32_t row = 0; row < rows; ++row) at_first[row] = form(equations.h, weak.along[row]);
+  for (std::uint32_t row = 0; row < rows; ++row) {
     const auto& z = weak.along[row];
     double hz[6]{};
     double zhz = 0.0;
     double zg = 0.0;
+    double zz = 0.0;
     for (int i = 0; i < 6; ++i) {
       for (int k = 0; k < 6; ++k) hz[i] += equations.h[i][k] * z[k];
       zhz += z[i] * hz[i];
       zg += z[i] * equations.g[i];
+      zz += z[i] * z[i];
     }
-    if (!(zhz > 0.0)) continue;
+    // A turn and a move may stand for one and the same motion (in a round tunnel, off its middle). What is
+    // left of the second is rounding, or points along something that is held.
+    if (!(zhz > kGone * at_first[row]) || !(zhz > least * zz)) continue;
     for (int i = 0; i < 6; ++i) {
       for (int k = 0; k < 6; ++k) equations.h[i][k] -= hz[i] * hz[k] / zhz;
       equations.g[i] -= hz[i] * zg / zhz;

@@ -24,7 +24,8 @@ struct WeakDirections {
 /// (`equations.noise`), times `margin`. About 3 us.
 WeakDirections weak_directions(const NormalEquations& equations, double margin);
 
-/// Takes out of the equations what they seem to know along weak directions; the prior decides there.
+/// Takes out of the equations what they seem to know along weak directions, to a hundredth of it; the prior
+/// decides there.
 void let_go(const WeakDirections& weak, NormalEquations& equations);
 
 /// Inverse of a symmetric, positive definite 6x6. False where it is not.
