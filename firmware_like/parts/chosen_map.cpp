@@ -3,16 +3,10 @@
 
 #include <algorithm>
 
+#include "mapping/grid/mix64.hpp"
+
 namespace sortie::firmware {
 namespace {
-
-// Mixes 64 bits so that every input bit reaches every output bit (MurmurHash3's finaliser, constants of
-// Stafford's variant 13). A bijection: different inputs give different outputs.
-constexpr std::uint64_t mix64(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
 
 mapping::RollingGridMemory grid_memory(const ChosenMapConfig& c, rt::Arena& arena) {
   const bool normals = c.by == SegmentsBy::smoothness;
@@ -44,7 +38,9 @@ mapping::SegmenterMemory segmenter_memory(const ChosenMapConfig& c, rt::Arena& a
 
 std::uint64_t pair(std::uint32_t high, std::uint32_t low) { return std::uint64_t{high} << 32 | low; }
 
-std::uint64_t voxel_name(const mapping::Block& block, unsigned cell) { return mix64(block.key << 6 | cell); }
+std::uint64_t voxel_name(const mapping::Block& block, unsigned cell) {
+  return mapping::mix64(block.key << 6 | cell);
+}
 
 }  // namespace
 
@@ -105,7 +101,7 @@ void ChosenMap::digest_changes() {
       const unsigned cell = mapping::lowest(cells);
       const mapping::Centroid& c = grid_.voxel(block, cell);
       const std::uint64_t held = pair(std::uint32_t{c.x} << 16 | c.y, std::uint32_t{c.z} << 16 | c.count);
-      sum += mix64(voxel_name(block, cell) ^ held);
+      sum += mapping::mix64(voxel_name(block, cell) ^ held);
     }
   }
   if (kHasSmooth && normals_) {
@@ -117,11 +113,11 @@ void ChosenMap::digest_changes() {
         const mapping::SurfaceNormal& n = grid_.normal(block, cell);
         std::uint64_t held = n.curvature;
         for (const std::int16_t part : n.normal) held = held << 16 | static_cast<std::uint16_t>(part);
-        sum += mix64(~voxel_name(block, cell) ^ held);
+        sum += mapping::mix64(~voxel_name(block, cell) ^ held);
       }
     }
   }
-  change_digest_ = mix64(change_digest_ + sum);
+  change_digest_ = mapping::mix64(change_digest_ + sum);
 }
 
 void ChosenMap::digest_events() {
@@ -133,8 +129,9 @@ void ChosenMap::digest_events() {
   if (segments.events().empty()) return;
   std::uint64_t sum = 0;
   for (const mapping::SegmentEvent& event : segments.events())
-    sum += mix64(pair(event.id, event.other) + mix64(static_cast<std::uint64_t>(event.change)));
-  change_digest_ = mix64(change_digest_ + sum);
+    sum += mapping::mix64(pair(event.id, event.other) +
+                          mapping::mix64(static_cast<std::uint64_t>(event.change)));
+  change_digest_ = mapping::mix64(change_digest_ + sum);
 }
 
 const mapping::Labelling* ChosenMap::labelling() const {
@@ -159,7 +156,7 @@ SegmentSummary ChosenMap::summary() const {
     ++summary.segments;
     summary.voxels += voxels;
     summary.largest = std::max(summary.largest, voxels);
-    summary.digest += mix64(pair(slot.id, voxels));
+    summary.digest += mapping::mix64(pair(slot.id, voxels));
   }
   summary.backlog = backlog_;
   summary.current = current_;
