@@ -59,7 +59,7 @@ void compare(const char* name, const std::vector<MapAndScans>& sets) {
     if (has_pcl_registration()) peers = std::make_unique<PclPeers>(points_of(set.map));
     for (std::size_t i = 0; i < set.scans.size(); ++i) {
       const PlacedScan& scan = set.scans[i];
-      const MatchedStep step = matched_step(*map, scan.points, set.starts[i], 0.9);
+      const MatchedStep step = matched_step(*map, scan.points, set.starts[i], 0.0);
       ours.add(pose_error(step.match.pose, scan.pose), step.ms);
       for (int peer = 0; peers != nullptr && peer < kPclPeers; ++peer) {
         const PclResult result = peers->align(peer, map->registration.sample(), set.starts[i]);
