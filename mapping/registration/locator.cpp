@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::size_t kFewReturns = 100;
+constexpr std::size_t kLeastReturns = 100;
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRayCells = 64;
 constexpr double kFar2 = 22.46;  ///< 99.9 % of chi-square with 6 degrees of freedom
@@ -69,7 +69,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.share = located_.known = located_.crossed = located_.inside = 0.0;
   located_.returns = static_cast<std::uint32_t>(registration_.take(points));
   located_.weak_moves = located_.weak_turns = 0;
-  if (located_.returns < kFewReturns) return refuse(LocateVerdict::few_returns, odometry);
+  if (located_.returns < kLeastReturns) return refuse(LocateVerdict::few_returns, odometry);
   if (located_.counts.first == 0) {
     begin(odometry);
     return located_;
@@ -88,7 +88,8 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.known = match.score.known;
   located_.steps = match.steps;
   describe(match, prior);
-  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear()) {
+  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung &&
+      clear()) {
     accept(prior.at, odometry);
     located_.verdict = LocateVerdict::new_place;
     ++located_.counts.new_place;

@@ -32,7 +32,7 @@ MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sa
   std::uint32_t matched = 0;
   SurfelPlace place;
   for (const SamplePoint& point : sample) {
-    const rt::Vector3 p = r * rt::Vector3{point.x_m, point.y_m, point.z_m} + pose.p;
+    const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
     const Surfel* const surfel = layer.surfel_at(place.cell);
     if (surfel == nullptr) continue;
@@ -58,7 +58,7 @@ std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const Sa
   SurfelPlace place;
   for (std::size_t i = 0; i < looked_at; ++i) {
     const SamplePoint& point = sample[i * sample.size() / looked_at];
-    const rt::Vector3 v{point.x_m, point.y_m, point.z_m};
+    const rt::Vector3 v = point.at();
     const double range = rt::norm(v);
     const rt::Vector3 ray = rt::rotate(pose.q, (1.0 / range) * v);
     // Half a cell at a time; a surface that the return itself may lie on does not count.

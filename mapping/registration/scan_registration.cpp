@@ -220,8 +220,7 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
 
 void ScanRegistration::insert(const RigidPose& pose) {
   const rt::RotationMatrix r = rt::to_matrix(pose.q);
-  for (std::size_t i = 0; i < chosen_; ++i)
-    points_[i] = r * rt::Vector3{sample_[i].x_m, sample_[i].y_m, sample_[i].z_m} + pose.p;
+  for (std::size_t i = 0; i < chosen_; ++i) points_[i] = r * sample_[i].at() + pose.p;
   ++scans_;
   for (SurfelLayer& layer : layers_) {
     layer.evict_beyond(pose.p);

@@ -25,11 +25,13 @@ std::uint64_t rank_of(const rt::ScanPoint& p) {
 std::size_t ScanSample::choose(std::span<const rt::ScanPoint> scan, std::span<SamplePoint> out,
                                ScanSampleCounts& counts) {
   ++scan_;
-  const std::uint64_t mask = slots_.size() - 1;
+  const std::size_t mask = slots_.size() - 1;
   std::uint64_t good = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const rt::ScanPoint& p = scan[i];
-    const double x = p.x_m, y = p.y_m, z = p.z_m;
+    const double x = static_cast<double>(p.x_m);
+    const double y = static_cast<double>(p.y_m);
+    const double z = static_cast<double>(p.z_m);
     const double range2 = x * x + y * y + z * z;
     ++counts.in;
     if (!std::isfinite(range2)) {
@@ -42,7 +44,7 @@ std::size_t ScanSample::choose(std::span<const rt::ScanPoint> scan, std::span<Sa
       ++good;
       const std::uint64_t cube =
           whole(x * per_edge_) | whole(y * per_edge_) << 21 | whole(z * per_edge_) << 42;
-      Slot& slot = slots_[mix64(cube) & mask];
+      Slot& slot = slots_[static_cast<std::size_t>(mix64(cube)) & mask];
       // Two returns with the same bits are one and the same.
       const std::uint64_t rank = rank_of(p);
       if (slot.scan == scan_ && slot.rank <= rank) continue;

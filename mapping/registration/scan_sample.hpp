@@ -7,6 +7,7 @@
 #include <span>
 
 #include "rt/describe.hpp"
+#include "rt/rotation.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::mapping {
@@ -27,6 +28,10 @@ struct SamplePoint {
   float x_m{};
   float y_m{};
   float z_m{};
+
+  rt::Vector3 at() const {
+    return {static_cast<double>(x_m), static_cast<double>(y_m), static_cast<double>(z_m)};
+  }
 };
 
 /// Chooses returns. What it chooses, and in which order it gives it, depends on the returns alone and not on

@@ -46,7 +46,7 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
   std::uint32_t used = 0;
   SurfelPlace place;
   for (const SamplePoint& point : sample) {
-    const rt::Vector3 p = r * rt::Vector3{point.x_m, point.y_m, point.z_m} + pose.p;
+    const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
     const SurfelIndex index = layer.find(place.cell);
     if (index == kNoSurfel || layer.surfel(index).count == 0) continue;

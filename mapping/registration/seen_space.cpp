@@ -30,7 +30,7 @@ void SeenSpace::take(std::span<const SamplePoint> sample, const RigidPose& pose)
   pose_ = pose;
   some_ = !sample.empty();
   for (const SamplePoint& p : sample) {
-    const rt::Vector3 v{p.x_m, p.y_m, p.z_m};
+    const rt::Vector3 v = p.at();
     const double range = rt::norm(v);
     int turn{};
     int rise{};
@@ -46,7 +46,7 @@ double SeenSpace::share_inside(std::span<const SamplePoint> sample, const RigidP
   const rt::Vector3 from = rt::rotate_back(pose_.q, pose.p - pose_.p);
   std::uint32_t inside = 0;
   for (const SamplePoint& p : sample) {
-    const rt::Vector3 v = there * rt::Vector3{p.x_m, p.y_m, p.z_m} + from;
+    const rt::Vector3 v = there * p.at() + from;
     const double range = rt::norm(v);
     int turn{};
     int rise{};
