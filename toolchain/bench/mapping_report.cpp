@@ -139,7 +139,7 @@ PeerFront mapping_front() {
       {"--stride", 2, "Every n-th point of the recorded scans", 1, 1000000, {}, ""},
       {"--every", 10, "Scans between two looks at PCL", 1, 1000000, {}, ""},
       {"--count", false, "Also count the instructions of each step: minutes", 0, 0, {}, ""},
-      {"--only", std::string(), "One part alone", 0, 0, {"peers", "insertion", "normals", "sweep"}, ""},
+      {"--only", std::string(), "One part alone", 0, 0, {"peers", "insertion", "planes", "normals", "sweep"}, ""},
       {"--stream", std::string(), "One stream of the sweep alone", 0, 0, {"walk", "dense", "hall"}, ""},
       {"--file", std::string(), "Another recorded drive (.rls)", 0, 0, {}, "FILE"}};
   front.on_one_line = true;
