@@ -24,7 +24,7 @@ struct PlaneRegistrationConfig {
   double most_mirrored{0.9};       ///< evidence of a mirror image over the best place's, above it ambiguous
   double most_mirrored_known{
       1.25};                       ///< the same where position and yaw are known: the other wing is not near
-  double most_runner_up{0.6};     ///< evidence of another place over the best one's: above it, ambiguous
+  double most_runner_up{0.6};      ///< evidence of another place over the best one's: above it, ambiguous
   double least_margin{4};          ///< and the least difference between the two
   double least_share{0.4};         ///< matches over the planes of the smaller set within the other's bounds
   std::uint32_t least_matches{4};  ///< below it a place is refused
