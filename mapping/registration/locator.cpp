@@ -10,7 +10,7 @@ namespace sortie::mapping {
 namespace {
 constexpr std::size_t kLeastReturns = 100;
 constexpr std::uint32_t kRays = 128;
-constexpr std::uint32_t kMostRayCells = 64;
+constexpr std::uint32_t kMostRaySteps = 64;
 constexpr double kFar2 = 22.46;  ///< 99.9 % of chi-square with 6 degrees of freedom
 
 RigidPose after(const RigidPose& a, const RigidPose& b) {
@@ -37,6 +37,11 @@ void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_
     prior.information[i][i] = 1.0 / (sigma_turn_rad * sigma_turn_rad);
     prior.information[3 + i][3 + i] = 1.0 / (sigma_move_m * sigma_move_m);
   }
+}
+
+/// What the prior alone says of a pose.
+void set_covariance(const PosePrior& prior, double (&covariance)[6][6]) {
+  for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
 }
 
 /// Squared distance from the prior in its own standard deviations.
@@ -69,12 +74,17 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.share = located_.known = located_.crossed = located_.inside = 0.0;
   located_.returns = static_cast<std::uint32_t>(registration_.take(points));
   located_.weak_moves = located_.weak_turns = 0;
-  if (located_.returns < kLeastReturns) return refuse(LocateVerdict::few_returns, odometry);
+  const PosePrior prior = expect(odometry);
+  double covariance[6][6]{};
+  if (located_.counts.first > 0) set_covariance(prior, covariance);
+  if (located_.returns < kLeastReturns) {
+    describe({}, covariance, prior.at.q);
+    return refuse(LocateVerdict::few_returns, odometry);
+  }
   if (located_.counts.first == 0) {
     begin(odometry);
     return located_;
   }
-  const PosePrior prior = expect(odometry);
   const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
   Match match = registration_.match(prior.at, other, prior, usual_share_);
   look_along_rays(match);
@@ -87,26 +97,24 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.share = match.score.matched;
   located_.known = match.score.known;
   located_.steps = match.steps;
-  describe(match, prior);
-  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung &&
-      clear()) {
-    accept(prior.at, odometry);
-    located_.verdict = LocateVerdict::new_place;
-    ++located_.counts.new_place;
-    return located_;
+  LocateVerdict verdict = judge(match, prior, odometry);
+  const bool accepted = verdict == LocateVerdict::accepted &&
+                        match_covariance(match.equations, match.weak, prior, match.spread, covariance);
+  if (verdict == LocateVerdict::accepted && !accepted) verdict = LocateVerdict::unheld;
+  describe(match.weak, covariance, accepted ? match.pose.q : prior.at.q);
+  if (!accepted && verdict != LocateVerdict::new_place) return refuse(verdict, odometry);
+  accept(accepted ? match.pose : prior.at, odometry);
+  if (accepted) {
+    usual_share_ = match.score.matched;
+    if (match.other_start) ++located_.counts.recovered;
   }
-  const LocateVerdict verdict = judge(match, prior, odometry);
-  if (verdict != LocateVerdict::accepted) return refuse(verdict, odometry);
-  if (match.other_start) ++located_.counts.recovered;
-  accept(match.pose, odometry);
-  usual_share_ = match.score.matched;
-  ++located_.counts.accepted;
+  conclude(verdict);
   return located_;
 }
 
 void Locator::look_along_rays(const Match& match) {
   const std::uint32_t through =
-      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRayCells);
+      rays_through_surfaces(registration_.layer(0), registration_.sample(), match.pose, kRays, kMostRaySteps);
   located_.crossed = through / static_cast<double>(std::min<std::size_t>(kRays, located_.returns));
   located_.inside = seen_.share_inside(registration_.sample(), match.pose);
 }
@@ -117,13 +125,10 @@ bool Locator::clear() const {
 
 void Locator::begin(const OdometryHint& odometry) {
   const RigidPose pose = odometry.known ? odometry.T_odom_sensor : RigidPose{};
-  before_ = newest_ = pose;
-  before_ns_ = newest_ns_ = located_.stamp_ns;
   accept(pose, odometry);
   before_ = newest_;
   before_ns_ = newest_ns_;
-  located_.verdict = LocateVerdict::first;
-  ++located_.counts.first;
+  conclude(LocateVerdict::first);
 }
 
 /// The odometry's pose or, without any that the map knows, the last motion for as long again.
@@ -142,50 +147,40 @@ PosePrior Locator::expect(const OdometryHint& odometry) const {
 }
 
 LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const {
+  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear())
+    return LocateVerdict::new_place;
   // Without odometry nothing else holds what the scan does not, and standing still fits as well as any
   // motion: then nothing at all may speak against the pose.
   const bool weak = match.weak.moves + match.weak.turns > 0;
-  if (match.equations.rows < 6 || (weak && !odometry.known && located_.inside > kHardlyAny))
+  if (match.equations.rows < 6 || (weak && !(tied_ && odometry.known) && located_.inside > kHardlyAny))
     return LocateVerdict::unheld;
   if (match.score.matched < config_.least_share * match.score.known ||
       match.score.known < config_.least_known || match.score.matched < kLeastOfUsual * usual_share_)
     return LocateVerdict::little_share;
-  if (located_.crossed > config_.most_crossed || located_.inside > config_.most_inside)
-    return LocateVerdict::crossed;
+  if (!clear()) return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
   if (tied_ && odometry.known && squared_distance(prior, match.pose) > kFar2)
     return LocateVerdict::far_from_prior;
   return LocateVerdict::accepted;
 }
 
-const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odometry) {
+void Locator::conclude(LocateVerdict verdict) {
+  LocateCounts& counts = located_.counts;
+  std::uint64_t* const of_verdict[] = {
+      nullptr,         &counts.first,     &counts.accepted,       &counts.few_returns, &counts.little_share,
+      &counts.crossed, &counts.ambiguous, &counts.far_from_prior, &counts.unheld,      &counts.new_place};
+  ++*of_verdict[static_cast<std::size_t>(verdict)];
   located_.verdict = verdict;
+}
+
+const Located& Locator::refuse(LocateVerdict verdict, const OdometryHint& odometry) {
   usual_share_ *= kForget;
-  switch (verdict) {
-    case LocateVerdict::few_returns:
-      ++located_.counts.few_returns;
-      break;
-    case LocateVerdict::little_share:
-      ++located_.counts.little_share;
-      break;
-    case LocateVerdict::crossed:
-      ++located_.counts.crossed;
-      break;
-    case LocateVerdict::ambiguous:
-      ++located_.counts.ambiguous;
-      break;
-    case LocateVerdict::far_from_prior:
-      ++located_.counts.far_from_prior;
-      break;
-    default:
-      ++located_.counts.unheld;
-  }
+  conclude(verdict);
   if (tied_ && odometry.known) located_.T_map_sensor = after(located_.T_map_odom, odometry.T_odom_sensor);
   return located_;
 }
 
 void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
-  located_.verdict = LocateVerdict::accepted;
   located_.T_map_sensor = pose;
   if (odometry.known) {
     located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
@@ -199,10 +194,9 @@ void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
   seen_.take(registration_.chosen(), pose);
 }
 
-void Locator::describe(const Match& match, const PosePrior& prior) {
-  double c[6][6];
-  if (!match_covariance(match.equations, match.weak, prior, match.spread, c)) return;
-  const WeakDirections& weak = match.weak;
+/// `c`: of (turn, move) along the map's axes; `q_map_sensor` of the pose that it is about.
+void Locator::describe(const WeakDirections& weak, const double (&c)[6][6],
+                       const rt::Quaternion& q_map_sensor) {
   located_.weak_moves = weak.moves;
   located_.weak_turns = weak.turns;
   const auto note = [&c](const rt::Vector3& axis, int at, WeakDirection& out) {
@@ -216,30 +210,24 @@ void Locator::describe(const Match& match, const PosePrior& prior) {
   };
   for (std::uint32_t i = 0; i < weak.moves; ++i) note(weak.move[i], 3, located_.weak_move[i]);
   for (std::uint32_t i = 0; i < weak.turns; ++i) note(weak.turn[i], 0, located_.weak_turn[i]);
-  // Turns are about the map's axes so far: R' C R for those in the sensor.
-  const rt::RotationMatrix r = rt::to_matrix(match.pose.q);
-  double turned[6][6]{};
+  // Turns are about the map's axes so far; those in the sensor are R' times them.
+  const rt::RotationMatrix r = rt::to_matrix(q_map_sensor);
+  double to_sensor[6][6]{};  // (turn, move) to (position, rotation)
+  for (int i = 0; i < 3; ++i) {
+    to_sensor[i][3 + i] = 1.0;
+    for (int k = 0; k < 3; ++k) to_sensor[3 + i][k] = r.m[3 * k + i];
+  }
+  double half[6][6]{};
   for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      for (int j = 0; j < 3; ++j) turned[i][k] += c[i][j] * r.m[3 * j + k];
-      turned[i][3 + k] = c[i][3 + k];
+    for (int k = 0; k < 6; ++k) {
+      for (int j = 0; j < 6; ++j) half[i][k] += to_sensor[i][j] * c[j][k];
     }
   }
-  double& (*at)(Located&, int, int) = [](Located& l, int i, int k) -> double& {
-    return l.covariance[6 * i + k];
-  };
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      double both = 0.0;
-      double mixed = 0.0;
-      for (int j = 0; j < 3; ++j) {
-        both += r.m[3 * j + i] * turned[j][k];
-        mixed += r.m[3 * j + k] * c[3 + i][j];
-      }
-      at(located_, i, k) = c[3 + i][3 + k];
-      at(located_, 3 + i, 3 + k) = both;
-      at(located_, i, 3 + k) = mixed;
-      at(located_, 3 + k, i) = mixed;
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) {
+      double sum = 0.0;
+      for (int j = 0; j < 6; ++j) sum += half[i][j] * to_sensor[k][j];
+      located_.covariance[6 * i + k] = sum;
     }
   }
 }

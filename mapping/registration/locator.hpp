@@ -59,14 +59,16 @@ struct WeakDirection {
 struct Located {
   rt::Nanoseconds stamp_ns{};
   LocateVerdict verdict{LocateVerdict::none};
-  RigidPose T_map_odom;    ///< of the newest accepted scan
-  RigidPose T_map_sensor;  ///< of this scan; where it was refused, the odometry's
-  double
-      covariance[36]{};  ///< of T_map_sensor: (position in map, rotation in sensor), row-major, m^2 and rad^2
-  double share{};        ///< of the returns, on the map's surfaces
-  double known{};        ///< of the returns, in cells that have a surface
-  double crossed{};      ///< of the rays: through surfaces of the map
-  double inside{};       ///< of the returns: where the scan before saw nothing
+  RigidPose T_map_odom;  ///< of the newest accepted scan
+  /// Of this scan; where it was refused, the odometry's, or without any that of the scan before.
+  RigidPose T_map_sensor;
+  /// Of T_map_sensor: (position in map, rotation in sensor), row-major, m^2 and rad^2. Of a scan that was not
+  /// accepted it is the odometry's, 10 m and 10 rad where there is none.
+  double covariance[36]{};
+  double share{};              ///< of the returns, on the map's surfaces
+  double known{};              ///< of the returns, in cells that have a surface
+  double crossed{};            ///< of the rays: through surfaces of the map
+  double inside{};             ///< of the returns: where the scan before saw nothing
   std::uint32_t returns{};     ///< that were matched
   std::uint32_t steps{};       ///< of work, each over at most `returns` returns
   std::uint32_t weak_moves{};  ///< directions that the scan does not hold; at most 3
@@ -87,7 +89,7 @@ struct OdometryHint {
 };
 
 /// Places scans. All memory is taken from the arena; no heap, no lock, work bounded by a fixed number of
-/// steps. The same bits on every compiler and board, whatever the order of a scan's returns.
+/// steps. The same bits whatever the order of a scan's returns; arithmetic of rt/math alone.
 class Locator {
  public:
   Locator(const RegistrationConfig& config, rt::Arena& arena)
@@ -104,12 +106,13 @@ class Locator {
  private:
   void look_along_rays(const Match& match);
   bool clear() const;  ///< neither rays through surfaces nor returns in what was seen to be empty
+  void conclude(LocateVerdict verdict);
   void begin(const OdometryHint& odometry);
   PosePrior expect(const OdometryHint& odometry) const;
   LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
   const Located& refuse(LocateVerdict verdict, const OdometryHint& odometry);
   void accept(const RigidPose& pose, const OdometryHint& odometry);
-  void describe(const Match& match, const PosePrior& prior);
+  void describe(const WeakDirections& weak, const double (&c)[6][6], const rt::Quaternion& q_map_sensor);
 
   static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer
 

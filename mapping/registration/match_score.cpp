@@ -8,15 +8,11 @@ namespace sortie::mapping {
 namespace {
 /// Squared distance of a point from a surfel in standard deviations; the point relative to the cell's centre.
 double squared_deviations(const Surfel& surfel, const rt::Vector3& at_m, double noise_m2) {
-  const rt::Vector3 off{at_m.x - static_cast<double>(surfel.mean_m[0]),
-                        at_m.y - static_cast<double>(surfel.mean_m[1]),
-                        at_m.z - static_cast<double>(surfel.mean_m[2])};
+  const rt::Vector3 off = at_m - surfel.mean();
   double sum = 0.0;
   for (int i = 0; i < 3; ++i) {
-    const double along = static_cast<double>(surfel.axis[i][0]) * off.x +
-                         static_cast<double>(surfel.axis[i][1]) * off.y +
-                         static_cast<double>(surfel.axis[i][2]) * off.z;
-    sum += along * along / (static_cast<double>(surfel.variance_m2[i]) + noise_m2);
+    const double along = rt::dot(surfel.along(i), off);
+    sum += along * along / (surfel.variance(i) + noise_m2);
   }
   return sum;
 }
@@ -50,10 +46,10 @@ MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sa
 }
 
 std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const SamplePoint> sample,
-                                    const RigidPose& pose, std::uint32_t rays, std::uint32_t most_cells) {
+                                    const RigidPose& pose, std::uint32_t rays, std::uint32_t most_steps) {
   const double cell = layer.cell_m();
   const std::size_t looked_at = std::min<std::size_t>(rays, sample.size());
-  const double thin = 0.15 * cell;  // a surfel flatter than this stops a ray
+  const double thin = 0.075 * cell;  // standard deviation of a surface that stops a ray
   std::uint32_t through = 0;
   SurfelPlace place;
   for (std::size_t i = 0; i < looked_at; ++i) {
@@ -62,24 +58,18 @@ std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const Sa
     const double range = rt::norm(v);
     const rt::Vector3 ray = rt::rotate(pose.q, (1.0 / range) * v);
     // Half a cell at a time; a surface that the return itself may lie on does not count.
-    const double end = std::min(range - 1.5 * cell, 0.5 * cell * most_cells);
+    const double end = std::min(range - 1.5 * cell, 0.5 * cell * most_steps);
     for (double s = 1.5 * cell; s < end; s += 0.5 * cell) {
       const rt::Vector3 p = pose.p + s * ray;
       if (!layer.place(p.x, p.y, p.z, place)) break;
       const Surfel* const surfel = layer.surfel_at(place.cell);
       if (surfel == nullptr) continue;
-      const auto least = static_cast<double>(surfel->variance_m2[0]);
-      const auto middle = static_cast<double>(surfel->variance_m2[1]);
       // Flat, and filled by its surface from wall to wall: no edge, no bush.
-      if (least > thin * thin * 0.25 || middle < cell * cell / 16.0) continue;
-      const rt::Vector3 n{static_cast<double>(surfel->axis[0][0]), static_cast<double>(surfel->axis[0][1]),
-                          static_cast<double>(surfel->axis[0][2])};
+      if (surfel->variance(0) > thin * thin || surfel->variance(1) < cell * cell / 16.0) continue;
+      const rt::Vector3 n = surfel->normal();
       const double slope = rt::dot(n, ray);
       if (std::fabs(slope) < 0.25) continue;  // grazing
-      const rt::Vector3 centre = layer.centre_m(place.cell);
-      const rt::Vector3 mean{centre.x + static_cast<double>(surfel->mean_m[0]),
-                             centre.y + static_cast<double>(surfel->mean_m[1]),
-                             centre.z + static_cast<double>(surfel->mean_m[2])};
+      const rt::Vector3 mean = layer.centre_m(place.cell) + surfel->mean();
       const double hit =
           rt::dot(n, mean - pose.p) / slope;  // range at which the ray meets the surface's plane
       const rt::Vector3 at = pose.p + hit * ray - mean;

@@ -20,14 +20,14 @@ struct MatchScore {
   SORTIE_FIELDS(value, matched, known)
 };
 
-/// The score of a sample. `sigma_m`: what a surface is uneven by, beside its own spread. 15 ns a return.
+/// The score of a sample. `sigma_m`: what a surface is uneven by, beside its own spread. A look-up a return.
 MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose,
                        double sigma_m);
 
 /// How many of `rays` rays (of all, where the sample has fewer), evenly from the sample, go through a flat
-/// surface of the map on their way to their return. Each is looked at from 1.5 cells behind the sensor to 1.5
-/// cells before its return, at most `most_cells` cells of it. Cost: 20 ns a cell.
+/// surface of the map on their way to their return. Each is looked at from 1.5 cells before the sensor to 1.5
+/// cells before its return, at most `most_steps` half cells of it: a look-up each.
 std::uint32_t rays_through_surfaces(const SurfelLayer& layer, std::span<const SamplePoint> sample,
-                                    const RigidPose& pose, std::uint32_t rays, std::uint32_t most_cells);
+                                    const RigidPose& pose, std::uint32_t rays, std::uint32_t most_steps);
 
 }  // namespace sortie::mapping

@@ -91,9 +91,9 @@ RigidPose ScanRegistration::descend(RigidPose pose, const PosePrior& prior, cons
 }
 
 /// Starts about a result, on each side along each of its six unknowns. A match that is a false minimum falls
-/// into a better one from some of them; where the pose is not held they stay apart, and that is its
-/// uncertainty.
-void ScanRegistration::look_about(Match& match, const PosePrior& prior) {
+/// into a better one from some of them, and true is returned; where the pose is not held they stay apart, and
+/// that is its uncertainty.
+bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
   const std::span<const SamplePoint> few = sample_.first(std::min<std::size_t>(size_, 1024));
   const double value = match_score(layers_[0], few, match.pose, config_.sigma_m).value;
   double best = value * kClearlyBetter;
@@ -124,10 +124,14 @@ void ScanRegistration::look_about(Match& match, const PosePrior& prior) {
       for (int column = 0; column < 6; ++column) match.spread[row][column] += x[row] * x[column] / 12.0;
     }
   }
-  if (!better) return;
+  if (!better) return false;
+  const WeakDirections weak = match.weak;
   found = descend(found, prior, {0, 0, config_.steps}, size_, match);
   const MatchScore score = match_score(layers_[0], sample(), found, config_.sigma_m);
-  if (score.value > match.score.value) match.pose = found;
+  match.weak = weak;
+  if (score.value <= match.score.value) return false;
+  match.pose = found;
+  return true;
 }
 
 void ScanRegistration::recover(Match& match, const RigidPose& start, const RigidPose& other,
@@ -187,6 +191,13 @@ void ScanRegistration::recover(Match& match, const RigidPose& start, const Rigid
   }
 }
 
+/// The equations at the pose, and what they do not hold.
+void ScanRegistration::weigh(Match& match) {
+  match.equations =
+      step_.equations(layers_[0], sample(), match.pose, {0.25 * config_.cell_m, config_.sigma_m, true});
+  match.weak = weak_directions(match.equations, kNoiseMargin);
+}
+
 Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, const PosePrior& prior,
                               double usual_share) {
   Match match;
@@ -210,11 +221,10 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
     recover(match, start, other, prior);
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
   }
-  look_about(match, prior);
+  weigh(match);  // descending left the weak directions of the last start that was tried
+  if (!look_about(match, prior)) return match;
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
-  match.equations =
-      step_.equations(layers_[0], sample(), match.pose, {0.25 * config_.cell_m, config_.sigma_m, true});
-  match.weak = weak_directions(match.equations, kNoiseMargin);
+  weigh(match);
   return match;
 }
 

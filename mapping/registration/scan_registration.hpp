@@ -31,7 +31,7 @@ struct Match {
 };
 
 /// Registration of scans to a map that it keeps. All memory comes from an arena; no heap afterwards. The same
-/// bits whatever the order of a scan's points, on every compiler and board.
+/// bits whatever the order of a scan's points; arithmetic of rt/math alone.
 class ScanRegistration {
  public:
   /// Throws nothing; `arena` says what it had no room for.
@@ -58,7 +58,8 @@ class ScanRegistration {
   };
   RigidPose descend(RigidPose pose, const PosePrior& prior, const Ladder& ladder, std::size_t returns,
                     Match& match);
-  void look_about(Match& match, const PosePrior& prior);
+  bool look_about(Match& match, const PosePrior& prior);
+  void weigh(Match& match);
   void recover(Match& match, const RigidPose& start, const RigidPose& other, const PosePrior& prior);
   SurfelLayer make_layer(rt::Arena& arena, int level, std::uint32_t most, unsigned bits_xy,
                          unsigned bits_z) const;

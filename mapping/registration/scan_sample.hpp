@@ -44,14 +44,15 @@ class ScanSample {
     std::uint32_t scan{};  ///< that wrote it
   };
 
-  /// `slots`: a power of two, eight times the most returns wanted. `edge_m`: at most one return a cube of it.
+  /// `slots`: a power of two; four times the most returns wanted lose few of them to shared slots. `edge_m`:
+  /// at most one return a cube of it.
   ScanSample(double edge_m, double min_range_m, double max_range_m, std::span<Slot> slots)
       : per_edge_(1.0 / edge_m),
         min2_(min_range_m * min_range_m),
         max2_(max_range_m * max_range_m),
         slots_(slots) {}
 
-  /// At most out.size() returns of the scan; how many. About 10 ns a return.
+  /// At most out.size() returns of the scan; how many. One hash a return.
   std::size_t choose(std::span<const rt::ScanPoint> scan, std::span<SamplePoint> out,
                      ScanSampleCounts& counts);
 

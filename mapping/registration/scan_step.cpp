@@ -20,14 +20,19 @@ constexpr double kThinLine = 0.0036;
 
 double square(double v) { return v * v; }
 
+/// Sum of the squares of a cell's points along a direction, in whole steps.
+double second_moment(const SurfelSums& sums, const rt::Vector3& a) {
+  const auto part = [&sums](int i) { return static_cast<double>(sums.product[i]); };
+  return a.x * a.x * part(0) + a.y * a.y * part(1) + a.z * a.z * part(2) +
+         2.0 * (a.x * a.y * part(3) + a.x * a.z * part(4) + a.y * a.z * part(5));
+}
+
 /// A normal that is off by an angle about a tangent of its surface seems to hold what it does not.
 void add_noise(const Surfel& surfel, const rt::Vector3& x, double weight, double noise_m2,
                NormalEquations& out) {
   for (int k = 1; k < 3; ++k) {
-    const rt::Vector3 t{static_cast<double>(surfel.axis[k][0]), static_cast<double>(surfel.axis[k][1]),
-                        static_cast<double>(surfel.axis[k][2])};
-    const double ratio = (static_cast<double>(surfel.variance_m2[0]) + kLeastNoise * noise_m2) /
-                         static_cast<double>(surfel.variance_m2[k]);
+    const rt::Vector3 t = surfel.along(k);
+    const double ratio = (surfel.variance(0) + kLeastNoise * noise_m2) / surfel.variance(k);
     const double angle2 = ratio * (1.0 / static_cast<double>(surfel.count) + kBent);
     const rt::Vector3 turn = rt::cross(x, t);
     const double j[6] = {turn.x, turn.y, turn.z, t.x, t.y, t.z};
@@ -60,72 +65,42 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
   return used;
 }
 
-/// Whether the cell beside one along an axis has a surface as well: then the strip of surface in it is no
-/// edge, but where the returns end.
-bool ScanStep::goes_on(const SurfelLayer& layer, const CellSums& cell, const rt::Vector3& axis) const {
-  for (const double side : {1.0, -1.0}) {
-    SurfelCell next = cell.cell;
-    const double part[3] = {side * axis.x, side * axis.y, side * axis.z};
-    for (int i = 0; i < 3; ++i) next.at[i] += part[i] > 0.5 ? 1 : part[i] < -0.5 ? -1 : 0;
-    if (layer.find(next) != kNoSurfel) return true;
-  }
-  return false;
-}
-
 NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const SamplePoint> sample,
                                     const RigidPose& pose, const StepRule& rule) {
   NormalEquations out;
   const std::uint32_t used = sum_up(layer, sample, pose);
   const double step = layer.cell_m() / kSurfelSteps;
-  // A direction along which the surface goes on into the next cell says nothing (Li and Huang 2024, ICET).
+  // A surface that goes on through the cell along all three axes has no normal there (extended axes of ICET,
+  // McDermott and Rife 2024).
   const double extended = square(layer.cell_m() / 4.0);
   const double noise = square(rule.sigma_m);
   for (const CellSums& cell : memory_.cells.first(used)) {
     const Surfel& surfel = layer.surfel(cell.surfel);
-    const auto middle = static_cast<double>(surfel.variance_m2[1]);
-    if (middle < kLine * static_cast<double>(surfel.variance_m2[0]) ||
-        middle < kThinLine * square(layer.cell_m()))
+    const double variance = surfel.variance(0);
+    if (variance > extended || surfel.variance(1) < kLine * variance ||
+        surfel.variance(1) < kThinLine * square(layer.cell_m()))
       continue;
     const auto n = static_cast<double>(cell.sums.count);
     const rt::Vector3 mean =
         (step / n) * rt::Vector3{static_cast<double>(cell.sums.sum[0]), static_cast<double>(cell.sums.sum[1]),
                                  static_cast<double>(cell.sums.sum[2])};
     const rt::Vector3 x = layer.centre_m(cell.cell) + mean - pose.p;
-    const rt::Vector3 off{mean.x - static_cast<double>(surfel.mean_m[0]),
-                          mean.y - static_cast<double>(surfel.mean_m[1]),
-                          mean.z - static_cast<double>(surfel.mean_m[2])};
-    const double spread = step * step / n;
-    bool counted = false;
-    for (int i = 0; i < 3; ++i) {
-      const auto variance = static_cast<double>(surfel.variance_m2[i]);
-      if (variance > extended) break;  // they rise
-      const rt::Vector3 a{static_cast<double>(surfel.axis[i][0]), static_cast<double>(surfel.axis[i][1]),
-                          static_cast<double>(surfel.axis[i][2])};
-      if (i > 0) break;
-      const double residual = rt::dot(a, off);
-      const auto* s = cell.sums.product;
-      const double second =
-          spread * (a.x * a.x * static_cast<double>(s[0]) + a.y * a.y * static_cast<double>(s[1]) +
-                    a.z * a.z * static_cast<double>(s[2]) +
-                    2.0 * (a.x * a.y * static_cast<double>(s[3]) + a.x * a.z * static_cast<double>(s[4]) +
-                           a.y * a.z * static_cast<double>(s[5])));
-      const double own = std::max(0.0, second - square(rt::dot(a, mean)));
-      const double robust = square(rule.scale_m) / (square(rule.scale_m) + square(residual));
-      const double weight = std::min(n, kMostOfCell) / (variance + own + noise) * robust * robust;
-      const rt::Vector3 turn = rt::cross(x, a);
-      const double j[6] = {turn.x, turn.y, turn.z, a.x, a.y, a.z};
-      for (int row = 0; row < 6; ++row) {
-        const double wj = weight * j[row];
-        for (int column = row; column < 6; ++column) out.h[row][column] += wj * j[column];
-        out.g[row] += wj * residual;
-      }
-      if (rule.noise && i == 0) add_noise(surfel, x, weight, noise, out);
-      out.squares += weight * square(residual);
-      out.weight += weight;
-      ++out.rows;
-      counted = true;
+    const rt::Vector3 a = surfel.normal();
+    const double residual = rt::dot(a, mean - surfel.mean());
+    const double own =
+        std::max(0.0, step * step / n * second_moment(cell.sums, a) - square(rt::dot(a, mean)));
+    const double robust = square(rule.scale_m) / (square(rule.scale_m) + square(residual));
+    const double weight = std::min(n, kMostOfCell) / (variance + own + noise) * robust * robust;
+    const rt::Vector3 turn = rt::cross(x, a);
+    const double j[6] = {turn.x, turn.y, turn.z, a.x, a.y, a.z};
+    for (int row = 0; row < 6; ++row) {
+      const double wj = weight * j[row];
+      for (int column = row; column < 6; ++column) out.h[row][column] += wj * j[column];
+      out.g[row] += wj * residual;
     }
-    if (counted) ++out.cells;
+    if (rule.noise) add_noise(surfel, x, weight, noise, out);
+    out.squares += weight * square(residual);
+    ++out.rows;
   }
   for (int row = 1; row < 6; ++row) {
     for (int column = 0; column < row; ++column) out.h[row][column] = out.h[column][row];

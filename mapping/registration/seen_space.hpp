@@ -22,12 +22,12 @@ class SeenSpace {
   /// `ranges`: kDirections of them.
   explicit SeenSpace(std::span<float> ranges) : ranges_(ranges) {}
 
-  /// Takes a scan's sample, seen from `pose`. About 60 ns a return.
+  /// Takes a scan's sample, seen from `pose`. An arc tangent a return.
   void take(std::span<const SamplePoint> sample, const RigidPose& pose);
 
   /// Of the returns of another sample at a pose: the share that stands where this one's rays went on. Only
-  /// those count for which the rays of this one went past on all sides. 0 where it has seen nothing. About 80
-  /// ns a return.
+  /// those count for which the rays of this one went past on all sides. 0 where it has seen nothing. An
+  /// arc tangent and nine looks a return.
   double share_inside(std::span<const SamplePoint> sample, const RigidPose& pose) const;
 
  private:

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "rt/describe.hpp"
+#include "rt/rotation.hpp"
 
 namespace sortie::mapping {
 
@@ -39,11 +40,21 @@ struct Surfel {
   float axis[3][3]{};      ///< unit vectors, by rising variance: axis[0] is the normal of a flat one
   float variance_m2[3]{};  ///< along the axes
   std::uint32_t count{};   ///< points it was made of; 0: none yet
+
+  rt::Vector3 mean() const { return vector_of(mean_m); }
+  rt::Vector3 along(int i) const { return vector_of(axis[i]); }
+  double variance(int i) const { return static_cast<double>(variance_m2[i]); }
+  rt::Vector3 normal() const { return along(0); }
   SORTIE_FIELDS(mean_m, axis, variance_m2, count)
+
+ private:
+  static rt::Vector3 vector_of(const float (&v)[3]) {
+    return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+  }
 };
 static_assert(sizeof(Surfel) == 64);
 
-/// The Gaussian of some sums in cells of an edge, m. At least one point. About 0.3 us.
+/// The Gaussian of some sums in cells of an edge, m. At least one point.
 Surfel surfel_of(const SurfelSums& sums, double cell_m);
 
 }  // namespace sortie::mapping

@@ -106,7 +106,7 @@ class SurfelLayer {
   /// which rises by one from scan to scan.
   void insert(std::span<const rt::Vector3> points_m, std::uint32_t scan, std::span<std::uint64_t> cells);
   /// Gives back what lies beyond the window about a place. From then on cells beyond it get only what room
-  /// those within it leave. About 1 ns a surfel.
+  /// those within it leave. Looks at every surfel.
   void evict_beyond(const rt::Vector3& middle_m);
   void clear();
 

@@ -317,3 +317,32 @@ TEST_CASE("A registration that may have next to no surfels does as one that has 
     CHECK(digest[0] == digest[1]);
   }
 }
+
+TEST_CASE("A scan that is refused has the odometry's place with the odometry's covariance, not the match's") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  const LocatorDrive drive(draws, 6, 24, 240);
+  testing::OwnedLocator owned({});
+  const auto hint_at = [&drive](std::size_t tick) {
+    return mapping::OdometryHint{true, drive.poses[tick], 0.07, 0.03};
+  };
+  for (std::size_t tick = 0; tick + 1 < drive.scans.size(); ++tick)
+    locate(owned, drive.scans[tick], static_cast<std::int64_t>(tick + 1) * kTick_ns, hint_at(tick));
+  const std::size_t last = drive.scans.size() - 1;
+  const auto check_odometry = [&](const mapping::Located& located) {
+    CHECK_FALSE(mapping::is_placed(located.verdict));
+    for (int i = 0; i < 6; ++i) {
+      for (int k = 0; k < 6; ++k) {
+        const double sigma = i < 3 ? 0.07 : 0.03;
+        CHECK(std::fabs(located.covariance[6 * i + k] - (i == k ? sigma * sigma : 0.0)) < 1e-9);
+      }
+    }
+  };
+  const std::vector<rt::ScanPoint> few(drive.scans[last].begin(), drive.scans[last].begin() + 20);
+  check_odometry(locate(owned, few, static_cast<std::int64_t>(last + 1) * kTick_ns, hint_at(last)));
+  // The right scan, where the odometry says that it cannot be.
+  mapping::OdometryHint wrong = hint_at(last);
+  wrong.T_odom_sensor.p = wrong.T_odom_sensor.p + rt::Vector3{1.0, 0.0, 0.0};
+  check_odometry(locate(owned, drive.scans[last], static_cast<std::int64_t>(last + 2) * kTick_ns, wrong));
+}
