@@ -81,6 +81,17 @@ TEST_CASE("a ROBOTLASER1 row has its own angles, range and remissions") {
   CHECK(rt::yaw_of(rt::to_quaternion(log.header.initial_q)) == Approx(0.25));
 }
 
+TEST_CASE("a log without ODOM takes the odometry of its front laser's rows, not the laser's pose") {
+  const TempFolder folder;
+  const std::string rows = "FLASER 1 2 9 9 9 1 2 0 10 host 0\nFLASER 1 2 9.5 9 9 1.25 2 0 10.5 host 0\n";
+  REQUIRE(run("carmen", folder.write("a.clf", rows), folder.file("out.lcm")).error.empty());
+  const Log log = read_log(folder.file("out.lcm"));
+  REQUIRE(log.tracks.size() == 2);
+  CHECK(log.header.initial_p[0] == 1.0);
+  CHECK(log.header.initial_p[1] == 2.0);
+  CHECK(log.tracks[1].left_m == Approx(0.25));
+}
+
 TEST_CASE("what is no return is left out and counted, and the range can be chosen") {
   const TempFolder folder;
   const std::string scan = "FLASER 8 0 -1 nan inf 3 49.9 50 81.83 0 0 0 0 0 0 1.5 host 1.5\n";

@@ -87,6 +87,20 @@ TEST_CASE("a sweep comes in oldest point first, each with its time before the ne
   }
 }
 
+TEST_CASE("points that are no return do not count for the turn, whatever their times") {
+  const TempFolder folder;
+  std::vector<SweptPoint> points = numbered_sweep();
+  for (std::size_t i = 1; i < points.size(); i += 2) {
+    points[i].x_m = std::nanf("");
+    points[i].t_ns = 0;
+  }
+  const Outcome outcome =
+      run("swp", folder.write("a.swp", swp_bytes(points, kSweptRows, kSweptColumns)), folder.file("out.lcm"));
+  REQUIRE(outcome.error.empty());
+  CHECK(outcome.report.returns.used == kSweptRows * kSweptColumns / 2);
+  CHECK(outcome.report.returns.no_return == kSweptRows * kSweptColumns / 2);
+}
+
 TEST_CASE("times that cannot be cost their own point alone, and have a counter each") {
   struct TimeDamage {
     const char* what;
