@@ -4,11 +4,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
@@ -148,10 +150,16 @@ TEST_CASE("a run that is killed leaves a ring that tells its last jobs in words 
     jobs += event.at("ph") == "X" && event.contains("args") && event["args"].contains("verdict") ? 1 : 0;
   CHECK(jobs == ring.jobs().size());
 
-  // The next run keeps what the dead one has left.
-  options.seconds = 0.2;
+  // The next run keeps what the dead one has left, with its first job, whenever the machine gets to that.
+  const std::string kept = options.flight_ring.path + ".previous";
+  std::atomic<bool> enough{false};
+  options.interrupted = &enough;
+  const std::jthread watch([&] {
+    for (int i = 0; i < 1'000 && access(kept.c_str(), F_OK) != 0; ++i) usleep(50'000);
+    enough.store(true);
+  });
   const LiveRunOutcome next = run_live(stall_vehicles(), nullptr, options);
-  CHECK(FlightReader(options.flight_ring.path + ".previous").jobs().size() == ring.jobs().size());
+  CHECK(FlightReader(kept).jobs().size() == ring.jobs().size());
   bool told = false;
   for (const std::string& warning : next.results.warnings)
     told = told || warning.find(".previous") != std::string::npos;
