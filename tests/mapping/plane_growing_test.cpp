@@ -257,7 +257,7 @@ TEST_CASE("Sums of a plane are exact: adding, shifting and taking away leave not
   }
 }
 
-TEST_CASE("Cells that are not good are refused by name; full pools are counted; edges of the grid hold") {
+TEST_CASE("Cells that are not good are refused by name, full pools are counted, edges of the grid hold") {
   tests::OwnedGrowing owned({}, 8, 2);
   mapping::PlaneCell good;
   good.normal[2] = 1;
