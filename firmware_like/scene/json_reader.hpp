@@ -53,7 +53,7 @@ class JsonReader {
   /// The fields that a struct lists, as json_of() writes them.
   template <class T>
   void read_fields(T& value) const {
-    T::fields(value, [this](const char* key, auto& field) { read(key, field); });
+    T::fields(value, [this](const char* key, auto& field) { this->read(key, field); });
   }
   /// Calls `each(entry)` for the entries of a list.
   template <class Each>
