@@ -3,6 +3,7 @@
 // by one transform and stays smooth.
 #include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/ugv_map_config.hpp"
+#include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
 
 namespace sortie::firmware {
@@ -67,6 +68,17 @@ class LocatePart final : public Part {
   drivers::ScanSink* scan_sink() override { return own_ != nullptr ? own_->port() : nullptr; }
   const rt::Task<rt::LocatedPose>* located_task() const override { return task_; }
 
+  void archive(rt::Archive& archive) {
+    rt::Members(archive, *this, "locate")
+        .base<Part>()
+        .fixed(config_, sweeps_, poses_, task_, T_body_sensor_, T_start_sensor_)
+        .by_hand(own_, locator_)
+        .state(T_odom_last_, unplaced_, output_);
+    archive.value(*locator_);
+    if (own_ != nullptr) archive.value(*own_);  // else they are the map's
+    mapping::check_pose(archive, T_odom_last_);
+  }
+
  private:
   static LidarSweepsConfig read_sweeps(Profile& profile, const mapping::RegistrationConfig& config) {
     ScanLimits limits;
@@ -85,6 +97,7 @@ class LocatePart final : public Part {
                                               take(context, i);
                                             output = output_;
                                           });
+    builder.remembers(task_, *this);
   }
 
   void add_counters(VehicleBuilder& builder) {

@@ -102,6 +102,7 @@ class Locator {
   const Located& locate(const rt::PointScan& scan, const OdometryHint& hint);
   const Located& located() const { return located_; }
   const ScanRegistration& registration() const { return registration_; }
+  void archive(rt::Archive& archive);
 
  private:
   void look_along_rays(const Match& match);

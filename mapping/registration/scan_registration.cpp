@@ -238,4 +238,13 @@ void ScanRegistration::insert(const RigidPose& pose) {
   }
 }
 
+void ScanRegistration::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "scan registration")
+      .fixed(config_)
+      .by_hand(layers_)
+      .scratch(step_, chooser_, sample_, points_, cells_, chosen_, size_)
+      .state(scans_, counts_);
+  for (SurfelLayer& layer : layers_) archive.value(layer);
+}
+
 }  // namespace sortie::mapping

@@ -51,6 +51,8 @@ class ScanRegistration {
   /// All that was chosen of the scan, the sample first.
   std::span<const SamplePoint> chosen() const { return sample_.first(chosen_); }
   const ScanSampleCounts& counts() const { return counts_; }
+  /// The map; what was taken of a scan is no part of it.
+  void archive(rt::Archive& archive);
 
  private:
   struct Ladder {

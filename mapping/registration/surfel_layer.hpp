@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/registration/surfel.hpp"
+#include "mapping/registration/surfel_record.hpp"
+#include "rt/archive.hpp"
 #include "rt/describe.hpp"
 #include "rt/rotation.hpp"
+#include "rt/status.hpp"
 
 namespace sortie::mapping {
 
@@ -18,6 +20,7 @@ inline constexpr SurfelIndex kNoSurfel = 0xffff;
 struct SurfelCell {
   static constexpr std::int32_t kLimit = 1 << 20;
   std::int32_t at[3]{};
+  SORTIE_FIELDS(at)
 
   constexpr std::uint64_t key() const {
     const auto part = [](std::int32_t i) { return static_cast<std::uint64_t>(std::int64_t{i} + kLimit); };
@@ -109,6 +112,17 @@ class SurfelLayer {
   /// those within it leave. Looks at every surfel.
   void evict_beyond(const rt::Vector3& middle_m);
   void clear();
+
+  /// The surfels that are there, by rising key. A sort; lives until the layer changes.
+  std::span<const SurfelIndex> by_key() const;
+  SurfelRecord record(SurfelIndex index) const {
+    return {memory_.keys[index], memory_.sums[index], memory_.surfels[index]};
+  }
+  /// Adds a surfel that was kept; what it was kept in gives them by rising key, after a clear(). malformed:
+  /// it cannot be one (fault_of()); full: no room; out_of_range: another one has its place in the window.
+  Status put(const SurfelRecord& record);
+  /// Surfels by rising key, whatever their places in memory were: no answer depends on these.
+  void archive(rt::Archive& archive);
 
  private:
   std::uint32_t entry(const SurfelCell& cell) const {

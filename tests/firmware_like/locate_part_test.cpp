@@ -8,6 +8,7 @@
 #include "drivers/wire.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/scene_parts.hpp"
+#include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 namespace sortie::testing {
@@ -72,14 +73,18 @@ void keep_lidar(const std::string& from, const std::string& to,
   });
 }
 
-firmware::ReplayOutcome replay_lidar(const std::string& log, std::vector<std::string> overrides = {}) {
+firmware::ReplayOptions as_lidar(std::vector<std::string> overrides = {}) {
   firmware::ReplayOptions options;
   options.scene = "lidar_walk";
   options.overrides = std::move(overrides);
   options.overrides.emplace_back("lidar.z_m=0.45");  // as ugv_hall has it
   options.overrides.emplace_back("lidar.x_m=0.05");
   options.accept_unused = true;
-  firmware::ReplayOutcome outcome = replay_log(log, options);
+  return options;
+}
+
+firmware::ReplayOutcome replay_lidar(const std::string& log, std::vector<std::string> overrides = {}) {
+  firmware::ReplayOutcome outcome = replay_log(log, as_lidar(std::move(overrides)));
   static_cast<void>(toolchain::judge(outcome));
   return outcome;
 }
@@ -188,6 +193,30 @@ TEST_CASE("poses that come with scans are the odometry, unless a scene will not 
   CHECK(rt::norm(rt::to_vector(last.p_map_odom_m)) < 1.0);
   const firmware::ReplayOutcome unposed = replay_lidar(log);
   CHECK(rt::norm(rt::to_vector(unposed.runtime->vehicle().located_task()->value().p_map_body_m)) < 10.0);
+}
+
+TEST_CASE("a log with it is indexed, and a replay from a keyframe ends in the same state as the whole one") {
+  const TempFolder folder;
+  const std::string alone = folder.file("lidar.lcm");
+  keep_lidar(located_hall().log, alone);
+  for (const bool lidar_alone : {false, true}) {
+    INFO("lidar alone " << lidar_alone);
+    const std::string& log = lidar_alone ? alone : located_hall().log;
+    firmware::ReplayOptions options = lidar_alone ? as_lidar() : firmware::ReplayOptions{};
+    options.keyframes = folder.file("of.keyframes");
+    const Indexed full = replay_and_keep(log, firmware::own_vehicles(), options, 500, options.keyframes);
+    for (const rt::Tick from : {rt::Tick{700}, rt::Tick{4200}}) {
+      options.from = "@" + std::to_string(from);
+      const Indexed part = replay_and_keep(log, firmware::own_vehicles(), options, 500);
+      CHECK(part.outcome.restored_tick == from / 500 * 500);
+      CHECK(part.outcome.results.digest == full.outcome.results.digest);
+      CHECK(counter(part.outcome, "locate_accepted") == counter(full.outcome, "locate_accepted"));
+      for (const auto& [tick, state] : part.states) {
+        INFO("state at tick " << tick);
+        CHECK((state == full.states.at(tick)));
+      }
+    }
+  }
 }
 
 TEST_CASE("a scene that does not ask for it has neither its task nor its memory") {
