@@ -19,8 +19,8 @@ firmware::LiveRunOutcome run_located(double seconds, const std::string& log, std
   firmware::LiveRunOptions options;
   options.scene = "ugv_hall";
   options.overrides = std::move(more);
-  options.overrides.insert(options.overrides.end(),
-                           {"hil.lidar_rows=16", "hil.lidar_columns=180", "limits.voxels=65536"});
+  options.overrides.insert(options.overrides.end(), {"hil.lidar_rows=16", "hil.lidar_columns=180",
+                                                     "limits.voxels=65536", "tasks.map.budget_us=20000"});
   options.seconds = seconds;
   options.virtual_time = true;
   options.record = log;
