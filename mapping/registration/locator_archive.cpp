@@ -9,7 +9,8 @@ namespace sortie::mapping {
 void Locator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "locator")
       .fixed(config_)
-      .state(registration_, seen_, located_, tied_, newest_, before_, newest_ns_, before_ns_, usual_share_);
+      .state(registration_, seen_, located_, anchor_, told_move_m_, told_turn_rad_, tied_, newest_, before_,
+             newest_ns_, before_ns_, usual_share_);
   if (!archive.is_reading()) return;
   for (const RigidPose& pose : {located_.T_map_odom, located_.T_map_sensor, newest_, before_})
     check_pose(archive, pose);
@@ -17,8 +18,10 @@ void Locator::archive(rt::Archive& archive) {
   for (const rt::Nanoseconds stamp : {located_.stamp_ns, newest_ns_, before_ns_}) {
     if (stamp < -kFar || stamp > kFar) archive.fail(Status::malformed, "a stamp that is none");
   }
-  if (!std::isfinite(usual_share_)) archive.fail(Status::malformed, "a share that is not finite");
-  if (located_.weak_moves > 3 || located_.weak_turns > 3 || located_.verdict > LocateVerdict::new_place)
+  if (anchor_ > Anchor::held) archive.fail(Status::malformed, "a map that hangs on nothing");
+  if (!std::isfinite(usual_share_) || !std::isfinite(told_move_m_) || !std::isfinite(told_turn_rad_))
+    archive.fail(Status::malformed, "a number that is not finite");
+  if (located_.weak_moves > 3 || located_.weak_turns > 3 || located_.verdict > LocateVerdict::unplaced)
     archive.fail(Status::malformed, "a place that is none");
 }
 

@@ -13,8 +13,8 @@
 
 namespace sortie::mapping {
 
-using SurfelIndex = std::uint16_t;
-inline constexpr SurfelIndex kNoSurfel = 0xffff;
+using SurfelIndex = std::uint32_t;
+inline constexpr SurfelIndex kNoSurfel = 0xffffffff;
 
 /// A cell by its whole coordinates, each in [-2^20, 2^20), and as a 63-bit key.
 struct SurfelCell {
@@ -43,7 +43,7 @@ struct SurfelPlace {
 /// Memory of a layer, which outlives it: value-initialised arrays of one length, but for the window.
 struct SurfelLayerMemory {
   std::span<SurfelIndex> window;  ///< 2^(2 bits_xy + bits_z)
-  std::span<std::uint64_t> keys;  ///< at most 65,535 surfels
+  std::span<std::uint64_t> keys;
   std::span<SurfelSums> sums;
   std::span<Surfel> surfels;
   std::span<SurfelIndex> free;
@@ -65,12 +65,15 @@ struct SurfelLayerCounts {
 /// the order of its points: new cells get their room in the order of their keys.
 class SurfelLayer {
  public:
-  /// 140 bytes a surfel and 2 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
+  /// 144 bytes a surfel and 4 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
   /// `min_points` on, and fades from `memory_points` on (at most 32,768).
   SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
               std::uint32_t memory_points, const SurfelLayerMemory& memory);
 
   double cell_m() const { return cell_m_; }
+  /// Cells of the window along x and y, and along z.
+  std::uint32_t window_xy() const { return 1u << bits_xy_; }
+  std::uint32_t window_z() const { return 1u << bits_z_; }
   std::size_t size() const { return memory_.keys.size() - free_; }
   const SurfelLayerCounts& counts() const { return counts_; }
 
