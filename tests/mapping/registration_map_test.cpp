@@ -14,7 +14,7 @@ using mapping::LocateVerdict;
 using mapping::SurfelMapFault;
 
 constexpr std::int64_t kTick_ns = 100'000'000;
-constexpr std::size_t kHeadBytes = 52;
+constexpr std::size_t kHeadBytes = 48;
 constexpr std::size_t kRecordBytes = 136;
 
 std::vector<std::uint8_t> map_of(const mapping::ScanRegistration& registration) {
