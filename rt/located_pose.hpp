@@ -14,6 +14,7 @@ namespace sortie::rt {
 struct LocatedPose {
   static constexpr std::uint8_t kFirst = 1;  ///< verdict: the map begins with this scan
   static constexpr std::uint8_t kAccepted = 2;
+  static constexpr std::uint8_t kUnplaced = 10;  ///< where the robot is on a kept map is not known
 
   Nanoseconds stamp_ns{};    ///< of the scan, on the odometry's clock; 0: none yet
   std::uint8_t verdict{};    ///< mapping::LocateVerdict: above kAccepted is why the scan was refused

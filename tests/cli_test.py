@@ -200,6 +200,19 @@ check(all(r["digest"] in pathlib.Path("both/report.html").read_text() for r in b
 expect(2, "export", "flight_map", "ugv.lcm", says=["--for"], only_line=True)
 expect(2, "export", "flight_map", "ugv.lcm", "--for", "uav_neo11", says=["uav_neo11", "no [flight_map]"], only_line=True)
 expect(2, "export", "flight_map", "hall.lcm", "--for", "uav_rescue", says=["hall.lcm", "no occupancy map"], only_line=True)
+# A map of surfaces from one run to another.
+expect(0, "run", "--scene", "ugv_hall", "--virtual", "--seconds", "1", "--record", "surfels.lcm",
+       "--set", "tasks.locate.enabled=true", "tasks.map.budget_us=20000", *small[1:])
+expect(0, "export", "surfels", "surfels.lcm", "-o", "hall.surfels")
+expect(0, "run", "--scene", "ugv_hall", "--virtual", "--seconds", "1", "--map", "hall.surfels", "--record", "on_map.lcm",
+       "--set", "tasks.locate.enabled=true", "tasks.map.budget_us=20000", "locate.start_on_map=true", *small[1:])
+expect(0, "check", "on_map.lcm", "--map", "hall.surfels")
+expect(0, "index", "on_map.lcm", "--map", "hall.surfels", "--every", "0.5")
+expect(2, "check", "on_map.lcm", says=["begins with the map hall.surfels", "--map FILE"], only_line=True)
+expect(2, "replay", "on_map.lcm", "--map", "hall.lcm", says=["hall.surfels", "is another one"], only_line=True)
+expect(2, "run", "--scene", "ugv_hall", "--virtual", "--map", "hall.surfels", says=["no part that uses a map of surfaces"], only_line=True)
+expect(3, "run", "--scene", "ugv_locate", "--virtual", "--map", "none.surfels", says=["export surfels"], only_line=True)
+expect(2, "export", "surfels", "hall.lcm", "-o", "none.surfels", says=["hall.lcm", "makes no map of surfaces"], only_line=True)
 result = expect(0, "run", "--scene", "ugv_hall", "--seconds", "0.5", "--record", "live.lcm", "--no-rt", "--lcm-url", "none",
                 "--json", *small)
 check(parsed(result).get("counters", {}).get("heap_calls", 0) == 0, "heap calls in a live run", result)

@@ -9,6 +9,7 @@
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/log/run_end.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
@@ -41,6 +42,15 @@ std::string what_is_outside(const LiveRunOptions& options) {
   return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
 }
 
+BootedRuntime boot(const VehicleRegistry& vehicles, const LiveRunOptions& options) {
+  if (options.map.empty())
+    return boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time);
+  const KeptMap map = read_kept_map(options.map);
+  std::vector<std::string> overrides = options.overrides;
+  for (std::string& line : map.overrides()) overrides.push_back(std::move(line));
+  return boot_runtime(vehicles, options.scene, overrides, !options.virtual_time, &map);
+}
+
 bool takes_channel(const Runtime& runtime, std::string_view channel) {
   const auto& ports = runtime.parts().ports();
   return std::any_of(ports.begin(), ports.end(),
@@ -52,7 +62,7 @@ bool takes_channel(const Runtime& runtime, std::string_view channel) {
 LiveSession::LiveSession(const VehicleRegistry& vehicles, const SimulatorFactory& simulator,
                          const LiveRunOptions& options)
     : options_(options),
-      booted_(boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time)),
+      booted_(boot(vehicles, options)),
       runtime_(*booted_.runtime),
       executive_(runtime_.executive()) {
   outcome_.runtime = std::move(booted_.runtime);

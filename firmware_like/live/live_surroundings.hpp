@@ -32,7 +32,8 @@ class TaskPoses {
       return;
     Output pose;
     rt::decode_canonical(record.fields + offset_, pose);
-    if (pose.stamp_ns != 0) poses.add(to_timed_pose(pose));
+    const TimedPose timed = to_timed_pose(pose);
+    if (timed.stamp_ns != 0) poses.add(timed);
   }
   BoundedTrajectory poses{1};
 

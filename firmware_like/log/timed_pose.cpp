@@ -43,6 +43,7 @@ TimedPose to_timed_pose(const rt::PoseEstimate& estimate) {
 
 TimedPose to_timed_pose(const rt::LocatedPose& located) {
   TimedPose pose;
+  if (located.verdict == rt::LocatedPose::kUnplaced) return pose;
   pose.stamp_ns = located.stamp_ns;
   std::copy(std::begin(located.p_map_body_m), std::end(located.p_map_body_m), pose.p);
   std::copy(std::begin(located.q_map_body), std::end(located.q_map_body), pose.q);

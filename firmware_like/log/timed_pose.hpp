@@ -29,6 +29,7 @@ TimedPose to_timed_pose(const rt::TruthSample& truth);
 TimedPose to_timed_pose(const rt::PoseEstimate& estimate);
 
 /// The body's pose on the map, also of a scan that was refused; all parts are meant.
+/// Without a stamp, which is none, where the robot's place on a kept map is not known.
 TimedPose to_timed_pose(const rt::LocatedPose& located);
 
 /// Sorts by stamp (stable), normalises quaternions and removes samples that are not finite or have no

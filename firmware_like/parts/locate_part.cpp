@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the robot is on a map of surfaces that it makes of its lidar's scans. The odometry hangs on that map
 // by one transform and stays smooth.
+#include <algorithm>
+#include <bit>
+
+#include "firmware_like/parts/kept_surfels.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/ugv_map_config.hpp"
+#include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
 
 namespace sortie::firmware {
@@ -18,6 +23,7 @@ RigidPose inverse(const RigidPose& a) { return {-1.0 * rt::rotate_back(a.q, a.p)
 /// How far the odometry is believed from one placed scan to the next.
 struct LocateConfig {
   bool scan_poses{true};
+  bool start_on_map{};
   double sigma_move_m{0.02};
   double sigma_per_way{0.2};
   double sigma_turn_rad{0.01};
@@ -26,6 +32,8 @@ struct LocateConfig {
   SORTIE_KEYS(c, key) {
     key("scan_poses", c.scan_poses,
         {"poses that come with scans are the odometry; false: they are not read"});
+    key("start_on_map", c.start_on_map,
+        {"with a kept map the robot starts where that says it is; false: it waits until it is placed"});
     key("sigma_move_m", c.sigma_move_m,
         {0.001, 10, "m", "of the odometry since the scan that was placed last", rt::kKnob});
     key("sigma_per_way", c.sigma_per_way, {0, 1, "", "that much more for each metre of way", rt::kKnob});
@@ -56,7 +64,8 @@ class LocatePart final : public Part {
     const InitialPose& initial = builder.initial_pose();
     T_start_sensor_ = after({rt::to_vector(initial.p_world_body_m), rt::to_quaternion(initial.q_world_body)},
                             T_body_sensor_);
-    locator_ = std::make_unique<mapping::Locator>(config, builder.arena());
+    locator_ = std::make_unique<mapping::Locator>(config, builder.arena(), read_memory(builder.profile()));
+    load_kept_map(builder, *locator_);
     poses_ = builder.reports<rt::LocatedPose>("located", 16);
     builder.offer(*poses_);
     add_task(builder, group);
@@ -66,8 +75,33 @@ class LocatePart final : public Part {
   void finish(VehicleBuilder& builder) override { builder.chain({"scan_to_locate", {"SCAN", "locate"}}); }
   drivers::ScanSink* scan_sink() override { return own_ != nullptr ? own_->port() : nullptr; }
   const rt::Task<rt::LocatedPose>* located_task() const override { return task_; }
+  const mapping::ScanRegistration* surfels() const override { return &locator_->registration(); }
+
+  void archive(rt::Archive& archive) {
+    rt::Members(archive, *this, "locate")
+        .base<Part>()
+        .fixed(config_, sweeps_, poses_, task_, T_body_sensor_, T_start_sensor_)
+        .by_hand(own_, locator_)
+        .state(T_odom_last_, unplaced_, output_);
+    archive.value(*locator_);
+    if (own_ != nullptr) archive.value(*own_);  // else they are the map's
+    mapping::check_pose(archive, T_odom_last_);
+  }
 
  private:
+  static mapping::RegistrationMemory read_memory(Profile& profile) {
+    mapping::RegistrationMemory memory;
+    profile.read("locate", memory);
+    const auto power_of_two = [&profile](const char* key, std::uint32_t cells) {
+      if (!std::has_single_bit(cells))
+        profile.fail(key, "must be a power of two: " + std::to_string(std::bit_floor(cells)) + " or " +
+                              std::to_string(std::bit_ceil(cells)));
+    };
+    power_of_two("locate.window_cells", memory.window_cells);
+    power_of_two("locate.window_cells_up", memory.window_cells_up);
+    return memory;
+  }
+
   static LidarSweepsConfig read_sweeps(Profile& profile, const mapping::RegistrationConfig& config) {
     ScanLimits limits;
     profile.read("limits", limits);
@@ -85,13 +119,16 @@ class LocatePart final : public Part {
                                               take(context, i);
                                             output = output_;
                                           });
+    builder.remembers(task_, *this);
   }
 
   void add_counters(VehicleBuilder& builder) {
     const mapping::LocateCounts& counts = locator_->located().counts;
     builder.counters("locate_", counts);
     builder.counter("locate_unplaced", [this] { return unplaced_; });
-    builder.uses("SCAN", [&counts] { return counts.first + counts.accepted + counts.new_place; });
+    builder.uses("SCAN", [&counts] {
+      return counts.first + counts.accepted + counts.new_place + counts.unplaced_on_map;
+    });
     static constexpr const char* kLayers[] = {"surfels_fine", "surfels_middle", "surfels_coarse"};
     for (int level = 0; level < mapping::kSurfelLayers; ++level) {
       const mapping::SurfelLayer& layer = locator_->registration().layer(level);
@@ -113,18 +150,33 @@ class LocatePart final : public Part {
     if (!posed) header.stamp_ns += sweeps_->lidar().time_offset_ns;
     rt::PointScan scan = placed.scan;
     scan.header.stamp_ns = header.stamp_ns;
-    const mapping::Located& located = locator_->locate(scan, hint_of(placed, known));
+    const mapping::OdometryHint hint = hint_of(placed, known);
+    if (config_.start_on_map && locator_->is_unplaced() && hint.known) start_on_map(hint);
+    const mapping::Located& located = locator_->locate(scan, hint);
     if (mapping::is_placed(located.verdict)) T_odom_last_ = placed.T_odom_sensor;
     context.add_units(located.steps);
     put(located);
     static_cast<void>(poses_->put(output_));  // what nobody took is counted; each tells of its own scan alone
   }
 
+  /// Map and odometry are one, as far as a lost robot is looked for. A scan decides.
+  void start_on_map(const mapping::OdometryHint& hint) {
+    const mapping::RegistrationConfig& config = locator_->registration().config();
+    const double move_m = std::max(config.recovery_move_m, 0.1);
+    const double turn_rad = std::max(config.recovery_turn_rad, 0.05);
+    double covariance[36]{};
+    for (int i = 0; i < 3; ++i) {
+      covariance[7 * i] = move_m * move_m;
+      covariance[7 * (i + 3)] = turn_rad * turn_rad;
+    }
+    static_cast<void>(locator_->place(hint.T_odom_sensor, covariance, hint));  // refused: it stays unplaced
+  }
+
   /// The first scan of a robot without odometry is taken where the robot starts: the map's frame is then the
   /// world's, as the start has it.
   mapping::OdometryHint hint_of(const PlacedScan& placed, bool known) const {
     mapping::OdometryHint hint;
-    const bool begins = locator_->located().counts.first == 0;
+    const bool begins = !locator_->has_begun();
     hint.known = known || begins;
     hint.T_odom_sensor = known ? placed.T_odom_sensor : T_start_sensor_;
     const RigidPose moved = after(inverse(begins ? hint.T_odom_sensor : T_odom_last_), hint.T_odom_sensor);

@@ -148,6 +148,10 @@ std::optional<mapping::OccupancyView> Robot::occupancy() const {
   return first([](const Part& part) { return part.occupancy(); });
 }
 
+const mapping::ScanRegistration* Robot::surfels() const {
+  return first([](const Part& part) { return part.surfels(); });
+}
+
 UnitTrial Robot::try_units() const {
   for (const std::unique_ptr<Part>& part : parts_) {
     if (UnitTrial trial = part->try_units(); !trial.task.empty()) return trial;

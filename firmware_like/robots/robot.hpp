@@ -30,6 +30,7 @@ class Robot final : public Vehicle, public UnitTryer {
   const rt::Task<rt::LocatedPose>* located_task() const override;
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
   std::optional<mapping::OccupancyView> occupancy() const override;
+  const mapping::ScanRegistration* surfels() const override;
   UnitTrial try_units() const override;
 
  private:

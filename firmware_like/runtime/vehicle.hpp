@@ -16,6 +16,10 @@ class CanBus;
 class SslPort;
 }  // namespace sortie::drivers
 
+namespace sortie::mapping {
+class ScanRegistration;
+}  // namespace sortie::mapping
+
 namespace sortie::firmware {
 
 /// What a vehicle's devices are reached by. Members that a vehicle does not use stay null.
@@ -80,6 +84,8 @@ class Vehicle {
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& /*put*/) const {}
   /// The occupancy map as it is when no job runs; nothing without one.
   virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
+  /// The map of surfaces as it is when no job runs; null without one.
+  virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
 };
 
 }  // namespace sortie::firmware

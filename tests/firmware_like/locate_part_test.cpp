@@ -3,17 +3,22 @@
 // alone.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "drivers/wire.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/scene_parts.hpp"
+#include "mapping/registration/surfel_map.hpp"
+#include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
 namespace sortie::testing {
 namespace {
 
-firmware::LiveRunOutcome run_located(double seconds, const std::string& log, std::vector<std::string> more) {
+firmware::LiveRunOutcome run_located(double seconds, const std::string& log, std::vector<std::string> more,
+                                     const std::string& map = "") {
   watch_heap();
   firmware::LiveRunOptions options;
   options.scene = "ugv_hall";
@@ -23,6 +28,7 @@ firmware::LiveRunOutcome run_located(double seconds, const std::string& log, std
   options.seconds = seconds;
   options.virtual_time = true;
   options.record = log;
+  options.map = map;
   options.record_fields = true;
   options.lcm_url = "none";
   firmware::LiveRunOutcome run =
@@ -54,6 +60,26 @@ const LocatedHall& located_hall() {
   return recorded;
 }
 
+std::vector<std::uint8_t> map_bytes(const firmware::Runtime& runtime) {
+  const mapping::ScanRegistration* map = runtime.vehicle().surfels();
+  REQUIRE(map != nullptr);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
+  REQUIRE(mapping::write_surfel_map(*map, bytes) == Status::ok);
+  return bytes;
+}
+
+/// Writes the map at the end of a log; gives its bytes.
+std::vector<std::uint8_t> keep_map(const std::string& log, const std::string& path) {
+  std::vector<std::uint8_t> bytes = map_bytes(*replay_log(log, {}).runtime);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return bytes;
+}
+
+std::string refusal_of(const std::string& log, const firmware::ReplayOptions& options) {
+  return message_of<firmware::ProfileError>([&] { static_cast<void>(replay_log(log, options)); });
+}
+
 /// The log of a lidar alone, with the truth that judges it. `pose` may give each scan one.
 void keep_lidar(const std::string& from, const std::string& to,
                 const std::function<void(rt::ScanHeader&)>& pose = nullptr) {
@@ -72,14 +98,18 @@ void keep_lidar(const std::string& from, const std::string& to,
   });
 }
 
-firmware::ReplayOutcome replay_lidar(const std::string& log, std::vector<std::string> overrides = {}) {
+firmware::ReplayOptions as_lidar(std::vector<std::string> overrides = {}) {
   firmware::ReplayOptions options;
   options.scene = "lidar_walk";
   options.overrides = std::move(overrides);
   options.overrides.emplace_back("lidar.z_m=0.45");  // as ugv_hall has it
   options.overrides.emplace_back("lidar.x_m=0.05");
   options.accept_unused = true;
-  firmware::ReplayOutcome outcome = replay_log(log, options);
+  return options;
+}
+
+firmware::ReplayOutcome replay_lidar(const std::string& log, std::vector<std::string> overrides = {}) {
+  firmware::ReplayOutcome outcome = replay_log(log, as_lidar(std::move(overrides)));
   static_cast<void>(toolchain::judge(outcome));
   return outcome;
 }
@@ -188,6 +218,110 @@ TEST_CASE("poses that come with scans are the odometry, unless a scene will not 
   CHECK(rt::norm(rt::to_vector(last.p_map_odom_m)) < 1.0);
   const firmware::ReplayOutcome unposed = replay_lidar(log);
   CHECK(rt::norm(rt::to_vector(unposed.runtime->vehicle().located_task()->value().p_map_body_m)) < 10.0);
+}
+
+TEST_CASE("a log with it is indexed, and a replay from a keyframe ends in the same state as the whole one") {
+  const TempFolder folder;
+  const std::string alone = folder.file("lidar.lcm");
+  keep_lidar(located_hall().log, alone);
+  for (const bool lidar_alone : {false, true}) {
+    INFO("lidar alone " << lidar_alone);
+    const std::string& log = lidar_alone ? alone : located_hall().log;
+    firmware::ReplayOptions options = lidar_alone ? as_lidar() : firmware::ReplayOptions{};
+    options.keyframes = folder.file("of.keyframes");
+    const Indexed full = replay_and_keep(log, firmware::own_vehicles(), options, 500, options.keyframes);
+    for (const rt::Tick from : {rt::Tick{700}, rt::Tick{4200}}) {
+      options.from = "@" + std::to_string(from);
+      const Indexed part = replay_and_keep(log, firmware::own_vehicles(), options, 500);
+      CHECK(part.outcome.restored_tick == from / 500 * 500);
+      CHECK(part.outcome.results.digest == full.outcome.results.digest);
+      CHECK(counter(part.outcome, "locate_accepted") == counter(full.outcome, "locate_accepted"));
+      for (const auto& [tick, state] : part.states) {
+        INFO("state at tick " << tick);
+        CHECK((state == full.states.at(tick)));
+      }
+    }
+  }
+}
+
+TEST_CASE("a run begins with the map of another, and its log replays with that map alone") {
+  const TempFolder folder;
+  const std::string map = folder.file("hall.surfels");
+  const std::string other = folder.file("other.surfels");
+  const std::vector<std::uint8_t> bytes = keep_map(located_hall().log, map);
+  {
+    std::vector<std::uint8_t> of_less = bytes;  // any other file
+    of_less.push_back(0);
+    std::ofstream(other, std::ios::binary)
+        .write(reinterpret_cast<const char*>(of_less.data()), static_cast<std::streamsize>(of_less.size()));
+  }
+  const std::vector<std::string> wanted = {"tasks.locate.enabled=true"};
+  for (const bool start_on_map : {false, true}) {
+    INFO("start_on_map " << start_on_map);
+    const std::string log = folder.file(start_on_map ? "placed.lcm" : "unplaced.lcm");
+    auto keys = wanted;
+    if (start_on_map) keys.emplace_back("locate.start_on_map=true");
+    const firmware::LiveRunOutcome run = run_located(4, log, keys, map);
+    CHECK(counted(run, "locate_in") > 30);
+    CHECK(counted(run, "locate_first") == 0);
+    CHECK(counted(run, start_on_map ? "locate_accepted" : "locate_unplaced_on_map") ==
+          counted(run, "locate_in"));
+    CHECK(run.failures.empty());
+    if (rt::posix::kHeapTrapAvailable) CHECK(counted(run, "heap_calls") == 0);
+    if (start_on_map) {
+      CHECK(run.located.size() == counted(run, "locate_in"));
+      CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
+    } else {
+      CHECK(run.located.empty());  // of no scan is anything known
+      CHECK(run.results.errors.count("located_ate_rmse_m") == 0);
+      CHECK(map_bytes(*run.runtime) == bytes);
+    }
+    firmware::ReplayOptions options;
+    const std::string without = refusal_of(log, options);
+    CHECK(mentions(without, "begins with the map hall.surfels (digest "));
+    CHECK(mentions(without, "--map FILE"));
+    options.map = other;
+    CHECK(mentions(refusal_of(log, options), "begins with the map hall.surfels (digest "));
+    CHECK(mentions(refusal_of(log, options), "is another one"));
+    options.map = map;
+    const firmware::ReplayOutcome again = replay_log(log, options);
+    CHECK(complaint_of(again).empty());
+    CHECK(again.comparable);
+    CHECK(again.results.digest == run.results.digest);
+    CHECK(map_bytes(*again.runtime) == map_bytes(*run.runtime));
+  }
+}
+
+TEST_CASE("a map that does not fit the scene is refused with the key to set") {
+  const TempFolder folder;
+  const std::string map = folder.file("hall.surfels");
+  const std::vector<std::uint8_t> bytes = keep_map(located_hall().log, map);
+  const auto why = [&](std::vector<std::string> keys, const std::string& file) {
+    std::string said;
+    try {
+      static_cast<void>(run_located(1, "", std::move(keys), file));
+    } catch (const std::exception& error) {
+      said = error.what();
+    }
+    INFO(said);
+    CHECK(mentions(said, file));
+    return said;
+  };
+  const std::string on = "tasks.locate.enabled=true";
+  CHECK(mentions(why({on, "locate.cell_m=0.4"}, map), "cure: --set locate.cell_m=0.5"));
+  CHECK(mentions(why({on, "locate.min_points=8"}, map), "cure: --set locate.min_points=5"));
+  CHECK(mentions(why({on, "limits.surfels=300"}, map), "cure: --set limits.surfels="));
+  CHECK(mentions(why({on, "locate.window_cells=16"}, map), "cure: --set locate.window_cells="));
+  CHECK(mentions(why({on, "locate.window_cells_up=8"}, map), "cure: --set locate.window_cells_up="));
+  CHECK(mentions(why({}, map), "has no part that uses a map of surfaces"));
+  CHECK(mentions(why({on}, folder.file("none.surfels")), "sortie export surfels"));
+  CHECK(mentions(why({on}, located_hall().log), "is no map of surfaces"));
+  std::filesystem::resize_file(map, bytes.size() - 9);
+  CHECK(mentions(why({on}, map), "cut off"));
+  const std::string uneven = message_of<firmware::ProfileError>([&] {
+    static_cast<void>(run_located(1, "", {on, "locate.window_cells=100"}));
+  });
+  CHECK(mentions(uneven, "a power of two: 64 or 128"));
 }
 
 TEST_CASE("a scene that does not ask for it has neither its task nor its memory") {

@@ -9,6 +9,7 @@
 #include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/profile.hpp"
+#include "mapping/registration/surfel_map.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/export/candump.hpp"
@@ -62,6 +63,20 @@ void export_ply(const CommandContext& context, const ExportOptions& options, con
   if (points.empty())
     throw InputError(options.log + ": this scene keeps no map; export ply needs a scene with task map", 2);
   write_ply(out, points);
+}
+
+// The map of surfaces at the log's end, for `run --map`.
+void export_surfels(const CommandContext& context, const ExportOptions& options, const LogFile& log,
+                    std::ostream& out) {
+  const firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
+  const mapping::ScanRegistration* map = outcome.runtime->vehicle().surfels();
+  if (map == nullptr)
+    throw InputError(
+        options.log + ": this scene makes no map of surfaces; choose one with part locate, as ugv_locate", 2);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
+  if (mapping::write_surfel_map(*map, bytes) != Status::ok)
+    throw InputError(options.log + ": its map of surfaces cannot be written", 3);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 // A scene for another robot, with what this one came to know of its flight map.
@@ -236,6 +251,7 @@ int run(const CommandContext& context, ExportOptions& options) {
   write_file(options.path, [&](std::ostream& out) {
     if (options.kind == "tum") export_tum(context, options, log, out);
     if (options.kind == "ply") export_ply(context, options, log, out);
+    if (options.kind == "surfels") export_surfels(context, options, log, out);
     if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
     if (options.kind == "candump") export_candump(log, out);
@@ -257,6 +273,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
   command->footer(
       "Kinds: tum (evo), ply (MeshLab, CloudCompare), csv (PlotJuggler, pandas), candump (can-utils), trace "
       "(ui.perfetto.dev), latency (SVG), jobs (text),\n"
+      "surfels (the map of surfaces of part locate, for `run --map`),\n"
       "flight_map (a scene with the map that the robot made, for a multirotor)\n"
       "trace, latency and jobs also read the flight ring of a run that died.\n"
       "Examples:\n"
@@ -264,13 +281,14 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "  sortie export tum walk.lcm --scene lidar_walk --task locate -o walk.tum\n"
       "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
       "  sortie export csv pallet.lcm --task truth_contacts -o contacts.csv\n"
+      "  sortie export surfels ugv.lcm -o hall.surfels\n"
       "  sortie export flight_map ugv.lcm --for uav_rescue -o uav.toml\n"
       "  sortie export trace hall.lcm -o hall.trace.json\n"
       "  sortie export latency hall.lcm -o latency.svg\n"
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
   command->add_option("kind", options->kind, "What to write")
       ->required()
-      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "flight_map"});
+      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "surfels", "flight_map"});
   command->add_option("log", options->log, "LCM log, or a flight ring")->required();
   command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
   command->add_option("-o,--output", options->path, "File; - is standard output")
@@ -285,6 +303,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       ->type_name("SCENE");
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");
+  add_map_option(*command, options->replay);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command->callback(

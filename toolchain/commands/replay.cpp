@@ -31,6 +31,7 @@ void add_replay_report_options(firmware::Command& command, ReplayReportOptions& 
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
       ->take_all();
   add_truth_option(command, options.replay.truth);
+  add_map_option(command, options.replay);
   add_span_options(command, options.replay, true);
   add_alignment_option(command, options.align);
   add_calibration_option(command, options.evaluation.calibrate_s);
@@ -94,6 +95,7 @@ void add_replay(firmware::Command& app, CommandContext& context) {
       "  sortie replay husky.lcm --scene skid_outdoor --align se2 --json\n"
       "  sortie replay drive.lcm --truth plant.lcm\n"
       "  sortie replay hall.lcm --from 60 --to 70\n"
+      "  sortie replay again.lcm --map hall.surfels   # recorded with that map\n"
       "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
   command->add_option("log", options->replay.log, "LCM log from `run --record` or `import`")->required();
   add_replay_report_options(*command, options->replay);

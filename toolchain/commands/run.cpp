@@ -74,6 +74,7 @@ void add_run(firmware::Command& app, CommandContext& context) {
       "  sortie run --scene ugv_hall --record hall.lcm --gate latency.toml   # exit 1: a bound is broken\n"
       "  sortie run --scene ugv_hall --plant own --record hall.lcm   # beside: sortie plant --scene "
       "ugv_hall\n"
+      "  sortie run --scene ugv_locate --map hall.surfels   # of `sortie export surfels`\n"
       "  sortie run --scene ugv_hall --can can0 --require-rt");
   firmware::add_live_options(*command, options->live);
   add_gate_option(*command, options->gate);
