@@ -46,9 +46,7 @@ BootedRuntime boot(const VehicleRegistry& vehicles, const LiveRunOptions& option
   if (options.map.empty())
     return boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time);
   const KeptMap map = read_kept_map(options.map);
-  std::vector<std::string> overrides = options.overrides;
-  for (std::string& line : map.overrides()) overrides.push_back(std::move(line));
-  return boot_runtime(vehicles, options.scene, overrides, !options.virtual_time, &map);
+  return boot_runtime(vehicles, options.scene, map.overrides(options.overrides), !options.virtual_time, &map);
 }
 
 bool takes_channel(const Runtime& runtime, std::string_view channel) {

@@ -26,8 +26,9 @@ std::string plain_name(const std::string& path) {
 
 }  // namespace
 
-std::vector<std::string> KeptMap::overrides() const {
-  return {"locate.map=\"" + name + "\"", "locate.map_digest=\"" + digest + "\""};
+std::vector<std::string> KeptMap::overrides(std::vector<std::string> more) const {
+  more.insert(more.end(), {"locate.map=\"" + name + "\"", "locate.map_digest=\"" + digest + "\""});
+  return more;
 }
 
 KeptMap read_kept_map(const std::string& path) {

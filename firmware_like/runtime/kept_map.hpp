@@ -15,8 +15,9 @@ struct KeptMap {
   std::string digest;  ///< of all bytes
   std::vector<std::uint8_t> bytes;
 
-  /// What a profile says of a run with this map: its name and digest, so that the log's header has both.
-  std::vector<std::string> overrides() const;
+  /// `more`, and what a profile says of a run with this map: its name and digest, so that the log's header
+  /// has both.
+  std::vector<std::string> overrides(std::vector<std::string> more) const;
 };
 
 /// Reads a file of `sortie export surfels`. Throws InputError where it cannot be read or is longer than any

@@ -9,9 +9,9 @@
 #include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/profile.hpp"
-#include "mapping/registration/surfel_map.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "toolchain/commands/commands.hpp"
+#include "toolchain/commands/export_maps.hpp"
 #include "toolchain/export/candump.hpp"
 #include "toolchain/export/chrome_trace.hpp"
 #include "toolchain/export/contacts_csv.hpp"
@@ -19,7 +19,6 @@
 #include "toolchain/export/flight_jobs.hpp"
 #include "toolchain/export/flight_map.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/export/ply.hpp"
 #include "toolchain/export/sensor_truth_csv.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/report/release_plots.hpp"
@@ -52,31 +51,6 @@ void export_tum(const CommandContext& context, const ExportOptions& options, con
                      2);
   // A scene without odometry has no other path.
   write_tum(out, on_map || outcome.estimate.empty() ? outcome.located : outcome.estimate);
-}
-
-void export_ply(const CommandContext& context, const ExportOptions& options, const LogFile& log,
-                std::ostream& out) {
-  const firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
-  std::vector<CloudPoint> points;
-  outcome.runtime->vehicle().for_each_voxel(
-      [&points](const firmware::VoxelOnMap& voxel) { points.push_back(to_cloud_point(voxel)); });
-  if (points.empty())
-    throw InputError(options.log + ": this scene keeps no map; export ply needs a scene with task map", 2);
-  write_ply(out, points);
-}
-
-// The map of surfaces at the log's end, for `run --map`.
-void export_surfels(const CommandContext& context, const ExportOptions& options, const LogFile& log,
-                    std::ostream& out) {
-  const firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
-  const mapping::ScanRegistration* map = outcome.runtime->vehicle().surfels();
-  if (map == nullptr)
-    throw InputError(
-        options.log + ": this scene makes no map of surfaces; choose one with part locate, as ugv_locate", 2);
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
-  if (mapping::write_surfel_map(*map, bytes) != Status::ok)
-    throw InputError(options.log + ": its map of surfaces cannot be written", 3);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 // A scene for another robot, with what this one came to know of its flight map.
@@ -248,10 +222,11 @@ int run(const CommandContext& context, ExportOptions& options) {
     throw InputError(options.log + ": is a flight ring, and holds no samples; export jobs, trace or latency",
                      2);
   const LogFile log(options.log);
+  const auto replayed = [&] { return firmware::replay(log, context.parts.vehicles, options.replay); };
   write_file(options.path, [&](std::ostream& out) {
     if (options.kind == "tum") export_tum(context, options, log, out);
-    if (options.kind == "ply") export_ply(context, options, log, out);
-    if (options.kind == "surfels") export_surfels(context, options, log, out);
+    if (options.kind == "ply") export_ply(replayed(), log.path(), out);
+    if (options.kind == "surfels") export_surfels(replayed(), log.path(), out);
     if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
     if (options.kind == "candump") export_candump(log, out);
