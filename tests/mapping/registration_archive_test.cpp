@@ -9,7 +9,7 @@
 namespace {
 using namespace sortie;
 
-constexpr std::int64_t kTick_ns = 100'000'000;
+constexpr std::int64_t kArchiveTick_ns = 100'000'000;
 
 template <class Part>
 std::vector<std::uint8_t> stored(Part& part) {
@@ -45,7 +45,7 @@ struct ArchiveDrive {
     hint = {tick % 2 == 0, {{0.05 * tick, 0.02 * tick, 1.2}, rt::exp_rotation({0, 0, 0.02 * tick})}};
     points = lidar.scan(tick % 5 == 4 ? other : room, hint.T_odom_sensor.p, hint.T_odom_sensor.q, draws);
     rt::PointScan scan;
-    scan.header.stamp_ns = (tick + 1) * kTick_ns;
+    scan.header.stamp_ns = (tick + 1) * kArchiveTick_ns;
     scan.header.points = static_cast<std::uint32_t>(points.size());
     scan.points = points.data();
     return scan;

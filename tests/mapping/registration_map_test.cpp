@@ -13,7 +13,7 @@ using namespace sortie;
 using mapping::LocateVerdict;
 using mapping::SurfelMapFault;
 
-constexpr std::int64_t kTick_ns = 100'000'000;
+constexpr std::int64_t kKeptTick_ns = 100'000'000;
 constexpr std::size_t kHeadBytes = 48;
 constexpr std::size_t kRecordBytes = 136;
 
@@ -58,7 +58,7 @@ struct KeptRoom {
   rt::PointScan scan(int tick) {
     points = lidar.scan(world, pose(tick).p, pose(tick).q, draws);
     rt::PointScan out;
-    out.header.stamp_ns = (tick + 1) * kTick_ns;
+    out.header.stamp_ns = (tick + 1) * kKeptTick_ns;
     out.header.points = static_cast<std::uint32_t>(points.size());
     out.points = points.data();
     return out;
@@ -71,7 +71,7 @@ struct KeptRoom {
   }
 };
 
-double apart_m(const mapping::RigidPose& a, const mapping::RigidPose& b) { return rt::norm(a.p - b.p); }
+double distance_m(const mapping::RigidPose& a, const mapping::RigidPose& b) { return rt::norm(a.p - b.p); }
 
 void set_diagonal(double (&covariance)[36], double move_m, double turn_rad) {
   for (int i = 0; i < 3; ++i) covariance[7 * i] = move_m * move_m;
@@ -225,12 +225,12 @@ TEST_CASE("On a kept map a robot is unplaced until it is told where it is, and a
   CHECK(!locator.has_begun());
   // Told about right.
   REQUIRE(locator.place(near, covariance, hint(2)) == Status::ok);
-  CHECK(apart_m(locator.located().T_map_sensor, near) < 1e-9);
+  CHECK(distance_m(locator.located().T_map_sensor, near) < 1e-9);
   for (int tick = 4; tick < 9; ++tick) {
     INFO("tick " << tick);
     const mapping::Located& l = locator.locate(room.scan(tick), hint(tick));
     CHECK(l.verdict == LocateVerdict::accepted);
-    CHECK(apart_m(l.T_map_sensor, room.pose(tick)) < 0.05);
+    CHECK(distance_m(l.T_map_sensor, room.pose(tick)) < 0.05);
     const rt::Vector3 back = l.T_map_odom.p + rt::rotate(l.T_map_odom.q, hint(tick).T_odom_sensor.p);
     CHECK(rt::norm(back - l.T_map_sensor.p) < 1e-9);
   }
