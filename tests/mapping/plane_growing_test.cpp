@@ -136,7 +136,8 @@ TEST_CASE("Cells in any order, and work in pieces, give the same bits") {
   }
 }
 
-TEST_CASE("After many changes planes are those of a growing from scratch, and nothing of what went is left") {
+TEST_CASE("After many changes planes are those of a growing from scratch, and nothing of what went is left",
+          "[heavy]") {
   constexpr std::uint32_t kSeed = 51;
   CAPTURE(kSeed);
   for (std::uint32_t i = 0; i < 5; ++i) {
