@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "rt/describe.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 
@@ -23,15 +24,7 @@ struct CanFrame {
   std::uint8_t size{};         ///< bytes of data, 0..8
   std::uint8_t flags{};
   std::uint8_t data[8]{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("id", self.id);
-    visit("size", self.size);
-    visit("flags", self.flags);
-    visit("data", self.data);
-  }
+  SORTIE_FIELDS(stamp_ns, id, size, flags, data)
 };
 
 /// What a port has seen. All counts since the port was opened.

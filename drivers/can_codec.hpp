@@ -9,6 +9,7 @@
 #include "drivers/can_flippers.hpp"
 #include "drivers/can_frames.hpp"
 #include "drivers/can_unwrap.hpp"
+#include "rt/describe.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 #include "rt/uav_samples.hpp"
@@ -45,29 +46,10 @@ struct CanDecodeCounters {
   std::uint64_t encoder_jumps{};    ///< (2) complete, but the travel is not believable
   std::uint64_t flipper_order{};    ///< (4) complete, but not newer than the sample before
   std::uint64_t saturated{};        ///< IMU samples with a clipped axis
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("frames", self.frames);
-    visit("imu_samples", self.imu_samples);
-    visit("track_samples", self.track_samples);
-    visit("flipper_samples", self.flipper_samples);
-    visit("drive_frames", self.drive_frames);
-    visit("flipper_frames", self.flipper_frames);
-    visit("rotor_frames", self.rotor_frames);
-    visit("fix_samples", self.fix_samples);
-    visit("unknown_id", self.unknown_id);
-    visit("remote_frames", self.remote_frames);
-    visit("error_frames", self.error_frames);
-    visit("wrong_size", self.wrong_size);
-    visit("missing_partner", self.missing_partner);
-    visit("out_of_time", self.out_of_time);
-    visit("time_repeated", self.time_repeated);
-    visit("time_backwards", self.time_backwards);
-    visit("encoder_jumps", self.encoder_jumps);
-    visit("flipper_order", self.flipper_order);
-    visit("saturated", self.saturated);
-  }
+  SORTIE_FIELDS(frames, imu_samples, track_samples, flipper_samples, drive_frames, flipper_frames,
+                rotor_frames, fix_samples, unknown_id, remote_frames, error_frames, wrong_size,
+                missing_partner, out_of_time, time_repeated, time_backwards, encoder_jumps, flipper_order,
+                saturated)
 };
 
 /// What a frame completed.

@@ -7,17 +7,14 @@
 
 #include "drivers/can_bus.hpp"
 #include "drivers/datagram_link.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers {
 
 /// Counts of such a bus beside those of its link.
 struct CanDatagramCounters {
   std::uint64_t malformed{};  ///< datagrams of the peer that hold no classical CAN frame
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("malformed", self.malformed);
-  }
+  SORTIE_FIELDS(malformed)
 };
 
 /// A port on a bus of two nodes. Payload of a datagram: u32 identifier, u8 size, u8 flags, 8 bytes of data.

@@ -167,45 +167,6 @@ std::string explain(const Opened& opened, const std::string& name) {
 
 }  // namespace
 
-Status meaning_of_can_error(int error, Status when_busy) noexcept {
-  switch (error) {
-    case EAGAIN:
-    case ENOBUFS:  // the interface's transmit queue is full
-    case EINTR:
-      return when_busy;
-    case EINVAL:
-    case EMSGSIZE:
-      return Status::malformed;
-    default:
-      return Status::disconnected;
-  }
-}
-
-CanPacket take_can_packet(int descriptor, void* to, std::size_t room) noexcept {
-  CanPacket packet;
-  iovec data{to, room};
-  alignas(cmsghdr) char control[kKernelNoteBytes];
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = control;
-  message.msg_controllen = sizeof control;
-  const ssize_t taken = ::recvmsg(descriptor, &message, MSG_DONTWAIT);
-  if (taken < 0) {
-    packet.error = errno;
-    packet.status = meaning_of_can_error(packet.error, Status::empty);
-  } else if (taken == 0) {
-    packet.error = EPIPE;  // the other end of a local socket
-    packet.status = Status::disconnected;
-  } else if ((message.msg_flags & MSG_TRUNC) != 0) {
-    packet.status = Status::malformed;
-  } else {
-    packet.bytes = static_cast<std::size_t>(taken);
-    packet.note = read_kernel_note(message);
-  }
-  return packet;
-}
-
 Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
                        std::string& problem) {
   const Opened opened = try_open(config, kind);

@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+
+#include "drivers/kernel_stamp.hpp"
 #endif
 
 namespace sortie::drivers {
@@ -29,6 +31,20 @@ rt::Nanoseconds monotonic_ns() {
 bool means_gone(int error) {
   return error == ENODEV || error == ENXIO || error == EBADF || error == EPIPE || error == ECONNRESET ||
          error == ENOTCONN;
+}
+
+Status meaning_of(int error, Status when_busy) {
+  switch (error) {
+    case EAGAIN:
+    case ENOBUFS:  // the interface's transmit queue is full
+    case EINTR:
+      return when_busy;
+    case EINVAL:
+    case EMSGSIZE:
+      return Status::malformed;
+    default:
+      return Status::disconnected;
+  }
 }
 
 }  // namespace
@@ -76,7 +92,7 @@ Status CanSocketPath::failed(int error, Status when_busy) noexcept {
     gone_ = true;
     tried_ns_ = 0;
   }
-  return meaning_of_can_error(error, when_busy);
+  return meaning_of(error, when_busy);
 }
 
 Status CanSocketPath::send(const void* packet, std::size_t bytes) noexcept {
@@ -95,17 +111,24 @@ Status CanSocketPath::send(const void* packet, std::size_t bytes) noexcept {
 Status CanSocketPath::receive(void* to, std::size_t room, std::size_t& bytes,
                               rt::Nanoseconds& stamp_ns) noexcept {
   if (!there()) return Status::disconnected;
-  const CanPacket packet = take_can_packet(descriptor_, to, room);
-  if (packet.status != Status::ok) {
-    if (packet.status == Status::disconnected) static_cast<void>(failed(packet.error, Status::empty));
-    return packet.status;
-  }
-  bytes = packet.bytes;
-  stamp_ns = packet.note.stamp_ns - epoch_ns_;
-  if (packet.note.counts_overruns) {
+  iovec data{to, room};
+  alignas(cmsghdr) char control[kKernelNoteBytes];
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  const ssize_t taken = ::recvmsg(descriptor_, &message, MSG_DONTWAIT);
+  // 0: the other end of a local socket is gone.
+  if (taken <= 0) return failed(taken < 0 ? errno : EPIPE, Status::empty);
+  if ((message.msg_flags & MSG_TRUNC) != 0) return Status::malformed;
+  const KernelNote note = read_kernel_note(message);
+  bytes = static_cast<std::size_t>(taken);
+  stamp_ns = note.stamp_ns - epoch_ns_;
+  if (note.counts_overruns) {
     // The total wraps.
-    counters_.rx_overrun += static_cast<std::uint32_t>(packet.note.overruns - kernel_overruns_);
-    kernel_overruns_ = packet.note.overruns;
+    counters_.rx_overrun += static_cast<std::uint32_t>(note.overruns - kernel_overruns_);
+    kernel_overruns_ = note.overruns;
   }
   return Status::ok;
 }

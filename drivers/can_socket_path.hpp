@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include "drivers/can_bus.hpp"
-#include "drivers/can_socket_open.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 

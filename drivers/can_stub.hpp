@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/can_bus.hpp"
+#include "rt/describe.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers {
@@ -52,20 +53,8 @@ struct CanStubStats {
   std::uint64_t unacknowledged{};  ///< frames that found nobody to acknowledge them and wait
   std::uint64_t bus_off{};         ///< times a node went off the bus
   std::uint64_t time_backwards{};  ///< advance() calls with a time before the last one; ignored
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("frames", self.frames);
-    visit("busy_bits", self.busy_bits);
-    visit("wire_errors", self.wire_errors);
-    visit("lost", self.lost);
-    visit("altered", self.altered);
-    visit("delayed", self.delayed);
-    visit("collisions", self.collisions);
-    visit("unacknowledged", self.unacknowledged);
-    visit("bus_off", self.bus_off);
-    visit("time_backwards", self.time_backwards);
-  }
+  SORTIE_FIELDS(frames, busy_bits, wire_errors, lost, altered, delayed, collisions, unacknowledged, bus_off,
+                time_backwards)
 };
 
 /// Fault confinement of one node as the standard has it.

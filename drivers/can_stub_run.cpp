@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The CAN bus in memory while it runs: arbitration, transmission, faults and fault confinement.
-#include <initializer_list>
 
 #include "drivers/can_stub.hpp"
 #include "drivers/can_stub_node.hpp"

@@ -3,7 +3,6 @@
 #include "drivers/candump.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "rt/describe.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 
@@ -45,23 +46,8 @@ struct DatagramLinkCounters {
   std::uint64_t lost{};           ///< numbers that never came
   std::uint64_t overruns{};       ///< datagrams that the kernel dropped because nobody took them in time
   std::uint64_t peers{};          ///< lives of the other end that were met
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("sent", self.sent);
-    visit("greetings_sent", self.greetings_sent);
-    visit("send_refused", self.send_refused);
-    visit("send_unheard", self.send_unheard);
-    visit("data", self.data);
-    visit("greetings", self.greetings);
-    visit("foreign", self.foreign);
-    visit("oversized", self.oversized);
-    visit("wrong_session", self.wrong_session);
-    visit("repeated", self.repeated);
-    visit("lost", self.lost);
-    visit("overruns", self.overruns);
-    visit("peers", self.peers);
-  }
+  SORTIE_FIELDS(sent, greetings_sent, send_refused, send_unheard, data, greetings, foreign, oversized,
+                wrong_session, repeated, lost, overruns, peers)
 };
 
 /// One end. The end that does not listen greets the other every 50 ms and is answered, so either may be

@@ -12,6 +12,7 @@
 
 #include "drivers/datagram_link.hpp"
 #include "drivers/scan_source.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers {
 
@@ -27,13 +28,7 @@ struct ScanSenderCounters {
   std::uint64_t
       refused{};        ///< nobody there, no room for so many points, or the scan before was still on its way
   std::uint64_t cut{};  ///< given up on the way: the receiver left
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("scans", self.scans);
-    visit("refused", self.refused);
-    visit("cut", self.cut);
-  }
+  SORTIE_FIELDS(scans, refused, cut)
 };
 
 /// The lidar's end: a sink that a lidar model writes into. A turn is taken over when it is committed and sent
@@ -81,14 +76,7 @@ struct ScanReceiverCounters {
   std::uint64_t incomplete{};  ///< a datagram of them was lost: dropped
   std::uint64_t refused{};     ///< not taken by the sink
   std::uint64_t malformed{};   ///< datagrams that cannot be part of a scan
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("scans", self.scans);
-    visit("incomplete", self.incomplete);
-    visit("refused", self.refused);
-    visit("malformed", self.malformed);
-  }
+  SORTIE_FIELDS(scans, incomplete, refused, malformed)
 };
 
 /// The runtime's end: the driver of such a lidar. Points are written where the sink says, once; a scan is

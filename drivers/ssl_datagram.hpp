@@ -14,6 +14,7 @@
 #include "drivers/datagram_link.hpp"
 #include "drivers/ssl_port.hpp"
 #include "drivers/wire_ssl.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers {
 
@@ -32,20 +33,8 @@ struct SslDatagramCounters {
   std::uint64_t mismatched{};   ///< (1) of other rays than the command's, or of another number of them
   std::uint64_t out_of_time{};  ///< (1) measured after it came, or long before
   std::uint64_t overrun{};      ///< (1) nobody took those before it
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("commands", self.commands);
-    visit("unsent", self.unsent);
-    visit("frames", self.frames);
-    visit("malformed", self.malformed);
-    visit("unasked", self.unasked);
-    visit("repeated", self.repeated);
-    visit("overtaken", self.overtaken);
-    visit("mismatched", self.mismatched);
-    visit("out_of_time", self.out_of_time);
-    visit("overrun", self.overrun);
-  }
+  SORTIE_FIELDS(commands, unsent, frames, malformed, unasked, repeated, overtaken, mismatched, out_of_time,
+                overrun)
 };
 
 /// The runtime's end: the driver of such a device. It knows the last commands that it sent, and takes an
@@ -98,17 +87,7 @@ struct SslDeviceCounters {
   std::uint64_t refused{};      ///< (1) the device has not taken those before
   std::uint64_t frames{};       ///< sent
   std::uint64_t unsent{};       ///< nobody there, or the kernel had no room
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("commands", self.commands);
-    visit("malformed", self.malformed);
-    visit("repeated", self.repeated);
-    visit("out_of_time", self.out_of_time);
-    visit("refused", self.refused);
-    visit("frames", self.frames);
-    visit("unsent", self.unsent);
-  }
+  SORTIE_FIELDS(commands, malformed, repeated, out_of_time, refused, frames, unsent)
 };
 
 /// The device's end, which listens: commands go on to a device behind a port of its own, its frames go back.

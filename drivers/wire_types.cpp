@@ -5,6 +5,7 @@
 #include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_fly.hpp"
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -21,6 +22,7 @@ static_assert(kFingerprintOf<rt::PointScan> == kFingerprintScan);
 static_assert(kFingerprintOf<rt::TruthSample> == kFingerprintTruth);
 static_assert(kFingerprintOf<rt::ContactTruth> == kFingerprintContacts);
 static_assert(kFingerprintOf<rt::SegmentList> == kFingerprintSegments);
+static_assert(kFingerprintOf<rt::LocatedPose> == kFingerprintLocated);
 static_assert(kFingerprintOf<CanFrame> == kFingerprintCan);
 static_assert(kFingerprintOf<LogHeader> == kFingerprintHeader);
 static_assert(kFingerprintOf<TickView> == kFingerprintTick && kFingerprintOf<TickRecord> == kFingerprintTick);

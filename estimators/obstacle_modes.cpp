@@ -157,19 +157,47 @@ void ObstacleModes::change_phase(double travel_m) {
   }
 }
 
+/// The edges under the robot that lie farthest ahead and behind, in the direction of its way.
+ObstacleModes::EdgeSpan ObstacleModes::edge_span() const {
+  EdgeSpan span{kNoEdge, kNoEdge};
+  for (std::uint32_t i = 0; i < edge_count_; ++i) {
+    const double x = direction_ * edges_[i];
+    if (i == 0 || x > span.first) span.first = x;
+    if (i == 0 || x < span.last) span.last = x;
+  }
+  return span;
+}
+
+void ObstacleModes::find_sides() {
+  // By the smoothed rate: the sign of a single step would rectify its noise.
+  const bool rolls_over = std::fabs(roll_curvature_) > config_.enter_rad_m;
+  const double away = !rolls_over ? 0.0 : roll_curvature_ > 0.0 ? 1.0 : -1.0;
+  sides_[0] = 0.0;
+  sides_[1] = -away * config_.profile.half_width_m;  // the side that goes down stays: the other one climbs
+  sides_[2] = away * config_.profile.half_width_m;
+}
+
+/// The height of the edge that it climbs, from where it turns about.
+void ObstacleModes::measure_edge(const ObstacleStep& step, const Support& rear, double tilt) {
+  if (phase_ != Phase::rise || !(direction_ * tilt > kClimbing_rad) || !(std::fabs(step.travel_m) > 0.0))
+    return;
+  // Per metre of belt alone: the height is not to shrink with the creep in the smoothed curvature. Where
+  // the curvature changes, its smoothed value is none of the present.
+  const double creep = 1.0 + config_.creep_m_s * step.dt_s / std::fabs(step.travel_m);
+  const double steady = creep * (direction_ * curvature_);
+  const bool changes = std::fabs(-step.turn_rad.y / step.travel_m - steady) > kChange * std::fabs(steady);
+  const double under = pivot_on_run(rear, tilt, steady);
+  if (!changes && std::fabs(under) < kWellUnder * config_.profile.half_length_m)
+    state_.step_height_m = edge_height_m(config_.profile, rear, under, tilt);
+}
+
 void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
   const TrackProfile& p = config_.profile;
   const double nose_up = -step.turn_rad.y;
   const bool ahead = direction_ > 0.0;
   const double lead = direction_ * curvature_;
   const double tilt = pitch_ - reference_;
-  double first = kNoEdge;
-  double last = kNoEdge;
-  for (std::uint32_t i = 0; i < edge_count_; ++i) {
-    const double x = direction_ * edges_[i];
-    if (i == 0 || x > first) first = x;
-    if (i == 0 || x < last) last = x;
-  }
+  const EdgeSpan span = edge_span();
   const Support rear = support_of(p, ahead ? OutlineEnd::rear : OutlineEnd::front, tilt, step.flippers);
   const Support front = support_of(p, ahead ? OutlineEnd::front : OutlineEnd::rear, tilt, step.flippers);
   const double rolls = pivot_on_run(rear, tilt, lead);
@@ -181,7 +209,7 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
   const double values[kPivotIdeas] = {0.0,
                                       -nose_up * rear.x_m,
                                       -nose_up * std::clamp(rolls, -end, end),
-                                      edge_count_ > 0 ? -nose_up * direction_ * first : 0.0,
+                                      edge_count_ > 0 ? -nose_up * direction_ * span.first : 0.0,
                                       -nose_up * std::clamp(balance_, -end, end),
                                       -nose_up * front.x_m,
                                       -nose_up * std::clamp(front_rolls, -end, end),
@@ -190,22 +218,8 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
                                       -nose_up * front.x_m - base_slide,
                                       0.0};
   std::copy(values, values + kPivotIdeas, normals_);
-  // By the smoothed rate: the sign of a single step would rectify its noise.
-  const bool rolls_over = std::fabs(roll_curvature_) > config_.enter_rad_m;
-  const double away = !rolls_over ? 0.0 : roll_curvature_ > 0.0 ? 1.0 : -1.0;
-  sides_[0] = 0.0;
-  sides_[1] = -away * p.half_width_m;  // the side that goes down stays: the other one climbs
-  sides_[2] = away * p.half_width_m;
-  if (phase_ == Phase::rise && direction_ * tilt > kClimbing_rad && std::fabs(step.travel_m) > 0.0) {
-    // Per metre of belt alone: the height is not to shrink with the creep in the smoothed curvature. Where
-    // the curvature changes, its smoothed value is none of the present.
-    const double creep = 1.0 + config_.creep_m_s * step.dt_s / std::fabs(step.travel_m);
-    const double steady = creep * lead;
-    const bool changes = std::fabs(nose_up / step.travel_m - steady) > kChange * std::fabs(steady);
-    const double under = pivot_on_run(rear, tilt, steady);
-    if (!changes && std::fabs(under) < kWellUnder * end)
-      state_.step_height_m = edge_height_m(p, rear, under, tilt);
-  }
+  find_sides();
+  measure_edge(step, rear, tilt);
   const auto limited = [](double x, double most) { return std::clamp(x, -most, most); };
   const double turned = direction_ * (pitch_ - phase_pitch_);
   const double list[kModeFeatures] = {
@@ -217,8 +231,8 @@ void ObstacleModes::look(const ObstacleStep& step, double roll_rad) {
       limited(phase_travel_, 1.0),
       peak_ > 0.0 ? lead / peak_ : 1.0,
       limited(steady_before_, 1.0),
-      first,
-      last,
+      span.first,
+      span.last,
       limited(direction_ * rolls, 1.0),
       direction_ * rate_,
       limited(roll_rad > 0.0 ? roll_curvature_ : -roll_curvature_, kFastest_rad_m),

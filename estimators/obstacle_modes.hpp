@@ -90,11 +90,18 @@ class ObstacleModes {
  private:
   enum class Phase : std::uint8_t { calm, rise, fall };
   static constexpr std::uint32_t kEdges = 4;
+  struct EdgeSpan {
+    double first{};
+    double last{};
+  };
 
   void follow_edges(double travel_m);
   void add_edge(double x_m);
   void change_phase(double travel_m);
   void enter(Phase phase);
+  EdgeSpan edge_span() const;
+  void find_sides();
+  void measure_edge(const ObstacleStep& step, const Support& rear, double tilt);
   void look(const ObstacleStep& step, double roll_rad);
   void name_mode(double travel_m);
 

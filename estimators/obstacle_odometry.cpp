@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "estimators/obstacle_odometry.hpp"
 
-#include <cmath>
-
 namespace sortie::estimators {
 namespace {
 

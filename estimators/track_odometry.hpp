@@ -10,6 +10,7 @@
 #include "estimators/pose_covariance.hpp"
 #include "estimators/steering_efficiency.hpp"
 #include "rt/built_parts.hpp"
+#include "rt/describe.hpp"
 #include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 #include "rt/samples.hpp"
@@ -88,23 +89,8 @@ struct TrackOdometryCounters {
   std::uint64_t attitude_stale{};    ///< used samples with an attitude from too far away
   std::uint64_t attitude_refused{};  ///< attitudes that were not finite or no rotation
   std::uint64_t slips{};             ///< steps with slip
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("used", self.used);
-    visit("not_finite", self.not_finite);
-    visit("out_of_range", self.out_of_range);
-    visit("time_backwards", self.time_backwards);
-    visit("time_repeated", self.time_repeated);
-    visit("time_jumped", self.time_jumped);
-    visit("jumps", self.jumps);
-    visit("resets", self.resets);
-    visit("resumed", self.resumed);
-    visit("no_attitude", self.no_attitude);
-    visit("attitude_stale", self.attitude_stale);
-    visit("attitude_refused", self.attitude_refused);
-    visit("slips", self.slips);
-  }
+  SORTIE_FIELDS(used, not_finite, out_of_range, time_backwards, time_repeated, time_jumped, jumps, resets,
+                resumed, no_attitude, attitude_stale, attitude_refused, slips)
 };
 
 /// Dead reckoning: distance from the tracks, direction only from the attitude (a track slips in every turn).

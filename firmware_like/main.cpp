@@ -5,15 +5,10 @@
 #include "firmware_like/robot_commands.hpp"
 #include "firmware_like/robots/registry.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
-#include "rt/posix/heap_trap.hpp"
 
 int main(int argc, char** argv) {
   namespace firmware = sortie::firmware;
-  if (sortie::rt::posix::kHeapTrapAvailable) {
-    firmware::set_heap_watch(
-        {[](bool on) { on ? sortie::rt::posix::heap_trap_arm() : sortie::rt::posix::heap_trap_disarm(); },
-         [] { return sortie::rt::posix::heap_trap_calls(); }});
-  }
+  firmware::watch_heap();
   const firmware::VehicleRegistry vehicles = firmware::own_vehicles();
   return firmware::run_commands(argc, argv, "sortie",
                                 [&vehicles](firmware::Command& root, std::function<int()>& chosen) {

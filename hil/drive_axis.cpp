@@ -2,7 +2,6 @@
 #include "hil/drive_axis.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sortie::hil {
 namespace {

@@ -43,10 +43,6 @@ class DriveAxis {
 
   double position() const noexcept { return position_; }
   double speed() const noexcept { return speed_; }
-  /// What the motor gave in the last step; of the whole inertia.
-  double effort_s2() const noexcept { return effort_s2_; }
-  /// Demand that a servo's ramp has reached.
-  double demand() const noexcept { return demand_; }
   DriveAxisConfig& config() noexcept { return config_; }
   const DriveAxisConfig& config() const noexcept { return config_; }
 
@@ -54,8 +50,8 @@ class DriveAxis {
   DriveAxisConfig config_;
   double position_{};
   double speed_{};
-  double demand_{};  // of speed
-  double effort_s2_{};
+  double demand_{};     // of speed, that a servo's ramp has reached
+  double effort_s2_{};  // what the motor gave in the last step; of the whole inertia
 };
 
 }  // namespace sortie::hil

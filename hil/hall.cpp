@@ -2,7 +2,6 @@
 // The fixed parts of the hall: walls, partition, pillars and the ramp. Furniture is in hall_furniture.cpp.
 #include "hil/hall.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <string>
 

@@ -3,7 +3,6 @@
 // about the body's up axis.
 #include "hil/kinematic_robot.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "hil/requirement.hpp"

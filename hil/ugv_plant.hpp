@@ -68,10 +68,6 @@ class UgvPlant {
   /// Plant time.
   rt::Nanoseconds now_ns() const { return body_->motion().stamp_ns; }
 
-  /// Points that a scan buffer must hold.
-  std::uint32_t scan_capacity() const {
-    return config_.lidar_kind == LidarKind::rows ? lidar_.capacity() : rolling_laser_.capacity();
-  }
   /// The body; with contacts it is a TrackedBody.
   const VehicleBody& body() const { return *body_; }
   /// The hall that was built; print its seed. Empty with contacts.
@@ -81,10 +77,6 @@ class UgvPlant {
 
   const UgvCounters& counters() const { return counters_; }
   RobotCounters robot_counters() const { return body_->counters(); }
-  /// Of the lidar that the vehicle has.
-  const LidarCounters& lidar_counters() const {
-    return config_.lidar_kind == LidarKind::rows ? lidar_.counters() : rolling_laser_.counters();
-  }
   const RangeCounters& lidar_ranges() const {
     return config_.lidar_kind == LidarKind::rows ? lidar_.ranges() : rolling_laser_.ranges();
   }

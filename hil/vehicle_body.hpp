@@ -29,13 +29,9 @@ class VehicleBody {
   /// ages).
   virtual Status set_command(const rt::DriveCommand& command, rt::Nanoseconds now_ns) = 0;
   /// Which belts have no torque until the next call: they coast.
-  virtual void let_go(bool left, bool right) {
-    static_cast<void>(left);
-    static_cast<void>(right);
-  }
+  virtual void let_go(bool /*left*/, bool /*right*/) {}
   /// A new command for a pair of flippers. Status: ok, not_finite, not_supported (there are none).
-  virtual Status set_flippers(const drivers::FlipperPairCommand& command) {
-    static_cast<void>(command);
+  virtual Status set_flippers(const drivers::FlipperPairCommand& /*command*/) {
     return Status::not_supported;
   }
   /// Advances by the step that it was made with.
@@ -44,15 +40,9 @@ class VehicleBody {
   /// Exact state now.
   virtual const Motion& motion() const = 0;
   /// Angles and torques of the flippers now. False where there are none.
-  virtual bool read_flippers(rt::FlipperSample& sample) const {
-    static_cast<void>(sample);
-    return false;
-  }
+  virtual bool read_flippers(rt::FlipperSample& /*sample*/) const { return false; }
   /// Contacts of the last step, and the flippers, exact. False where there are no contacts.
-  virtual bool read_contacts(rt::ContactTruth& truth) const {
-    static_cast<void>(truth);
-    return false;
-  }
+  virtual bool read_contacts(rt::ContactTruth& /*truth*/) const { return false; }
   virtual RobotCounters counters() const = 0;
 };
 

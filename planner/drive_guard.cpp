@@ -7,16 +7,6 @@
 
 namespace sortie::planner {
 
-const char* drive_stop_name(std::uint32_t number) {
-  const char* name = "none";
-  std::uint32_t i = 0;
-  const DriveStopCounters any;
-  DriveStopCounters::fields(any, [&](const char* field, const std::uint32_t&) {
-    if (i++ == number) name = field;
-  });
-  return name;
-}
-
 std::uint32_t DriveGuard::update(const DriveFacts& facts, const rt::PoseEstimate& pose, bool at_rest,
                                  rt::Nanoseconds now_ns) {
   const std::uint32_t before = reasons_;

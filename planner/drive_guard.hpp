@@ -24,10 +24,6 @@ enum DriveStop : std::uint32_t {
   kStopStuck = 128u,         ///< the route is not getting any nearer
   kStopEmergency = 256u,     ///< somebody outside has pressed the emergency stop by a request
 };
-inline constexpr std::uint32_t kDriveStops = 9;
-
-/// Name of one reason, by its bit's number; static text.
-const char* drive_stop_name(std::uint32_t number);
 
 /// How often each reason has begun, since start.
 struct DriveStopCounters {
@@ -42,6 +38,17 @@ struct DriveStopCounters {
   std::uint32_t emergency{};
   SORTIE_FIELDS(starting, halt, command_stale, imu_stale, odometry_stale, pose_lost, tilted, stuck, emergency)
 };
+
+/// Calls `use(name)` for each reason in `stop`, bits of DriveStop; the names are those of the counters.
+template <class Use>
+void for_each_drive_stop(std::uint32_t stop, Use use) {
+  const DriveStopCounters named;
+  std::uint32_t bit = 1;
+  DriveStopCounters::fields(named, [&](const char* name, const std::uint32_t&) {
+    if ((stop & bit) != 0) use(name);
+    bit <<= 1u;
+  });
+}
 
 /// When a robot is tilted, and how old a pose may be.
 struct DriveGuardConfig {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The order of the ray scheduler's stages, and when a candidate becomes the plan.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "planner/ray_scheduler.hpp"

@@ -58,8 +58,6 @@ class Arena {
 
   /// Every allocation and every refusal in the order they were asked for.
   std::span<const PoolRecord> report() const { return {records_, records_used_}; }
-  /// Bytes of the block.
-  std::uint64_t capacity_bytes() const { return memory_.size(); }
   /// Bytes taken so far, gaps included.
   std::uint64_t used_bytes() const { return used_; }
   /// Bytes a block would need (counted with worst-case gaps) for all that was asked for, refusals included.

@@ -123,8 +123,8 @@ bool Executive::note_skipped(std::uint32_t index, std::uint64_t count, Nanosecon
   return group.misses.note_missed(count);
 }
 
-Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrder& order) {
-  Group& group = groups_[index];
+JobRecord& Executive::open_record(std::uint32_t index, std::uint64_t job, const JobOrder& order) {
+  const Group& group = groups_[index];
   JobRecord& record = *group.record;
   record.tick = group.timing.release(job);
   record.job = job;
@@ -136,9 +136,10 @@ Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrde
   record.level = order.recorded != nullptr ? order.recorded->level : order.level;
   record.shed = 0;
   record.cut = 0;
+  return record;
+}
 
-  if (guard_ != nullptr) guard_(true);
-  const bool opened = group.ledger->begin(job);
+void Executive::latch(Group& group, JobRecord& record, const JobOrder& order) {
   for (std::uint32_t i = 0; i < group.streams.size(); ++i) {
     const std::uint32_t limit =
         order.recorded != nullptr ? order.recorded->stream[i].count : order.stream_limit;
@@ -149,13 +150,16 @@ Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrde
     group.inputs[i]->latch(groups_[group.inputs[i]->writer_group()].timing, record.tick, forced,
                            record.input[i]);
   }
+}
 
+// Gives when the last of them ended.
+Nanoseconds Executive::run_tasks(Group& group, JobRecord& record, const JobOrder& order) {
   JobContext context;
   context.tick = record.tick;
-  context.job = job;
+  context.job = record.job;
   context.release_ns = time_of(record.tick);
   context.period_ns = static_cast<Nanoseconds>(group.timing.period) * base_tick_ns_;
-  context.due_ns = time_of(group.timing.due(job));
+  context.due_ns = time_of(group.timing.due(record.job));
   context.record_ = &record;
   context.record_fields_ = record_fields_;
   context.digests_ = digests_;
@@ -187,9 +191,18 @@ Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrde
     record.duration_ns[i] = spent > 0xffffffffu ? 0xffffffffu : static_cast<std::uint32_t>(spent);
     before = after;
   }
+  return before;
+}
 
+Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrder& order) {
+  Group& group = groups_[index];
+  JobRecord& record = open_record(index, job, order);
+  if (guard_ != nullptr) guard_(true);
+  const bool opened = group.ledger->begin(job);
+  latch(group, record, order);
+  const Nanoseconds ended = run_tasks(group, record, order);
   const bool in_time = order.recorded != nullptr ? order.recorded->verdict == Verdict::done
-                                                 : (order.due_ns == 0 || before <= order.due_ns);
+                                                 : (order.due_ns == 0 || ended <= order.due_ns);
   for (CommandOutletBase* outlet : group.outlets) outlet->close(job);
   record.verdict = opened ? group.ledger->finish(job, in_time) : Verdict::missed;
   for (CommandOutletBase* outlet : group.outlets) outlet->settle(job, record.verdict);
@@ -199,10 +212,10 @@ Verdict Executive::run_job(std::uint32_t index, std::uint64_t job, const JobOrde
   if (record.verdict == Verdict::missed) ++group.missed;
   group.misses.note(record.verdict != Verdict::missed);
   if (order.due_ns != 0) {
-    const Nanoseconds release = context.release_ns;
+    const Nanoseconds release = time_of(record.tick);
     group.lateness.record(
         static_cast<std::uint64_t>(record.started_ns > release ? record.started_ns - release : 0));
-    group.response.record(static_cast<std::uint64_t>(before > release ? before - release : 0));
+    group.response.record(static_cast<std::uint64_t>(ended > release ? ended - release : 0));
   }
   if (sink_.call != nullptr) sink_.call(sink_.self, record);
   return record.verdict;

@@ -241,6 +241,9 @@ class Executive {
   }
   static bool admit(const TaskBase& task, JobContext& context, const JobRecord* recorded);
   static void leave_out(TaskBase& task, JobContext& context);
+  JobRecord& open_record(std::uint32_t index, std::uint64_t job, const JobOrder& order);
+  void latch(Group& group, JobRecord& record, const JobOrder& order);
+  Nanoseconds run_tasks(Group& group, JobRecord& record, const JobOrder& order);
   void choose_phases();
   bool allocate_channels();
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "rt/archive.hpp"
-#include "rt/fields.hpp"
+#include "rt/describe.hpp"
 #include "rt/fixed_vector.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
@@ -25,13 +25,7 @@ struct ParameterChange {
   Nanoseconds stamp_ns{};              ///< when it was asked for, on the run's clock
   char name[kMaxParameterName + 1]{};  ///< as in the profile; zeros fill the rest
   double value{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("name", self.name);
-    visit("value", self.value);
-  }
+  SORTIE_FIELDS(stamp_ns, name, value)
 };
 
 /// The name of a change; ends at the first zero.
@@ -60,14 +54,7 @@ struct ParameterState {
   std::uint32_t applied{};
   std::uint32_t refused{};  ///< changes that reached the job and were not applied
   double value[kMaxParametersPerGroup]{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("applied", self.applied);
-    visit("refused", self.refused);
-    visit("value", self.value);
-  }
+  SORTIE_FIELDS(stamp_ns, applied, refused, value)
 };
 
 /// The parameters of one group. Built at set-up; then check() may be called from any thread, everything else

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "rt/describe.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::rt {
@@ -28,14 +29,7 @@ struct ImuSample {
   double gyr_rad_s[3]{};
   double acc_m_s2[3]{};
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("gyr_rad_s", self.gyr_rad_s);
-    visit("acc_m_s2", self.acc_m_s2);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, gyr_rad_s, acc_m_s2, flags)
 };
 
 /// Travel of the two tracks (or wheel sides) since start, positive forward. Cumulative: a lost sample loses
@@ -45,14 +39,7 @@ struct TrackSample {
   double left_m{};
   double right_m{};
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("left_m", self.left_m);
-    visit("right_m", self.right_m);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, left_m, right_m, flags)
 };
 
 /// One return of a lidar in the sensor frame. 16 bytes.
@@ -62,15 +49,7 @@ struct ScanPoint {
   float z_m{};
   std::uint16_t intensity{};
   std::uint16_t age_10us{};  ///< time before the scan's stamp, in steps of 10 us
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("x_m", self.x_m);
-    visit("y_m", self.y_m);
-    visit("z_m", self.z_m);
-    visit("intensity", self.intensity);
-    visit("age_10us", self.age_10us);
-  }
+  SORTIE_FIELDS(x_m, y_m, z_m, intensity, age_10us)
 };
 
 /// Bits of ScanHeader::flags.
@@ -86,15 +65,7 @@ struct ScanHeader {
   std::uint32_t flags{};
   double p_world_sensor_m[3]{};
   double q_world_sensor[4]{1, 0, 0, 0};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("points", self.points);
-    visit("flags", self.flags);
-    visit("p_world_sensor_m", self.p_world_sensor_m);
-    visit("q_world_sensor", self.q_world_sensor);
-  }
+  SORTIE_FIELDS(stamp_ns, points, flags, p_world_sensor_m, q_world_sensor)
 };
 
 /// A scan as an algorithm sees it. The points belong to someone else and live for one call.
@@ -112,17 +83,7 @@ struct AttitudeEstimate {
   double delta_heading_rad{};  ///< turn about the world's up axis since start, not wrapped
   std::uint32_t rejected{};    ///< samples refused so far
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("q_world_body", self.q_world_body);
-    visit("w_body_rad_s", self.w_body_rad_s);
-    visit("bias_rad_s", self.bias_rad_s);
-    visit("delta_heading_rad", self.delta_heading_rad);
-    visit("rejected", self.rejected);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, q_world_body, w_body_rad_s, bias_rad_s, delta_heading_rad, rejected, flags)
 };
 
 /// Pose and twist of the body with a 6x6 covariance of (position in world, rotation in body), row-major, m^2
@@ -137,19 +98,8 @@ struct PoseEstimate {
   double distance_m{};       ///< path length so far
   std::uint32_t rejected{};  ///< samples refused so far
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("p_world_body_m", self.p_world_body_m);
-    visit("q_world_body", self.q_world_body);
-    visit("v_body_m_s", self.v_body_m_s);
-    visit("w_body_rad_s", self.w_body_rad_s);
-    visit("covariance", self.covariance);
-    visit("distance_m", self.distance_m);
-    visit("rejected", self.rejected);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, p_world_body_m, q_world_body, v_body_m_s, w_body_rad_s, covariance, distance_m,
+                rejected, flags)
 };
 
 /// Bits of DriveCommand::flags and, the first, of FlipperCommand::flags.
@@ -170,16 +120,7 @@ struct DriveCommand {
   /// How often somebody has asked for motion. Motors that were stopped start when it has risen since, and by
   /// nothing else: that a speed is wanted again, or enabled again, is no request.
   std::uint32_t asked{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("left_m_s", self.left_m_s);
-    visit("right_m_s", self.right_m_s);
-    visit("waypoint", self.waypoint);
-    visit("flags", self.flags);
-    visit("asked", self.asked);
-  }
+  SORTIE_FIELDS(stamp_ns, left_m_s, right_m_s, waypoint, flags, asked)
 };
 /// A command to stand, or to leave the drives to their brakes (rt/command_outlet.hpp).
 constexpr bool stops(const DriveCommand& command) {
@@ -213,17 +154,7 @@ struct DriveRequest {
   std::uint32_t mode{};
   std::int32_t posture{-1};  ///< of the flippers, by number; -1: as they are
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("counter", self.counter);
-    visit("speed_m_s", self.speed_m_s);
-    visit("turn_rad_s", self.turn_rad_s);
-    visit("mode", self.mode);
-    visit("posture", self.posture);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, counter, speed_m_s, turn_rad_s, mode, posture, flags)
 };
 
 /// The flippers in the order of every array about them.
@@ -237,14 +168,7 @@ struct FlipperCommand {
   double angle_rad[kFlippers]{};
   std::uint32_t flags{};  ///< bit 0: enabled
   std::uint32_t asked{};  ///< as DriveCommand's
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("angle_rad", self.angle_rad);
-    visit("flags", self.flags);
-    visit("asked", self.asked);
-  }
+  SORTIE_FIELDS(stamp_ns, angle_rad, flags, asked)
 };
 /// A command that leaves the flippers to their brakes (rt/command_outlet.hpp).
 constexpr bool stops(const FlipperCommand& command) { return (command.flags & 1u) == 0; }
@@ -256,14 +180,7 @@ struct FlipperSample {
   double angle_rad[kFlippers]{};
   double torque_n_m[kFlippers]{};
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("angle_rad", self.angle_rad);
-    visit("torque_n_m", self.torque_n_m);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, angle_rad, torque_n_m, flags)
 };
 
 /// Bits of TruthSample::flags.
@@ -280,14 +197,7 @@ struct TruthSample {
   double p_world_body_m[3]{};
   double q_world_body[4]{1, 0, 0, 0};
   std::uint32_t flags{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("p_world_body_m", self.p_world_body_m);
-    visit("q_world_body", self.q_world_body);
-    visit("flags", self.flags);
-  }
+  SORTIE_FIELDS(stamp_ns, p_world_body_m, q_world_body, flags)
 };
 
 }  // namespace sortie::rt

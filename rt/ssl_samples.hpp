@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "rt/describe.hpp"
 #include "rt/math.hpp"
 #include "rt/rotation.hpp"
 #include "rt/time.hpp"
@@ -41,14 +42,7 @@ struct SslCommand {
   std::uint32_t number{};  ///< of the command; comes back with the returns
   std::uint32_t rays{};    ///< at most kSslMaxRays
   std::uint16_t direction[kSslMaxRays]{};
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("number", self.number);
-    visit("rays", self.rays);
-    visit("direction", self.direction);
-  }
+  SORTIE_FIELDS(stamp_ns, number, rays, direction)
 };
 
 /// What one frame gave, ray by ray in the order of the command.
@@ -59,16 +53,7 @@ struct SslReturns {
   std::uint16_t direction[kSslMaxRays]{};
   std::uint16_t range_mm[kSslMaxRays]{};  ///< 0: nothing came back
   std::uint16_t age_10us[kSslMaxRays]{};  ///< time before the stamp, in steps of 10 us
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("number", self.number);
-    visit("rays", self.rays);
-    visit("direction", self.direction);
-    visit("range_mm", self.range_mm);
-    visit("age_10us", self.age_10us);
-  }
+  SORTIE_FIELDS(stamp_ns, number, rays, direction, range_mm, age_10us)
 };
 
 }  // namespace sortie::rt

@@ -169,6 +169,12 @@ expect(2, "check", "hall.lcm", "--fault", "nobody@1", says=["task@tick"], only_l
 parsed(expect(1, "diff", "hall.lcm", "hall.lcm", "--set", "map.voxel_m=0.2", "--json"))
 parsed(expect(0, "diff", "hall.lcm", "hall.lcm", "--json"))
 parsed(expect(0, "scenes", "--json"))
+keys = parsed(expect(0, "scenes", "--keys", "ugv_hall", "--json", "--set", "limits.voxels=4096", "hil.lidar_rows=9"))["keys"]
+check({"4096", "9"} <= {key["value"] for key in keys if key["key"] in ("limits.voxels", "hil.lidar_rows")}, "--keys does not show what --set says")
+expect(2, "scenes", "--keys", "ugv_hall", "--set", "hil.lidar_rose=9", says=["hil.lidar_rose"], only_line=True)
+pools = parsed(expect(0, "scenes", "--memory", "ugv_hall", "--json", "--set", "limits.voxels=4096"))
+check(pools["bytes"] < parsed(expect(0, "scenes", "--memory", "ugv_hall", "--json"))["bytes"], "--memory does not heed --set")
+expect(2, "scenes", "--memory", "ugv_hall", "--set", "limits.voxel=4096", says=["limits.voxel"], only_line=True)
 expect(2, "scenes", "--cost", "imu_bench", says=["imu_bench has no simulated robot", "--log LOG"], only_line=True)
 small = ["--set", "hil.lidar_rows=8", "hil.lidar_columns=64", "limits.voxels=32768"]
 cost = parsed(expect(0, "scenes", "--cost", "ugv_hall", "--seconds", "1", "--runs", "1", "--json", *small))["costs"][0]
@@ -194,6 +200,19 @@ check(all(r["digest"] in pathlib.Path("both/report.html").read_text() for r in b
 expect(2, "export", "flight_map", "ugv.lcm", says=["--for"], only_line=True)
 expect(2, "export", "flight_map", "ugv.lcm", "--for", "uav_neo11", says=["uav_neo11", "no [flight_map]"], only_line=True)
 expect(2, "export", "flight_map", "hall.lcm", "--for", "uav_rescue", says=["hall.lcm", "no occupancy map"], only_line=True)
+# A map of surfaces from one run to another.
+expect(0, "run", "--scene", "ugv_hall", "--virtual", "--seconds", "1", "--record", "surfels.lcm",
+       "--set", "tasks.locate.enabled=true", "tasks.map.budget_us=20000", *small[1:])
+expect(0, "export", "surfels", "surfels.lcm", "-o", "hall.surfels")
+expect(0, "run", "--scene", "ugv_hall", "--virtual", "--seconds", "1", "--map", "hall.surfels", "--record", "on_map.lcm",
+       "--set", "tasks.locate.enabled=true", "tasks.map.budget_us=20000", "locate.start_on_map=true", *small[1:])
+expect(0, "check", "on_map.lcm", "--map", "hall.surfels")
+expect(0, "index", "on_map.lcm", "--map", "hall.surfels", "--every", "0.5")
+expect(2, "check", "on_map.lcm", says=["begins with the map hall.surfels", "--map FILE"], only_line=True)
+expect(2, "replay", "on_map.lcm", "--map", "hall.lcm", says=["hall.surfels", "is another one"], only_line=True)
+expect(2, "run", "--scene", "ugv_hall", "--virtual", "--map", "hall.surfels", says=["no part that uses a map of surfaces"], only_line=True)
+expect(3, "run", "--scene", "ugv_locate", "--virtual", "--map", "none.surfels", says=["export surfels"], only_line=True)
+expect(2, "export", "surfels", "hall.lcm", "-o", "none.surfels", says=["hall.lcm", "makes no map of surfaces"], only_line=True)
 result = expect(0, "run", "--scene", "ugv_hall", "--seconds", "0.5", "--record", "live.lcm", "--no-rt", "--lcm-url", "none",
                 "--json", *small)
 check(parsed(result).get("counters", {}).get("heap_calls", 0) == 0, "heap calls in a live run", result)
@@ -473,6 +492,10 @@ expect(2, "import", "sheep", "x", "-o", "x.lcm")
 expect(3, "import", "husky", "absent", "-o", "x.lcm", says=["absent"], only_line=True)
 expect(3, "import", "rls", "text.lcm", "-o", "x.lcm", says=["text.lcm"], only_line=True)
 expect(3, "import", "broad", "text.lcm", "-o", "x.lcm", says=["text.lcm"], only_line=True)
+expect(3, "import", "carmen", "text.lcm", "-o", "x.lcm", says=["text.lcm", "no CARMEN log"], only_line=True)
+expect(3, "import", "swp", "text.lcm", "-o", "x.lcm", says=["text.lcm", "SWP1"], only_line=True)
+expect(2, "import", "husky", "absent", "-o", "x.lcm", "--no-poses", says=["--no-poses is for kind rls"], only_line=True)
+expect(2, "import", "carmen", "absent", "-o", "x.lcm", "--max-range", "-1", says=["--max-range"], only_line=True)
 check(not pathlib.Path("x.lcm").exists(), "a failed import leaves no log")
 husky = DATA / "husky_skid"
 if husky.is_dir():

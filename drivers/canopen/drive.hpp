@@ -8,6 +8,7 @@
 #include "drivers/canopen/drive_setup.hpp"
 #include "drivers/canopen/sdo_client.hpp"
 #include "drivers/motor_drive.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers::canopen {
 
@@ -48,19 +49,7 @@ struct DriveCounters {
   std::uint64_t refused{};      ///< set-ups that failed
   std::uint64_t malformed{};    ///< frames of the drive that cannot be read
   std::uint64_t unasked{};      ///< SDO replies that answer nothing
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("set_ups", self.set_ups);
-    visit("lost", self.lost);
-    visit("mute", self.mute);
-    visit("restarts", self.restarts);
-    visit("emergencies", self.emergencies);
-    visit("faults", self.faults);
-    visit("refused", self.refused);
-    visit("malformed", self.malformed);
-    visit("unasked", self.unasked);
-  }
+  SORTIE_FIELDS(set_ups, lost, mute, restarts, emergencies, faults, refused, malformed, unasked)
 };
 
 /// One drive. 1 kB, no heap after construction, no clock of its own; about 100 ns a call. One thread.
@@ -97,7 +86,6 @@ class Drive final : public MotorDrive {
   void stop() noexcept override { tell(Order::stop); }
 
   /// It was told to have torque, or found with it, and has not said since that it has none.
-  bool suspect() const noexcept { return suspect_; }
   /// A suspect was lost since the last call.
   bool take_loss() noexcept { return std::exchange(loss_, false); }
 

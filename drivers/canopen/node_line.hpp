@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "drivers/canopen/drive.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers::canopen {
 
@@ -26,16 +27,7 @@ struct NodeLineCounters {
   std::uint64_t other_frames{};  ///< frames that are no CANopen of this kind
   std::uint64_t send_refused{};
   std::uint64_t late_cycles{};  ///< SYNCs left out because poll() came late
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("syncs", self.syncs);
-    visit("cuts", self.cuts);
-    visit("unknown_node", self.unknown_node);
-    visit("other_frames", self.other_frames);
-    visit("send_refused", self.send_refused);
-    visit("late_cycles", self.late_cycles);
-  }
+  SORTIE_FIELDS(syncs, cuts, unknown_node, other_frames, send_refused, late_cycles)
 };
 
 /// The line. In every cycle SYNC goes out, then each drive's command; what a full transmit queue refuses is

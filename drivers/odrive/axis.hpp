@@ -9,6 +9,7 @@
 
 #include "drivers/can_bus.hpp"
 #include "drivers/motor_drive.hpp"
+#include "rt/describe.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers::odrive {
@@ -64,17 +65,7 @@ struct AxisCounters {
   std::uint64_t refused{};    ///< set-ups that failed
   std::uint64_t unguarded{};  ///< of those, because the watchdog did not stop it
   std::uint64_t malformed{};  ///< frames of the axis that cannot be read
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("set_ups", self.set_ups);
-    visit("lost", self.lost);
-    visit("restarts", self.restarts);
-    visit("faults", self.faults);
-    visit("refused", self.refused);
-    visit("unguarded", self.unguarded);
-    visit("malformed", self.malformed);
-  }
+  SORTIE_FIELDS(set_ups, lost, restarts, faults, refused, unguarded, malformed)
 };
 
 /// One axis. CANSimple answers nothing: that a frame was obeyed shows in the heartbeats alone, and mode and

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/odrive/axis.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::drivers::odrive {
 
@@ -21,14 +22,7 @@ struct AxisLineCounters {
   std::uint64_t other_frames{};  ///< of no axis of ours
   std::uint64_t send_refused{};
   std::uint64_t late_cycles{};  ///< left out because poll() came late
-
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("cycles", self.cycles);
-    visit("other_frames", self.other_frames);
-    visit("send_refused", self.send_refused);
-    visit("late_cycles", self.late_cycles);
-  }
+  SORTIE_FIELDS(cycles, other_frames, send_refused, late_cycles)
 };
 
 /// The line. In every cycle each axis is sent a target, and one frame more where its state asks for it. A

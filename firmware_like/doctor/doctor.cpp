@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <thread>
 
 #include "firmware_like/doctor/checks.hpp"
 #include "firmware_like/result/results.hpp"

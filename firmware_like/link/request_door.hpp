@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where everything that is asked of a run comes in: over LCM, if the profile allows it, and from its script.
-// Each kind of request has a desk behind this door (request_desk.hpp, parameter_desk.hpp).
+// Each kind of request has a desk behind this door (request_desk.hpp).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,6 @@
 
 #include "drivers/lcm_receiver.hpp"
 #include "drivers/wire_answers.hpp"
-#include "firmware_like/link/parameter_desk.hpp"
 #include "firmware_like/link/request_desk.hpp"
 #include "firmware_like/link/secret.hpp"
 #include "firmware_like/runtime/runtime.hpp"

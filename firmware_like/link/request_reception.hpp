@@ -28,11 +28,7 @@ struct RequestAge {
   /// Time in the kernel's queue. A clock that was set back meanwhile gives 0.
   rt::Nanoseconds waited_ns() const { return std::max<rt::Nanoseconds>(taken_utc_ns - arrived_utc_ns, 0); }
   /// `utime_us`: of the sender's clock, UTC; any value. Held against the moment of taking.
-  bool fits(std::int64_t utime_us) const {
-    const std::int64_t taken_us = taken_utc_ns / rt::kNanosecondsPerMicrosecond;
-    const std::int64_t most_us = most_ns / rt::kNanosecondsPerMicrosecond;
-    return most_ns == 0 || (utime_us >= taken_us - most_us && utime_us <= taken_us + most_us);
-  }
+  bool fits(std::int64_t utime_us) const;
 };
 
 /// Who asks whom, and when.
@@ -93,14 +89,7 @@ class RequestReception {
   /// Reads a message; `mutex_` is held. False: it is no request to this run from one who may ask. That is
   /// counted and not answered, for a stranger learns nothing.
   template <class Message>
-  bool open(std::span<const std::uint8_t> message, const RequestContext& context, Message& asked) {
-    const Status form = drivers::decode(message, context.key, asked);
-    if (form == Status::ok && asked.session == context.session) return true;
-    ++(form == Status::ok             ? counters_.wrong_session
-       : form == Status::disconnected ? counters_.bad_tag
-                                      : counters_.malformed);
-    return false;
-  }
+  bool open(std::span<const std::uint8_t> message, const RequestContext& context, Message& asked);
 
   mutable std::mutex mutex_;  // of what other threads read
   Counters counters_;

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <chrono>
 
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_timing.hpp"
+#include "rt/built_parts.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/make_thread.hpp"
 
@@ -28,7 +30,8 @@ Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const Reques
       recorder_(recorder),
       desk_(desk),
       utc_minus_run_ns_(utc_minus_run_ns),
-      publisher_(publisher_config(url)) {
+      publisher_(publisher_config(url)),
+      lists_(runtime.parts().find<ReportQueue<rt::SegmentList>>()) {
   std::size_t longest = 0;
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     longest = std::max<std::size_t>(longest, runtime.executive().task(i).output_bytes());
@@ -38,6 +41,22 @@ Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const Reques
 }
 
 Telemetry::~Telemetry() { stop(); }
+
+// What the network does not take is counted by the publisher.
+template <class... What>
+void Telemetry::publish(std::string_view channel, const What&... what) {
+  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+    return drivers::encode(what..., out, size);
+  }));
+}
+
+void Telemetry::publish_fields(std::int64_t utime, const std::string& name,
+                               const std::vector<drivers::NamedValue>& values) {
+  const std::string channel = std::string(drivers::kChannelFields) + "_" + name;
+  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+    return drivers::encode_fields(utime, name, values, out, size);
+  }));
+}
 
 void Telemetry::publish_outputs(std::int64_t utime) {
   rt::Executive& executive = runtime_.executive();
@@ -52,22 +71,14 @@ void Telemetry::publish_outputs(std::int64_t utime) {
            if (index >= 0) full += "[" + std::to_string(index) + "]";
            static_cast<std::vector<drivers::NamedValue>*>(self)->push_back({full, value});
          }});
-    const std::string channel = std::string(drivers::kChannelFields) + "_" + task.name();
-    // What the network does not take is counted by the publisher.
-    static_cast<void>(
-        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode_fields(utime, task.name(), values, out, size);
-        }));
+    publish_fields(utime, task.name(), values);
     note_parameters(task);
     note_state(task, values);
     if (&task == runtime_.vehicle().pose_task()) {
       rt::PoseEstimate pose;
       rt::decode_canonical(canonical_.data(), pose);
-      static_cast<void>(publisher_.publish_encoded(
-          drivers::kChannelPose, [&](std::span<std::uint8_t> out, std::size_t& size) {
-            return drivers::encode(drivers::to_pose_message(pose, (pose.stamp_ns + utc_minus_run_ns_) / 1000),
-                                   out, size);
-          }));
+      publish(drivers::kChannelPose,
+              drivers::to_pose_message(pose, (pose.stamp_ns + utc_minus_run_ns_) / 1000));
     }
   }
 }
@@ -78,10 +89,7 @@ void Telemetry::publish_motors(std::int64_t utime) {
   const std::vector<drivers::NamedValue> values = {{"emergency", news->emergency ? 1.0 : 0.0},
                                                    {"running", news->running ? 1.0 : 0.0},
                                                    {"stop_reason", static_cast<double>(news->stop_reason)}};
-  const std::string channel = std::string(drivers::kChannelFields) + "_motors";
-  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-    return drivers::encode_fields(utime, "motors", values, out, size);
-  }));
+  publish_fields(utime, "motors", values);
 }
 
 void Telemetry::note_parameters(const rt::TaskBase& task) {
@@ -108,9 +116,7 @@ void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
         message.parameters[i].value = in_force_[group].value[set.all[i].index];
     }
   }
-  static_cast<void>(publisher_.publish_encoded(
-      drivers::kChannelParameters,
-      [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(message, out, size); }));
+  publish(drivers::kChannelParameters, message);
 }
 
 // Without the state, which must be read after them: of a task that puts nothing out there is none to tell.
@@ -136,30 +142,19 @@ void Telemetry::note_state(const rt::TaskBase& task, const std::vector<drivers::
 void Telemetry::publish_answers(std::int64_t utime) {
   for (drivers::AnswersMessage& message : answers_) {
     message.utime = utime;
-    const std::string channel = std::string(drivers::kChannelAnswers) + "_" + message.task;
-    static_cast<void>(
-        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode(message, desk_.key(), out, size);
-        }));
+    publish(std::string(drivers::kChannelAnswers) + "_" + message.task, message, desk_.key());
   }
 }
 
 void Telemetry::publish_statistics(std::int64_t utime) {
-  const std::vector<drivers::TaskTiming> timings = recorder_.timings();
-  static_cast<void>(
-      publisher_.publish_encoded(drivers::kChannelStats, [&](std::span<std::uint8_t> out, std::size_t& size) {
-        return drivers::encode(utime, timings, out, size);
-      }));
+  publish(drivers::kChannelStats, utime, recorder_.timings());
   std::vector<drivers::PoolUse> pools;
   for (const auto& port : runtime_.parts().ports()) {
     const rt::StreamBase& stream = port->stream();
     pools.push_back({port->channel(), stream.capacity(), stream.waiting(), stream.high_water(),
                      static_cast<std::int64_t>(stream.refused())});
   }
-  static_cast<void>(
-      publisher_.publish_encoded(drivers::kChannelPools, [&](std::span<std::uint8_t> out, std::size_t& size) {
-        return drivers::encode(utime, pools, out, size);
-      }));
+  publish(drivers::kChannelPools, utime, pools);
 }
 
 void Telemetry::tell(const drivers::EventRecord& event) {
@@ -174,22 +169,29 @@ void Telemetry::publish_events() {
     const std::lock_guard lock(events_mutex_);
     events.swap(events_);
   }
-  for (const drivers::EventRecord& event : events) {
-    static_cast<void>(publisher_.publish_encoded(
-        drivers::kChannelEvent,
-        [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(event, out, size); }));
-  }
+  for (const drivers::EventRecord& event : events) publish(drivers::kChannelEvent, event);
 }
 
 void Telemetry::publish_segments() {
-  ReportQueue<rt::SegmentList>* lists = runtime_.vehicle().segment_lists();
-  if (lists == nullptr) return;
-  while (lists->take(segments_)) {
+  if (lists_ == nullptr) return;
+  while (lists_->take(segments_)) {
     segments_.stamp_ns += utc_minus_run_ns_;
     static_cast<void>(publisher_.publish_encoded(
         drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode(segments_, segments_seq_++, out, size);
+          return drivers::encode(segments_, segments_seq_++, out, size);  // numbers only what is sent
         }));
+  }
+}
+
+void Telemetry::publish_located() {
+  ReportQueue<rt::LocatedPose>* poses = runtime_.parts().find<ReportQueue<rt::LocatedPose>>();
+  if (poses == nullptr) return;
+  for (rt::LocatedPose pose; poses->take(pose);) {
+    pose.stamp_ns += utc_minus_run_ns_;
+    static_cast<void>(publisher_.publish_encoded(drivers::kChannelLocated,
+                                                 [&](std::span<std::uint8_t> out, std::size_t& size) {
+                                                   return drivers::encode(pose, located_seq_++, out, size);
+                                                 }));
   }
 }
 
@@ -206,6 +208,7 @@ void Telemetry::start() {
       publish_answers(utime);
       publish_events();
       publish_segments();
+      if constexpr (rt::kBuilt<"locate">) publish_located();
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

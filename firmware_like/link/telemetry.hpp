@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -13,13 +14,15 @@
 #include "firmware_like/link/request_door.hpp"
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/runtime/runtime.hpp"
+#include "rt/segment_list.hpp"
 
 namespace sortie::firmware {
 
 /// Publishes from a thread of its own: outputs as fields_t on SORTIE_FIELDS_<task> ten times a second,
-/// the map's segments after each scan, statistics and the run-time parameters once a second (parameters also
-/// as soon as one changes), answers to requests ten times a second where a task obeys any, the pose as
-/// bot_core.pose_t on POSE_BODY. The real-time workers never wait for it: it reads their mailboxes.
+/// the map's segments and the robot's place after each scan, statistics and the run-time parameters once a
+/// second (parameters also as soon as one changes), answers to requests ten times a second where a task obeys
+/// any, the pose as bot_core.pose_t on POSE_BODY. The real-time workers never wait for it: it reads their
+/// mailboxes.
 ///
 /// One offset dates everything that a run tells, on every channel, in its log and in its events: UTC at the
 /// run's time 0, read once and added to the run's clock. Nothing here asks for the date again, so setting the
@@ -51,11 +54,16 @@ class Telemetry {
   static constexpr std::size_t kLongestMessage = std::size_t{16} << 10;
 
  private:
+  template <class... What>
+  void publish(std::string_view channel, const What&... what);
+  void publish_fields(std::int64_t utime, const std::string& name,
+                      const std::vector<drivers::NamedValue>& values);
   void publish_outputs(std::int64_t utime);
   void publish_motors(std::int64_t utime);
   void publish_statistics(std::int64_t utime);
   void publish_events();
   void publish_segments();
+  void publish_located();
   void note_parameters(const rt::TaskBase& task);
   void publish_parameters(std::int64_t utime, bool anyway);
   void read_answers();
@@ -73,9 +81,11 @@ class Telemetry {
   std::vector<rt::ParameterState> in_force_;      // by group of parameters
   std::vector<drivers::AnswersMessage> answers_;  // of this round
   bool parameters_moved_{};
-  std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
+  std::int64_t parameters_asked_{};      // counter of the newest change that was asked for
+  ReportQueue<rt::SegmentList>* lists_;  // of the map's segments; null: the scene has none
   rt::SegmentList segments_;
   std::int64_t segments_seq_{};
+  std::int64_t located_seq_{};
   std::atomic<rt::Nanoseconds> cpu_ns_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;

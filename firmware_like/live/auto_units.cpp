@@ -24,9 +24,11 @@ std::uint32_t units_in_force(const Runtime& runtime, const std::string& task) {
 }  // namespace
 
 BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& scene,
-                           const std::vector<std::string>& overrides, bool times) {
+                           const std::vector<std::string>& overrides, bool times, const KeptMap* map) {
+  RuntimeStart start;
+  start.map = map;
   BootedRuntime booted;
-  booted.runtime = std::make_unique<Runtime>(load_scene(scene, overrides), vehicles, RuntimeStart{});
+  booted.runtime = std::make_unique<Runtime>(load_scene(scene, overrides), vehicles, start);
   if (times) booted.trial = try_units_of(*booted.runtime);
   UnitTrial& trial = booted.trial;
   std::vector<std::string> numbers = overrides;
@@ -41,7 +43,7 @@ BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& s
   }
   if (booted.chosen.empty()) return booted;
   booted.runtime.reset();  // two at a time are twice the memory
-  booted.runtime = std::make_unique<Runtime>(load_scene(scene, numbers), vehicles, RuntimeStart{});
+  booted.runtime = std::make_unique<Runtime>(load_scene(scene, numbers), vehicles, start);
   return booted;
 }
 

@@ -50,10 +50,12 @@ void LiveSession::collect_measured() {
 }
 
 void LiveSession::collect_trajectories() {
-  outcome_.estimate = collector_->poses.take();
+  outcome_.estimate = collector_->estimate.poses.take();
+  outcome_.located = collector_->located.poses.take();
   outcome_.truth = surroundings_->truth.poses.take();
   outcome_.contacts = surroundings_->truth.contacts.take();
   tidy(outcome_.estimate);
+  tidy(outcome_.located);
   tidy(outcome_.truth);
 }
 

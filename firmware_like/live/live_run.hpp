@@ -25,6 +25,7 @@ struct LiveRunOptions {
   bool virtual_time{};  ///< as fast as the processor allows; needs a simulated robot; same outputs every time
   bool realtime{true};  ///< ask for SCHED_FIFO and locked memory
   bool require_realtime{};  ///< a refusal of those is an error, not a warning
+  std::string map;          ///< map of surfaces to begin with (kept_map.hpp), or empty
   std::string record;       ///< LCM log to write, or empty
   bool record_fields{};     ///< with the outputs' fields
   std::string lcm_url;      ///< telemetry; "none": off
@@ -40,6 +41,7 @@ struct LiveRunOptions {
 struct LiveRunOutcome {
   Results results;
   Trajectory estimate;
+  Trajectory located;  ///< of the body on the map that the robot made; empty without one
   Trajectory truth;
   std::vector<ContactSummary> contacts;  ///< of the simulated robot, if it knows
   std::unique_ptr<Runtime> runtime;      ///< as the run left it: the map is still there

@@ -9,6 +9,7 @@
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/log/run_end.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/realtime.hpp"
@@ -41,6 +42,13 @@ std::string what_is_outside(const LiveRunOptions& options) {
   return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
 }
 
+BootedRuntime boot(const VehicleRegistry& vehicles, const LiveRunOptions& options) {
+  if (options.map.empty())
+    return boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time);
+  const KeptMap map = read_kept_map(options.map);
+  return boot_runtime(vehicles, options.scene, map.overrides(options.overrides), !options.virtual_time, &map);
+}
+
 bool takes_channel(const Runtime& runtime, std::string_view channel) {
   const auto& ports = runtime.parts().ports();
   return std::any_of(ports.begin(), ports.end(),
@@ -52,7 +60,7 @@ bool takes_channel(const Runtime& runtime, std::string_view channel) {
 LiveSession::LiveSession(const VehicleRegistry& vehicles, const SimulatorFactory& simulator,
                          const LiveRunOptions& options)
     : options_(options),
-      booted_(boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time)),
+      booted_(boot(vehicles, options)),
       runtime_(*booted_.runtime),
       executive_(runtime_.executive()) {
   outcome_.runtime = std::move(booted_.runtime);
@@ -146,7 +154,7 @@ void LiveSession::connect_devices() {
 void LiveSession::attach() {
   if (!options_.virtual_time) write_log_clock(*recorder_, clock_.start_ns, utc_minus_run_);
   write_chosen_units(*recorder_, booted_.chosen, booted_.trial.ns_per_unit, utc_minus_log());
-  surroundings_.emplace(runtime_, robot_.get(), outside_, *recorder_, !options_.record.empty());
+  surroundings_.emplace(robot_.get(), outside_, *recorder_, !options_.record.empty());
   executive_.set_sink(ring_->before(recorder_->job_sink()));
   doctor_.begin(executive_, *recorder_, !options_.virtual_time && options_.realtime, utc_minus_log());
   executive_.set_record_fields(true);
@@ -215,6 +223,13 @@ void LiveSession::run_live_threads() {
   warnings_.insert(warnings_.end(), live_.warnings.begin(), live_.warnings.end());
   if (!live_.late_start.empty()) warnings_.push_back(live_.late_start);
   outcome_.stopped = live_.stopped;
+}
+
+LiveRunOutcome run_live(const VehicleRegistry& vehicles, const SimulatorFactory& simulator,
+                        const LiveRunOptions& options) {
+  LiveSession session(vehicles, simulator, options);
+  session.run();
+  return session.collect();
 }
 
 }  // namespace sortie::firmware

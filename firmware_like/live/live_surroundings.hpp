@@ -3,8 +3,6 @@
 // changes.
 #pragma once
 
-#include <string>
-
 #include "firmware_like/link/plant_link.hpp"
 #include "firmware_like/link/request_door.hpp"
 #include "firmware_like/live/simulated_robot.hpp"
@@ -16,10 +14,12 @@
 
 namespace sortie::firmware {
 
-/// Picks the pose out of the fields of each job: the task's value itself belongs to its worker.
-class PoseCollector {
+/// Picks a task's pose out of the fields of each job: the task's value itself belongs to its worker.
+template <class Output>
+class TaskPoses {
  public:
-  explicit PoseCollector(const Runtime& runtime) : task_(runtime.vehicle().pose_task()) {
+  /// `whose` may be null.
+  TaskPoses(const Runtime& runtime, const rt::Task<Output>* whose) : task_(whose) {
     if (task_ == nullptr) return;
     for (const rt::TaskBase* task : runtime.executive().group(task_->group()).tasks) {
       if (task == task_) break;
@@ -30,15 +30,30 @@ class PoseCollector {
     if (task_ == nullptr || record.group != task_->group() ||
         record.field_bytes < offset_ + task_->output_bytes())
       return;
-    rt::PoseEstimate pose;
+    Output pose;
     rt::decode_canonical(record.fields + offset_, pose);
-    if (pose.stamp_ns != 0) poses.add(to_timed_pose(pose));
+    const TimedPose timed = to_timed_pose(pose);
+    if (timed.stamp_ns != 0) poses.add(timed);
   }
   BoundedTrajectory poses{1};
 
  private:
-  const rt::Task<rt::PoseEstimate>* task_;
+  const rt::Task<Output>* task_;
   std::uint32_t offset_{};
+};
+
+/// Trajectories of a run.
+class PoseCollector {
+ public:
+  explicit PoseCollector(const Runtime& runtime)
+      : estimate(runtime, runtime.vehicle().pose_task()),
+        located(runtime, runtime.vehicle().located_task()) {}
+  void job(const rt::JobRecord& record) {
+    estimate.job(record);
+    located.job(record);
+  }
+  TaskPoses<rt::PoseEstimate> estimate;
+  TaskPoses<rt::LocatedPose> located;
 };
 
 /// Devices that are not simulated in this process.
@@ -52,9 +67,8 @@ struct OutsideDevices {
 class Surroundings {
  public:
   /// `outside` counts only without a simulated robot.
-  Surroundings(Runtime& runtime, SimulatedRobot* robot, const OutsideDevices& outside, LogRecorder& recorder,
-               bool recording)
-      : runtime_(runtime), robot_(robot), recorder_(recorder) {
+  Surroundings(SimulatedRobot* robot, const OutsideDevices& outside, LogRecorder& recorder, bool recording)
+      : robot_(robot), recorder_(recorder) {
     devices_.ssl = robot != nullptr ? robot->vehicle_ssl() : nullptr;
     devices_.log = recording ? &recorder : nullptr;
     devices_.can = robot != nullptr ? robot->vehicle_can() : outside.can;
@@ -64,14 +78,18 @@ class Surroundings {
     devices_.device_epoch_ns = -outside.start_ns;
   }
   /// Moves the simulated robot, if there is one, and notes its truth.
-  void step_robot(rt::Nanoseconds now);
-  void poll_devices(rt::Nanoseconds now);
-  /// What a user wants to know at once, or empty. One thread that is not real-time.
-  std::string news() { return link_ != nullptr ? link_->news() : std::string(); }
+  void step_robot(rt::Nanoseconds now) {
+    if (robot_ == nullptr) return;
+    robot_->step(now);
+    truth.note(*robot_, now, &recorder_);
+  }
+  /// What the vehicle reaches its devices by.
+  const Devices& devices() const { return devices_; }
+  /// To a plant in a process of its own, or null.
+  PlantLink* link() const { return link_; }
   TruthWriter truth;
 
  private:
-  Runtime& runtime_;
   SimulatedRobot* robot_;
   LogRecorder& recorder_;
   PlantLink* link_{};
@@ -86,7 +104,7 @@ class SimulatedFeed final : public rt::JobFeed {
   void before_tick(rt::Tick tick) override {
     const rt::Nanoseconds now = runtime_.executive().time_of(tick);
     surroundings_.step_robot(now);
-    surroundings_.poll_devices(now);
+    runtime_.vehicle().poll_devices(surroundings_.devices(), now);
     desk_.run_script(now);
     if (tick % 64 == 0) recorder_.drain();
   }

@@ -36,7 +36,11 @@ const rt::posix::SpanName kDevicesSpan("poll devices");
   std::_Exit(1);
 }
 
-void tell_chains(const LiveParts& parts, rt::Nanoseconds now) {
+// What a user wants to know at once: a plant that came or went, a chain that takes too long.
+void tell_news(const LiveParts& parts, rt::Nanoseconds now) {
+  PlantLink* link = parts.surroundings.link();
+  if (const std::string news = link != nullptr ? link->news() : ""; !news.empty())
+    parts.desk.tell("plant", "plant", news, now);
   for (const ChainNews& news : parts.chains.take_news(now))
     parts.desk.tell("chain", news.chain, "chain " + news.chain + ": " + news.text, now);
 }
@@ -143,7 +147,8 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   });
   chores.add("the devices", adopt("devices"), [&parts](rt::Nanoseconds now) {
     const rt::posix::TraceSpan span(kDevicesSpan);
-    parts.surroundings.poll_devices(now);
+    if (PlantLink* link = parts.surroundings.link(); link != nullptr) link->poll(now);
+    parts.runtime.vehicle().poll_devices(parts.surroundings.devices(), now);
   });
   chores.add(
       "the requests", [] {}, [&parts](rt::Nanoseconds now) { parts.parameters.poll(now); });
@@ -154,9 +159,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
     if (options.interrupted != nullptr && options.interrupted->load()) runner.stop();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     parts.desk.take(runner);
-    if (const std::string news = parts.surroundings.news(); !news.empty())
-      parts.desk.tell("plant", "plant", news, rt::posix::monotonic_now() - start_ns);
-    tell_chains(parts, rt::posix::monotonic_now() - start_ns);
+    tell_news(parts, rt::posix::monotonic_now() - start_ns);
     if (const std::uint64_t code = stuck.load(); code != 0)
       leave_stuck(parts, static_cast<std::uint32_t>((code - 1) >> 16),
                   static_cast<std::uint32_t>((code - 1) & 0xffff));
@@ -168,7 +171,7 @@ LiveMeasured run_in_real_time(const LiveParts& parts, const LiveRunOptions& opti
   service.stopping();
   runner.join();
   parts.desk.take(runner);
-  tell_chains(parts, rt::posix::monotonic_now() - start_ns);
+  tell_news(parts, rt::posix::monotonic_now() - start_ns);
   chores.stop();
   return collect_live(parts, runner);
 }

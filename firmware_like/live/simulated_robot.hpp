@@ -22,20 +22,14 @@ class SimulatedRobot {
   /// Exact pose now; flags 0 if this robot has none.
   virtual rt::TruthSample truth() const { return {}; }
   /// Contacts and flippers now; false if this robot knows of none.
-  virtual bool contacts(rt::ContactTruth& truth) const {
-    static_cast<void>(truth);
-    return false;
-  }
+  virtual bool contacts(rt::ContactTruth& /*truth*/) const { return false; }
   /// Truth of the newest IMU interval and of the belts; false if this robot knows of none.
-  virtual bool sensors(rt::SensorTruth& truth) const {
-    static_cast<void>(truth);
-    return false;
-  }
+  virtual bool sensors(rt::SensorTruth& /*truth*/) const { return false; }
   /// Least time between two records of contacts in a log; 0: they are not written.
   virtual rt::Nanoseconds contacts_every_ns() const { return 0; }
   /// Says what the clock of its devices reads at time 0 of step(), where that is not 0: in a process of its
   /// own it is CLOCK_MONOTONIC. Before the first step.
-  virtual void set_device_clock(rt::Nanoseconds reading_ns) { static_cast<void>(reading_ns); }
+  virtual void set_device_clock(rt::Nanoseconds /*reading_ns*/) {}
   /// The node of its bus that the vehicle's drivers use, or null.
   virtual drivers::CanBus* vehicle_can() = 0;
   /// The link to its solid-state lidar, or null.
@@ -43,9 +37,7 @@ class SimulatedRobot {
   /// One line about what was built, with its seed.
   virtual std::string describe() const { return {}; }
   /// Counters for the result.
-  virtual void add_counters(std::map<std::string, std::uint64_t>& counters) const {
-    static_cast<void>(counters);
-  }
+  virtual void add_counters(std::map<std::string, std::uint64_t>& /*counters*/) const {}
 };
 
 }  // namespace sortie::firmware

@@ -123,12 +123,4 @@ std::vector<GroupResult> releases_of(const rt::posix::FlightReader& ring) {
   return results;
 }
 
-std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
-  std::vector<HistogramBar> bars;
-  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
-    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
-  });
-  return bars;
-}
-
 }  // namespace sortie::firmware

@@ -55,7 +55,4 @@ std::vector<GroupResult> releases_of(const LogFile& log);
 /// From the jobs that a flight ring still holds.
 std::vector<GroupResult> releases_of(const rt::posix::FlightReader& ring);
 
-/// The buckets of a histogram as bars.
-std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram);
-
 }  // namespace sortie::firmware

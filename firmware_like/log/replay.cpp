@@ -9,6 +9,7 @@
 #include "firmware_like/log/replay_observer.hpp"
 #include "firmware_like/log/replay_part.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "rt/posix/fast_clock.hpp"
 #include "rt/posix/threaded_runner.hpp"
@@ -95,10 +96,19 @@ std::unique_ptr<Runtime> make_runtime(const LogFile& log, const VehicleRegistry&
                        " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
   }
   if (options.scene.empty()) refuse_unknown_vehicle(log, vehicles);
-  Profile profile = options.scene.empty()
-                        ? Profile(header.scene_toml, log.path() + " (profile)", options.overrides)
-                        : load_scene(options.scene, options.overrides);
+  const auto load = [&](const std::vector<std::string>& overrides) {
+    return options.scene.empty() ? Profile(header.scene_toml, log.path() + " (profile)", overrides)
+                                 : load_scene(options.scene, overrides);
+  };
+  Profile profile = load(options.overrides);
   RuntimeStart start;
+  std::optional<KeptMap> map;
+  if (!options.map.empty()) {
+    map = read_kept_map(options.map);
+    start.map = &*map;
+    // A log that was recorded with a map says which; for others it is a what-if.
+    if (!profile.has("locate.map_digest")) profile = load(map->overrides(options.overrides));
+  }
   start.epoch_ns = header.epoch_ns;
   start.has_initial = true;
   for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];
@@ -197,6 +207,8 @@ void refuse_early_fault(const std::string& fault, rt::Tick tick, rt::Tick begin)
 void take_observed(ReplayOutcome& outcome, ReplayObserver& observer) {
   outcome.estimate = std::move(observer.estimate);
   tidy(outcome.estimate);
+  outcome.located = std::move(observer.located);
+  tidy(outcome.located);
   outcome.divergence = observer.first;
   outcome.diverged_jobs = observer.diverged_jobs;
   outcome.compared_jobs = observer.compared_jobs;

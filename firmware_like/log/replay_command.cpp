@@ -22,6 +22,10 @@ void add_span_options(Command& command, ReplayOptions& options, bool has_index) 
       ->type_name("FILE");
 }
 
+void add_map_option(Command& command, ReplayOptions& options) {
+  command.add_option("--map", options.map, "The map of surfaces that the run began with")->type_name("FILE");
+}
+
 void add_threads_option(Command& command, ReplayOptions& options) {
   command.add_flag("--threads", options.threaded, "One worker a group; the outputs must not change");
 }

@@ -39,15 +39,18 @@ class ReplayObserver {
       // On the way from a keyframe to the place that was asked for.
     } else if (const auto* pose = runtime_.vehicle().pose_task();
                pose != nullptr && pose->group() == record.group) {
-      keep(to_timed_pose(pose->value()));
+      keep(to_timed_pose(pose->value()), estimate);
     } else if (const auto* attitude = runtime_.vehicle().attitude_task();
                pose == nullptr && attitude != nullptr && attitude->group() == record.group) {
       TimedPose only_turned;
       only_turned.stamp_ns = attitude->value().stamp_ns;
       for (int i = 0; i < 4; ++i) only_turned.q[i] = attitude->value().q_world_body[i];
       only_turned.flags = rt::kTruthOrientation;
-      keep(only_turned);
+      keep(only_turned, estimate);
     }
+    if (const auto* located_task = runtime_.vehicle().located_task();
+        record.tick >= first_tick_ && located_task != nullptr && located_task->group() == record.group)
+      keep(to_timed_pose(located_task->value()), located);
     if (const rt::JobRecord* recorded = feed_.recorded(record.group); recorded != nullptr) {
       ++compared_jobs;
       if (auto divergence = compare(*recorded, record, live)) {
@@ -64,6 +67,7 @@ class ReplayObserver {
   }
 
   Trajectory estimate;
+  Trajectory located;
   std::optional<Divergence> first;
   std::uint64_t diverged_jobs{};
   std::uint64_t compared_jobs{};
@@ -89,9 +93,9 @@ class ReplayObserver {
     return found;
   }
 
-  void keep(const TimedPose& pose) {
-    if (pose.stamp_ns == 0 || (!estimate.empty() && estimate.back().stamp_ns == pose.stamp_ns)) return;
-    estimate.push_back(pose);
+  static void keep(const TimedPose& pose, Trajectory& path) {
+    if (pose.stamp_ns == 0 || (!path.empty() && path.back().stamp_ns == pose.stamp_ns)) return;
+    path.push_back(pose);
   }
 
   Runtime& runtime_;

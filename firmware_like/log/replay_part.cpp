@@ -2,15 +2,41 @@
 #include "firmware_like/log/replay_part.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include "drivers/wire_cursor.hpp"
 #include "firmware_like/log/keyframe_state.hpp"
 #include "firmware_like/log/log_recorder.hpp"
-#include "firmware_like/log/log_time.hpp"
 #include "firmware_like/scene/input_error.hpp"
 
 namespace sortie::firmware {
+namespace {
+
+// The tick of a place in a log as a person writes it: "12.5" (seconds after tick 0, rounded up to a whole
+// tick) or "@12500" (a tick, as `check` names it). Throws InputError (exit code 2) that shows both forms.
+rt::Tick parse_log_time(const std::string& text, rt::Nanoseconds base_tick_ns, const std::string& option) {
+  const char* end = text.data() + text.size();
+  if (!text.empty() && text[0] == '@') {
+    rt::Tick tick{};
+    const auto result = std::from_chars(text.data() + 1, end, tick);
+    if (result.ec == std::errc{} && result.ptr == end) return tick;
+  } else {
+    double seconds{};
+    const auto result = std::from_chars(text.data(), end, seconds);
+    constexpr double kMost_s = 1e9;  // 30 years: far from the range of ticks
+    if (result.ec == std::errc{} && result.ptr == end && seconds >= 0 && seconds <= kMost_s) {
+      // A little less than the next whole number: 0.3 s shall be tick 300, not 301.
+      return static_cast<rt::Tick>(std::ceil(seconds * 1e9 / static_cast<double>(base_tick_ns) - 1e-6));
+    }
+  }
+  throw InputError(
+      option + " " + text + ": write seconds since the start of the log, e.g. 12.5, or a tick, e.g. @12500",
+      2);
+}
+
+}  // namespace
 
 ReplayPart choose_part(const LogFile& log, const ReplayOptions& options, Runtime& runtime, LogFeed& feed) {
   const rt::Nanoseconds tick_ns = runtime.executive().base_tick_ns();

@@ -41,6 +41,15 @@ TimedPose to_timed_pose(const rt::PoseEstimate& estimate) {
   return pose;
 }
 
+TimedPose to_timed_pose(const rt::LocatedPose& located) {
+  TimedPose pose;
+  if (located.verdict == rt::LocatedPose::kUnplaced) return pose;
+  pose.stamp_ns = located.stamp_ns;
+  std::copy(std::begin(located.p_map_body_m), std::end(located.p_map_body_m), pose.p);
+  std::copy(std::begin(located.q_map_body), std::end(located.q_map_body), pose.q);
+  return pose;
+}
+
 std::size_t tidy(Trajectory& trajectory) {
   const std::size_t before = trajectory.size();
   std::erase_if(trajectory, [](const TimedPose& pose) { return !usable(pose); });

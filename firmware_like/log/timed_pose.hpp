@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "rt/located_pose.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::firmware {
@@ -26,6 +27,10 @@ TimedPose to_timed_pose(const rt::TruthSample& truth);
 
 /// The pose of an estimate; all parts are meant.
 TimedPose to_timed_pose(const rt::PoseEstimate& estimate);
+
+/// The body's pose on the map, also of a scan that was refused; all parts are meant.
+/// Without a stamp, which is none, where the robot's place on a kept map is not known.
+TimedPose to_timed_pose(const rt::LocatedPose& located);
 
 /// Sorts by stamp (stable), normalises quaternions and removes samples that are not finite or have no
 /// direction. Repeated stamps stay, as evo keeps them. Returns how many samples were removed.

@@ -37,21 +37,23 @@ AttitudePart::AttitudePart(VehicleBuilder& builder)
                                         {"on", "off"}) == "on") {
   builder.offer(*this);
   builder.offer(kind_);
-  live_keys<estimators::AttitudeConfig>(builder, group_, "attitude", filter_);
-  task_ = builder.task<rt::AttitudeEstimate>(group_, "attitude", 50,
-                                             [this](rt::JobContext&, rt::AttitudeEstimate& output) {
-                                               step_count_ = 0;
-                                               if (aid_) aid_(filter_);
-                                               for (const rt::ImuSample& sample : *imu_) {
-                                                 // A refused sample is counted by the filter, by reason.
-                                                 if (filter_.update(sample) != Status::ok) continue;
-                                                 steps_[step_count_++] = {filter_.estimate(), &sample};
-                                               }
-                                               output = filter_.estimate();
-                                             });
-  builder.remembers(task_, filter_);
-  builder.counters("imu_", filter_.counters());
-  builder.uses("IMU", [this] { return filter_.counters().used; });
+  filter_.with([this, &builder](auto& filter) {
+    live_keys<estimators::AttitudeConfig>(builder, group_, "attitude", filter);
+    task_ = builder.task<rt::AttitudeEstimate>(
+        group_, "attitude", 50, [this, &filter](rt::JobContext&, rt::AttitudeEstimate& output) {
+          step_count_ = 0;
+          if (aid_) aid_(filter_);
+          for (const rt::ImuSample& sample : *imu_) {
+            // A refused sample is counted by the filter, by reason.
+            if (filter.update(sample) != Status::ok) continue;
+            steps_[step_count_++] = {filter.estimate(), &sample};
+          }
+          output = filter.estimate();
+        });
+    builder.remembers(task_, filter);
+    builder.counters("imu_", filter.counters());
+    builder.uses("IMU", [&filter] { return filter.counters().used; });
+  });
 }
 
 void AttitudePart::finish(VehicleBuilder& builder) {

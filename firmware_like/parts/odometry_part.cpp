@@ -47,9 +47,11 @@ void OdometryPart::tell(ChosenAttitude& filter) const {
   // Before its first sample the odometry has nothing to tell. A velocity that is not finite is no aid; the
   // odometry counts what made it so.
   if ((pose.flags & estimators::kPoseStarted) == 0) return;
-  filter.set_moving(odometry_->belts_run());
-  if (attitude_.wants_track_aid() && odometry_->velocity_known())
-    static_cast<void>(filter.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
+  filter.with([this, &pose](auto& chosen) {
+    chosen.set_moving(odometry_->belts_run());
+    if (attitude_.wants_track_aid() && odometry_->velocity_known())
+      static_cast<void>(chosen.set_track_velocity(rt::to_vector(pose.v_body_m_s), pose.stamp_ns));
+  });
 }
 
 /// One job. What is refused is counted by the odometry, by reason.
@@ -69,7 +71,9 @@ void OdometryPart::run() {
 void OdometryPart::add_state(VehicleBuilder& builder) {
   const rt::TaskBase* task = builder.task<OdometryState>(
       attitude_.group(), "odometry_state", 10, [this](rt::JobContext&, OdometryState& output) {
-        output = odometry_state(*odometry_, attitude_.filter().estimate(), attitude_.filter().counters());
+        attitude_.filter().with([this, &output](const auto& filter) {
+          output = odometry_state(*odometry_, filter.estimate(), filter.counters());
+        });
       });
   builder.remembers(task);  // it only looks at what the other two remember
 }

@@ -25,18 +25,11 @@ class Part : public Vehicle {
  public:
   /// When all parts of the robot are made: its frames on the bus, its chains, and whatever depends on parts
   /// that came later. Set-up only; throws ProfileError.
-  virtual void finish(VehicleBuilder& builder) { static_cast<void>(builder); }
+  virtual void finish(VehicleBuilder& /*builder*/) {}
   /// I/O thread: a frame as it came. True when it was meant for this part alone.
-  virtual bool take_frame(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) {
-    static_cast<void>(frame);
-    static_cast<void>(now_ns);
-    return false;
-  }
+  virtual bool take_frame(const drivers::CanFrame& /*frame*/, rt::Nanoseconds /*now_ns*/) { return false; }
   /// I/O thread: a sample of the robot's own frames, which goes into the stream of its kind.
-  virtual void heard(const drivers::CanSample& sample, rt::Nanoseconds now_ns) {
-    static_cast<void>(sample);
-    static_cast<void>(now_ns);
-  }
+  virtual void heard(const drivers::CanSample& /*sample*/, rt::Nanoseconds /*now_ns*/) {}
   /// As of UnitTryer.
   virtual UnitTrial try_units() const { return {}; }
 };

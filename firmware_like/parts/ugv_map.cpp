@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/parts/ugv_map.hpp"
 
-#include <tuple>
-
 #include "firmware_like/parts/ugv_map_config.hpp"
 #include "firmware_like/runtime/live_keys.hpp"
 
@@ -18,25 +16,16 @@ rt::Tick milliseconds_of(const rt::JobContext& context) {
 
 UgvMap::UgvMap(VehicleBuilder& builder) {
   const rt::GroupId group = builder.group("mapping", 10);
-  poses_ = poses_since_last_job(builder, group);
   UgvMapConfig config = read_map_config(builder.profile());
   anytime_ = config.anytime;
   config.map.segments.units = anytime_ ? kQuantum : 0;
   whole_ = !anytime_ && config.map.normals.solves == 0;
-  const std::uint32_t most = config.map.scan_points;
-  std::tie(lidar_.scans, port_) = builder.scans(group, "SCAN", config.scan_buffers, most);
-  lidar_.p_body_m = config.sweep.p_body_sensor_m;
-  lidar_.q_body = config.sweep.q_body_sensor;
-  lidar_.time_offset_ns = config.sweep.time_offset_ns;
-  builder.offer(lidar_);
-  if (poses_ != nullptr) {
-    flippers_ = builder.input(group, builder.find<rt::Task<planner::FlipperOutput>>(), 1);
-    sweeps_ = std::make_unique<mapping::Sweeps>(
-        config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", most));
-  }
+  sweeps_ = std::make_unique<LidarSweeps>(
+      builder, group, LidarSweepsConfig{config.sweep, config.scan_buffers, config.map.scan_points});
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
   if (rt::kBuilt<"segment_lists"> && config.publish) {
     lists_ = builder.reports<rt::SegmentList>("segments", 4);
+    builder.offer(*lists_);
     report_ = std::make_unique<SegmentReport>(config.map, config.features, *lists_, builder.arena());
   }
   // Pools and the size of a voxel are memory; how far the lidar is believed may change.
@@ -47,79 +36,44 @@ UgvMap::UgvMap(VehicleBuilder& builder) {
 
 Status UgvMap::set_ranges(double min_m, double max_m) {
   const Status status = map_->grid().set_ranges(min_m, max_m);
-  return status == Status::ok && sweeps_ ? sweeps_->set_ranges(min_m, max_m) : status;
+  return status == Status::ok ? sweeps_->set_ranges(min_m, max_m) : status;
 }
 
 void UgvMap::add_task(VehicleBuilder& builder, rt::GroupId group) {
   const rt::TaskBase* task = builder.task<MapOutput>(
       group, "map", TaskDefaults{50'000, rt::Criticality::b, anytime_ ? kUsualUnits : 0},
       [this](rt::JobContext& context, MapOutput& output) {
-        take_poses();
-        for (std::uint32_t i = 0; i < lidar_.scans->size(); ++i) {
-          const ScanStream::View view = (*lidar_.scans)[i];
-          context.add_units(view.header.points);
-          take({view.header, view.elements}, milliseconds_of(context));
+        sweeps_->begin(context);
+        for (std::uint32_t i = 0; i < sweeps_->size(); ++i) {
+          context.add_units((*sweeps_->lidar().scans)[i].header.points);
+          take(i, milliseconds_of(context));
         }
         segment(context);
         output = output_;
       });
   // What a budget left undone is no part of the archived state.
   if (!whole_) return;
-  if (sweeps_) {
-    builder.remembers(task, *map_, output_, next_pose_ns_, *sweeps_);
-  } else {
-    builder.remembers(task, *map_, output_);
-  }
+  builder.remembers(task, *map_, output_, *sweeps_);
 }
 
-void UgvMap::take_poses() {
-  if (poses_ == nullptr) return;
-  for (const rt::PoseEstimate& pose : *poses_) {
-    // The odometry puts out at every release, with the stamp of its last sample; a sweep and its delay must
-    // fit into the history.
-    if (pose.stamp_ns < next_pose_ns_) continue;
-    if (sweeps_->add({pose.stamp_ns, rt::to_vector(pose.p_world_body_m),
-                      rt::to_quaternion(pose.q_world_body)}) == Status::ok)
-      next_pose_ns_ = pose.stamp_ns + kPoseEveryNs;
-  }
-  if (flippers_ == nullptr) return;
-  for (const planner::FlipperOutput& output : *flippers_) {
-    if ((output.flags & planner::kFlippersMeasured) == 0) continue;
-    rt::FlipperSample sample;
-    for (std::uint32_t i = 0; i < rt::kFlippers; ++i) sample.angle_rad[i] = output.measured_rad[i];
-    static_cast<void>(sweeps_->add(sample));  // what is not finite does not come off the bus
-  }
-}
-
-void UgvMap::take(const rt::PointScan& scan, rt::Tick tick) {
+void UgvMap::take(std::uint32_t index, rt::Tick tick) {
+  const rt::ScanHeader& header = (*sweeps_->lidar().scans)[index].header;
+  const PlacedScan& placed = sweeps_->place(index);
   ++output_.scans;
   MapPoints& points = output_.points;
-  points.in += scan.header.points;
-  if ((scan.header.flags & rt::kScanPosed) != 0) {
-    const mapping::RigidPose pose{rt::to_vector(scan.header.p_world_sensor_m),
-                                  rt::to_quaternion(scan.header.q_world_sensor)};
-    count(map_->insert(scan, pose, tick).points);
-    output_.stamp_ns = scan.header.stamp_ns;
-    return;
-  }
-  if (!sweeps_) {
-    ++output_.scans_unplaced;
-    points.unplaced += scan.header.points;
-    return;
-  }
-  const mapping::StraightSweep sweep = sweeps_->straighten(scan);
-  points.not_finite += sweep.counts.not_finite;
-  points.too_near += sweep.counts.too_near;
-  points.too_far += sweep.counts.too_far;
-  points.on_robot += sweep.counts.on_robot;
-  points.unplaced += sweep.counts.unplaced;
-  points.scan_full += sweep.counts.no_room;
-  if (sweep.status != Status::ok) {
+  points.in += header.points;
+  points.not_finite += placed.counts.not_finite;
+  points.too_near += placed.counts.too_near;
+  points.too_far += placed.counts.too_far;
+  points.on_robot += placed.counts.on_robot;
+  points.unplaced += placed.counts.unplaced;
+  points.scan_full += placed.counts.no_room;
+  if (!placed.placed) {
     ++output_.scans_unplaced;
     return;
   }
-  count(map_->insert(sweep.scan, {sweep.pose.p_world_sensor_m, sweep.pose.q_world_sensor}, tick).points);
-  output_.stamp_ns = scan.header.stamp_ns;
+  count(map_->insert(placed.scan, placed.T_odom_sensor, tick).points);
+  output_.stamp_ns = header.stamp_ns;
 }
 
 void UgvMap::count(const mapping::RollingGridCounts& grid) {

@@ -5,11 +5,10 @@
 #include <memory>
 
 #include "firmware_like/parts/chosen_map.hpp"
+#include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/segment_report.hpp"
 #include "firmware_like/runtime/owned_part.hpp"
-#include "mapping/grid/sweep.hpp"
-#include "planner/flipper_postures.hpp"
 
 namespace sortie::firmware {
 
@@ -49,25 +48,14 @@ struct MapOutput {
                 normals_backlog, segments, change_digest)
 };
 
-/// The lidar's scans as the group `mapping` has them, and how it sits on the body.
-struct LidarScans {
-  ScanStream* scans{};
-  rt::Vector3 p_body_m;
-  rt::Quaternion q_body;
-  rt::Nanoseconds time_offset_ns{};  ///< added to the stamps of scans that carry no pose
-};
-
-/// Group `mapping`, task `map`. Scans that carry a pose go in as they are; others are straightened return by
-/// return with the odometry's poses, and freed of the robot itself. A scan for which there is no pose is
+/// Group `mapping`, task `map`. Scans go in as LidarSweeps has them; one for which there is no pose is
 /// refused and counted. Units of the task: one for each return, and the segmenter's.
 class UgvMap final : public Part {
  public:
   explicit UgvMap(VehicleBuilder& builder);
 
   void finish(VehicleBuilder& builder) override { builder.chain({"scan_to_map", {"SCAN", "map"}}); }
-  drivers::ScanSink* scan_sink() override { return port_; }
-  /// Null without segments, or where the profile publishes none.
-  ReportQueue<rt::SegmentList>* segment_lists() override { return lists_.get(); }
+  drivers::ScanSink* scan_sink() override { return sweeps_->port(); }
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
 
   const mapping::RollingGridConfig& config() const { return map_->grid().config(); }
@@ -76,24 +64,17 @@ class UgvMap final : public Part {
 
  private:
   static constexpr std::uint32_t kQuantum = 256;  ///< units of the segmenter between two looks
-  static constexpr rt::Nanoseconds kPoseEveryNs = 2 * rt::kNanosecondsPerMillisecond;
 
   void add_task(VehicleBuilder& builder, rt::GroupId group);
   void add_counters(VehicleBuilder& builder, const ChosenMapConfig& config);
-  void take_poses();
-  void take(const rt::PointScan& scan, rt::Tick tick);
+  void take(std::uint32_t index, rt::Tick tick);
   void count(const mapping::RollingGridCounts& points);
   void segment(rt::JobContext& context);
 
-  rt::Input<rt::PoseEstimate>* poses_{};  // null without odometry
-  rt::Input<planner::FlipperOutput>* flippers_{};
-  LidarScans lidar_;
-  ScanPort* port_{};
+  std::unique_ptr<LidarSweeps> sweeps_;
   std::unique_ptr<ChosenMap> map_;
-  std::unique_ptr<mapping::Sweeps> sweeps_;           ///< null without odometry
-  OwnedPart<SegmentReport, "segment_lists"> report_;  ///< null: no list of segments is published
-  std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;
-  rt::Nanoseconds next_pose_ns_{};
+  OwnedPart<SegmentReport, "segment_lists"> report_;     ///< null: no list of segments is published
+  std::unique_ptr<ReportQueue<rt::SegmentList>> lists_;  ///< offered, for one reader on another thread
   MapOutput output_;
   bool anytime_{};
   bool whole_{};  ///< no budget leaves anything for a later job

@@ -68,6 +68,17 @@ mapping::SelfFilterConfig read_outline(Profile& profile) {
 
 }  // namespace
 
+mapping::SweepConfig read_sweep_config(Profile& profile) {
+  mapping::SweepConfig sweep;
+  const SensorMount mount = read_lidar_mount(profile);
+  sweep.p_body_sensor_m = rt::to_vector(mount.place_m);
+  sweep.q_body_sensor = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
+                                                mount.yaw_pitch_roll_rad[2]);
+  profile.read("map", sweep);
+  sweep.robot = read_outline(profile);
+  return sweep;
+}
+
 UgvMapConfig read_map_config(Profile& profile) {
   profile.knob("groups.mapping.rate_hz");
   UgvMapConfig config;
@@ -78,15 +89,9 @@ UgvMapConfig read_map_config(Profile& profile) {
   profile.read("limits", scans);
   config.scan_buffers = scans.buffers;
   map.scan_points = scans.points;
-  mapping::SweepConfig& sweep = config.sweep;
-  const SensorMount mount = read_lidar_mount(profile);
-  sweep.p_body_sensor_m = rt::to_vector(mount.place_m);
-  sweep.q_body_sensor = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                                mount.yaw_pitch_roll_rad[2]);
-  profile.read("map", sweep);
-  sweep.min_range_m = map.grid.min_range_m;
-  sweep.max_range_m = map.grid.max_range_m;
-  sweep.robot = read_outline(profile);
+  config.sweep = read_sweep_config(profile);
+  config.sweep.min_range_m = map.grid.min_range_m;
+  config.sweep.max_range_m = map.grid.max_range_m;
   const std::string publish = profile.text("map.publish", "segments",
                                            "of segments, over LCM: nothing; ids, sizes and events; or also "
                                            "places, boxes and features of their eigenvalues",

@@ -19,6 +19,10 @@ struct UgvMapConfig {
   bool anytime{};   ///< the segmenter stops when the task's units are spent
 };
 
+/// Reads [lidar], [outline] and the keys of [map] that say how sweeps are straightened; ranges are not set.
+/// Throws ProfileError.
+mapping::SweepConfig read_sweep_config(Profile& profile);
+
 /// Reads [map], [lidar], [outline] and the map's [limits]. Throws ProfileError, also for settings that do not
 /// fit one another.
 UgvMapConfig read_map_config(Profile& profile);

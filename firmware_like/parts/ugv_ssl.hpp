@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "drivers/ssl_port.hpp"
+#include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/part.hpp"
-#include "firmware_like/parts/ugv_map.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
 #include "mapping/grid/pose_history.hpp"
 #include "rt/built_parts.hpp"

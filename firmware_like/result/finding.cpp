@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/result/finding.hpp"
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 

@@ -16,32 +16,14 @@ Json to_json(const std::vector<HistogramBar>& histogram) {
 }
 
 Json to_json(const TaskResult& task) {
-  Json object{{"name", task.name},
-              {"group", task.group},
-              {"period_us", json_number(task.period_us)},
-              {"budget_us", json_number(task.budget_us)},
-              {"count", task.count},
-              {"missed", task.missed},
-              {"p50_us", json_number(task.p50_us)},
-              {"p99_us", json_number(task.p99_us)},
-              {"p999_us", json_number(task.p999_us)},
-              {"max_us", json_number(task.max_us)}};
+  Json object = json_of(task);
   if (!task.digest.empty()) object["digest"] = task.digest;
   if (!task.histogram.empty()) object["histogram"] = to_json(task.histogram);
   return object;
 }
 
 Json to_json(const GroupResult& group) {
-  Json object{{"name", group.name},
-              {"period_us", json_number(group.period_us)},
-              {"phase_us", json_number(group.phase_us)},
-              {"deadline_us", json_number(group.deadline_us)},
-              {"core", group.core},
-              {"jobs", group.jobs},
-              {"missed", group.missed},
-              {"skipped", group.skipped},
-              {"worst_in_row", group.worst_in_row},
-              {"promises_broken", group.promises_broken}};
+  Json object = json_of(group);
   if (group.lateness.empty()) return object;
   object["late_p50_us"] = json_number(group.late_p50_us);
   object["late_p99_us"] = json_number(group.late_p99_us);
@@ -61,6 +43,28 @@ Json to_json(const GroupResult& group) {
 
 }  // namespace
 
+std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
+  std::vector<HistogramBar> bars;
+  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
+    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
+  });
+  return bars;
+}
+
+Json to_json(const LiveTimes& live) {
+  Json object{{"known", live.known}};
+  if (!live.known) {
+    object["why_not"] = live.why_not;
+    return object;
+  }
+  if (!live.why_no_causes.empty()) object["why_no_causes"] = live.why_no_causes;
+  object["over_budget"] = live.over_budget;
+  Json tasks = Json::array();
+  for (const LiveTask& task : live.tasks) tasks.push_back(json_of(task));
+  object["tasks"] = std::move(tasks);
+  return object;
+}
+
 Json to_json(const Results& results) {
   Json errors = Json::object();
   for (const auto& [name, value] : results.errors) errors[name] = json_number(value);
@@ -71,13 +75,7 @@ Json to_json(const Results& results) {
   Json chains = Json::array();
   for (const ChainResult& chain : results.chains) chains.push_back(to_json(chain));
   Json pools = Json::array();
-  for (const PoolResult& pool : results.pools) {
-    pools.push_back({{"name", pool.name},
-                     {"capacity", pool.capacity},
-                     {"high_water", pool.high_water},
-                     {"refused", pool.refused},
-                     {"bytes", pool.bytes}});
-  }
+  for (const PoolResult& pool : results.pools) pools.push_back(json_of(pool));
   Json counters = Json::object();
   for (const auto& [name, value] : results.counters) counters[name] = value;
   Json object{{"digest", results.digest},

@@ -13,6 +13,8 @@
 #include "firmware_like/result/results_delays.hpp"
 #include "firmware_like/result/results_live.hpp"
 #include "firmware_like/result/results_schedule.hpp"
+#include "rt/describe.hpp"
+#include "rt/histogram.hpp"
 
 namespace sortie::firmware {
 
@@ -24,6 +26,9 @@ struct HistogramBar {
   double to_us{};
   std::uint64_t count{};
 };
+
+/// What a histogram counts in nanoseconds, bar by bar.
+std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram);
 
 /// Timing of one task over a run. Times are of the job's own execution, in microseconds, on the machine that
 /// ran this command: in a replay not the robot's, which stand in Results::live.
@@ -40,6 +45,7 @@ struct TaskResult {
   double max_us{};
   std::string digest;                   ///< hex, empty where the task has none
   std::vector<HistogramBar> histogram;  ///< optional, ascending, without gaps in meaning
+  SORTIE_FIELDS(name, group, period_us, budget_us, count, missed, p50_us, p99_us, p999_us, max_us)
 };
 
 /// Releases of one group over a run. Lateness, response and all below them are those of the live run, from
@@ -67,6 +73,8 @@ struct GroupResult {
   GroupDelays delays;                  ///< why jobs were late
   std::vector<HistogramBar> lateness;  ///< empty: lateness and response are not known
   std::vector<HistogramBar> response;
+  SORTIE_FIELDS(name, period_us, phase_us, deadline_us, core, jobs, missed, skipped, worst_in_row,
+                promises_broken)  // what is known in any case
 };
 
 /// Fill level of one memory pool over a run.
@@ -76,6 +84,7 @@ struct PoolResult {
   std::uint64_t high_water{};
   std::uint64_t refused{};
   std::uint64_t bytes{};
+  SORTIE_FIELDS(name, capacity, high_water, refused, bytes)
 };
 
 /// Result of a run, a replay or a check. Set-up side only: it owns heap memory.

@@ -28,27 +28,19 @@ DelayTableResult collect(const rt::posix::DelayTable& table) {
 
 Json to_json(const DelayTableResult& table) {
   Json causes = Json::object();
-  for (const auto& [name, cause] : table.causes)
-    causes[name] = Json{{"count", cause.count}, {"total_us", json_number(cause.total_us)}};
-  return Json{{"outliers", table.outliers},
-              {"raw_max_us", json_number(table.raw_max_us)},
-              {"clean_max_us", json_number(table.clean_max_us)},
-              {"clean_count", table.clean_count},
-              {"causes", std::move(causes)}};
+  for (const auto& [name, cause] : table.causes) causes[name] = json_of(cause);
+  Json object = json_of(table);
+  object["causes"] = std::move(causes);
+  return object;
 }
 
 DelayTableResult table_from(const Json& object, const std::string& place) {
   const JsonReader in(object, place);
   DelayTableResult table;
-  in.read("outliers", table.outliers);
-  in.read("raw_max_us", table.raw_max_us);
-  in.read("clean_max_us", table.clean_max_us);
-  in.read("clean_count", table.clean_count);
+  in.read_fields(table);
   if (const Json* causes = in.find("causes")) {
     for (const auto& [name, value] : in.check(causes->is_object(), "causes", *causes, "an object").items()) {
-      const JsonReader cause(value, place + "causes: ");
-      cause.read("count", table.causes[name].count);
-      cause.read("total_us", table.causes[name].total_us);
+      JsonReader(value, place + "causes: ").read_fields(table.causes[name]);
     }
   }
   return table;
@@ -86,11 +78,9 @@ Json to_json(const GroupDelays& delays) {
   for (const DelayResult& delay : delays.last) {
     Json split = Json::object();
     for (const auto& [name, part] : delay.split_us) split[name] = json_number(part);
-    last.push_back(Json{{"tick", delay.tick},
-                        {"kind", delay.kind},
-                        {"late_us", json_number(delay.late_us)},
-                        {"cause", delay.cause},
-                        {"split_us", std::move(split)}});
+    Json object = json_of(delay);
+    object["split_us"] = std::move(split);
+    last.push_back(std::move(object));
   }
   return Json{
       {"start", to_json(delays.start)}, {"execution", to_json(delays.execution)}, {"last", std::move(last)}};
@@ -106,10 +96,7 @@ GroupDelays delays_from_json(const Json& object, const std::string& place) {
   in.list("last", [&](const Json& entry) {
     const JsonReader one(entry, place + "last: ");
     DelayResult delay;
-    one.read("tick", delay.tick);
-    one.read("kind", delay.kind);
-    one.read("late_us", delay.late_us);
-    one.read("cause", delay.cause);
+    one.read_fields(delay);
     if (const Json* split = one.find("split_us")) {
       for (const auto& [name, part] : one.check(split->is_object(), "split_us", *split, "an object").items())
         delay.split_us[name] = one.figure(name.c_str(), part);

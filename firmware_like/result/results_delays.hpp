@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "rt/describe.hpp"
+
 namespace sortie::rt::posix {
 struct DelayStatistics;
 }
@@ -19,6 +21,7 @@ class Json;
 struct CauseResult {
   std::uint64_t count{};  ///< delays whose main cause it is
   double total_us{};      ///< its part of all delays
+  SORTIE_FIELDS(count, total_us)
 };
 
 /// All delays of one kind: jobs that started late, or ran beyond their budget.
@@ -28,6 +31,7 @@ struct DelayTableResult {
   double clean_max_us{};        ///< the same without those whose cause lies outside the program
   std::uint64_t clean_count{};  ///< how many that leaves
   std::map<std::string, CauseResult> causes;
+  SORTIE_FIELDS(outliers, raw_max_us, clean_max_us, clean_count)
 };
 
 /// One delay.
@@ -37,6 +41,7 @@ struct DelayResult {
   double late_us{};   ///< after the release, or beyond the budget
   std::string cause;  ///< the largest part
   std::map<std::string, double> split_us;
+  SORTIE_FIELDS(tick, kind, late_us, cause)
 };
 
 /// Delays of one group. `known` false: attribution was off or refused.

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "rt/describe.hpp"
+
 namespace sortie::firmware {
 
 class Json;
@@ -19,6 +21,7 @@ struct LiveTask {
   double p99_us{};
   double p999_us{};
   double max_us{};
+  SORTIE_FIELDS(name, count, p50_us, p99_us, p999_us, max_us)
 };
 
 /// The times of the live run that a result is about. The rule for whoever adds a figure: what a clock gave

@@ -5,32 +5,9 @@
 
 namespace sortie::firmware {
 
-namespace {
-
-Json to_json(const ChainFigures& figures) {
-  return {{"count", figures.count},
-          {"p50_us", json_number(figures.p50_us)},
-          {"p99_us", json_number(figures.p99_us)},
-          {"max_us", json_number(figures.max_us)}};
-}
-
-}  // namespace
-
 Json to_json(const ScheduleResult& schedule) {
   Json groups = Json::array();
-  for (const ScheduledGroup& group : schedule.groups) {
-    groups.push_back({{"name", group.name},
-                      {"period_us", json_number(group.period_us)},
-                      {"phase_us", json_number(group.phase_us)},
-                      {"deadline_us", json_number(group.deadline_us)},
-                      {"core", group.core},
-                      {"priority", group.priority},
-                      {"utilisation", json_number(group.utilisation)},
-                      {"budget_us", json_number(group.budget_us)},
-                      {"response_us", json_number(group.response_us)},
-                      {"response_any_phase_us", json_number(group.response_any_phase_us)},
-                      {"fits", group.fits}});
-  }
+  for (const ScheduledGroup& group : schedule.groups) groups.push_back(json_of(group));
   Json cores = Json::array();
   for (const ScheduledCore& core : schedule.cores) {
     Json levels = Json::array();
@@ -63,9 +40,9 @@ Json to_json(const ChainResult& chain) {
   object["reaction_over_max_us"] = json_number(chain.reaction_over_max_us);
   object["age_over_max_us"] = json_number(chain.age_over_max_us);
   if (chain.reaction.count + chain.age.count + chain.unmeasured == 0) return object;
-  object["measured_reaction"] = to_json(chain.reaction);
-  object["measured_age"] = to_json(chain.age);
-  if (chain.finished.count != 0) object["measured_finished"] = to_json(chain.finished);
+  object["measured_reaction"] = json_of(chain.reaction);
+  object["measured_age"] = json_of(chain.age);
+  if (chain.finished.count != 0) object["measured_finished"] = json_of(chain.finished);
   object["source_interval_max_us"] = json_number(chain.source_interval_max_us);
   object["unmeasured"] = chain.unmeasured;
   return object;

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "rt/describe.hpp"
+
 namespace sortie::firmware {
 
 class Json;
@@ -25,6 +27,8 @@ struct ScheduledGroup {
   double response_us{};            ///< worst, with these phases; NaN: without bound
   double response_any_phase_us{};  ///< worst, whatever the phases; NaN: without bound
   bool fits{};
+  SORTIE_FIELDS(name, period_us, phase_us, deadline_us, core, priority, utilisation, budget_us, response_us,
+                response_any_phase_us, fits)
 };
 
 /// What was computed for a processor.
@@ -52,6 +56,7 @@ struct ChainFigures {
   double p50_us{};
   double p99_us{};
   double max_us{};
+  SORTIE_FIELDS(count, p50_us, p99_us, max_us)
 };
 
 /// One chain: computed beside measured.

@@ -136,8 +136,8 @@ const rt::Task<rt::AttitudeEstimate>* Robot::attitude_task() const {
   return first([](const Part& part) { return part.attitude_task(); });
 }
 
-ReportQueue<rt::SegmentList>* Robot::segment_lists() {
-  return first([](Part& part) { return part.segment_lists(); });
+const rt::Task<rt::LocatedPose>* Robot::located_task() const {
+  return first([](const Part& part) { return part.located_task(); });
 }
 
 void Robot::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
@@ -146,6 +146,10 @@ void Robot::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) co
 
 std::optional<mapping::OccupancyView> Robot::occupancy() const {
   return first([](const Part& part) { return part.occupancy(); });
+}
+
+const mapping::ScanRegistration* Robot::surfels() const {
+  return first([](const Part& part) { return part.surfels(); });
 }
 
 UnitTrial Robot::try_units() const {

@@ -27,9 +27,10 @@ class Robot final : public Vehicle, public UnitTryer {
   drivers::ScanSink* scan_sink() override;
   const rt::Task<rt::PoseEstimate>* pose_task() const override;
   const rt::Task<rt::AttitudeEstimate>* attitude_task() const override;
-  ReportQueue<rt::SegmentList>* segment_lists() override;
+  const rt::Task<rt::LocatedPose>* located_task() const override;
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
   std::optional<mapping::OccupancyView> occupancy() const override;
+  const mapping::ScanRegistration* surfels() const override;
   UnitTrial try_units() const override;
 
  private:

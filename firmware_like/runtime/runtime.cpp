@@ -3,10 +3,9 @@
 
 #include <sys/mman.h>
 #include <algorithm>
-#include <cmath>
 #include <new>
-#include <sstream>
 
+#include "firmware_like/runtime/kept_map.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::firmware {
@@ -106,7 +105,7 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
   arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(memory, bytes));
   executive_ =
       std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);
-  builder_ = std::make_unique<VehicleBuilder>(profile_, *executive_, initial);
+  builder_ = std::make_unique<VehicleBuilder>(profile_, *executive_, initial, start.map);
   const auto factory = std::find_if(vehicles.begin(), vehicles.end(),
                                     [this](const auto& entry) { return entry.first == profile_.vehicle(); });
   if (factory == vehicles.end()) {
@@ -115,6 +114,10 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
     profile_.fail("scene.vehicle", "unknown vehicle \"" + profile_.vehicle() + "\"; known: " + known);
   }
   vehicle_ = factory->second(*builder_);
+  if (!builder_->uses_kept_map())
+    throw ProfileError("--map " + start.map->path + ": scene " + profile_.name() +
+                       " has no part that uses a map of surfaces; leave out --map, or add --set "
+                       "tasks.locate.enabled=true");
   read_parameter_keys();
   if (executive_->seal() != Status::ok) profile_.fail("scene", executive_->error());
   schedule_ = check_schedule(profile_, *executive_);
@@ -162,14 +165,6 @@ std::string Runtime::task_table() const {
 }
 
 namespace {
-
-std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
-  std::vector<HistogramBar> bars;
-  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
-    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
-  });
-  return bars;
-}
 
 GroupResult group_result(const rt::Executive& executive, const rt::Group& group) {
   const double tick_us = static_cast<double>(executive.base_tick_ns()) * 1e-3;

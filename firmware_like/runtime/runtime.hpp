@@ -23,7 +23,8 @@ namespace sortie::firmware {
 struct RuntimeStart {
   rt::Nanoseconds epoch_ns{};  ///< run clock at tick 0
   InitialPose initial{};
-  bool has_initial{};  ///< the log's header gives the pose; otherwise [initial] of the profile does
+  bool has_initial{};    ///< the log's header gives the pose; otherwise [initial] of the profile does
+  const KeptMap* map{};  ///< that the run begins with (kept_map.hpp), or null; read by the constructor alone
 };
 
 /// Who may change parameters from outside: [parameters] of the profile.

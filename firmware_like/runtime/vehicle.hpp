@@ -8,13 +8,17 @@
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/request_gate.hpp"
-#include "rt/segment_list.hpp"
+#include "rt/located_pose.hpp"
 #include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
 class CanBus;
 class SslPort;
 }  // namespace sortie::drivers
+
+namespace sortie::mapping {
+class ScanRegistration;
+}  // namespace sortie::mapping
 
 namespace sortie::firmware {
 
@@ -60,10 +64,7 @@ class Vehicle {
   virtual void open_devices() {}
   /// Live and simulated runs, on the I/O thread, about every millisecond: read devices into the ports, write
   /// commands. `now_ns`: the run's clock. Never called in a replay.
-  virtual void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
-    static_cast<void>(devices);
-    static_cast<void>(now_ns);
-  }
+  virtual void poll_devices(const Devices& /*devices*/, rt::Nanoseconds /*now_ns*/) {}
   /// Motors as of the last poll, from any thread; nothing where there are none.
   virtual std::optional<MotorsNews> motors_news() const { return {}; }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
@@ -76,14 +77,15 @@ class Vehicle {
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
-  /// Where lists of the map's segments come out, for one reader on another thread; null without any.
-  virtual ReportQueue<rt::SegmentList>* segment_lists() { return nullptr; }
+  /// The task whose output is the robot's place on a map that it makes, or null: errors and trajectories of
+  /// their own come from it.
+  virtual const rt::Task<rt::LocatedPose>* located_task() const { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
-  virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
-    static_cast<void>(put);
-  }
+  virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& /*put*/) const {}
   /// The occupancy map as it is when no job runs; nothing without one.
   virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
+  /// The map of surfaces as it is when no job runs; null without one.
+  virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
 };
 
 }  // namespace sortie::firmware

@@ -22,6 +22,8 @@
 
 namespace sortie::firmware {
 
+struct KeptMap;
+
 /// Pose of the body at the start of a run, from the profile or from a log's header.
 struct InitialPose {
   double p_world_body_m[3]{};
@@ -49,12 +51,20 @@ struct TaskDefaults {
 /// ProfileError.
 class VehicleBuilder {
  public:
-  VehicleBuilder(Profile& profile, rt::Executive& executive, const InitialPose& initial)
-      : profile_(profile), executive_(executive), initial_(initial) {}
+  VehicleBuilder(Profile& profile, rt::Executive& executive, const InitialPose& initial,
+                 const KeptMap* map = nullptr)
+      : profile_(profile), executive_(executive), initial_(initial), kept_map_(map) {}
 
   Profile& profile() { return profile_; }
   rt::Arena& arena() { return executive_.arena(); }
   const InitialPose& initial_pose() const { return initial_; }
+  /// The map that the run begins with, or null; it lives while the vehicle is made. Whoever asks uses it.
+  const KeptMap* kept_map() {
+    map_asked_ = true;
+    return kept_map_;
+  }
+  /// False: a map was given, and nothing in the scene asked for one.
+  bool uses_kept_map() const { return kept_map_ == nullptr || map_asked_; }
 
   /// A group at the rate of [groups.NAME] rate_hz. Rates that are no whole number of base ticks are errors
   /// that name the nearest legal ones. A group that is there already is given again, at its own rate.
@@ -240,6 +250,8 @@ class VehicleBuilder {
   Profile& profile_;
   rt::Executive& executive_;
   InitialPose initial_;
+  const KeptMap* kept_map_{};
+  bool map_asked_{};
   std::vector<std::unique_ptr<std::string>> names_;
   std::vector<std::unique_ptr<InputPortBase>> ports_;
   std::vector<ChainSpec> chains_;

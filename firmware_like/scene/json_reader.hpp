@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "firmware_like/scene/json.hpp"
 
@@ -13,6 +14,19 @@ namespace sortie::firmware {
 
 /// A figure as JSON; null when it is not finite.
 inline Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+/// Every field that a struct lists (rt/describe.hpp), under its name.
+template <class T>
+Json json_of(const T& value) {
+  Json object = Json::object();
+  T::fields(value, [&object]<class Field>(const char* name, const Field& field) {
+    if constexpr (std::is_floating_point_v<Field>)
+      object[name] = json_number(field);
+    else
+      object[name] = field;
+  });
+  return object;
+}
 
 /// Reads keys of one object; remembers where it is, so that a wrong type can be named. Throws
 /// std::runtime_error.
@@ -35,6 +49,11 @@ class JsonReader {
   void read(const char* key, std::uint64_t& value) const {
     if (const Json* json = find(key))
       value = check(json->is_number_unsigned(), key, *json, "a count").get<std::uint64_t>();
+  }
+  /// The fields that a struct lists, as json_of() writes them.
+  template <class T>
+  void read_fields(T& value) const {
+    T::fields(value, [this](const char* key, auto& field) { this->read(key, field); });
   }
   /// Calls `each(entry)` for the entries of a list.
   template <class Each>

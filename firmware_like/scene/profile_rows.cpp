@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lists in a profile: numbers, and rows of a table.
-#include <cmath>
 #include <sstream>
 
 #include "firmware_like/scene/profile_tree.hpp"

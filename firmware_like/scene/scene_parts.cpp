@@ -49,8 +49,6 @@ bool is_there(Profile& profile, const ScenePart& part, const std::vector<const S
 
 }  // namespace
 
-std::span<const ScenePart> scene_parts() { return kParts; }
-
 const ScenePart* find_scene_part(const std::string& name) {
   const auto found = std::find_if(std::begin(kParts), std::end(kParts),
                                   [&](const ScenePart& part) { return name == part.name; });

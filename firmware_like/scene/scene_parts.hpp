@@ -25,13 +25,10 @@ struct ScenePart {
   bool code;            ///< false: its code is not separate from its parent's
 };
 
-/// Every part, parents before children. Set-up only.
-std::span<const ScenePart> scene_parts();
-
 /// The part of that name, or null.
 const ScenePart* find_scene_part(const std::string& name);
 
-/// The parts that `profile` has, in the order of scene_parts(). Reads a copy: nothing is declared.
+/// The parts that `profile` has, parents before children. Reads a copy: nothing is declared.
 std::vector<const ScenePart*> parts_of(const Profile& profile);
 
 /// "odometry+drive": the names of several.
@@ -44,7 +41,7 @@ std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& 
 std::vector<std::string> overrides_without(const ScenePart& part);
 
 /// `part` and all of `present` that have a task of their own and stand on it, on what stands on it, and so
-/// on: what goes when it goes. In the order of scene_parts().
+/// on: what goes when it goes. Parents before children.
 std::vector<const ScenePart*> with_dependants(const ScenePart& part,
                                               const std::vector<const ScenePart*>& present);
 

@@ -2,7 +2,6 @@
 // What an emulated board's jobs need beside the program itself, in one small program.
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <span>
 #include <string>
 

@@ -71,7 +71,6 @@ void ContactFinder::rescan(const Vec3& p) {
     if (!rt::convex::overlap(around, scene_->solids()[i].bounds)) continue;
     near_[near_count_++] = static_cast<std::uint16_t>(i);
   }
-  ++counters_.scans;
 }
 
 void ContactFinder::solid_contacts(const BodyPose& pose, const MassState& state) {
@@ -86,9 +85,7 @@ void ContactFinder::solid_contacts(const BodyPose& pose, const MassState& state)
     for (std::uint32_t k = 0; k < near_count_; ++k) {
       const PlantScene::Solid& solid = scene_->solids()[near_[k]];
       if (!rt::convex::overlap(bounds, solid.bounds)) continue;
-      ++counters_.pairs;
       const rt::convex::Manifold found = rt::convex::manifold(shape, solid.shape, options);
-      if (found.state == rt::convex::State::unknown) ++counters_.unknown_queries;
       for (std::uint32_t i = 0; i < found.count; ++i) {
         const rt::convex::Contact& contact = found.contacts[i];
         add(part, near_[k], contact.id, back(pose.R_world_body, from(contact.point_m) - pose.p_world_m),
@@ -115,10 +112,10 @@ void ContactFinder::add(int part, int object, std::uint32_t feature, const Vec3&
   const std::uint64_t key = (static_cast<std::uint64_t>(part) << 48u) |
                             (static_cast<std::uint64_t>(static_cast<std::uint16_t>(object)) << 32u) | feature;
   warm(contact, key);
-  if (!contacts_->push_back(contact) ||
-      !tags_.push_back({key, gap_m, static_cast<std::int16_t>(object), static_cast<std::uint8_t>(part)})) {
-    ++counters_.dropped;
-  }
+  // What does not fit is left out.
+  if (contacts_->push_back(contact))
+    static_cast<void>(
+        tags_.push_back({key, gap_m, static_cast<std::int16_t>(object), static_cast<std::uint8_t>(part)}));
 }
 
 void ContactFinder::warm(ContactPoint& contact, std::uint64_t key) {

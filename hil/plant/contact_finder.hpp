@@ -27,14 +27,6 @@ struct BodyPose {
   Matrix3 R_world_body;
 };
 
-/// Counts of the search.
-struct FinderCounters {
-  std::uint64_t pairs{};            ///< that came through the bounds
-  std::uint64_t unknown_queries{};  ///< whose budget ran out; they count as contacts
-  std::uint64_t dropped{};          ///< contacts that did not fit
-  std::uint64_t scans{};            ///< of the whole scene
-};
-
 /// The search. About 14 kB; no heap. The scene must outlive it.
 class ContactFinder {
  public:
@@ -51,7 +43,6 @@ class ContactFinder {
   void remember(const ContactProblem& problem);
 
   const rt::FixedVector<ContactTag, kMaxContacts>& tags() const { return tags_; }
-  const FinderCounters& counters() const { return counters_; }
 
  private:
   void half_space_contacts(const BodyPose& pose, const MassState& state, int index);
@@ -84,7 +75,6 @@ class ContactFinder {
   double margin_m_{};
   double dt_s_{};
   rt::FixedVector<ContactTag, kMaxContacts> tags_;
-  FinderCounters counters_{};
 };
 
 }  // namespace sortie::hil

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contacts of the vehicle's parts with a half-space, in closed form. A track gives rows of stations along
 // both edges of the run that faces the plane, so that load and friction spread over its length.
-#include <algorithm>
 #include <cmath>
 
 #include "hil/plant/contact_finder.hpp"

@@ -135,11 +135,4 @@ Vec3 TrackedPlant::specific_force_m_s2(const Vec3& lever_m) const {
   return back(R_world_body_, change + Vec3{0.0, 0.0, config_.gravity_m_s2});
 }
 
-double TrackedPlant::slip_m_s(int side) const {
-  const Vec3& c = config_.vehicle.track_centre_m;
-  const Vec3 lever{c.x, side * c.y, c.z - config_.vehicle.track_radius_m};
-  const double ground = (state_.velocity.linear + cross(state_.velocity.angular, lever)).x;
-  return (side > 0 ? command_left_m_s_ : command_right_m_s_) - ground;
-}
-
 }  // namespace sortie::hil

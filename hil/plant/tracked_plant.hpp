@@ -100,7 +100,6 @@ class TrackedPlant {
   const PlantState& state() const { return state_; }
   const StepReport& report() const { return report_; }
   const PlantCounters& counters() const { return counters_; }
-  const FinderCounters& finder_counters() const { return finder_.counters(); }
   const VehicleModel& model() const { return model_; }
 
   /// Pose, twist and belt travel as the sensors see them. Body's origin; see VehicleConfig for its height.
@@ -114,9 +113,6 @@ class TrackedPlant {
   Vec3 specific_force_m_s2(const Vec3& lever_m) const;
   /// Servo torques of the last step, up positive, N m.
   double flipper_torque_nm(int flipper) const { return problem_.drives[flipper].impulse_nms / dt_s_; }
-  /// Belt speed minus ground speed at the middle of a track's lower run, forward, m/s. Side: +1 left, -1
-  /// right.
-  double slip_m_s(int side) const;
 
   /// The last step's contacts in body axes at its begin (impulses are on the vehicle), and which parts they
   /// are of.

@@ -44,7 +44,7 @@ void MultirotorPlant::command(const double* speeds_rad_s) {
 }
 
 MultirotorWeather MultirotorPlant::weather() const {
-  MultirotorWeather weather{wind_, {}, torque_};
+  MultirotorWeather weather{wind_, {}, {}};
   for (std::uint32_t i = 0; i < gust_count_; ++i) {
     const double since = time_s_ - gusts_[i].start_s;
     // Half a microsecond of slack: the sum of many steps may miss the edge by rounding.

@@ -46,8 +46,6 @@ class MultirotorPlant {
 
   /// Steady wind from now on.
   void set_wind(const Vec3& wind_m_s) { wind_ = wind_m_s; }
-  /// A steady torque in the body frame: a load that hangs off the centre.
-  void set_torque(const Vec3& torque_n_m) { torque_ = torque_n_m; }
   /// `full` when there are kMaxGusts already.
   [[nodiscard]] Status add_gust(const Gust& gust);
   /// The propeller is off: no thrust, no torque, from now on.
@@ -95,7 +93,6 @@ class MultirotorPlant {
   Gust gusts_[kMaxGusts]{};
   std::uint32_t gust_count_{};
   Vec3 wind_;
-  Vec3 torque_;
   Vec3 imu_arm_m_;
   double time_s_{};
   double charge_;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The rolling grid's state to bytes and back: its pools as they are, up to their high water.
-#include <algorithm>
 
 #include "mapping/grid/rolling_grid.hpp"
 

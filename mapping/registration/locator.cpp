@@ -39,6 +39,9 @@ void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_
   }
 }
 
+/// Standard deviation of a sum.
+double both(double a, double b) { return std::sqrt(a * a + b * b); }
+
 /// What the prior alone says of a pose.
 void set_covariance(const PosePrior& prior, double (&covariance)[6][6]) {
   for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
@@ -58,8 +61,9 @@ double squared_distance(const PosePrior& prior, const RigidPose& pose) {
 }  // namespace
 
 const char* to_string(LocateVerdict verdict) {
-  constexpr const char* kNames[] = {"none",    "first",     "accepted",       "few returns", "little share",
-                                    "crossed", "ambiguous", "far from prior", "unheld",      "new place"};
+  constexpr const char* kNames[] = {"none",         "first",     "accepted",  "few returns",
+                                    "little share", "crossed",   "ambiguous", "far from prior",
+                                    "unheld",       "new place", "unplaced"};
   const auto at = static_cast<std::size_t>(verdict);
   return at < std::size(kNames) ? kNames[at] : "unknown";
 }
@@ -76,17 +80,23 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   located_.weak_moves = located_.weak_turns = 0;
   const PosePrior prior = expect(odometry);
   double covariance[6][6]{};
-  if (located_.counts.first > 0) set_covariance(prior, covariance);
+  if (has_map()) set_covariance(prior, covariance);
+  if (anchor_ == Anchor::unplaced) {
+    describe({}, covariance, prior.at.q);
+    return refuse(LocateVerdict::unplaced, odometry);
+  }
   if (located_.returns < kLeastReturns) {
     describe({}, covariance, prior.at.q);
     return refuse(LocateVerdict::few_returns, odometry);
   }
-  if (located_.counts.first == 0) {
+  if (!has_map()) {
     begin(odometry);
     return located_;
   }
   const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
-  Match match = registration_.match(prior.at, other, prior, usual_share_);
+  // What was told is not what a scan saw: all starts are tried.
+  const double usual = anchor_ == Anchor::told ? kNeverUsual : usual_share_;
+  Match match = registration_.match(prior.at, other, prior, usual);
   look_along_rays(match);
   if (!clear() && !match.recovered) {  // it looked well, and cannot be
     const std::uint32_t spent = match.steps;
@@ -104,6 +114,11 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
   describe(match.weak, covariance, accepted ? match.pose.q : prior.at.q);
   if (!accepted && verdict != LocateVerdict::new_place) return refuse(verdict, odometry);
   accept(accepted ? match.pose : prior.at, odometry);
+  if (anchor_ == Anchor::told) {
+    anchor_ = Anchor::held;
+    before_ = newest_;
+    before_ns_ = newest_ns_;
+  }
   if (accepted) {
     usual_share_ = match.score.matched;
     if (match.other_start) ++located_.counts.recovered;
@@ -126,6 +141,7 @@ bool Locator::clear() const {
 void Locator::begin(const OdometryHint& odometry) {
   const RigidPose pose = odometry.known ? odometry.T_odom_sensor : RigidPose{};
   accept(pose, odometry);
+  anchor_ = Anchor::held;
   before_ = newest_;
   before_ns_ = newest_ns_;
   conclude(LocateVerdict::first);
@@ -137,6 +153,14 @@ PosePrior Locator::expect(const OdometryHint& odometry) const {
   if (tied_ && odometry.known) {
     prior.at = after(located_.T_map_odom, odometry.T_odom_sensor);
     set_information(prior, odometry.sigma_turn_rad, odometry.sigma_move_m);
+    if (anchor_ == Anchor::told)
+      set_information(prior, both(odometry.sigma_turn_rad, told_turn_rad_),
+                      both(odometry.sigma_move_m, told_move_m_));
+    return prior;
+  }
+  if (!has_begun()) {
+    prior.at = newest_;
+    set_information(prior, 10.0, 10.0);
     return prior;
   }
   const auto last = static_cast<double>(newest_ns_ - before_ns_);
@@ -147,7 +171,9 @@ PosePrior Locator::expect(const OdometryHint& odometry) const {
 }
 
 LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const {
-  if (tied_ && odometry.known && match.score.known < config_.least_known && usual_share_ < kYoung && clear())
+  // A kept map grows only by what was found on it.
+  if (anchor_ == Anchor::held && tied_ && odometry.known && match.score.known < config_.least_known &&
+      usual_share_ < kYoung && clear())
     return LocateVerdict::new_place;
   // Without odometry nothing else holds what the scan does not, and standing still fits as well as any
   // motion: then nothing at all may speak against the pose.
@@ -166,9 +192,17 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
 
 void Locator::conclude(LocateVerdict verdict) {
   LocateCounts& counts = located_.counts;
-  std::uint64_t* const of_verdict[] = {
-      nullptr,         &counts.first,     &counts.accepted,       &counts.few_returns, &counts.little_share,
-      &counts.crossed, &counts.ambiguous, &counts.far_from_prior, &counts.unheld,      &counts.new_place};
+  std::uint64_t* const of_verdict[] = {nullptr,
+                                       &counts.first,
+                                       &counts.accepted,
+                                       &counts.few_returns,
+                                       &counts.little_share,
+                                       &counts.crossed,
+                                       &counts.ambiguous,
+                                       &counts.far_from_prior,
+                                       &counts.unheld,
+                                       &counts.new_place,
+                                       &counts.unplaced_on_map};
   ++*of_verdict[static_cast<std::size_t>(verdict)];
   located_.verdict = verdict;
 }

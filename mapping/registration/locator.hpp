@@ -7,6 +7,7 @@
 
 #include "mapping/registration/scan_registration.hpp"
 #include "mapping/registration/seen_space.hpp"
+#include "mapping/registration/surfel_map.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::mapping {
@@ -23,6 +24,7 @@ enum class LocateVerdict : std::uint8_t {
   far_from_prior,  ///< outside what the odometry leaves possible
   unheld,          ///< nothing holds the pose
   new_place,  ///< hardly any of it is on the map yet: the odometry's pose is taken, and the map grows by it
+  unplaced,   ///< where the robot is on the kept map is not known: nothing was matched
 };
 const char* to_string(LocateVerdict verdict);
 /// Whether the scan went into the map.
@@ -43,9 +45,10 @@ struct LocateCounts {
   std::uint64_t far_from_prior{};
   std::uint64_t unheld{};
   std::uint64_t new_place{};
+  std::uint64_t unplaced_on_map{};
   std::uint64_t recovered{};  ///< of the accepted: found from another start
   SORTIE_FIELDS(in, first, accepted, few_returns, little_share, crossed, ambiguous, far_from_prior, unheld,
-                new_place, recovered)
+                new_place, unplaced_on_map, recovered)
 };
 
 /// A direction in space that the scan says little about.
@@ -92,27 +95,53 @@ struct OdometryHint {
 /// steps. The same bits whatever the order of a scan's returns; arithmetic of rt/math alone.
 class Locator {
  public:
-  Locator(const RegistrationConfig& config, rt::Arena& arena)
+  Locator(const RegistrationConfig& config, rt::Arena& arena, const RegistrationMemory& memory = {})
       : config_(config),
-        registration_(config, arena),
+        registration_(config, arena, memory),
         seen_(arena.make_array<float>("seen_space", SeenSpace::kDirections)) {}
 
   /// The place of a scan whose returns are as of one moment, sensor frame. An accepted scan becomes part of
   /// the map. Odometry that is not finite, no rotation, or as good as sure counts as none.
   const Located& locate(const rt::PointScan& scan, const OdometryHint& hint);
   const Located& located() const { return located_; }
+  /// A scan has a place on the map. Until then nothing is known of any motion.
+  bool has_begun() const { return before_ns_ != kNever; }
+
+  /// A kept map is there, and nobody has said where on it the robot is.
+  bool is_unplaced() const { return anchor_ == Anchor::unplaced; }
+
+  /// Begins anew with a kept map. Scans are then `unplaced` until place() says where the robot is. Set-up
+  /// only. Where the map is not taken there is none, as in the beginning.
+  SurfelMapResult load(std::span<const std::uint8_t> map);
+  /// Where the sensor was on the map when `odometry` was: ties the odometry to the map as an accepted scan
+  /// does. What this is worth the next scan says: it is matched from there, and from other starts, too, and
+  /// only a scan that the map knows is taken for the robot's place; until one is, place() may be called
+  /// again. `covariance`: of (position in map, rotation in sensor), row-major, m^2 and rad^2. not_finite,
+  /// out_of_range: no pose, or no covariance; nothing is changed. No map was loaded: not_supported.
+  Status place(const RigidPose& T_map_sensor, const double (&covariance)[36], const OdometryHint& odometry);
   const ScanRegistration& registration() const { return registration_; }
+  void archive(rt::Archive& archive);
 
  private:
   void look_along_rays(const Match& match);
   bool clear() const;  ///< neither rays through surfaces nor returns in what was seen to be empty
   void conclude(LocateVerdict verdict);
   void begin(const OdometryHint& odometry);
+  bool has_map() const { return anchor_ != Anchor::none; }
   PosePrior expect(const OdometryHint& odometry) const;
   LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
   const Located& refuse(LocateVerdict verdict, const OdometryHint& odometry);
   void accept(const RigidPose& pose, const OdometryHint& odometry);
   void describe(const WeakDirections& weak, const double (&c)[6][6], const rt::Quaternion& q_map_sensor);
+
+  /// What the map hangs on.
+  enum class Anchor : std::uint8_t {
+    none,      ///< there is no map yet
+    unplaced,  ///< a kept map, and the robot somewhere
+    told,      ///< a kept map, and the robot where place() says; no scan has said so yet
+    held,      ///< scans: the map's own, or those that were found on it
+  };
+  static constexpr rt::Nanoseconds kNever = -(rt::Nanoseconds{1} << 61);  ///< before_ns_: no scan
 
   static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer
 
@@ -126,11 +155,14 @@ class Locator {
   ScanRegistration registration_;
   SeenSpace seen_;  ///< of the newest accepted scan
   Located located_;
+  Anchor anchor_{Anchor::none};
+  double told_move_m_{};  ///< standard deviations of what place() said
+  double told_turn_rad_{};
   bool tied_{};       ///< the odometry's place on the map is known: an accepted scan came with some
   RigidPose newest_;  ///< T_map_sensor of the two newest accepted scans
   RigidPose before_;
   rt::Nanoseconds newest_ns_{};
-  rt::Nanoseconds before_ns_{};
+  rt::Nanoseconds before_ns_{kNever};
   double usual_share_{};
 };
 

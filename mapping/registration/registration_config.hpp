@@ -53,4 +53,20 @@ struct RegistrationConfig {
   }
 };
 
+/// How much of a map is held. The window is about the sensor: what lies beyond it is given back.
+struct RegistrationMemory {
+  std::uint32_t surfels{32'768};      ///< of the finest layer; half of it and a quarter of the others
+  std::uint32_t window_cells{128};    ///< of the finest layer, along x and along y; a power of two
+  std::uint32_t window_cells_up{32};  ///< along z
+
+  SORTIE_KEYS(c, key) {
+    key("limits.surfels", c.surfels,
+        {256, kMostSurfels, "surfels", "of the finest layer of the map of surfaces"});
+    key("window_cells", c.window_cells,
+        {16, 1024, "cells", "of the map along x and y, a power of two; a kept map fits into half of it"});
+    key("window_cells_up", c.window_cells_up, {8, 256, "cells", "the same upwards"});
+  }
+  static constexpr std::uint32_t kMostSurfels = 1u << 20;
+};
+
 }  // namespace sortie::mapping

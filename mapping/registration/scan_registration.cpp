@@ -23,36 +23,38 @@ constexpr double kAsGood = 0.95;      ///< of the best score: as good
 constexpr double kApartMove = 0.5;    ///< m and rad: two poses are well apart
 constexpr double kApartTurn = 0.17;
 
+unsigned bits_of(std::uint32_t cells) {
+  return static_cast<unsigned>(std::countr_zero(std::bit_ceil(cells)));
+}
+
 bool apart(const RigidPose& a, const RigidPose& b, double move_m = kApartMove, double turn_rad = kApartTurn) {
   return rt::norm(a.p - b.p) > move_m || rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > turn_rad;
 }
 }  // namespace
 
-SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level, std::uint32_t most, unsigned bits_xy,
-                                         unsigned bits_z) const {
+SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level,
+                                         const RegistrationMemory& memory) const {
   static constexpr const char* kNames[] = {"surfels_fine", "surfels_middle", "surfels_coarse"};
   const auto shift = static_cast<unsigned>(level);
-  const std::uint32_t count =
-      std::max(most >> shift, kFewestSurfels);  // a quarter is flat, the rest is small
-  const SurfelLayerMemory memory{
-      arena.make_array<SurfelIndex>(kNames[level],
-                                    std::size_t{1} << (2 * (bits_xy - shift) + bits_z - shift)),
+  const unsigned bits_xy = bits_of(memory.window_cells) - shift;
+  const unsigned bits_z = bits_of(memory.window_cells_up) - shift;
+  // A quarter is flat, the rest is small.
+  const std::uint32_t count = std::max(memory.surfels >> shift, kFewestSurfels);
+  const SurfelLayerMemory arrays{
+      arena.make_array<SurfelIndex>(kNames[level], std::size_t{1} << (2 * bits_xy + bits_z)),
       arena.make_array<std::uint64_t>(kNames[level], count),
       arena.make_array<SurfelSums>(kNames[level], count),
       arena.make_array<Surfel>(kNames[level], count),
       arena.make_array<SurfelIndex>(kNames[level], count),
       arena.make_array<std::uint32_t>(kNames[level], count)};
-  return {config_.cell_m * (1 << level), bits_xy - shift, bits_z - shift, config_.min_points,
-          config_.memory_points,         memory};
+  return {config_.cell_m * (1 << level), bits_xy, bits_z, config_.min_points, config_.memory_points, arrays};
 }
 
 ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& arena,
-                                   std::uint32_t most_surfels, unsigned bits_xy, unsigned bits_z)
+                                   const RegistrationMemory& memory)
     : config_(config),
-      layers_{make_layer(arena, 0, most_surfels, bits_xy, bits_z),
-              make_layer(arena, 1, most_surfels, bits_xy, bits_z),
-              make_layer(arena, 2, most_surfels, bits_xy, bits_z)},
-      step_({arena.make_array<StepMemory::Slot>("match_slots", std::max(most_surfels, kFewestSurfels)),
+      layers_{make_layer(arena, 0, memory), make_layer(arena, 1, memory), make_layer(arena, 2, memory)},
+      step_({arena.make_array<StepMemory::Slot>("match_slots", std::max(memory.surfels, kFewestSurfels)),
              arena.make_array<CellSums>("match_cells", config.returns)}),
       chooser_(config.edge_m, config.min_range_m, config.max_range_m,
                arena.make_array<ScanSample::Slot>(
@@ -236,6 +238,15 @@ void ScanRegistration::insert(const RigidPose& pose) {
     layer.evict_beyond(pose.p);
     layer.insert(points_.first(chosen_), scans_, cells_);
   }
+}
+
+void ScanRegistration::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "scan registration")
+      .fixed(config_)
+      .by_hand(layers_)
+      .scratch(step_, chooser_, sample_, points_, cells_, chosen_, size_)
+      .state(scans_, counts_);
+  for (SurfelLayer& layer : layers_) archive.value(layer);
 }
 
 }  // namespace sortie::mapping

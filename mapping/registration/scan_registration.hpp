@@ -35,8 +35,7 @@ struct Match {
 class ScanRegistration {
  public:
   /// Throws nothing; `arena` says what it had no room for.
-  ScanRegistration(const RegistrationConfig& config, rt::Arena& arena, std::uint32_t most_surfels = 32768,
-                   unsigned bits_xy = 7, unsigned bits_z = 5);
+  ScanRegistration(const RegistrationConfig& config, rt::Arena& arena, const RegistrationMemory& memory = {});
 
   /// Takes a scan's sample; the calls below are about it. How many returns it has.
   std::size_t take(std::span<const rt::ScanPoint> scan);
@@ -46,11 +45,16 @@ class ScanRegistration {
   /// Adds the sample to the map at a pose.
   void insert(const RigidPose& pose);
 
+  const RegistrationConfig& config() const { return config_; }
   const SurfelLayer& layer(int level) const { return layers_[level]; }
+  /// The same, for who puts a kept map into it (surfel_map.hpp).
+  SurfelLayer& layer_to_load(int level) { return layers_[level]; }
   std::span<const SamplePoint> sample() const { return sample_.first(size_); }
   /// All that was chosen of the scan, the sample first.
   std::span<const SamplePoint> chosen() const { return sample_.first(chosen_); }
   const ScanSampleCounts& counts() const { return counts_; }
+  /// The map; what was taken of a scan is no part of it.
+  void archive(rt::Archive& archive);
 
  private:
   struct Ladder {
@@ -61,8 +65,7 @@ class ScanRegistration {
   bool look_about(Match& match, const PosePrior& prior);
   void weigh(Match& match);
   void recover(Match& match, const RigidPose& start, const RigidPose& other, const PosePrior& prior);
-  SurfelLayer make_layer(rt::Arena& arena, int level, std::uint32_t most, unsigned bits_xy,
-                         unsigned bits_z) const;
+  SurfelLayer make_layer(rt::Arena& arena, int level, const RegistrationMemory& memory) const;
 
   RegistrationConfig config_;
   SurfelLayer layers_[kSurfelLayers];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mapping/registration/kept_pose.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::mapping {
@@ -64,6 +65,12 @@ double SeenSpace::share_inside(std::span<const SamplePoint> sample, const RigidP
       ++inside;
   }
   return inside / static_cast<double>(sample.size());
+}
+
+void SeenSpace::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "seen space").by_hand(ranges_).state(pose_, some_);
+  for (float& range : ranges_) archive.value(range);
+  check_pose(archive, pose_);
 }
 
 }  // namespace sortie::mapping

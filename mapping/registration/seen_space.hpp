@@ -8,6 +8,7 @@
 
 #include "mapping/grid/rolling_grid_config.hpp"
 #include "mapping/registration/scan_sample.hpp"
+#include "rt/archive.hpp"
 
 namespace sortie::mapping {
 
@@ -29,6 +30,8 @@ class SeenSpace {
   /// those count for which the rays of this one went past on all sides. 0 where it has seen nothing. An
   /// arc tangent and nine looks a return.
   double share_inside(std::span<const SamplePoint> sample, const RigidPose& pose) const;
+
+  void archive(rt::Archive& archive);
 
  private:
   static bool direction(const rt::Vector3& v, double range_m, int& turn, int& rise);

@@ -13,8 +13,10 @@ namespace sortie::mapping {
 /// Points in a cell are whole 1/4096 of its edge from its centre (0.1 mm for 0.4 m).
 inline constexpr std::int32_t kSurfelSteps = 4096;
 
-/// Sums over the points of a cell, exact and in any order the same. 64 bytes. Room for 32,768 points: (4096 /
-/// 2)^2 * 32768 < 2^38.
+/// Points that a cell's sums have room for: (4096 / 2)^2 * 32768 < 2^38.
+inline constexpr std::uint32_t kMostSurfelPoints = 32'768;
+
+/// Sums over the points of a cell, exact and in any order the same. 64 bytes.
 struct SurfelSums {
   std::int64_t product[6]{};  ///< xx, yy, zz, xy, xz, yz
   std::int32_t sum[3]{};

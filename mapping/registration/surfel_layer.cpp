@@ -106,7 +106,7 @@ void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t sc
     }
     ++counts_.used;
     // What would not fit any more before the scan's end is left out; a cell fades between scans.
-    if (memory_.sums[index].count < 32768) memory_.sums[index].add(at.at);
+    if (memory_.sums[index].count < kMostSurfelPoints) memory_.sums[index].add(at.at);
     if (memory_.newest[index] != scan) {
       memory_.newest[index] = scan;
       cells[touched++] = index;
@@ -124,6 +124,68 @@ void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t sc
       surfel.count = sums.count;
     }
   }
+}
+
+/// In the unused end of the list of free ones, which has room for just as many.
+std::span<const SurfelIndex> SurfelLayer::by_key() const {
+  const std::span<SurfelIndex> used = memory_.free.subspan(free_);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < memory_.keys.size(); ++i) {
+    if (memory_.keys[i] != kUnused) used[count++] = static_cast<SurfelIndex>(i);
+  }
+  std::sort(used.begin(), used.end(),
+            [this](SurfelIndex a, SurfelIndex b) { return memory_.keys[a] < memory_.keys[b]; });
+  return used;
+}
+
+Status SurfelLayer::put(const SurfelRecord& record) {
+  if (fault_of(record, cell_m_) != nullptr) return Status::malformed;
+  if (free_ == 0) return Status::full;
+  SurfelIndex& place = memory_.window[entry(SurfelCell::from_key(record.key))];
+  if (place != kNoSurfel) return Status::out_of_range;
+  const SurfelIndex index = memory_.free[--free_];
+  place = index;
+  memory_.keys[index] = record.key;
+  memory_.sums[index] = record.sums;
+  memory_.surfels[index] = record.surfel;
+  memory_.newest[index] = 0;
+  return Status::ok;
+}
+
+void SurfelLayer::archive(rt::Archive& archive) {
+  archive.expect(memory_.keys.size(), "another number of surfels than this layer's");
+  if (archive.is_reading()) clear();
+  rt::Members(archive, *this, "surfel layer")
+      .fixed(cell_m_, per_cell_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_)
+      .by_hand(memory_, free_)
+      .state(middle_, has_middle_, counts_);
+  for (const std::int32_t at : middle_.at) {
+    if (at < -SurfelCell::kLimit || at >= SurfelCell::kLimit)
+      archive.fail(Status::malformed, "a window about no cell");
+  }
+  auto count = static_cast<std::uint32_t>(size());
+  archive.bounded(count, memory_.keys.size());
+  std::span<const SurfelIndex> there;
+  if (!archive.is_reading()) there = by_key();
+  std::uint64_t last = 0;
+  for (std::uint32_t i = 0; i < count && archive.status() == Status::ok; ++i) {
+    SurfelRecord one;
+    std::uint32_t newest = 0;
+    if (!archive.is_reading()) {
+      one = record(there[i]);
+      newest = memory_.newest[there[i]];
+    }
+    archive.value(one);
+    archive.value(newest);
+    if (!archive.is_reading() || archive.status() != Status::ok) continue;
+    if ((i > 0 && one.key <= last) || put(one) != Status::ok) {
+      archive.fail(Status::malformed, "a surfel that cannot be, or is there twice");
+      break;
+    }
+    last = one.key;
+    memory_.newest[memory_.window[entry(SurfelCell::from_key(one.key))]] = newest;
+  }
+  if (archive.is_reading() && archive.status() != Status::ok) clear();
 }
 
 }  // namespace sortie::mapping

@@ -5,19 +5,22 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/registration/surfel.hpp"
+#include "mapping/registration/surfel_record.hpp"
+#include "rt/archive.hpp"
 #include "rt/describe.hpp"
 #include "rt/rotation.hpp"
+#include "rt/status.hpp"
 
 namespace sortie::mapping {
 
-using SurfelIndex = std::uint16_t;
-inline constexpr SurfelIndex kNoSurfel = 0xffff;
+using SurfelIndex = std::uint32_t;
+inline constexpr SurfelIndex kNoSurfel = 0xffffffff;
 
 /// A cell by its whole coordinates, each in [-2^20, 2^20), and as a 63-bit key.
 struct SurfelCell {
   static constexpr std::int32_t kLimit = 1 << 20;
   std::int32_t at[3]{};
+  SORTIE_FIELDS(at)
 
   constexpr std::uint64_t key() const {
     const auto part = [](std::int32_t i) { return static_cast<std::uint64_t>(std::int64_t{i} + kLimit); };
@@ -40,7 +43,7 @@ struct SurfelPlace {
 /// Memory of a layer, which outlives it: value-initialised arrays of one length, but for the window.
 struct SurfelLayerMemory {
   std::span<SurfelIndex> window;  ///< 2^(2 bits_xy + bits_z)
-  std::span<std::uint64_t> keys;  ///< at most 65,535 surfels
+  std::span<std::uint64_t> keys;
   std::span<SurfelSums> sums;
   std::span<Surfel> surfels;
   std::span<SurfelIndex> free;
@@ -62,12 +65,15 @@ struct SurfelLayerCounts {
 /// the order of its points: new cells get their room in the order of their keys.
 class SurfelLayer {
  public:
-  /// 140 bytes a surfel and 2 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
+  /// 144 bytes a surfel and 4 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
   /// `min_points` on, and fades from `memory_points` on (at most 32,768).
   SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
               std::uint32_t memory_points, const SurfelLayerMemory& memory);
 
   double cell_m() const { return cell_m_; }
+  /// Cells of the window along x and y, and along z.
+  std::uint32_t window_xy() const { return 1u << bits_xy_; }
+  std::uint32_t window_z() const { return 1u << bits_z_; }
   std::size_t size() const { return memory_.keys.size() - free_; }
   const SurfelLayerCounts& counts() const { return counts_; }
 
@@ -109,6 +115,17 @@ class SurfelLayer {
   /// those within it leave. Looks at every surfel.
   void evict_beyond(const rt::Vector3& middle_m);
   void clear();
+
+  /// The surfels that are there, by rising key. A sort; lives until the layer changes.
+  std::span<const SurfelIndex> by_key() const;
+  SurfelRecord record(SurfelIndex index) const {
+    return {memory_.keys[index], memory_.sums[index], memory_.surfels[index]};
+  }
+  /// Adds a surfel that was kept; what it was kept in gives them by rising key, after a clear(). malformed:
+  /// it cannot be one (fault_of()); full: no room; out_of_range: another one has its place in the window.
+  Status put(const SurfelRecord& record);
+  /// Surfels by rising key, whatever their places in memory were: no answer depends on these.
+  void archive(rt::Archive& archive);
 
  private:
   std::uint32_t entry(const SurfelCell& cell) const {

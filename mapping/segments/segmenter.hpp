@@ -105,13 +105,7 @@ class Segmenter {
   /// Active voxels of a block that are new, moved or otherwise changed: it must be looked at again. `drift`:
   /// no two of them came apart by more, in steps of kDriftStep, and nothing else that the policy reads of
   /// them changed; kAnyDrift where that is not known.
-  void mark(BlockIndex block, std::uint64_t moved, std::uint16_t drift = kAnyDrift) {
-    if (status_ != Status::ok || moved == 0) return;
-    work_[block].moved |= moved;
-    std::uint16_t& slack = work_[block].slack;
-    slack = static_cast<std::uint16_t>(slack > drift ? slack - drift : 0);
-    enqueue(block);
-  }
+  void mark(BlockIndex block, std::uint64_t moved, std::uint16_t drift = kAnyDrift);
   /// A block that is about to be given back; its voxels and its place can still be read.
   void forget(const RollingGrid& grid, BlockIndex block);
   /// Works off what was marked, within the budget.
@@ -157,11 +151,7 @@ class Segmenter {
   SegmentId taken_in(const RollingGrid& grid, BlockIndex block,
                      unsigned cell) const requires TakingPolicy<Policy>;
   static std::uint8_t tag(std::uint32_t cycle) { return static_cast<std::uint8_t>(1 + (cycle & 1)); }
-  void enqueue(BlockIndex block) {
-    if (work_[block].queued != 0) return;
-    work_[block].queued = tag(cycle_ + 1) & 3;
-    queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
-  }
+  void enqueue(BlockIndex block);
   void want(BlockIndex block);
   void want_no_more(BlockIndex block);
   std::uint32_t sweep();

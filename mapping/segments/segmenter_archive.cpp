@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Segments and fragments to bytes and back.
 #include <algorithm>
-#include <bit>
 
 #include "mapping/segments/fragment_graph.hpp"
 #include "mapping/segments/labelling.hpp"

@@ -8,6 +8,22 @@
 namespace sortie::mapping {
 
 template <SegmentationPolicy Policy>
+inline void Segmenter<Policy>::mark(BlockIndex block, std::uint64_t moved, std::uint16_t drift) {
+  if (status_ != Status::ok || moved == 0) return;
+  work_[block].moved |= moved;
+  std::uint16_t& slack = work_[block].slack;
+  slack = static_cast<std::uint16_t>(slack > drift ? slack - drift : 0);
+  enqueue(block);
+}
+
+template <SegmentationPolicy Policy>
+inline void Segmenter<Policy>::enqueue(BlockIndex block) {
+  if (work_[block].queued != 0) return;
+  work_[block].queued = tag(cycle_ + 1) & 3;
+  queue_[(queue_first_ + queue_size_++) % queue_.size()] = block;
+}
+
+template <SegmentationPolicy Policy>
 SegmenterStep Segmenter<Policy>::update(const RollingGrid& grid, std::uint32_t tick) {
   SegmenterStep step;
   const std::uint32_t most = config_.units > 0 ? config_.units : 0xffffffffu - kBlockUnits;

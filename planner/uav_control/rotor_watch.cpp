@@ -3,7 +3,6 @@
 #include "planner/uav_control/rotor_watch.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sortie::planner {
 namespace {

@@ -100,7 +100,6 @@ class UavControl {
   const FlatReference& reference() const { return reference_; }
   const StateGains& gains() const { return gains_; }
   const UavControlCounters& counters() const { return counters_; }
-  bool rotor_lost(std::uint32_t rotor) const { return allocation_.lost(rotor); }
 
   /// State to bytes and back, into one of the same configuration.
   void archive(rt::Archive& archive);

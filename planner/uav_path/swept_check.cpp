@@ -2,7 +2,7 @@
 #include "planner/uav_path/swept_check.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "rt/convex/query.hpp"
 
@@ -86,6 +86,87 @@ struct Axis {
   }
 };
 
+// The robot along one line, and the shapes that it is held against.
+class Sweep {
+ public:
+  Sweep(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m, double share,
+        SweptCheck& result, std::uint64_t& steps)
+      : map_(map), h_(map.config().voxel_m), a_m_(a_m), way_m_(b_m - a_m), result_(result), steps_(steps) {
+    const rt::Vector3 r = share * map.config().radii_m;
+    margin_ = {r.x + 1e-9, r.y + 1e-9, r.z + 1e-9};
+    const rt::Vector3 low{std::min(a_m.x, b_m.x), std::min(a_m.y, b_m.y), std::min(a_m.z, b_m.z)};
+    const rt::Vector3 high{std::max(a_m.x, b_m.x), std::max(a_m.y, b_m.y), std::max(a_m.z, b_m.z)};
+    swept_ = {low - margin_, high + margin_};
+    robot_ = rt::convex::make_swept_ellipsoid(r, 0.5 * (b_m - a_m));
+    robot_.p_world_m = 0.5 * (a_m + b_m);
+    voxel_ = rt::convex::make_box({0.5 * h_, 0.5 * h_, 0.5 * h_});
+    brick_ = rt::convex::make_box({2 * h_, 2 * h_, 2 * h_});
+  }
+
+  // All of the way lies within the map.
+  bool is_inside() const {
+    const FlightMapConfig& config = map_.config();
+    const rt::Vector3 top{config.origin_m.x + h_ * config.nx, config.origin_m.y + h_ * config.ny,
+                          config.origin_m.z + h_ * config.nz};
+    return !(swept_.low.x < config.origin_m.x || swept_.low.y < config.origin_m.y ||
+             swept_.low.z < config.origin_m.z || swept_.high.x > top.x || swept_.high.y > top.y ||
+             swept_.high.z > top.z);
+  }
+  // x, y and z of a way within the map.
+  std::array<Axis, 3> axes() const {
+    const rt::Vector3& origin = map_.config().origin_m;
+    const Voxel3 low = map_.voxel_at(swept_.low);
+    const Voxel3 high = map_.voxel_at(swept_.high);
+    const double edge = 4 * h_;
+    return {
+        Axis{a_m_.x, way_m_.x, margin_.x, origin.x, edge, {low.x / 4, std::min(high.x / 4, map_.bx() - 1)}},
+        Axis{a_m_.y, way_m_.y, margin_.y, origin.y, edge, {low.y / 4, std::min(high.y / 4, map_.by() - 1)}},
+        Axis{a_m_.z, way_m_.z, margin_.z, origin.z, edge, {low.z / 4, std::min(high.z / 4, map_.bz() - 1)}}};
+  }
+  void use(std::uint64_t steps) { steps_ -= std::min(steps_, steps); }
+  // The robot may touch something in the brick whose low corner this is.
+  bool hits_in(const Voxel3& corner) {
+    use(1);
+    ++result_.bricks;
+    const BrickMask blocked = map_.blocked_brick(map_.brick_of(corner));
+    if (blocked == 0) return false;
+    const rt::Vector3 middle = map_.middle_m(corner) + rt::Vector3{1.5 * h_, 1.5 * h_, 1.5 * h_};
+    const rt::Vector3 two{2 * h_, 2 * h_, 2 * h_};
+    if (!line_meets(a_m_, way_m_, {middle - two, middle + two}, margin_)) return false;
+    if (blocked == kWholeBrick) return hits(brick_, middle);
+    use(SweptWalk::kCloser);
+    for (int bit = 0; bit < 64; ++bit) {
+      if ((blocked >> bit & 1u) == 0) continue;
+      const rt::Vector3 m =
+          map_.middle_m({corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)});
+      const rt::Vector3 half{0.5 * h_, 0.5 * h_, 0.5 * h_};
+      const Bounds box{m - half, m + half};
+      if (overlap(swept_, box) && line_meets(a_m_, way_m_, box, margin_) && hits(voxel_, m)) return true;
+    }
+    return false;
+  }
+
+ private:
+  bool hits(rt::convex::Convex& body, const rt::Vector3& middle_m) {
+    body.p_world_m = middle_m;
+    ++result_.queries;
+    use(SweptWalk::kPair);
+    return rt::convex::is_collision(rt::convex::query(robot_, body).state);
+  }
+
+  const FlightMap& map_;
+  double h_;  // edge of a voxel
+  rt::Vector3 a_m_;
+  rt::Vector3 way_m_;
+  rt::Vector3 margin_;
+  Bounds swept_{};  // box around the way
+  rt::convex::Convex robot_;
+  rt::convex::Convex voxel_;
+  rt::convex::Convex brick_;
+  SweptCheck& result_;
+  std::uint64_t& steps_;
+};
+
 }  // namespace
 
 void SweptWalk::begin(const rt::Vector3& a_m, const rt::Vector3& b_m, double share) {
@@ -97,84 +178,32 @@ void SweptWalk::begin(const rt::Vector3& a_m, const rt::Vector3& b_m, double sha
 }
 
 bool SweptWalk::run(const FlightMap& map, std::uint64_t& steps) {
-  const FlightMapConfig& config = map.config();
-  const rt::Vector3 r = share_ * config.radii_m;
-  const double h = config.voxel_m;
-  const rt::Vector3 margin{r.x + 1e-9, r.y + 1e-9, r.z + 1e-9};
   if (map.usable() != Status::ok || !rt::is_finite(a_m_) || !rt::is_finite(b_m_)) return ended(false);
-  Bounds swept{{std::min(a_m_.x, b_m_.x), std::min(a_m_.y, b_m_.y), std::min(a_m_.z, b_m_.z)},
-               {std::max(a_m_.x, b_m_.x), std::max(a_m_.y, b_m_.y), std::max(a_m_.z, b_m_.z)}};
-  swept = {swept.low - margin, swept.high + margin};
-  const rt::Vector3 top{config.origin_m.x + h * config.nx, config.origin_m.y + h * config.ny,
-                        config.origin_m.z + h * config.nz};
-  if (swept.low.x < config.origin_m.x || swept.low.y < config.origin_m.y || swept.low.z < config.origin_m.z ||
-      swept.high.x > top.x || swept.high.y > top.y || swept.high.z > top.z)
-    return ended(false);
-  rt::convex::Convex robot = rt::convex::make_swept_ellipsoid(r, 0.5 * (b_m_ - a_m_));
-  robot.p_world_m = 0.5 * (a_m_ + b_m_);
-  rt::convex::Convex voxel = rt::convex::make_box({0.5 * h, 0.5 * h, 0.5 * h});
-  rt::convex::Convex brick = rt::convex::make_box({2 * h, 2 * h, 2 * h});
-  const auto use = [&steps](std::uint64_t used) { steps -= std::min(steps, used); };
-  const auto is_hit = [&](rt::convex::Convex& body, const rt::Vector3& middle) {
-    body.p_world_m = middle;
-    ++result_.queries;
-    use(kPair);
-    return rt::convex::is_collision(rt::convex::query(robot, body).state);
-  };
-  const Voxel3 low = map.voxel_at(swept.low);
-  const Voxel3 high = map.voxel_at(swept.high);
-  const rt::Vector3 way = b_m_ - a_m_;
-  const Axis along_x{
-      a_m_.x, way.x, margin.x, config.origin_m.x, 4 * h, {low.x / 4, std::min(high.x / 4, map.bx() - 1)}};
-  const Axis along_y{
-      a_m_.y, way.y, margin.y, config.origin_m.y, 4 * h, {low.y / 4, std::min(high.y / 4, map.by() - 1)}};
-  const Axis along_z{
-      a_m_.z, way.z, margin.z, config.origin_m.z, 4 * h, {low.z / 4, std::min(high.z / 4, map.bz() - 1)}};
+  Sweep sweep(map, a_m_, b_m_, share_, result_, steps);
+  if (!sweep.is_inside()) return ended(false);
+  const auto [along_x, along_y, along_z] = sweep.axes();
   // Layer by layer, row by row, only as far as the line goes there: not all of the box around it. From where
   // the slice before ended.
   for (std::int32_t z = std::max(along_z.all.low, next_[2]); z <= along_z.all.high; ++z) {
     const Part layer = along_z.beside({}, z);
     const bool same_layer = z == next_[2];
-    if (layer.first <= layer.last) {
-      const Bricks rows = along_y.along(layer);
-      for (std::int32_t y = same_layer ? std::max(rows.low, next_[1]) : rows.low; y <= rows.high; ++y) {
-        const Part row = along_y.beside(layer, y);
-        const bool same_row = same_layer && y == next_[1];
-        const Bricks near = row.first <= row.last ? along_x.along(row) : Bricks{0, -1};
-        for (std::int32_t x = same_row ? std::max(near.low, next_[0]) : near.low; x <= near.high; ++x) {
-          if (steps == 0) {
-            next_[0] = x;
-            next_[1] = y;
-            next_[2] = z;
-            return false;
-          }
-          use(1);
-          ++result_.bricks;
-          const Voxel3 corner{4 * x, 4 * y, 4 * z};
-          const BrickMask blocked = map.blocked_brick(map.brick_of(corner));
-          if (blocked == 0) continue;
-          const rt::Vector3 middle = map.middle_m(corner) + rt::Vector3{1.5 * h, 1.5 * h, 1.5 * h};
-          const rt::Vector3 two{2 * h, 2 * h, 2 * h};
-          if (!line_meets(a_m_, way, {middle - two, middle + two}, margin)) continue;
-          if (blocked == kWholeBrick) {
-            if (is_hit(brick, middle)) return ended(false);
-            continue;
-          }
-          use(kCloser);
-          for (int bit = 0; bit < 64; ++bit) {
-            if ((blocked >> bit & 1u) == 0) continue;
-            const rt::Vector3 m =
-                map.middle_m({corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)});
-            const rt::Vector3 half{0.5 * h, 0.5 * h, 0.5 * h};
-            const Bounds box{m - half, m + half};
-            if (overlap(swept, box) && line_meets(a_m_, way, box, margin) && is_hit(voxel, m))
-              return ended(false);
-          }
+    const Bricks rows = layer.first <= layer.last ? along_y.along(layer) : Bricks{0, -1};
+    for (std::int32_t y = same_layer ? std::max(rows.low, next_[1]) : rows.low; y <= rows.high; ++y) {
+      const Part row = along_y.beside(layer, y);
+      const bool same_row = same_layer && y == next_[1];
+      const Bricks near = row.first <= row.last ? along_x.along(row) : Bricks{0, -1};
+      for (std::int32_t x = same_row ? std::max(near.low, next_[0]) : near.low; x <= near.high; ++x) {
+        if (steps == 0) {
+          next_[0] = x;
+          next_[1] = y;
+          next_[2] = z;
+          return false;
         }
-        use(1);
+        if (sweep.hits_in({4 * x, 4 * y, 4 * z})) return ended(false);
       }
+      sweep.use(1);
     }
-    use(1);
+    sweep.use(1);
   }
   return ended(true);
 }

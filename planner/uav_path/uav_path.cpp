@@ -2,7 +2,6 @@
 #include "planner/uav_path/uav_path.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sortie::planner {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/convex/nearest.hpp"
 
-#include <cmath>
-
 #include "rt/convex/local.hpp"
 #include "rt/convex/simplex.hpp"
 #include "rt/convex/support.hpp"

@@ -18,6 +18,7 @@
 #include "sortie/gap_t.hpp"
 #include "sortie/header_t.hpp"
 #include "sortie/imu_t.hpp"
+#include "sortie/located_t.hpp"
 #include "sortie/parameter_t.hpp"
 #include "sortie/parameters_t.hpp"
 #include "sortie/pool_stats_t.hpp"
@@ -68,6 +69,7 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintTruth, truth_t::getHash()},
       {kFingerprintContacts, contacts_t::getHash()},
       {kFingerprintSegments, segments_t::getHash()},
+      {kFingerprintLocated, located_t::getHash()},
       {kFingerprintCan, can_t::getHash()},
       {kFingerprintHeader, header_t::getHash()},
       {kFingerprintTick, tick_t::getHash()},

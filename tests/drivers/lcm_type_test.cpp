@@ -12,6 +12,7 @@
 #include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_fly.hpp"
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -152,6 +153,7 @@ TEST_CASE("the type of every message follows from its struct, member for member 
       {"truth_t", is_committed<rt::TruthSample>("truth_t")},
       {"contacts_t", is_committed<rt::ContactTruth>("contacts_t")},
       {"segments_t", is_committed<rt::SegmentList>("segments_t")},
+      {"located_t", is_committed<rt::LocatedPose>("located_t")},
       {"can_t", is_committed<CanFrame>("can_t")},
       {"custom_t", is_committed<CustomView>("custom_t")},
       {"fields_t", is_committed<FieldsView>("fields_t") && is_committed<FieldsMessage>("fields_t")},

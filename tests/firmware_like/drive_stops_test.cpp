@@ -122,7 +122,8 @@ constexpr double kStill_m = 0.01;  // what suspension and brakes give
 
 TEST_CASE(
     "A robot whose emergency stop was released, or whose drives have power again, stands until it is asked "
-    "anew") {
+    "anew",
+    "[heavy]") {
   const std::string protocol = GENERATE("own", "canopen", "odrive");
   const bool press = GENERATE(true, false);
   const std::string stops = press ? "[{at_s=4.0,what=\"press\"},{at_s=5.5,what=\"release\"}]"

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "rt/segment_list.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
 #include "tests/firmware_like/run_support.hpp"
 
@@ -136,7 +137,7 @@ TEST_CASE("lists of segments tell every birth and end, and features are those of
   rt::Tick away_until = 0;
   options.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
     if (record.tick > 100 && record.tick < away_until) return;
-    while (runtime.vehicle().segment_lists()->take(*list)) {
+    while (runtime.parts().find<firmware::ReportQueue<rt::SegmentList>>()->take(*list)) {
       ++lists;
       wrong += list->events == list->listed_events ? 0u : 1u;
       for (const rt::ListedEvent& event : std::span(list->event, list->listed_events)) {

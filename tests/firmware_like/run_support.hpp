@@ -26,13 +26,7 @@
 
 namespace sortie::testing {
 
-/// Counts heap calls of tasks from now on, as the program itself does. False where the trap does not work.
-inline bool watch_heap() {
-  if (!rt::posix::kHeapTrapAvailable) return false;
-  firmware::set_heap_watch({[](bool on) { on ? rt::posix::heap_trap_arm() : rt::posix::heap_trap_disarm(); },
-                            [] { return rt::posix::heap_trap_calls(); }});
-  return true;
-}
+using firmware::watch_heap;
 
 /// A run of ugv_hall on a virtual clock with a small lidar, so that it costs a fraction of a second.
 inline firmware::LiveRunOutcome run_hall(double seconds, const std::string& record = "",

@@ -17,8 +17,6 @@ using sortie::testing::TempFolder;
 
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
 struct NotifyRig {
   int socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)};
   explicit NotifyRig(const std::string& name) {

@@ -3,8 +3,8 @@
 // sizes.
 #pragma once
 
-#include "hil/plant/reference_solver.hpp"
 #include "plant_scenes.hpp"
+#include "tests/hil/judge/reference_solver.hpp"
 
 namespace sortie::hil {
 

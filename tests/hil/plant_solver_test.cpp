@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The plant's contact solver beside a dense solver over impulses, and its mass matrix beside a sum over
 // points.
-#include "hil/plant/reference_solver.hpp"
 #include "hil/random.hpp"
 #include "plant_bench.hpp"
+#include "tests/hil/judge/reference_solver.hpp"
 
 using namespace sortie;
 using namespace sortie::hil;

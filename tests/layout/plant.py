@@ -56,6 +56,7 @@ FAULTS = {
         ("planner/plan.cpp", '#include "firmware_like/scene/profile.hpp"\n', "planner may not include firmware_like"),
         ("firmware_like/robots/robot.cpp", '#include "hil/plant.hpp"\n', "firmware_like/robots may not include hil"),
         ("rt/base.hpp", "#include <Eigen/Core>\n", "rt may not see Eigen"),
+        ("hil/plant.cpp", "#include <Eigen/Core>\n", "hil may not see Eigen"),
         ("rt/base.hpp", "#include <thread>\n", "rt/base.hpp:8: rt may not see the operating system"),
         ("rt/base.cpp", '#include "rt/posix/clock.hpp"\n', "rt may not include rt/posix"),
         ("estimators/filter.hpp", '#include "rt/posix/clock.hpp"\n', "estimators may not include rt/posix"),

@@ -66,7 +66,7 @@ void check_located(const mapping::Located& l, std::uint64_t scans) {
   CHECK(l.counts.in == scans);
   CHECK(l.counts.in == l.counts.first + l.counts.accepted + l.counts.few_returns + l.counts.little_share +
                            l.counts.crossed + l.counts.ambiguous + l.counts.far_from_prior + l.counts.unheld +
-                           l.counts.new_place);
+                           l.counts.new_place + l.counts.unplaced_on_map);
   CHECK(l.counts.recovered <= l.counts.accepted);
   CHECK(l.verdict != LocateVerdict::none);
   CHECK(std::string(mapping::to_string(l.verdict)) != "unknown");
@@ -297,7 +297,8 @@ TEST_CASE("A locator makes no heap call after construction, also when it is lost
 TEST_CASE("A registration that may have next to no surfels does as one that has the fewest") {
   testing::Draws draws(8);
   const LocatorDrive drive(draws, 4);
-  testing::OwnedRegistration fewest({}, 256u), owned({}, 1u);
+  testing::OwnedRegistration fewest({}, mapping::RegistrationMemory{256}),
+      owned({}, mapping::RegistrationMemory{1});
   REQUIRE(owned.arena.refused() == 0);
   for (std::size_t tick = 0; tick < drive.scans.size(); ++tick) {
     mapping::PosePrior prior;

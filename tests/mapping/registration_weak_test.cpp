@@ -178,7 +178,8 @@ void judge_weak(const WeakShape& shape, double scale, double noise_rad, testing:
 }
 }  // namespace
 
-TEST_CASE("The weak directions of a shape are those that slide it along itself, however it is turned") {
+TEST_CASE("The weak directions of a shape are those that slide it along itself, however it is turned",
+          "[heavy]") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);

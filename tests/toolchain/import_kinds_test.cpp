@@ -120,6 +120,33 @@ TEST_CASE("recorded scans keep pose, points and intensity") {
   CHECK(log.header.initial_p[0] == 1.0);
 }
 
+TEST_CASE("scans without their poses keep points and stamps, and the poses become truth") {
+  const TempFolder folder;
+  ImportOptions options{"rls", folder.write("a.rls", rls_file(3)), folder.file("out.lcm")};
+  options.no_poses = true;
+  const Outcome outcome = run(options);
+  REQUIRE(outcome.error.empty());
+  CHECK(outcome.report.truth == 3);
+  const Log log = read_log(folder.file("out.lcm"));
+  REQUIRE(log.scans.size() == 3);
+  REQUIRE(log.truth.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(log.scans[k].flags == 0);
+    CHECK(log.scans[k].stamp_ns == log.truth[k].stamp_ns);
+    for (int i = 0; i < 3; ++i) CHECK(log.scans[k].p_world_sensor_m[i] == 0.0);
+    CHECK(log.scans[k].q_world_sensor[0] == 1.0);
+    CHECK(log.points[k].size() == 2);
+    CHECK(log.truth[k].p_world_body_m[2] == 3.0);
+    CHECK(rt::yaw_of(rt::to_quaternion(log.truth[k].q_world_body)) == Approx(std::acos(0.0)));
+    CHECK(log.truth[k].flags == (rt::kTruthPosition | rt::kTruthHeight | rt::kTruthOrientation));
+  }
+  std::filesystem::remove(folder.file("out.lcm"));
+  options.kind = "broad";
+  const Outcome wrong = run(options);
+  CHECK(wrong.exit_code == 2);
+  CHECK(wrong.error.find("--no-poses is for kind rls") != std::string::npos);
+}
+
 TEST_CASE("damaged scan files: a bad pose is dropped, a cut tail is told, lengths are not trusted",
           "[heavy]") {
   const TempFolder folder;

@@ -2,6 +2,8 @@
 // The recorded data sets: what must come out of them, judged by a dead reckoning written here again.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <map>
 
 #include "rt/rotation.hpp"
 #include "tests/toolchain/import_support.hpp"
@@ -102,6 +104,133 @@ TEST_CASE("the recorded plaza run imports, and dead reckoning on it comes within
   CHECK(errors["ate_rmse_m"] <= 2.0);
   CHECK(errors["ate_max_m"] == Approx(4.45).margin(0.05));
   CHECK(log.tracks.back().left_m == Approx(1861.28).margin(0.05));
+}
+
+namespace {
+
+/// What a CARMEN log holds, read here again by other means.
+struct CarmenTwin {
+  struct Driven {
+    double way_m, heading_rad;
+  };
+  std::multimap<std::int64_t, Driven> at;               // by the stamp in us
+  std::multimap<std::int64_t, std::size_t> below_50_m;  // readings of a scan, by its stamp in us
+  std::uint64_t readings{}, odometry_rows{};
+  double x_m{}, y_m{}, path_m{};
+};
+
+CarmenTwin read_carmen(const std::string& path) {
+  CarmenTwin twin;
+  std::ifstream file(path);
+  double way = 0.0;
+  double last_heading = 0.0;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string name;
+    words >> name;
+    if (name == "ODOM") {
+      double x = 0.0, y = 0.0, heading = 0.0, skipped = 0.0, stamp_s = 0.0;
+      words >> x >> y >> heading >> skipped >> skipped >> skipped >> stamp_s;
+      if (twin.odometry_rows++ > 0) {
+        const double middle =
+            last_heading + 0.5 * std::remainder(heading - last_heading, 2.0 * std::acos(-1.0));
+        const double dx = x - twin.x_m;
+        const double dy = y - twin.y_m;
+        const bool back = dx * std::cos(middle) + dy * std::sin(middle) < 0.0;
+        way += back ? -std::hypot(dx, dy) : std::hypot(dx, dy);
+        twin.path_m += std::hypot(dx, dy);
+      }
+      twin.x_m = x;
+      twin.y_m = y;
+      last_heading = heading;
+      twin.at.insert({std::llround(stamp_s * 1e6), {way, heading}});
+    } else if (name == "FLASER") {
+      std::size_t count = 0;
+      words >> count;
+      std::size_t below = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        double range = 0.0;
+        words >> range;
+        if (range < 50.0) ++below;
+      }
+      twin.readings += count;
+      double skipped = 0.0, stamp_s = 0.0;
+      for (int i = 0; i < 6; ++i) words >> skipped;
+      words >> stamp_s;
+      twin.below_50_m.insert({std::llround(stamp_s * 1e6), below});
+    }
+  }
+  return twin;
+}
+
+/// The log against the file: rows and points, and at each track sample way and heading of the file's row.
+/// Then how far from the file's end reckoning ends.
+void check_carmen(const std::string& name, std::uint64_t scans, std::uint64_t odometry, std::uint64_t told,
+                  std::uint64_t backwards) {
+  const TempFolder folder;
+  const Outcome outcome = run("carmen", data("radish_2d/" + name), folder.file("out.lcm"), true);
+  REQUIRE(outcome.error.empty());
+  const CarmenTwin twin = read_carmen(data("radish_2d/" + name));
+  CHECK(twin.odometry_rows == odometry);
+  CHECK(outcome.report.rows == scans + odometry);
+  CHECK(outcome.report.scans == scans);
+  CHECK(outcome.report.tracks == told);
+  CHECK(outcome.report.time_backwards == backwards);
+  CHECK(outcome.report.returns.in == twin.readings);
+  const Log log = read_log(folder.file("out.lcm"));
+  CHECK(std::is_sorted(log.receipts_us.begin(), log.receipts_us.end()));
+  REQUIRE(log.points.size() == twin.below_50_m.size());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < log.points.size(); ++i) {
+    const auto rows = twin.below_50_m.equal_range((log.scans[i].stamp_ns + 500) / 1000);
+    const bool found = std::any_of(rows.first, rows.second,
+                                   [&](const auto& row) { return row.second == log.points[i].size(); });
+    wrong += found ? 0u : 1u;
+  }
+  CHECK(wrong == 0);
+  const std::vector<ReckonedPose> poses = reckon(log);
+  wrong = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto rows = twin.at.equal_range((poses[i].stamp_ns + 500) / 1000);
+    const bool found = std::any_of(rows.first, rows.second, [&](const auto& row) {
+      return std::fabs(row.second.way_m - log.tracks[i].left_m) < 1e-6 &&
+             std::fabs(rt::wrap_angle(row.second.heading_rad - rt::yaw_of(poses[i].q))) < 1e-6;
+    });
+    wrong += found ? 0u : 1u;
+    if (i > 0) wrong += poses[i].stamp_ns > poses[i - 1].stamp_ns ? 0u : 1u;
+  }
+  CHECK(wrong == 0);
+  CHECK(std::hypot(poses.back().p_m.x - twin.x_m, poses.back().p_m.y - twin.y_m) < 0.003 * twin.path_m);
+}
+
+}  // namespace
+
+TEST_CASE("the recorded aces drive imports, and reckoning on it ends where its odometry does", "[heavy]") {
+  if (absent(data("radish_2d/aces.clf"))) return;
+  check_carmen("aces.clf", 7374, 7375, 7374, 0);  // one stamp comes twice
+}
+
+TEST_CASE("the recorded intel drive imports although its stamps run back", "[heavy]") {
+  if (absent(data("radish_2d/intel.clf"))) return;
+  check_carmen("intel.clf", 13631, 26915, 9998, 602 + 631);
+}
+
+TEST_CASE("the recorded sweep imports with a time for each point", "[heavy]") {
+  if (absent(data("tradr_robot/tradr_os0_128.swp"))) return;
+  const TempFolder folder;
+  const Outcome outcome = run("swp", data("tradr_robot/tradr_os0_128.swp"), folder.file("out.lcm"), true);
+  REQUIRE(outcome.error.empty());
+  CHECK(outcome.report.returns.used == 94680);
+  CHECK(outcome.report.returns.no_return == 36392);
+  const Log log = read_log(folder.file("out.lcm"));
+  REQUIRE(log.scans.size() == 1);
+  CHECK(log.scans[0].stamp_ns == 99'850'579);
+  CHECK(log.points[0].front().age_10us == 9985);
+  CHECK(log.points[0].back().age_10us == 0);
+  std::vector<std::uint16_t> ages;
+  for (const rt::ScanPoint& point : log.points[0])
+    if (ages.empty() || ages.back() != point.age_10us) ages.push_back(point.age_10us);
+  CHECK(ages.size() <= 1024);  // sorted by time: one change a column
 }
 
 TEST_CASE("all recorded scans and trials import", "[heavy]") {

@@ -227,7 +227,7 @@ TEST_CASE("missing files, wrong kinds and unknown kinds are named with a cure") 
   fails("rls", folder.path(), 3, "holds no *.rls");
   fails("broad", folder.write("y.imu", "RLS1xxxx"), 3, "does not begin with 'IMU1'");
   fails("plaza", folder.path(), 3, "holds no *_DR.txt");
-  fails("foo", folder.path(), 2, "husky, plaza, broad or rls");
+  fails("foo", folder.path(), 2, "husky, plaza, broad, rls, carmen or swp");
   fails("husky", folder.write("z_imu.csv", "a,b,c\n1,2,3\n"), 3,
         "z_imu.csv:1: is not the IMU file of a husky set");
   fails("husky", folder.path(), 2, "2 husky data sets");

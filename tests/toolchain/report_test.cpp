@@ -275,3 +275,21 @@ TEST_CASE("a report of almost nothing is still a page") {
   write_report(folder.file("report.html"), render_report(in));
   CHECK(sortie::testing::read_all(folder.file("report.html")) == render_report(in));
 }
+
+TEST_CASE("the path on the robot's own map is a third line, and stands alone where there is no odometry") {
+  ReportInput in = example_report();
+  CHECK(render_report(in).find(">located<") == std::string::npos);
+  in.located = circle(700, 5.05, rt::kTruthPosition | rt::kTruthHeight);
+  const std::string page = render_report(in);
+  CHECK(xml_fault(page) == "");
+  for (const char* name : {">truth<", ">odometry<", ">located<"}) {
+    INFO(name);
+    CHECK(count(page, name) == 2);  // from above and from the side
+  }
+  in.estimate.clear();
+  const std::string alone = render_report(in);
+  CHECK(count(alone, ">located<") == 2);
+  CHECK(count(alone, ">odometry<") == 0);
+  CHECK(count(alone, ">estimate<") == 0);
+  CHECK(plot_top({{}, in.truth, in.located}).series.size() == 4);  // two paths, start, end
+}

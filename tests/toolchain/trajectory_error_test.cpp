@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <random>
 
+#include "firmware_like/result/results.hpp"
 #include "tests/toolchain/trajectory_poses.hpp"
 #include "tests/toolchain/tum_reader.hpp"
 #include "toolchain/import/text_file.hpp"
@@ -158,4 +159,33 @@ TEST_CASE("a recorded flight has the published error") {
   CHECK(e.errors.at("ate_n") == 797);
   CHECK(e.errors.at("ate_rmse_m") == Approx(0.0916).margin(5e-5));
   CHECK(e.errors.at("distance_m") == Approx(75.9).margin(0.5));
+}
+
+TEST_CASE("two paths of a run are judged by one truth, each by its own name") {
+  struct Outcome {
+    Trajectory estimate, located, truth;
+    Results results;
+  } run;
+  for (int i = 0; i < 20; ++i) {
+    run.truth.push_back(pose(i, i, 0));
+    run.estimate.push_back(pose(i, i, 0.3));
+    run.located.push_back(pose(i, i, 0.01));
+  }
+  const Evaluation both = judge(run);
+  CHECK(run.results.errors.at("ate_rmse_m") == Approx(0.3));
+  CHECK(run.results.errors.at("located_ate_rmse_m") == Approx(0.01));
+  CHECK(both.located.estimate.size() == 20);
+  run.estimate.clear();
+  const Evaluation alone = judge(run);
+  CHECK(run.results.errors.count("ate_rmse_m") == 0);
+  CHECK(run.results.errors.at("located_ate_max_m") == Approx(0.01));
+  CHECK(alone.series.size() == 20);
+  // What moves one of them to the truth does not move the other.
+  run.estimate = run.truth;
+  for (TimedPose& p : run.located) p.p[0] += 5.0;
+  EvaluationOptions first;
+  first.align = Alignment::first;
+  static_cast<void>(judge(run, first));
+  CHECK(run.results.errors.at("ate_rmse_m") < 1e-9);
+  CHECK(run.results.errors.at("located_ate_rmse_m") < 1e-9);
 }

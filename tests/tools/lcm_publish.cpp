@@ -14,6 +14,7 @@
 #include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_fly.hpp"
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
@@ -145,6 +146,10 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   segments.segments = segments.listed = 1;
   segments.segment[0].id = 7;
   send(publisher, kChannelSegments, [&](auto out, auto& size) { return encode(segments, step, out, size); });
+  rt::LocatedPose located;
+  located.stamp_ns = robot.stamp_ns;
+  located.verdict = rt::LocatedPose::kAccepted;
+  send(publisher, kChannelLocated, [&](auto out, auto& size) { return encode(located, step, out, size); });
   send(publisher, kChannelCan, [&](auto out, auto& size) { return encode(frame, out, size); });
 }
 

@@ -82,22 +82,11 @@ PeerFront campaign_front() {
       "  sortie bench campaign\n"
       "  sortie bench campaign --only attitude --count 100000 --seed 7\n"
       "  sortie bench campaign --replay fault.txt";
-  front.options = {{"--only", std::string(), "One module alone", 0, 0, {}, "MODULE"},
-                   {"--count",
-                    std::uint64_t{1000},
-                    "Sequences of a cheap module; dear ones have a share of it",
-                    1,
-                    1e9,
-                    {},
-                    ""},
-                   {"--seed",
-                    std::optional<std::uint64_t>(),
-                    "Of all sequences; a fresh one unless given",
-                    0,
-                    9e15,
-                    {},
-                    ""},
-                   {"--replay", std::string(), "Run the sequence in this file instead", 0, 0, {}, "FILE"}};
+  front.options = {
+      {"--only", std::string(), "One module alone", 0, 0, {}, "MODULE"},
+      {"--count", std::uint64_t{1000}, "Sequences of a cheap module; dear ones have a share of it", 1, 1e9},
+      {"--seed", std::optional<std::uint64_t>(), "Of all sequences; a fresh one unless given", 0, 9e15},
+      {"--replay", std::string(), "Run the sequence in this file instead", 0, 0, {}, "FILE"}};
   front.has_passes = false;
   front.is_good = all_met;
   front.print = print_campaign;

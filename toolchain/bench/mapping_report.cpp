@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <ostream>
 
 #include "firmware_like/scene/text_format.hpp"
@@ -135,13 +134,12 @@ PeerFront mapping_front() {
       "  sortie bench mapping --out out/mapping\n"
       "  sortie bench mapping --only sweep --json\n"
       "  sortie bench mapping --only peers --every 35 --count";
-  front.options = {
-      {"--stride", 2, "Every n-th point of the recorded scans", 1, 1000000, {}, ""},
-      {"--every", 10, "Scans between two looks at PCL", 1, 1000000, {}, ""},
-      {"--count", false, "Also count the instructions of each step: minutes", 0, 0, {}, ""},
-      {"--only", std::string(), "One part alone", 0, 0, {"peers", "insertion", "normals", "sweep"}, ""},
-      {"--stream", std::string(), "One stream of the sweep alone", 0, 0, {"walk", "dense", "hall"}, ""},
-      {"--file", std::string(), "Another recorded drive (.rls)", 0, 0, {}, "FILE"}};
+  front.options = {{"--stride", 2, "Every n-th point of the recorded scans", 1, 1000000},
+                   {"--every", 10, "Scans between two looks at PCL", 1, 1000000},
+                   {"--count", false, "Also count the instructions of each step: minutes", 0, 0},
+                   choice("--only", "One part alone", {"peers", "insertion", "normals", "sweep"}),
+                   choice("--stream", "One stream of the sweep alone", {"walk", "dense", "hall"}),
+                   {"--file", std::string(), "Another recorded drive (.rls)", 0, 0, {}, "FILE"}};
   front.on_one_line = true;
   front.finish = mark_mapping_fronts;
   front.conditions = mapping_settings;

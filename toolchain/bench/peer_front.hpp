@@ -7,6 +7,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -28,11 +29,17 @@ struct PeerOption {
   std::string name;  ///< --rounds
   std::variant<int, double, std::uint64_t, std::optional<std::uint64_t>, bool, std::string> value;
   std::string about;
-  double low{};                      ///< of a number
-  double high{};                     ///< 0: no bound
-  std::vector<std::string> choices;  ///< of a text; empty: any
-  std::string type;                  ///< what the help calls it, where that is not plain
+  double low{};                        ///< of a number
+  double high{};                       ///< 0: no bound
+  std::vector<std::string> choices{};  ///< of a text; empty: any
+  std::string type{};                  ///< what the help calls it, where that is not plain
 };
+
+/// A text that is one of these, or is not given.
+inline PeerOption choice(const std::string& name, const std::string& about,
+                         std::vector<std::string> choices) {
+  return {name, std::string(), about, 0, 0, std::move(choices)};
+}
 
 /// One such benchmark. What is not said is as usual.
 struct PeerFront {

@@ -45,22 +45,12 @@ PeerFront plant_front() {
       "  sortie bench plant --out out/plant\n"
       "  sortie bench plant --only speed --scene pallet --rounds 11\n"
       "  sortie bench plant --only belt --json";
-  front.options = {{"--rounds", 5, "Rounds of what is timed; each holds slices of all", 1, 10000, {}, ""},
-                   {"--only",
-                    std::string(),
-                    "One part alone",
-                    0,
-                    0,
-                    {"speed", "count", "metrics", "belt", "steps", "depth", "pictures"},
-                    ""},
-                   {"--scene",
-                    std::string(),
-                    "One scene alone",
-                    0,
-                    0,
-                    {"straight", "rotate", "circular", "ramp", "stairs-down", "stand", "pallet",
-                     "back-and-forth", "stairs-up"},
-                    ""}};
+  front.options = {
+      {"--rounds", 5, "Rounds of what is timed; each holds slices of all", 1, 10000},
+      choice("--only", "One part alone", {"speed", "count", "metrics", "belt", "steps", "depth", "pictures"}),
+      choice("--scene", "One scene alone",
+             {"straight", "rotate", "circular", "ramp", "stairs-down", "stand", "pallet", "back-and-forth",
+              "stairs-up"})};
   front.title = "The tracked plant beside ODE";
   front.intro =
       "Ours and the peer's figures come from alternating slices of the same run: **the ratios travel, "

@@ -45,24 +45,18 @@ PeerFront rt_front() {
       "  sortie bench rt\n"
       "  sortie bench rt --load 4 --core 1 --out out/loaded\n"
       "  sortie bench rt --only wake --rounds 5760 --slice 5     # 24 hours";
-  front.options = {
-      {"--rounds", 11, "Rounds of every part; each holds a slice of every peer", 1, 1000000, {}, ""},
-      {"--slice", 1.0, "Seconds of one slice of wake-ups", 0.05, 3600, {}, ""},
-      {"--core",
-       std::optional<std::uint64_t>(),
-       "The core to measure; the last one unless said",
-       0,
-       4095,
-       {},
-       "N"},
-      {"--load", 0, "Busy ordinary processes beside the wake-ups", 0, 1024, {}, ""},
-      {"--only",
-       std::string(),
-       "One part alone",
-       0,
-       0,
-       {"wake", "queue", "count", "mailbox", "executive", "calls", "cause", "load"},
-       ""}};
+  front.options = {{"--rounds", 11, "Rounds of every part; each holds a slice of every peer", 1, 1000000},
+                   {"--slice", 1.0, "Seconds of one slice of wake-ups", 0.05, 3600},
+                   {"--core",
+                    std::optional<std::uint64_t>(),
+                    "The core to measure; the last one unless said",
+                    0,
+                    4095,
+                    {},
+                    "N"},
+                   {"--load", 0, "Busy ordinary processes beside the wake-ups", 0, 1024},
+                   choice("--only", "One part alone",
+                          {"wake", "queue", "count", "mailbox", "executive", "calls", "cause", "load"})};
   front.all_timed = true;
   front.title = "The real-time ground beside its peers";
   front.intro =

@@ -101,13 +101,8 @@ PeerFront stability_front() {
       "  sortie bench stability\n"
       "  sortie bench stability --only planner --json\n"
       "  sortie bench stability --out out/stability";
-  front.options = {{"--only",
-                    std::string(),
-                    "Cases of one part alone",
-                    0,
-                    0,
-                    {"rt", "drivers", "estimators", "mapping", "planner", "hil"},
-                    ""}};
+  front.options = {choice("--only", "Cases of one part alone",
+                          {"rt", "drivers", "estimators", "mapping", "planner", "hil"})};
   front.has_passes = false;
   front.is_good = all_met;
   front.print = print_stability;

@@ -118,15 +118,10 @@ PeerFront uav_front() {
       "  sortie bench uav --only stress --fleet 400\n"
       "  sortie bench uav --only rates --json";
   front.options = {
-      {"--seeds", std::uint64_t{3}, "Seeds of noise, a flight each", 1, 1000, {}, ""},
-      {"--fleet", std::uint64_t{40}, "Vehicles that are drawn", 1, 100000, {}, ""},
-      {"--only",
-       std::string(),
-       "One part alone",
-       0,
-       0,
-       {"peers", "stress", "estimated", "orders", "rates", "plant", "pictures", "paths", "count"},
-       ""}};
+      {"--seeds", std::uint64_t{3}, "Seeds of noise, a flight each", 1, 1000},
+      {"--fleet", std::uint64_t{40}, "Vehicles that are drawn", 1, 100000},
+      choice("--only", "One part alone",
+             {"peers", "stress", "estimated", "orders", "rates", "plant", "pictures", "paths", "count"})};
   front.title = "The multirotor beside its peers";
   front.intro =
       "Flights are simulated and repeat exactly; run times are CPU time of one core and depend on the "

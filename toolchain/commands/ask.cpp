@@ -8,6 +8,33 @@
 
 namespace sortie::toolchain {
 
+namespace {
+
+// Why the robot refused, for people.
+const char* refusal_text(Status status) {
+  switch (status) {
+    case Status::ok:
+      return "it was admitted";
+    case Status::time_repeated:
+      return "somebody else's request overtook it";
+    case Status::malformed:
+      return "its counter was too far ahead";
+    case Status::time_backwards:
+      return "its time is not the robot's: set both clocks (parameters.max_request_age_ms)";
+    case Status::stale:
+      return "it waited too long on the robot's computer, which is too busy";
+    case Status::full:
+      return "more requests came than the robot takes";
+    case Status::not_finite:
+    case Status::out_of_range:
+      return "it asks for what no robot can do";
+    default:
+      return "the robot does not say why";
+  }
+}
+
+}  // namespace
+
 void add_ask_options(firmware::Command& command, AskOptions& options, const firmware::RequestTopic& topic) {
   const bool named = topic.has_task();
   command.add_option("--lcm-url", options.url, "Where the run is heard")->capture_default_str();
@@ -36,6 +63,17 @@ int ask_run(const CommandContext& context, const AskOptions& options, const firm
   if (missing.empty()) return use(client);
   std::cerr << context.parts.name << ": " << missing << "\n";
   return kUnheard;
+}
+
+std::string why_not_admitted(const RequestClient& client, std::int64_t first) {
+  const std::optional<Status> answered = client.answer(first);
+  const std::string whose = client.robot() + ": ";
+  if (!answered) return whose + "no request was answered; is it heard there, and is it busy?";
+  if (*answered != Status::ok) return whose + "the request was refused: " + refusal_text(*answered);
+  if (!client.has_state())
+    return whose + "the request was admitted, but the " + std::string(client.topic().task) +
+           " does not say what it does";
+  return {};
 }
 
 std::chrono::milliseconds ms_of(double seconds) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the commands share that ask a live run for something: their options, finding the run, and asking until
-// it is so.
+// What the commands share that ask a live run for something: their options, and finding the run.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -40,41 +38,14 @@ void add_ask_options(firmware::Command& command, AskOptions& options, const firm
 int ask_run(const CommandContext& context, const AskOptions& options, const firmware::RequestTopic& topic,
             const std::function<int(RequestClient&)>& use);
 
+/// Why it cannot be told what the robot makes of the requests from `first` on, for people; empty where it
+/// can.
+std::string why_not_admitted(const RequestClient& client, std::int64_t first);
+
 /// Of seconds, rounded.
 std::chrono::milliseconds ms_of(double seconds);
 
 /// Well within a drive's max_command_age_ms.
 inline constexpr std::chrono::milliseconds kRepeat{100};
-
-/// Asks again after each `pause` until `enough(first)`, at most so long; `first`: counter of the first of
-/// these requests. Returns that.
-template <class Message, class Enough>
-std::int64_t repeat(RequestClient& client, const Message& request, std::chrono::milliseconds pause,
-                    std::chrono::milliseconds most, Enough enough) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + most;
-  const std::int64_t first = client.ask(request);
-  while (true) {
-    const auto next = std::min(end, Clock::now() + pause);
-    while (Clock::now() < next) {
-      static_cast<void>(
-          client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now())));
-      if (enough(first)) return first;
-    }
-    if (Clock::now() >= end) return first;
-    client.ask(request);
-  }
-}
-
-/// Listens until `enough()`, at most until then. True when it was enough.
-template <class Enough>
-bool listen_until(RequestClient& client, std::chrono::steady_clock::time_point end, Enough enough) {
-  while (!enough()) {
-    const auto left = end - std::chrono::steady_clock::now();
-    if (left.count() <= 0) return false;
-    static_cast<void>(client.listen(std::chrono::duration_cast<std::chrono::milliseconds>(left)));
-  }
-  return true;
-}
 
 }  // namespace sortie::toolchain

@@ -31,11 +31,8 @@ struct DriveOptions : AskOptions {
 
 std::string stop_names(std::uint32_t stop) {
   std::string names;
-  std::uint32_t bit = 1;
-  rt::for_each_scalar(planner::DriveStopCounters{}, [&](const char* name, int, auto) {
-    if ((stop & bit) != 0) names += (names.empty() ? "" : ", ") + std::string(name);
-    bit <<= 1;
-  });
+  planner::for_each_drive_stop(
+      stop, [&](const char* name) { names += (names.empty() ? "" : ", ") + std::string(name); });
   return names;
 }
 
@@ -120,7 +117,7 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
   const std::string whose = client.robot() + ": ";
   if (!client.answer(first) && what == "halt" && is_halted(client))
     return whose + "it says that it is halted, but not that it has this request";
-  if (const std::string why = client.why_not_admitted(first); !why.empty()) return why;
+  if (const std::string why = why_not_admitted(client, first); !why.empty()) return why;
   if (what == "emergency")
     return whose + "the request was admitted, but the drive does not say that it is stopped";
   if (what == "emergency-end") return whose + "the request was admitted, but the emergency stop still holds";
@@ -143,11 +140,11 @@ bool go(const CommandContext& context, const DriveOptions& options, RequestClien
   wish.turn_rad_s = options.turn_rad_s;
   wish.flags |= static_cast<std::int32_t>(rt::kDriveAnew);
   // After a go that was cut off the robot still holds its flag: anew is what comes behind one without it.
-  repeat(client, rest, kRepeat, kRepeat, [](std::int64_t) { return false; });
+  client.repeat(rest, kRepeat, kRepeat, [](std::int64_t) { return false; });
   bool done = false;
   const auto patience = Clock::now() + ms_of(options.seconds);
-  const std::int64_t first = repeat(
-      client, wish, kRepeat, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
+  const std::int64_t first = client.repeat(
+      wish, kRepeat, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
         done = done || is_done(client, options.what, from);
         return firmware::StopSignals::asked() || (!done && Clock::now() > patience);
       });
@@ -155,8 +152,9 @@ bool go(const CommandContext& context, const DriveOptions& options, RequestClien
   if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
   // The robot is never left driving: a request may have been taken although its answer was not heard. That
   // these are taken says nothing of those before. The next go is anew again.
-  repeat(client, rest, kRepeat, done ? ms_of(options.seconds) : 5 * kRepeat,
-         [&](std::int64_t from) { return is_done(client, options.what, from) && words_of(client).stands(); });
+  client.repeat(rest, kRepeat, done ? ms_of(options.seconds) : 5 * kRepeat, [&](std::int64_t from) {
+    return is_done(client, options.what, from) && words_of(client).stands();
+  });
   return done;
 }
 
@@ -172,7 +170,7 @@ int run_drive(const CommandContext& context, const DriveOptions& options) {
       done = go(context, options, client, request);
     } else {
       const std::int64_t first =
-          repeat(client, request, kRepeat, ms_of(options.seconds), [&](std::int64_t from) {
+          client.repeat(request, kRepeat, ms_of(options.seconds), [&](std::int64_t from) {
             done = is_done(client, options.what, from);
             return done || firmware::StopSignals::asked();
           });

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -12,6 +11,7 @@
 #include "firmware_like/scene/profile.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "toolchain/commands/commands.hpp"
+#include "toolchain/commands/export_maps.hpp"
 #include "toolchain/export/candump.hpp"
 #include "toolchain/export/chrome_trace.hpp"
 #include "toolchain/export/contacts_csv.hpp"
@@ -19,7 +19,6 @@
 #include "toolchain/export/flight_jobs.hpp"
 #include "toolchain/export/flight_map.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/export/ply.hpp"
 #include "toolchain/export/sensor_truth_csv.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/report/release_plots.hpp"
@@ -45,18 +44,13 @@ void export_tum(const CommandContext& context, const ExportOptions& options, con
     write_tum(out, log.truth());
     return;
   }
-  write_tum(out, firmware::replay(log, context.parts.vehicles, options.replay).estimate);
-}
-
-void export_ply(const CommandContext& context, const ExportOptions& options, const LogFile& log,
-                std::ostream& out) {
   const firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
-  std::vector<CloudPoint> points;
-  outcome.runtime->vehicle().for_each_voxel(
-      [&points](const firmware::VoxelOnMap& voxel) { points.push_back(to_cloud_point(voxel)); });
-  if (points.empty())
-    throw InputError(options.log + ": this scene keeps no map; export ply needs a scene with task map", 2);
-  write_ply(out, points);
+  const bool on_map = options.task == "locate";
+  if (on_map && outcome.located.empty())
+    throw InputError(options.log + ": this scene has no task locate; choose one that has, or --task odometry",
+                     2);
+  // A scene without odometry has no other path.
+  write_tum(out, on_map || outcome.estimate.empty() ? outcome.located : outcome.estimate);
 }
 
 // A scene for another robot, with what this one came to know of its flight map.
@@ -228,9 +222,11 @@ int run(const CommandContext& context, ExportOptions& options) {
     throw InputError(options.log + ": is a flight ring, and holds no samples; export jobs, trace or latency",
                      2);
   const LogFile log(options.log);
+  const auto replayed = [&] { return firmware::replay(log, context.parts.vehicles, options.replay); };
   write_file(options.path, [&](std::ostream& out) {
     if (options.kind == "tum") export_tum(context, options, log, out);
-    if (options.kind == "ply") export_ply(context, options, log, out);
+    if (options.kind == "ply") export_ply(replayed(), log.path(), out);
+    if (options.kind == "surfels") export_surfels(replayed(), log.path(), out);
     if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
     if (options.kind == "candump") export_candump(log, out);
@@ -252,19 +248,22 @@ void add_export(firmware::Command& app, CommandContext& context) {
   command->footer(
       "Kinds: tum (evo), ply (MeshLab, CloudCompare), csv (PlotJuggler, pandas), candump (can-utils), trace "
       "(ui.perfetto.dev), latency (SVG), jobs (text),\n"
+      "surfels (the map of surfaces of part locate, for `run --map`),\n"
       "flight_map (a scene with the map that the robot made, for a multirotor)\n"
       "trace, latency and jobs also read the flight ring of a run that died.\n"
       "Examples:\n"
       "  sortie export tum hall.lcm -o hall.tum\n"
+      "  sortie export tum walk.lcm --scene lidar_walk --task locate -o walk.tum\n"
       "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
       "  sortie export csv pallet.lcm --task truth_contacts -o contacts.csv\n"
+      "  sortie export surfels ugv.lcm -o hall.surfels\n"
       "  sortie export flight_map ugv.lcm --for uav_rescue -o uav.toml\n"
       "  sortie export trace hall.lcm -o hall.trace.json\n"
       "  sortie export latency hall.lcm -o latency.svg\n"
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
   command->add_option("kind", options->kind, "What to write")
       ->required()
-      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "flight_map"});
+      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "surfels", "flight_map"});
   command->add_option("log", options->log, "LCM log, or a flight ring")->required();
   command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
   command->add_option("-o,--output", options->path, "File; - is standard output")
@@ -273,12 +272,13 @@ void add_export(firmware::Command& app, CommandContext& context) {
   command
       ->add_option("--task", options->task,
                    "csv: whose output, or truth_contacts, truth_flippers, truth_sensors; tum: `truth` writes "
-                   "the reference")
+                   "the reference, `locate` the path on the robot's own map")
       ->capture_default_str();
   command->add_option("--for", options->for_scene, "flight_map: the scene that is to fly by it")
       ->type_name("SCENE");
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");
+  add_map_option(*command, options->replay);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command->callback(

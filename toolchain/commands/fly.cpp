@@ -64,7 +64,7 @@ bool is_flown(const RequestClient& client, const std::string& what, std::int64_t
 }
 
 std::string why_not_flown(const RequestClient& client, std::int64_t first) {
-  if (const std::string why = client.why_not_admitted(first); !why.empty()) return why;
+  if (const std::string why = why_not_admitted(client, first); !why.empty()) return why;
   const auto step = static_cast<std::uint32_t>(step_of(client));
   return client.robot() + ": the request was admitted, but the vehicle is " + step_name(step) +
          (step_of(client) == planner::PilotStep::stopped ? ", which a release ends" : "");
@@ -109,12 +109,12 @@ int run_fly(const CommandContext& context, FlyOptions options) {
     bool done = false;
     // A datagram may be lost, another sender may have come between.
     const std::int64_t first =
-        repeat(client, request, kRepeat, ms_of(options.seconds),
-               [&](std::int64_t from) { return done = is_flown(client, options.what, from); });
+        client.repeat(request, kRepeat, ms_of(options.seconds),
+                      [&](std::int64_t from) { return done = is_flown(client, options.what, from); });
     const auto end = std::chrono::steady_clock::now() + ms_of(options.wait_s);
-    const bool reached = done && options.what == "go" && options.wait_s > 0 && listen_until(client, end, [&] {
-                           return client.has_state() && client.value("reached") > before;
-                         });
+    const bool reached = done && options.what == "go" && options.wait_s > 0 && client.listen_until(end, [&] {
+      return client.has_state() && client.value("reached") > before;
+    });
     if (!done) std::cerr << context.parts.name << ": " << why_not_flown(client, first) << "\n";
     show_pilot(options, client, done, reached);
     return done && (reached || options.wait_s == 0 || options.what != "go") ? kTaken : kNotTaken;

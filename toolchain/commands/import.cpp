@@ -7,6 +7,20 @@
 #include "toolchain/import/importer.hpp"
 
 namespace sortie::toolchain {
+namespace {
+
+firmware::Json to_json(const ReturnCounts& returns) {
+  return {{"in", returns.in},
+          {"used", returns.used},
+          {"no_return", returns.no_return},
+          {"out_of_range", returns.out_of_range},
+          {"not_finite", returns.not_finite},
+          {"time_negative", returns.time_negative},
+          {"time_unsorted", returns.time_unsorted},
+          {"time_beyond", returns.time_beyond}};
+}
+
+}  // namespace
 
 void add_import(firmware::Command& app, CommandContext& context) {
   struct Options {
@@ -20,6 +34,8 @@ void add_import(firmware::Command& app, CommandContext& context) {
       "Examples:\n"
       "  sortie import husky data/husky_skid -o husky.lcm\n"
       "  sortie import rls data/os64.rls -o walk.lcm\n"
+      "  sortie import rls data/os64.rls -o bare.lcm --no-poses\n"
+      "  sortie import carmen data/aces.clf -o aces.lcm\n"
       "  sortie import broad data/trial.imu -o trial.lcm --strict");
   command->add_option("kind", options->import.kind, "What the data set is")
       ->required()
@@ -28,6 +44,12 @@ void add_import(firmware::Command& app, CommandContext& context) {
       ->required();
   command->add_option("-o,--output", options->import.out, "LCM log to write")->required()->type_name("LOG");
   command->add_flag("--strict", options->import.strict, "One bad row is an error");
+  command->add_flag("--no-poses", options->import.no_poses,
+                    "rls: scans without their poses, which become truth alone");
+  command
+      ->add_option("--max-range", options->import.max_range_m,
+                   "carmen: a reading from here on is no return, whatever the log says")
+      ->type_name("M");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([&context, options] {
     context.chosen = [options] {
@@ -40,10 +62,13 @@ void add_import(firmware::Command& app, CommandContext& context) {
                                     {"bad_rows", report.bad_rows},
                                     {"hidden_truth", report.hidden_truth},
                                     {"time_backwards", report.time_backwards},
+                                    {"out_of_order", report.out_of_order},
+                                    {"other_rows", report.other_rows},
                                     {"imu", report.imu},
                                     {"tracks", report.tracks},
                                     {"scans", report.scans},
                                     {"truth", report.truth},
+                                    {"returns", to_json(report.returns)},
                                     {"sources", report.sources},
                                     {"warnings", report.warnings}};
         std::cout << object.dump(2) << "\n";
@@ -51,6 +76,13 @@ void add_import(firmware::Command& app, CommandContext& context) {
         std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
                   << report.tracks << " track, " << report.scans << " scans, " << report.truth
                   << " truth) from " << report.rows << " rows, " << report.bad_rows << " bad rows dropped\n";
+        if (report.returns.in > 0)
+          std::cout << "returns: " << report.returns.used << " of " << report.returns.in << " used, "
+                    << report.returns.no_return + report.returns.out_of_range << " no return, "
+                    << report.returns.not_finite << " not finite, "
+                    << report.returns.time_negative + report.returns.time_unsorted +
+                           report.returns.time_beyond
+                    << " with a time that cannot be\n";
       }
       return 0;
     };

@@ -31,6 +31,7 @@ void add_replay_report_options(firmware::Command& command, ReplayReportOptions& 
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
       ->take_all();
   add_truth_option(command, options.replay.truth);
+  add_map_option(command, options.replay);
   add_span_options(command, options.replay, true);
   add_alignment_option(command, options.align);
   add_calibration_option(command, options.evaluation.calibrate_s);
@@ -64,10 +65,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
   report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
-  report.estimate =
-      evaluation.pairs.estimate.empty() ? std::move(outcome.estimate) : std::move(evaluation.pairs.estimate);
-  report.truth = std::move(evaluation.pairs.truth);
-  report.errors = std::move(evaluation.series);
+  add_paths(report, outcome, evaluation);
   replayed.ground = plot_map(map_points(outcome.runtime->vehicle()), {});
   replayed.damage = outcome.damage;
   replayed.failures = outcome.failures;
@@ -97,6 +95,7 @@ void add_replay(firmware::Command& app, CommandContext& context) {
       "  sortie replay husky.lcm --scene skid_outdoor --align se2 --json\n"
       "  sortie replay drive.lcm --truth plant.lcm\n"
       "  sortie replay hall.lcm --from 60 --to 70\n"
+      "  sortie replay again.lcm --map hall.surfels   # recorded with that map\n"
       "  sortie replay hall.lcm --set map.voxel_m=0.2 --out out/what-if");
   command->add_option("log", options->replay.log, "LCM log from `run --record` or `import`")->required();
   add_replay_report_options(*command, options->replay);

@@ -31,29 +31,6 @@ milliseconds until(Clock::time_point end) {
   return std::chrono::duration_cast<milliseconds>(end - Clock::now());
 }
 
-// Why the robot refused, for people.
-const char* refusal_text(Status status) {
-  switch (status) {
-    case Status::ok:
-      return "it was admitted";
-    case Status::time_repeated:
-      return "somebody else's request overtook it";
-    case Status::malformed:
-      return "its counter was too far ahead";
-    case Status::time_backwards:
-      return "its time is not the robot's: set both clocks (parameters.max_request_age_ms)";
-    case Status::stale:
-      return "it waited too long on the robot's computer, which is too busy";
-    case Status::full:
-      return "more requests came than the robot takes";
-    case Status::not_finite:
-    case Status::out_of_range:
-      return "it asks for what no robot can do";
-    default:
-      return "the robot does not say why";
-  }
-}
-
 }  // namespace
 
 drivers::LcmPublisherConfig request_publisher(const std::string& url) {
@@ -243,6 +220,56 @@ void RequestClient::count_on() {
   counter_ = std::max(counter_, heard_.counter) + (overtaken ? kOvertake : 1);
 }
 
+template <class Message>
+std::int64_t RequestClient::ask(Message request) {
+  if (topic_.has_task() || counter_ <= heard_.counter) count_on();
+  request.utime = utc_us();
+  request.session = heard_.session;
+  request.sender = sender_;
+  request.counter = counter_;
+  // What the network does not take is asked for again: whoever asks repeats itself.
+  static_cast<void>(publisher_.publish_encoded(firmware::RequestKind<Message>::kTopic.channel,
+                                               [&](std::span<std::uint8_t> out, std::size_t& size) {
+                                                 return drivers::encode(request, key(), out, size);
+                                               }));
+  ++sent_;
+  return counter_;
+}
+
+template <class Message>
+std::int64_t RequestClient::repeat(const Message& request, milliseconds pause, milliseconds most,
+                                   const std::function<bool(std::int64_t first)>& enough) {
+  const auto end = Clock::now() + most;
+  const std::int64_t first = ask(request);
+  while (true) {
+    const auto next = std::min(end, Clock::now() + pause);
+    while (Clock::now() < next) {
+      static_cast<void>(listen(until(next)));
+      if (enough(first)) return first;
+    }
+    if (Clock::now() >= end) return first;
+    ask(request);
+  }
+}
+
+template std::int64_t RequestClient::ask(drivers::DriveRequestMessage);
+template std::int64_t RequestClient::ask(drivers::FlyRequestMessage);
+template std::int64_t RequestClient::ask(drivers::SetParameter);
+template std::int64_t RequestClient::repeat(const drivers::DriveRequestMessage&, milliseconds, milliseconds,
+                                            const std::function<bool(std::int64_t)>&);
+template std::int64_t RequestClient::repeat(const drivers::FlyRequestMessage&, milliseconds, milliseconds,
+                                            const std::function<bool(std::int64_t)>&);
+template std::int64_t RequestClient::repeat(const drivers::SetParameter&, milliseconds, milliseconds,
+                                            const std::function<bool(std::int64_t)>&);
+
+bool RequestClient::listen_until(Clock::time_point end, const std::function<bool()>& enough) {
+  while (!enough()) {
+    if (Clock::now() >= end) return false;
+    static_cast<void>(listen(until(end)));
+  }
+  return true;
+}
+
 std::optional<Status> RequestClient::answer(std::int64_t first) const {
   std::optional<Status> found;
   std::int64_t newest = first - 1;
@@ -252,17 +279,6 @@ std::optional<Status> RequestClient::answer(std::int64_t first) const {
     found = static_cast<Status>(answer.status);
   }
   return found;
-}
-
-std::string RequestClient::why_not_admitted(std::int64_t first) const {
-  const std::optional<Status> answered = answer(first);
-  const std::string whose = robot() + ": ";
-  if (!answered) return whose + "no request was answered; is it heard there, and is it busy?";
-  if (*answered != Status::ok) return whose + "the request was refused: " + refusal_text(*answered);
-  if (!has_state())
-    return whose + "the request was admitted, but the " + std::string(topic_.task) +
-           " does not say what it does";
-  return {};
 }
 
 double RequestClient::value(const std::string& name) const {

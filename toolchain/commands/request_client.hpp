@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -33,6 +34,7 @@ class RequestClient {
   /// only one there is; at most so long. Empty, or what is missing. Throws ProfileError when the right one
   /// cannot be told, or the secret is not its.
   std::string find(const std::string& whom, std::chrono::milliseconds most);
+  const firmware::RequestTopic& topic() const { return topic_; }
   /// Name of the robot that was found; of parameters its session, as digits.
   const std::string& robot() const { return heard_.robot; }
   /// What the run said of its parameters; of a task nothing.
@@ -44,27 +46,19 @@ class RequestClient {
   /// are this one's to fill in. A change is made once: it keeps its counter while none was taken since.
   /// Returns the counter.
   template <class Message>
-  std::int64_t ask(Message request) {
-    if (topic_.has_task() || counter_ <= heard_.counter) count_on();
-    request.utime = utc_us();
-    request.session = heard_.session;
-    request.sender = sender_;
-    request.counter = counter_;
-    // What the network does not take is asked for again: whoever asks repeats itself.
-    static_cast<void>(publisher_.publish_encoded(firmware::RequestKind<Message>::kTopic.channel,
-                                                 [&](std::span<std::uint8_t> out, std::size_t& size) {
-                                                   return drivers::encode(request, key(), out, size);
-                                                 }));
-    ++sent_;
-    return counter_;
-  }
+  std::int64_t ask(Message request);
+  /// Asks again after each `pause` until `enough(first)`, at most so long; `first`: counter of the first of
+  /// these requests. Returns that.
+  template <class Message>
+  std::int64_t repeat(const Message& request, std::chrono::milliseconds pause, std::chrono::milliseconds most,
+                      const std::function<bool(std::int64_t first)>& enough);
+  /// Listens until `enough()`, at most until then. True when it was enough.
+  bool listen_until(std::chrono::steady_clock::time_point end, const std::function<bool()>& enough);
   /// What the run has answered to the newest of this client's requests from `first` on; nothing yet
   /// otherwise.
   std::optional<Status> answer(std::int64_t first) const;
   /// True when one of them was admitted.
   bool is_admitted(std::int64_t first) const { return answer(first) == Status::ok; }
-  /// Why it cannot be told what the robot makes of them, for people; empty where it can.
-  std::string why_not_admitted(std::int64_t first) const;
   /// A value of the task's output, or of a parameter, as the newest message has it; 0 when it is not in it.
   double value(const std::string& name) const;
   /// True when the newest message tells the task's state at all.

@@ -34,17 +34,15 @@ int run(const CommandContext& context, RunOptions& options) {
   options.live.interrupted = &firmware::StopSignals::asked();
   firmware::LiveRunOutcome outcome =
       firmware::run_live(context.parts.vehicles, context.parts.simulator, options.live);
-  const Evaluation evaluation = judge(outcome, judging);
+  Evaluation evaluation = judge(outcome, judging);
   ReportInput report;
   report.results = outcome.results;
   report.command = context.command_line;
   report.source = outcome.robot;
   report.alignment = options.align;
-  report.estimate = evaluation.pairs.estimate.empty() ? outcome.estimate : evaluation.pairs.estimate;
-  report.truth = evaluation.pairs.truth;
-  report.errors = evaluation.series;
   add_contact_plots(report, outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
+  add_paths(report, outcome, evaluation);
   // What the gate asks for and the run did not measure is told after its results, which are there.
   std::vector<std::string> failures = outcome.failures;
   std::optional<firmware::ProfileError> unanswered;
@@ -76,6 +74,7 @@ void add_run(firmware::Command& app, CommandContext& context) {
       "  sortie run --scene ugv_hall --record hall.lcm --gate latency.toml   # exit 1: a bound is broken\n"
       "  sortie run --scene ugv_hall --plant own --record hall.lcm   # beside: sortie plant --scene "
       "ugv_hall\n"
+      "  sortie run --scene ugv_locate --map hall.surfels   # of `sortie export surfels`\n"
       "  sortie run --scene ugv_hall --can can0 --require-rt");
   firmware::add_live_options(*command, options->live);
   add_gate_option(*command, options->gate);

@@ -38,8 +38,14 @@ struct SceneLine {
   firmware::BusCheck bus;
 };
 
-SceneLine measure(const CommandContext& context, const std::string& scene) {
-  const Runtime runtime(firmware::load_scene(scene), context.parts.vehicles, {});
+// What every view of a scene is made with.
+struct SceneView {
+  std::vector<std::string> overrides;  // key=value of the whole scene
+  bool json{};
+};
+
+SceneLine measure(const CommandContext& context, const std::string& scene, const SceneView& view) {
+  const Runtime runtime(firmware::load_scene(scene, view.overrides), context.parts.vehicles, {});
   SceneLine line{runtime.profile().name(),
                  runtime.profile().vehicle(),
                  runtime.profile().about(),
@@ -84,14 +90,16 @@ std::vector<std::string> runnable_scenes(const CommandContext& context) {
 }
 
 // `tables`: show each scene's groups and chains as well.
-int list(const CommandContext& context, const std::vector<std::string>& scenes, bool tables, bool json) {
+int list(const CommandContext& context, const std::vector<std::string>& scenes, bool tables,
+         const SceneView& view) {
+  const bool json = view.json;
   firmware::Json rows = firmware::Json::array();
   if (!json)
     std::printf("%-14s %-8s %10s %14s  %-28s %s\n", "scene", "vehicle", "memory", "budget/tick", "tasks",
                 "what for");
   std::ostringstream more;
   for (const std::string& scene : scenes) {
-    const SceneLine line = measure(context, scene);
+    const SceneLine line = measure(context, scene, view);
     if (json) {
       rows.push_back({{"scene", line.name},
                       {"vehicle", line.vehicle},
@@ -125,11 +133,13 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
   return 0;
 }
 
-int show_keys(const CommandContext& context, const std::string& scene, bool json) {
-  firmware::Profile for_robot = firmware::load_scene(scene);
-  if (context.parts.simulator)
-    static_cast<void>(context.parts.simulator(for_robot, nullptr));  // declares its keys
-  const Runtime runtime(firmware::load_scene(scene), context.parts.vehicles, {});
+int show_keys(const CommandContext& context, const std::string& scene, const SceneView& view) {
+  const bool json = view.json;
+  firmware::Profile for_robot = firmware::load_scene(scene, view.overrides);
+  // A simulated robot declares its keys.
+  if (context.parts.simulator && context.parts.simulator(for_robot, nullptr))
+    for_robot.refuse_unknown_keys("hil");
+  const Runtime runtime(firmware::load_scene(scene, view.overrides), context.parts.vehicles, {});
   std::vector<firmware::ProfileKey> keys = runtime.profile().keys();
   for (const firmware::ProfileKey& key : for_robot.keys()) {
     if (key.path.rfind("hil.", 0) == 0) keys.push_back(key);
@@ -154,8 +164,9 @@ int show_keys(const CommandContext& context, const std::string& scene, bool json
   return 0;
 }
 
-int show_memory(const CommandContext& context, const std::string& scene, bool json) {
-  const Runtime runtime(firmware::load_scene(scene), context.parts.vehicles, {});
+int show_memory(const CommandContext& context, const std::string& scene, const SceneView& view) {
+  const bool json = view.json;
+  const Runtime runtime(firmware::load_scene(scene, view.overrides), context.parts.vehicles, {});
   firmware::Json rows = firmware::Json::array();
   for (const firmware::PoolResult& pool : runtime.memory_plan()) {
     if (json) {
@@ -182,7 +193,7 @@ struct CostLine {
 
 // One object or table for each scene; without names, the scenes for real uses that have a simulated robot.
 int show_costs(const CommandContext& context, std::vector<std::string> scenes, const CostLine& line,
-               bool json) {
+               const SceneView& view) {
   if (scenes.empty()) {
     for (const std::string& name : runnable_scenes(context)) {
       const firmware::Profile profile = firmware::load_scene(name);
@@ -193,14 +204,15 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
   for (const std::string& scene : scenes) {
     SceneCostOptions options = line.cost;
     options.scene = scene;
+    options.overrides = view.overrides;
     const SceneCosts costs = measure_scene_cost(context.parts.vehicles, context.parts.simulator, options);
-    if (json) {
+    if (view.json) {
       rows.push_back(to_json(costs));
     } else {
       std::cout << scene_cost_table(costs) << "\n";
     }
   }
-  if (json) std::cout << firmware::Json{{"costs", rows}}.dump(2) << "\n";
+  if (view.json) std::cout << firmware::Json{{"costs", rows}}.dump(2) << "\n";
   return 0;
 }
 
@@ -211,7 +223,6 @@ void add_costs(firmware::Command& command, CostLine& line) {
       "Run each scene with one part left out at a time: what that saves, and what it costs in error");
   command.add_option("--log", line.cost.log, "With --cost: over this recorded log, not a simulated drive")
       ->type_name("LOG");
-  command.add_option("--set", line.cost.overrides, "With --cost: key=value of the whole scene")->take_all();
   command.add_option("--seconds", line.cost.seconds, "With --cost: length of the simulated drive")
       ->in_range(0.1, 1e5)
       ->capture_default_str();
@@ -235,7 +246,7 @@ void add_scenes(firmware::Command& app, CommandContext& context) {
     std::string keys;
     std::string memory;
     CostLine cost;
-    bool json{};
+    SceneView view;
   };
   auto options = std::make_shared<Options>();
   firmware::Command* command =
@@ -245,7 +256,7 @@ void add_scenes(firmware::Command& app, CommandContext& context) {
       "  sortie scenes\n"
       "  sortie scenes ugv_hall own.toml   # with the tables of groups, chains and bus\n"
       "  sortie scenes --keys ugv_hall\n"
-      "  sortie scenes --memory ugv_hall\n"
+      "  sortie scenes --memory ugv_hall --set limits.voxels=32768\n"
       "  sortie scenes --cost ugv_stairs --seconds 20\n"
       "  sortie scenes --cost imu_bench --log slow.lcm --json");
   command->add_option("scenes", options->scenes,
@@ -257,15 +268,16 @@ void add_scenes(firmware::Command& app, CommandContext& context) {
       ->type_name("SCENE");
   command->add_option("--memory", options->memory, "The memory plan of this scene, pool by pool")
       ->type_name("SCENE");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command->add_option("--set", options->view.overrides, "key=value of the whole scene")->take_all();
+  command->add_flag("--json", options->view.json, "Print one JSON object");
   add_costs(*command, options->cost);
   command->callback([&context, options] {
     context.chosen = [&context, options] {
-      if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->json);
-      if (!options->keys.empty()) return show_keys(context, options->keys, options->json);
-      if (!options->memory.empty()) return show_memory(context, options->memory, options->json);
+      if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->view);
+      if (!options->keys.empty()) return show_keys(context, options->keys, options->view);
+      if (!options->memory.empty()) return show_memory(context, options->memory, options->view);
       const bool named = !options->scenes.empty();
-      return list(context, named ? options->scenes : runnable_scenes(context), named, options->json);
+      return list(context, named ? options->scenes : runnable_scenes(context), named, options->view);
     };
   });
 }

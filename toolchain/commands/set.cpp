@@ -161,7 +161,7 @@ ChangeOutcome ask_for_change(RequestClient& client, const std::string& name, dou
   request.name = name;
   request.value = value;
   std::optional<Status> answer;
-  repeat(client, request, kRepeatChange, most, [&](std::int64_t first) {
+  client.repeat(request, kRepeatChange, most, [&](std::int64_t first) {
     answer = client.answer(first);
     return answer.has_value();
   });
@@ -169,8 +169,8 @@ ChangeOutcome ask_for_change(RequestClient& client, const std::string& name, dou
   if (outcome.status != Status::ok) {
     outcome.end = ChangeEnd::refused;
   } else if (answer) {
-    const bool in_force = listen_until(client, std::min(end, Clock::now() + kSettle),
-                                       [&] { return client.value(name) == value; });
+    const bool in_force = client.listen_until(std::min(end, Clock::now() + kSettle),
+                                              [&] { return client.value(name) == value; });
     outcome.end = in_force ? ChangeEnd::in_force : ChangeEnd::not_applied;
   }
   outcome.after = client.value(name);

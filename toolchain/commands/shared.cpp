@@ -106,6 +106,7 @@ void show_results(const OutputOptions& options, const ReportInput& report,
     write_file(options.out + name, [&trajectory](std::ostream& out) { write_tum(out, trajectory); });
   };
   write_trajectory("/trajectory.tum", report.estimate);
+  write_trajectory("/located.tum", report.located);
   write_trajectory("/truth.tum", report.truth);
   write_report(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";

@@ -22,7 +22,4 @@ struct SpyOptions {
 /// good, 2 the address makes no sense, 3 the group cannot be joined.
 int run_spy(const SpyOptions& options, std::ostream& out, std::ostream& err);
 
-/// The same on the standard streams.
-int run_spy(const SpyOptions& options);
-
 }  // namespace sortie::toolchain

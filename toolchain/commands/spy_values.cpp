@@ -3,16 +3,20 @@
 #include "toolchain/commands/spy_values.hpp"
 
 #include <string>
+#include <string_view>
 
 #include "drivers/wire.hpp"
+#include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
+#include "drivers/wire_fly.hpp"
+#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
+#include "drivers/wire_requests.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_timing.hpp"
 #include "rt/fields.hpp"
-#include "toolchain/commands/spy_requests.hpp"
 #include "toolchain/commands/spy_segments.hpp"
 
 namespace sortie::toolchain {
@@ -219,6 +223,26 @@ Status read_change(Message message, Values& values) {
   return status;
 }
 
+// Tags are not looked at, for a table commands nobody; who asks, and when, is no figure.
+template <class Request>
+Status read_asked(Message message, Values& values) {
+  Request request;
+  const Status status = drivers::decode(message, nullptr, request);
+  rt::for_each_scalar(request, [&values](std::string_view name, int, auto number) {
+    if (name != "utime" && name != "session" && name != "sender") add(values, std::string(name), number);
+  });
+  return status;
+}
+
+Status read_answers(Message message, Values& values) {
+  drivers::AnswersMessage answers;
+  const Status status = drivers::decode(message, nullptr, answers);
+  add(values, "counter", answers.counter);
+  add(values, "keyed", answers.keyed ? 1 : 0);
+  for (drivers::NamedValue& value : answers.state) values.push_back(std::move(value));
+  return status;
+}
+
 struct Reader {
   std::uint64_t fingerprint;
   Status (*read)(Message, Values&);
@@ -230,6 +254,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintTruth, read_plain<rt::TruthSample>},
     {drivers::kFingerprintContacts, read_contacts},
     {drivers::kFingerprintSegments, read_segments},
+    {drivers::kFingerprintLocated, read_numbered<rt::LocatedPose>},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
     {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},
@@ -247,8 +272,8 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintParameters, read_parameters},
     {drivers::kFingerprintSetParameter, read_request},
     {drivers::kFingerprintParameter, read_change},
-    {drivers::kFingerprintDriveRequest, read_drive_request},
-    {drivers::kFingerprintFlyRequest, read_fly_request},
+    {drivers::kFingerprintDriveRequest, read_asked<drivers::DriveRequestMessage>},
+    {drivers::kFingerprintFlyRequest, read_asked<drivers::FlyRequestMessage>},
     {drivers::kFingerprintRequestAnswers, read_answers},
 };
 static_assert(std::size(kReaders) == drivers::kMessageTypes.size(), "a message type has no reader");

@@ -2,7 +2,6 @@
 #include "toolchain/export/flight_jobs.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <ctime>
 #include <ostream>
 

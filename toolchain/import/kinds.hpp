@@ -19,4 +19,11 @@ void import_broad(RowJudge& judge, LogBuilder& builder);
 /// Recorded lidar scans with poses: one *.rls file, or all of a folder merged by time.
 void import_rls(RowJudge& judge, LogBuilder& builder);
 
+/// A drive with a planar laser and wheels as CARMEN wrote it: one *.clf or *.log file.
+void import_carmen(RowJudge& judge, LogBuilder& builder);
+
+/// Sweeps of a spinning lidar with a time for each point: one *.swp file, or all of a folder, and the
+/// odometry beside them (odom.csv).
+void import_swp(RowJudge& judge, LogBuilder& builder);
+
 }  // namespace sortie::toolchain

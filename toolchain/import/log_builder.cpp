@@ -3,7 +3,6 @@
 #include "toolchain/import/log_builder.hpp"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "drivers/lcm_log.hpp"

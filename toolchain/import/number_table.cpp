@@ -12,12 +12,6 @@ namespace {
 /// Nothing that a robot measures is larger; squares of it stay finite.
 constexpr double kLargest = 1e12;
 
-std::string quote(std::string_view text) {
-  std::string shown = "'";
-  for (const char c : text.substr(0, 32)) shown.push_back(c >= ' ' && c < 127 ? c : '?');
-  return shown + (text.size() > 32 ? "...'" : "'");
-}
-
 std::string expected_row(const TableForm& form) {
   std::string text;
   for (const Column& column : form.columns) {

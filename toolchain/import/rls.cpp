@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "rt/rotation.hpp"
 #include "toolchain/import/binary_file.hpp"
@@ -35,6 +36,16 @@ std::string fault_of(double t_s, const Pose& pose) {
                      pose[1] * (pose[4] * pose[10] - pose[6] * pose[8]) +
                      pose[2] * (pose[4] * pose[9] - pose[5] * pose[8]);
   return det > 0.0 ? "" : "its pose is a reflection";
+}
+
+/// The lidar's pose as truth, where the scan shall not have it.
+rt::TruthSample truth_of(const rt::ScanHeader& header) {
+  rt::TruthSample truth;
+  truth.stamp_ns = header.stamp_ns;
+  std::copy(std::begin(header.p_world_sensor_m), std::end(header.p_world_sensor_m), truth.p_world_body_m);
+  std::copy(std::begin(header.q_world_sensor), std::end(header.q_world_sensor), truth.q_world_body);
+  truth.flags = rt::kTruthPosition | rt::kTruthHeight | rt::kTruthOrientation;
+  return truth;
 }
 
 rt::ScanHeader header_of(double t_s, const Pose& pose) {
@@ -92,11 +103,17 @@ void read_scans(const std::string& path, bool& first, RowJudge& judge, LogBuilde
       continue;
     }
     judge.good();
-    const rt::ScanHeader header = header_of(t_s, pose);
+    rt::ScanHeader header = header_of(t_s, pose);
     if (k > 0 && header.stamp_ns < latest_ns) judge.time_backwards(place, latest_ns - header.stamp_ns);
     latest_ns = header.stamp_ns;
     if (first) builder.set_initial_pose(header.p_world_sensor_m, header.q_world_sensor);
     first = false;
+    if (judge.options().no_poses) {
+      builder.add(header.stamp_ns, truth_of(header));
+      rt::ScanHeader bare;
+      bare.stamp_ns = header.stamp_ns;
+      header = bare;
+    }
     builder.add(header.stamp_ns, header, std::move(points));
   }
   judge.finish(true);

@@ -28,6 +28,12 @@ class RowJudge {
   void time_backwards(const std::string& place, std::int64_t by_ns);
   /// The file breaks off at `offset`: a warning, with `strict` InputError.
   void cut_off(std::uint64_t offset, const std::string& what);
+  /// A whole row of a kind that the importer has no use for: legal, counted.
+  void other_row() { ++report_.other_rows; }
+  /// A row whose stamp does not fit into the order of the rows: legal, counted.
+  void out_of_order() { ++report_.out_of_order; }
+  /// What became of the returns of a scan that is used.
+  void returns(const ReturnCounts& scan) { report_.returns.add(scan); }
   /// A remark for the report.
   void warn(const std::string& text);
   /// The file has been read. Throws InputError if the share of bad rows is above options.max_bad_rows, or if

@@ -3,7 +3,6 @@
 #include "toolchain/import/text_file.hpp"
 
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -111,6 +110,12 @@ std::string_view TextFile::tail() const {
 }
 
 std::string TextFile::place() const { return path_ + ":" + std::to_string(line_); }
+
+std::string quote(std::string_view text) {
+  std::string shown = "'";
+  for (const char c : text.substr(0, 32)) shown.push_back(c >= ' ' && c < 127 ? c : '?');
+  return shown + (text.size() > 32 ? "...'" : "'");
+}
 
 void split(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   fields.clear();

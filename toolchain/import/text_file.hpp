@@ -16,6 +16,9 @@ bool parse_double(std::string_view text, double& value);
 /// would keep only 0.2 us of a stamp of today. False where it is no finite number or leaves +-292 years.
 bool parse_seconds(std::string_view text, std::int64_t& nanoseconds);
 
+/// The latest stamp that a recording of poses or scans may have, 9e9 s: differences of two cannot overflow.
+inline constexpr std::int64_t kLatestStamp_ns = 9'000'000'000 * std::int64_t{1'000'000'000};
+
 /// A text file in memory, read line by line.
 class TextFile {
  public:
@@ -46,6 +49,9 @@ class TextFile {
   std::size_t start_{};
   std::uint64_t line_{};
 };
+
+/// The start of a text in quotes, for messages: what cannot be printed is a question mark.
+std::string quote(std::string_view text);
 
 /// Cuts a line at commas (`separator` ',') or at runs of blanks (`separator` ' '). `fields` is overwritten.
 void split(std::string_view line, char separator, std::vector<std::string_view>& fields);

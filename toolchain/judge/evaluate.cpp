@@ -116,4 +116,13 @@ Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
   return result;
 }
 
+void add_located(const firmware::Trajectory& located, const firmware::Trajectory& truth,
+                 EvaluationOptions options, Evaluation& evaluation) {
+  options.calibrate_s = 0.0;
+  Evaluation judged = evaluate(located, truth, options);
+  for (const auto& [name, value] : judged.errors) evaluation.errors["located_" + name] = value;
+  evaluation.located = std::move(judged.pairs);
+  if (evaluation.pairs.estimate.empty()) evaluation.series = std::move(judged.series);
+}
+
 }  // namespace sortie::toolchain

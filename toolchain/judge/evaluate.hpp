@@ -39,9 +39,11 @@ struct Evaluation {
   /// ate_{rmse,mean,median,max}_m, ate_n; rpe_rmse_m, rpe_rmse_deg, rpe_n, rpe_delta_m;
   /// inclination_{rmse,max}_deg, heading_{rmse,max}_deg, orientation_n; drift_horizontal_percent,
   /// drift_vertical_percent, vertical_rmse_m, distance_m; with a calibration calibrated_{scale,
-  /// bias_deg_s,rmse_m,n}. Only what the truth allows is present.
+  /// bias_deg_s,rmse_m,n}; of a path on the robot's own map the same as located_NAME. Only what the truth
+  /// allows is present.
   std::map<std::string, double> errors;
-  PairedTrajectories pairs;  ///< estimate aligned
+  PairedTrajectories pairs;    ///< estimate aligned
+  PairedTrajectories located;  ///< the same of the path on the robot's own map; judge() alone sets it
   RigidTransform alignment;
   std::vector<ErrorSample> series;
 };
@@ -50,12 +52,20 @@ struct Evaluation {
 Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
                     const EvaluationOptions& options = {});
 
-/// Judges what a run or a replay gave (its `estimate` by its `truth`, where both are known) and puts the
-/// errors into its `results`: neither knows how it is judged.
+/// Judges the path on the robot's own map as well: errors located_NAME. Where there is no estimate, the
+/// series is that path's.
+void add_located(const firmware::Trajectory& located, const firmware::Trajectory& truth,
+                 EvaluationOptions options, Evaluation& evaluation);
+
+/// Judges what a run or a replay gave (its `estimate` and its `located` by its `truth`, where they are known)
+/// and puts the errors into its `results`: neither knows how it is judged. A calibration is of the estimate
+/// alone.
 template <class Outcome>
 Evaluation judge(Outcome& outcome, const EvaluationOptions& options = {}) {
-  if (outcome.truth.empty() || outcome.estimate.empty()) return {};
-  Evaluation evaluation = evaluate(outcome.estimate, outcome.truth, options);
+  Evaluation evaluation;
+  if (outcome.truth.empty()) return evaluation;
+  if (!outcome.estimate.empty()) evaluation = evaluate(outcome.estimate, outcome.truth, options);
+  if (!outcome.located.empty()) add_located(outcome.located, outcome.truth, options, evaluation);
   outcome.results.errors = evaluation.errors;
   return evaluation;
 }

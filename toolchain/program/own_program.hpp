@@ -8,7 +8,6 @@
 #include "firmware_like/live/simulated_robot.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
-#include "rt/posix/heap_trap.hpp"
 #include "toolchain/program/program.hpp"
 
 namespace sortie::toolchain {
@@ -27,11 +26,7 @@ std::unique_ptr<firmware::SimulatedRobot> make_simulated(firmware::Profile& prof
 
 /// run_program() with every heap call of a task counted, as `heap_calls` in the result. Call it from main().
 inline int run_own_program(int argc, char** argv, const ProgramParts& parts) {
-  if (rt::posix::kHeapTrapAvailable) {
-    firmware::set_heap_watch(
-        {[](bool on) { on ? rt::posix::heap_trap_arm() : rt::posix::heap_trap_disarm(); },
-         [] { return rt::posix::heap_trap_calls(); }});
-  }
+  firmware::watch_heap();
   return run_program(argc, argv, parts);
 }
 

@@ -88,15 +88,6 @@ class Ages {
   rt::Nanoseconds last_ns_{};
 };
 
-Series dot_series(std::string name, int colour, double width) {
-  Series series;
-  series.name = std::move(name);
-  series.mark = Mark::dots;
-  series.colour = colour;
-  series.width = width;
-  return series;
-}
-
 // A line of its own each: a NaN stands between two.
 void add_line(const FiredRay& ray, Series& lines) {
   const double gap = std::numeric_limits<double>::quiet_NaN();
@@ -129,7 +120,7 @@ void add_returns(const std::vector<FiredRay>& rays, const Ages& ages, const RayR
     age = std::max(age, ages.of(ray));
   }
   for (std::size_t age = 0; age < kAges; ++age) {
-    Series series = dot_series(ages.name(age), kAgeColours[age], 1.3);
+    Series series = dots(ages.name(age), kAgeColours[age], 1.3);
     for (const auto& [cell, of_cell] : newest) {
       if (of_cell == age) raster.put(cell, series);
     }
@@ -182,20 +173,12 @@ Plot plot_fired_rays(const FiredRays& fired, std::span<const MapPoint> occupied,
     const double p[2] = {cell.x_m, cell.y_m};
     if (raster.holds(p)) cells.insert(raster.cell(p));
   }
-  Series known = dot_series("occupied", kGrey, 1.3);
+  Series known = dots("occupied", kGrey, 1.3);
   for (const Cell& cell : cells) raster.put(cell, known);
   if (!known.x.empty()) plot.series.push_back(std::move(known));
   add_lines(fired.rays, ages, plot);
   add_returns(fired.rays, ages, raster, plot);
-  Series way;
-  way.name = "path";
-  way.colour = kBlack;
-  way.width = 2.4;
-  for (const firmware::TimedPose& pose : path) {
-    way.x.push_back(pose.p[0]);
-    way.y.push_back(pose.p[1]);
-  }
-  if (!way.x.empty()) plot.series.push_back(std::move(way));
+  add_path(path, kBlack, plot);
   return plot;
 }
 

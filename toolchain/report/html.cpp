@@ -99,13 +99,15 @@ std::string task_table(const firmware::Results& r) {
 }
 
 std::string trajectory_section(const ReportInput& input) {
-  if (input.estimate.empty() && input.errors.empty()) return {};
+  if (input.estimate.empty() && input.located.empty() && input.errors.empty()) return {};
   std::string out = "<h2>Trajectory</h2>\n<div class=\"split\"><div>";
-  const bool has_path =
-      std::any_of(input.estimate.begin(), input.estimate.end(),
-                  [](const firmware::TimedPose& pose) { return (pose.flags & rt::kTruthPosition) != 0; });
+  const bool has_path = !input.located.empty() || std::any_of(input.estimate.begin(), input.estimate.end(),
+                                                              [](const firmware::TimedPose& pose) {
+                                                                return (pose.flags & rt::kTruthPosition) != 0;
+                                                              });
   if (has_path) {
-    out += render(plot_top(input.estimate, input.truth)) + render(plot_side(input.estimate, input.truth));
+    const RunPaths paths{input.estimate, input.truth, input.located};
+    out += render(plot_top(paths)) + render(plot_side(paths));
   }
   const auto some = [&](auto member) {
     return std::any_of(input.errors.begin(), input.errors.end(),

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware_like/result/results.hpp"
@@ -34,12 +35,25 @@ struct ReportInput {
   std::string alignment;                      ///< name of the alignment before errors
   std::vector<firmware::TimedPose> estimate;  ///< aligned, all samples
   std::vector<firmware::TimedPose> truth;
+  std::vector<firmware::TimedPose> located;  ///< on the map that the robot made, aligned
   std::vector<ErrorSample> errors;
   std::vector<FigureTable> tables;  ///< before the plots
   std::vector<SweepFigures> sweeps;
   Plot timeline;                 ///< run time over time; without series: not shown
   std::vector<Plot> more_plots;  ///< of any task output; shown at the end
 };
+
+/// Moves the paths of a run or a replay into `report`: aligned where there is a truth, else as they are.
+template <class Outcome>
+void add_paths(ReportInput& report, Outcome& outcome, Evaluation& evaluation) {
+  const auto path = [](PairedTrajectories& aligned, firmware::Trajectory& plain) {
+    return aligned.estimate.empty() ? std::move(plain) : std::move(aligned.estimate);
+  };
+  report.truth = std::move((evaluation.pairs.truth.empty() ? evaluation.located : evaluation.pairs).truth);
+  report.estimate = path(evaluation.pairs, outcome.estimate);
+  report.located = path(evaluation.located, outcome.located);
+  report.errors = std::move(evaluation.series);
+}
 
 /// The page, as XHTML-conforming HTML 5. Cost: linear in the input; size bounded by the number of plots.
 std::string render_report(const ReportInput& input);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/report/label_layout.hpp"
 
-#include <algorithm>
 #include <limits>
 
 namespace sortie::toolchain {

@@ -56,15 +56,6 @@ Plot empty_plot(const char* title) {
   return plot;
 }
 
-Series dots(std::string name, int colour) {
-  Series series;
-  series.name = std::move(name);
-  series.mark = Mark::dots;
-  series.colour = colour;
-  series.width = 1.5;
-  return series;
-}
-
 /// The highest voxel of a cell of the picture.
 struct Highest {
   double over_floor_m;
@@ -103,6 +94,27 @@ View view_of(std::span<const MapPoint> points, Plot& plot) {
 
 }  // namespace
 
+Series dots(std::string name, int colour, double width) {
+  Series series;
+  series.name = std::move(name);
+  series.mark = Mark::dots;
+  series.colour = colour;
+  series.width = width;
+  return series;
+}
+
+void add_path(std::span<const firmware::TimedPose> path, int colour, Plot& plot) {
+  Series way;
+  way.name = "path";
+  way.colour = colour;
+  way.width = 2.4;
+  for (const firmware::TimedPose& pose : path) {
+    way.x.push_back(pose.p[0]);
+    way.y.push_back(pose.p[1]);
+  }
+  if (!way.x.empty()) plot.series.push_back(std::move(way));
+}
+
 std::vector<MapPoint> map_points(const firmware::Vehicle& vehicle) {
   std::vector<MapPoint> points;
   vehicle.for_each_voxel([&points](const firmware::VoxelOnMap& voxel) {
@@ -126,15 +138,7 @@ Plot plot_map(std::span<const MapPoint> points, std::span<const firmware::TimedP
     from_m = band.below_m;
     plot.series.push_back(std::move(series));
   }
-  Series way;
-  way.name = "path";
-  way.colour = 1;
-  way.width = 2.4;
-  for (const firmware::TimedPose& pose : path) {
-    way.x.push_back(pose.p[0]);
-    way.y.push_back(pose.p[1]);
-  }
-  if (!way.x.empty()) plot.series.push_back(std::move(way));
+  add_path(path, kVermilion, plot);
   return plot;
 }
 

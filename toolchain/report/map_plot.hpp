@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "firmware_like/runtime/vehicle.hpp"
@@ -21,6 +22,11 @@ struct MapPoint {
 
 /// All voxels of a vehicle's map; empty without one. Set-up side: takes heap memory.
 std::vector<MapPoint> map_points(const firmware::Vehicle& vehicle);
+
+/// Points without a line between them; without any so far.
+Series dots(std::string name, int colour, double width = 1.5);
+/// Where the robot went, on top of a picture from above.
+void add_path(std::span<const firmware::TimedPose> path, int colour, Plot& plot);
 
 /// Map and path from above. Each cell shows its highest voxel below 2 m over the floor; the floor is the
 /// height that a twentieth of the voxels lie below. A few far voxels at the edges are left out. Without

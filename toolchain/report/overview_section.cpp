@@ -65,7 +65,8 @@ Plot plot_ways(const std::vector<ReportInput>& inputs, const Plot& ground) {
     way.name = scene_of(inputs[i]);
     way.colour = kWayColours[i % std::size(kWayColours)];
     way.width = 2.4;
-    for (const firmware::TimedPose& pose : inputs[i].estimate) {
+    const auto& path = inputs[i].estimate.empty() ? inputs[i].located : inputs[i].estimate;
+    for (const firmware::TimedPose& pose : path) {
       way.x.push_back(pose.p[0]);
       way.y.push_back(pose.p[1]);
     }

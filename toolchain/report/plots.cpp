@@ -40,6 +40,14 @@ Series estimate_series(const char* name) {
   return s;
 }
 
+Series located_series() {
+  Series s;
+  s.name = "located";
+  s.colour = kVermilion;
+  s.width = 1.6;
+  return s;
+}
+
 Series marker(const char* name, const firmware::TimedPose& pose, int colour) {
   Series s;
   s.name = name;
@@ -99,7 +107,7 @@ Plot plot_latency(const firmware::TaskResult& task) {
   return plot;
 }
 
-Plot plot_top(std::span<const firmware::TimedPose> estimate, std::span<const firmware::TimedPose> truth) {
+Plot plot_top(const RunPaths& paths) {
   Plot plot;
   plot.title = "From above";
   plot.x = {"x, m"};
@@ -108,41 +116,54 @@ Plot plot_top(std::span<const firmware::TimedPose> estimate, std::span<const fir
   plot.width = 640;
   plot.height = 470;
   Series reference = truth_series("truth");
-  for (const firmware::TimedPose& pose : truth) {
+  for (const firmware::TimedPose& pose : paths.truth) {
     const bool shown = has(pose, rt::kTruthPosition);
     reference.x.push_back(shown ? pose.p[0] : std::nan(""));
     reference.y.push_back(shown ? pose.p[1] : std::nan(""));
   }
-  Series path = estimate_series("estimate");
-  for (const firmware::TimedPose& pose : estimate) {
-    path.x.push_back(pose.p[0]);
-    path.y.push_back(pose.p[1]);
-  }
-  if (!truth.empty()) plot.series.push_back(std::move(reference));
-  plot.series.push_back(std::move(path));
-  if (!estimate.empty()) {
-    plot.series.push_back(marker("start", estimate.front(), kGreen));
-    plot.series.push_back(marker("end", estimate.back(), kVermilion));
+  if (!paths.truth.empty()) plot.series.push_back(std::move(reference));
+  const auto add = [&plot](Series series, std::span<const firmware::TimedPose> path) {
+    for (const firmware::TimedPose& pose : path) {
+      series.x.push_back(pose.p[0]);
+      series.y.push_back(pose.p[1]);
+    }
+    plot.series.push_back(std::move(series));
+  };
+  const bool is_located = !paths.located.empty();
+  if (!paths.estimate.empty() || !is_located)
+    add(estimate_series(is_located ? "odometry" : "estimate"), paths.estimate);
+  if (is_located) add(located_series(), paths.located);
+  const auto& marked = is_located ? paths.located : paths.estimate;
+  if (!marked.empty()) {
+    plot.series.push_back(marker("start", marked.front(), kGreen));
+    plot.series.push_back(marker("end", marked.back(), kVermilion));
   }
   return plot;
 }
 
-Plot plot_side(std::span<const firmware::TimedPose> estimate, std::span<const firmware::TimedPose> truth) {
+Plot plot_side(const RunPaths& paths) {
   Plot plot;
   plot.title = "From the side";
   plot.x = {"x, m"};
   plot.y = {"z, m"};
   plot.width = 640;
   plot.height = 240;
-  const bool has_height = std::any_of(truth.begin(), truth.end(), [](const firmware::TimedPose& pose) {
-    return has(pose, rt::kTruthPosition | rt::kTruthHeight);
-  });
+  const bool has_height = std::any_of(
+      paths.truth.begin(), paths.truth.end(),
+      [](const firmware::TimedPose& pose) { return has(pose, rt::kTruthPosition | rt::kTruthHeight); });
   if (has_height) {
     plot.series.push_back(truth_series("truth"));
-    add_side_view(truth, plot.series.back());
+    add_side_view(paths.truth, plot.series.back());
   }
-  plot.series.push_back(estimate_series("estimate"));
-  add_side_view(estimate, plot.series.back());
+  const bool is_located = !paths.located.empty();
+  if (!paths.estimate.empty() || !is_located) {
+    plot.series.push_back(estimate_series(is_located ? "odometry" : "estimate"));
+    add_side_view(paths.estimate, plot.series.back());
+  }
+  if (is_located) {
+    plot.series.push_back(located_series());
+    add_side_view(paths.located, plot.series.back());
+  }
   Extent x;
   Extent z;
   for (const Series& s : plot.series) {

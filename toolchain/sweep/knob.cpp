@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/sweep/knob.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 
 #include "firmware_like/scene/profile.hpp"

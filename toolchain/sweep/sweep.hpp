@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware_like/log/replay.hpp"
+#include "rt/describe.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/sweep/knob.hpp"
 
@@ -34,6 +35,7 @@ struct SweepTiming {
   double p50_us{};
   double p99_us{};
   double max_us{};
+  SORTIE_FIELDS(n, p50_us, p99_us, max_us)
 };
 
 /// One combination of values.
@@ -54,6 +56,7 @@ struct SweepCell {
   /// raw.
   double load_us_per_s{};
   std::vector<SweepTiming> timing;
+  SORTIE_FIELDS(digest, voxels, voxels_refused, memory_bytes, load_us_per_s, instructions_per_s)
 };
 
 /// A sweep and all its figures.

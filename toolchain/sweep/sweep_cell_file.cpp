@@ -9,6 +9,7 @@
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/sweep/sweep_folder.hpp"
+#include "toolchain/sweep/sweep_report.hpp"
 
 namespace sortie::toolchain {
 
@@ -41,16 +42,14 @@ SweepCellResult result_from_json(const firmware::Json& json) {
   json.at("profile_choice").get_to(cell.profile_choice);
   for (const auto& [name, value] : json.at("errors").items())
     cell.errors[name] = value.is_null() ? std::nan("") : value.get<double>();
-  json.at("digest").get_to(cell.digest);
-  json.at("voxels").get_to(cell.voxels);
-  json.at("voxels_refused").get_to(cell.voxels_refused);
-  json.at("memory_bytes").get_to(cell.memory_bytes);
-  json.at("load_us_per_s").get_to(cell.load_us_per_s);
-  json.at("instructions_per_s").get_to(cell.instructions_per_s);
+  const auto read = [](const firmware::Json& from) {
+    return [&from](const char* name, auto& value) { from.at(name).get_to(value); };
+  };
+  SweepCell::fields(cell, read(json));
   for (const firmware::Json& entry : json.at("tasks")) {
-    cell.timing.push_back({entry.at("name").get<std::string>(), entry.at("n").get<std::uint64_t>(),
-                           entry.at("p50_us").get<double>(), entry.at("p99_us").get<double>(),
-                           entry.at("max_us").get<double>()});
+    SweepTiming& timing = cell.timing.emplace_back();
+    entry.at("name").get_to(timing.task);
+    SweepTiming::fields(timing, read(entry));
   }
   json.at("duration_s").get_to(result.duration_s);
   if (json.contains("map")) result.map = map_from_json(json.at("map"));
@@ -79,34 +78,14 @@ std::string cell_file(std::size_t cell) {
   return "cell-" + std::string(number.size() < 5 ? 5 - number.size() : 0, '0') + number + ".json";
 }
 
-void write_cell(const std::string& folder, std::size_t cell, const std::string& key,
+void write_cell(const std::string& folder, std::size_t number, const std::string& key,
                 const SweepCellResult& result) {
-  const SweepCell& figures = result.cell;
-  firmware::Json errors = firmware::Json::object();
-  for (const auto& [name, value] : figures.errors)
-    errors[name] = std::isfinite(value) ? firmware::Json(value) : firmware::Json(nullptr);
-  firmware::Json tasks = firmware::Json::array();
-  for (const SweepTiming& timing : figures.timing) {
-    tasks.push_back({{"name", timing.task},
-                     {"n", timing.n},
-                     {"p50_us", timing.p50_us},
-                     {"p99_us", timing.p99_us},
-                     {"max_us", timing.max_us}});
-  }
-  firmware::Json json{{"key", key},
-                      {"values", figures.values},
-                      {"profile_choice", figures.profile_choice},
-                      {"errors", std::move(errors)},
-                      {"digest", figures.digest},
-                      {"voxels", figures.voxels},
-                      {"voxels_refused", figures.voxels_refused},
-                      {"memory_bytes", figures.memory_bytes},
-                      {"load_us_per_s", figures.load_us_per_s},
-                      {"instructions_per_s", figures.instructions_per_s},
-                      {"tasks", std::move(tasks)},
-                      {"duration_s", result.duration_s}};
+  const SweepCell& cell = result.cell;
+  firmware::Json json{{"key", key}, {"values", cell.values}, {"profile_choice", cell.profile_choice}};
+  json.update(figures_of(cell));
+  json["duration_s"] = result.duration_s;
   if (result.map) json["map"] = to_json(*result.map);
-  write_shared(folder + "/" + cell_file(cell), json.dump() + "\n");
+  write_shared(folder + "/" + cell_file(number), json.dump() + "\n");
 }
 
 std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t cell,

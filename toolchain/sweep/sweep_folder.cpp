@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "firmware_like/scene/text_format.hpp"
 #include "rt/digest.hpp"
 #include "toolchain/export/output_file.hpp"
@@ -31,29 +31,21 @@ firmware::Json to_json(const PlannedLog& log) {
                      {"overrides", log.plan.overrides[i]},
                      {"profile", log.plan.profiles[i]}});
   }
-  return {{"path", log.path},
-          {"identity", log.identity},
-          {"simulated", log.simulated},
-          {"scene", log.plan.sweep.scene},
-          {"keys", log.plan.sweep.keys},
-          {"tasks", log.plan.sweep.tasks},
-          {"error", log.plan.sweep.error},
-          {"repeat", log.plan.sweep.repeat},
-          {"warnings", log.plan.sweep.warnings},
-          {"cells", std::move(cells)}};
+  firmware::Json json = firmware::json_of(log);
+  json["cells"] = std::move(cells);
+  return json;
+}
+
+// As json_of() writes a struct.
+template <class T>
+T struct_from_json(const firmware::Json& json) {
+  T value;
+  T::fields(value, [&json](const char* name, auto& field) { json.at(name).get_to(field); });
+  return value;
 }
 
 PlannedLog log_from_json(const firmware::Json& json) {
-  PlannedLog log;
-  json.at("path").get_to(log.path);
-  json.at("identity").get_to(log.identity);
-  json.at("simulated").get_to(log.simulated);
-  json.at("scene").get_to(log.plan.sweep.scene);
-  json.at("keys").get_to(log.plan.sweep.keys);
-  json.at("tasks").get_to(log.plan.sweep.tasks);
-  json.at("error").get_to(log.plan.sweep.error);
-  json.at("repeat").get_to(log.plan.sweep.repeat);
-  json.at("warnings").get_to(log.plan.sweep.warnings);
+  auto log = struct_from_json<PlannedLog>(json);
   for (const firmware::Json& entry : json.at("cells")) {
     SweepCell cell;
     entry.at("values").get_to(cell.values);
@@ -63,34 +55,6 @@ PlannedLog log_from_json(const firmware::Json& json) {
     log.plan.profiles.push_back(entry.at("profile").get<std::uint64_t>());
   }
   return log;
-}
-
-firmware::Json to_json(const SweepRequest& request) {
-  return {{"logs", request.logs},
-          {"scene", request.scene},
-          {"set", request.overrides},
-          {"sweep", request.knobs},
-          {"tasks", request.tasks},
-          {"error", request.error},
-          {"align", request.align},
-          {"repeat", request.repeat},
-          {"instructions", request.instructions},
-          {"calibrate_s", request.calibrate_s}};
-}
-
-SweepRequest request_from_json(const firmware::Json& json) {
-  SweepRequest request;
-  json.at("logs").get_to(request.logs);
-  json.at("scene").get_to(request.scene);
-  json.at("set").get_to(request.overrides);
-  json.at("sweep").get_to(request.knobs);
-  json.at("tasks").get_to(request.tasks);
-  json.at("error").get_to(request.error);
-  json.at("align").get_to(request.align);
-  json.at("calibrate_s").get_to(request.calibrate_s);
-  json.at("repeat").get_to(request.repeat);
-  json.at("instructions").get_to(request.instructions);
-  return request;
 }
 
 }  // namespace
@@ -154,7 +118,7 @@ void write_plan(const std::string& folder, const SweepFolderPlan& plan) {
   firmware::Json logs = firmware::Json::array();
   for (const PlannedLog& log : plan.logs) logs.push_back(to_json(log));
   const firmware::Json json{{"format", kPlanFormat},
-                            {"request", to_json(plan.request)},
+                            {"request", firmware::json_of(plan.request)},
                             {"program", plan.program},
                             {"logs", std::move(logs)}};
   write_shared(folder + "/plan.json", json.dump(1) + "\n");
@@ -169,7 +133,7 @@ SweepFolderPlan read_plan(const std::string& folder) {
     if (json.at("format").get<int>() != kPlanFormat)
       throw firmware::InputError(path + ": is of another version; start the sweep again");
     SweepFolderPlan plan;
-    plan.request = request_from_json(json.at("request"));
+    plan.request = struct_from_json<SweepRequest>(json.at("request"));
     json.at("program").get_to(plan.program);
     for (const firmware::Json& log : json.at("logs")) plan.logs.push_back(log_from_json(log));
     return plan;

@@ -27,6 +27,20 @@ struct SweepRequest {
   double calibrate_s{};
   std::uint32_t repeat{1};
   bool instructions{};
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("logs", self.logs);
+    visit("scene", self.scene);
+    visit("set", self.overrides);
+    visit("sweep", self.knobs);
+    visit("tasks", self.tasks);
+    visit("error", self.error);
+    visit("align", self.align);
+    visit("repeat", self.repeat);
+    visit("instructions", self.instructions);
+    visit("calibrate_s", self.calibrate_s);
+  }
 };
 
 /// The request as run_sweep() takes it. Throws ProfileError for knobs that cannot be read.
@@ -38,6 +52,19 @@ struct PlannedLog {
   std::string identity;  ///< 16 hexadecimal digits: of its bytes, or of what it was simulated from
   bool simulated{};      ///< recorded for this sweep: its bytes hold run times, which differ every time
   SweepPlan plan;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("path", self.path);
+    visit("identity", self.identity);
+    visit("simulated", self.simulated);
+    visit("scene", self.plan.sweep.scene);
+    visit("keys", self.plan.sweep.keys);
+    visit("tasks", self.plan.sweep.tasks);
+    visit("error", self.plan.sweep.error);
+    visit("repeat", self.plan.sweep.repeat);
+    visit("warnings", self.plan.sweep.warnings);
+  }
 };
 
 /// All cells of all sweeps, numbered through: those of the first come first.
@@ -79,7 +106,7 @@ void write_plan(const std::string& folder, const SweepFolderPlan& plan);
 SweepFolderPlan read_plan(const std::string& folder);
 
 /// Writes one cell, whole or not at all, whoever else writes it at the same time. Throws InputError.
-void write_cell(const std::string& folder, std::size_t cell, const std::string& key,
+void write_cell(const std::string& folder, std::size_t number, const std::string& key,
                 const SweepCellResult& result);
 /// Reads one cell: nothing where it is missing, damaged or of another key.
 std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t cell, const std::string& key);

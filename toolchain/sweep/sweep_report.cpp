@@ -4,17 +4,14 @@
 #include <cmath>
 #include <ostream>
 #include <set>
+#include <type_traits>
 
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
-
-firmware::Json number(double value) {
-  return std::isfinite(value) ? firmware::Json(value) : firmware::Json(nullptr);
-}
 
 std::set<std::string> error_names(const Sweep& sweep) {
   std::set<std::string> names;
@@ -39,34 +36,32 @@ std::string listed(const std::vector<std::string>& values) {
   return text;
 }
 
+firmware::Json figures_of(const SweepCell& cell) {
+  firmware::Json errors = firmware::Json::object();
+  for (const auto& [name, value] : cell.errors) errors[name] = firmware::json_number(value);
+  firmware::Json tasks = firmware::Json::array();
+  for (const SweepTiming& timing : cell.timing) {
+    firmware::Json task{{"name", timing.task}};
+    task.update(firmware::json_of(timing));
+    tasks.push_back(std::move(task));
+  }
+  firmware::Json figures{{"errors", std::move(errors)}};
+  figures.update(firmware::json_of(cell));
+  figures["tasks"] = std::move(tasks);
+  return figures;
+}
+
 firmware::Json to_json(const Sweep& sweep) {
   const bool counted = counts_instructions(sweep);
   firmware::Json cells = firmware::Json::array();
   for (const SweepCell& cell : sweep.cells) {
     firmware::Json values = firmware::Json::object();
     for (std::size_t i = 0; i < sweep.keys.size(); ++i) values[sweep.keys[i]] = cell.values[i];
-    firmware::Json errors = firmware::Json::object();
-    for (const auto& [name, value] : cell.errors) errors[name] = number(value);
-    firmware::Json tasks = firmware::Json::array();
-    for (const SweepTiming& timing : cell.timing) {
-      tasks.push_back({{"name", timing.task},
-                       {"n", timing.n},
-                       {"p50_us", number(timing.p50_us)},
-                       {"p99_us", number(timing.p99_us)},
-                       {"max_us", number(timing.max_us)}});
-    }
-    cells.push_back(
-        {{"values", std::move(values)},
-         {"profile_choice", cell.profile_choice},
-         {"on_front", cell.on_front},
-         {"errors", std::move(errors)},
-         {"digest", cell.digest},
-         {"voxels", cell.voxels},
-         {"voxels_refused", cell.voxels_refused},
-         {"memory_bytes", cell.memory_bytes},
-         {"load_us_per_s", number(cell.load_us_per_s)},
-         {"instructions_per_s", counted ? number(cell.instructions_per_s) : firmware::Json(nullptr)},
-         {"tasks", std::move(tasks)}});
+    firmware::Json row{
+        {"values", std::move(values)}, {"profile_choice", cell.profile_choice}, {"on_front", cell.on_front}};
+    row.update(figures_of(cell));
+    if (!counted) row["instructions_per_s"] = nullptr;
+    cells.push_back(std::move(row));
   }
   return firmware::Json{{"scene", sweep.scene},
                         {"knobs", sweep.keys},
@@ -74,7 +69,7 @@ firmware::Json to_json(const Sweep& sweep) {
                         {"error", sweep.error},
                         {"cost", "load_us_per_s"},
                         {"repeat", sweep.repeat},
-                        {"duration_s", number(sweep.duration_s)},
+                        {"duration_s", firmware::json_number(sweep.duration_s)},
                         {"cells", std::move(cells)},
                         {"machine", firmware::machine_description()},
                         {"compiler", firmware::compiler_description()},
@@ -89,9 +84,9 @@ void write_sweep_csv(std::ostream& out, const Sweep& sweep) {
   const bool counted = counts_instructions(sweep);
   out << ",voxels,voxels_refused,memory_bytes,load_us_per_s";
   if (counted) out << ",instructions_per_s";
-  for (const std::string& task : sweep.tasks) {
-    for (const char* figure : {"_n", "_p50_us", "_p99_us", "_max_us"}) out << "," << field(task + figure);
-  }
+  const SweepTiming named;
+  for (const std::string& task : sweep.tasks)
+    SweepTiming::fields(named, [&](const char* name, auto) { out << "," << field(task + "_" + name); });
   out << ",digest\n";
   for (const SweepCell& cell : sweep.cells) {
     for (const std::string& value : cell.values) out << field(value) << ",";
@@ -106,8 +101,13 @@ void write_sweep_csv(std::ostream& out, const Sweep& sweep) {
         << firmware::format_exact(cell.load_us_per_s);
     if (counted) out << "," << firmware::format_exact(cell.instructions_per_s);
     for (const SweepTiming& timing : cell.timing) {
-      out << "," << timing.n << "," << firmware::format_exact(timing.p50_us) << ","
-          << firmware::format_exact(timing.p99_us) << "," << firmware::format_exact(timing.max_us);
+      SweepTiming::fields(timing, [&out]<class T>(const char*, const T& value) {
+        out << ",";
+        if constexpr (std::is_floating_point_v<T>)
+          out << firmware::format_exact(value);
+        else
+          out << value;
+      });
     }
     out << "," << cell.digest << "\n";
   }

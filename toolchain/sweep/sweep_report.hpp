@@ -18,9 +18,12 @@ namespace sortie::toolchain {
 /// One line a cell: values, errors, load, times, memory; "*" on the Pareto front, "<" the profile's choice.
 void print_sweep(std::ostream& out, const Sweep& sweep, bool colour = false);
 
-/// {scene, knobs[], tasks[], error, cost, repeat, duration_s, cells[]{values{}, profile_choice, on_front,
-/// errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s, instructions_per_s, tasks[]{name,
-/// n, p50_us, p99_us, max_us}}, machine, compiler, warnings[]}. What is not finite becomes null.
+/// What was measured of a cell: {errors{}, digest, voxels, voxels_refused, memory_bytes, load_us_per_s,
+/// instructions_per_s, tasks[]{name, n, p50_us, p99_us, max_us}}. What is not finite becomes null.
+firmware::Json figures_of(const SweepCell& cell);
+
+/// {scene, knobs[], tasks[], error, cost, repeat, duration_s, cells[]{values{}, profile_choice, on_front
+/// and the cell's figures}, machine, compiler, warnings[]}. Instructions that were not counted are null.
 firmware::Json to_json(const Sweep& sweep);
 
 /// One row a cell, one column a figure; what a cell does not have is an empty field.

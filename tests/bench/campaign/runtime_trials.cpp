@@ -72,9 +72,7 @@ CampaignOutcome run_runtime_trial(std::span<const CampaignOp> ops) {
   builder.write(path, "campaign", report);
   firmware::ReplayOutcome outcome;
   {
-    firmware::set_heap_watch(
-        {[](bool on) { on ? rt::posix::heap_trap_arm() : rt::posix::heap_trap_disarm(); },
-         [] { return rt::posix::heap_trap_calls(); }});
+    firmware::watch_heap();
     const std::uint64_t before = rt::posix::heap_trap_calls();
     const firmware::LogFile log(path);
     firmware::ReplayOptions options;

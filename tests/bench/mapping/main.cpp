@@ -10,6 +10,7 @@
 #include "tests/bench/mapping/map_bytes.hpp"
 #include "tests/bench/mapping/normal_error.hpp"
 #include "tests/bench/mapping/pcl_batch.hpp"
+#include "tests/bench/mapping/planes.hpp"
 #include "tests/bench/mapping/sweep.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/counted_child.hpp"
@@ -25,7 +26,7 @@ namespace {
 struct MappingArguments {
   std::string file{std::string(SORTIE_DATA_DIR) + "/lidar_os64/os64_thin4_000_109.rls"};
   std::string dense{std::string(SORTIE_DATA_DIR) + "/lidar_os64/os64_dense_060_071.rls"};
-  std::string only;         ///< one part: peers, insertion, normals or sweep
+  std::string only;         ///< one part: peers, insertion, planes, normals or sweep
   std::string stream;       ///< of the sweep: walk, dense or hall; empty: all
   std::uint32_t stride{2};  ///< every n-th point
   std::size_t warm_up{40};  ///< scans before the first figure
@@ -236,6 +237,7 @@ int run(const MappingArguments& arguments) {
     if (!scans.empty()) insertion_beside_sorted(scans, arguments.stride, report);
     insertion_by_size(report);
   }
+  if (wanted("planes")) plane_times(report);
   const MappingStream walk = recorded_stream("walk", arguments.file, arguments.stride);
   if (wanted("normals") && !walk.scans.empty()) normal_errors(walk, report);
   if (wanted("sweep")) {

@@ -65,6 +65,9 @@ void import_as(const Folder& folder, const char* kind, const std::string& path) 
     options.notes = &notes;
     const ImportReport report = import_log(options);
     require(report.bad_rows <= report.rows);
+    const ReturnCounts& returns = report.returns;
+    require(returns.in == returns.used + returns.no_return + returns.out_of_range + returns.not_finite +
+                              returns.time_negative + returns.time_unsorted + returns.time_beyond);
     const LogFile log(options.out);  // what was imported can be read
     require(log.damage().empty());
   });
@@ -102,6 +105,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       import_as(folder, "husky", folder.write("set_odom.csv", bytes + count / 2, count - count / 2));
       break;
     }
+    case 6:
+      import_as(folder, "carmen", folder.write("a.clf", bytes, count));
+      break;
+    case 7:
+      import_as(folder, "swp", folder.write("a.swp", bytes, count));
+      break;
     default:
       import_as(folder, "plaza", folder.write("set_DR.txt", bytes, count));
       break;

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware_like/parts/kept_surfels.hpp"
+
+#include "firmware_like/runtime/kept_map.hpp"
+#include "firmware_like/scene/input_error.hpp"
+#include "firmware_like/scene/text_format.hpp"
+
+namespace sortie::firmware {
+namespace {
+
+using mapping::SurfelMapFault;
+using mapping::SurfelMapHead;
+using mapping::SurfelMapResult;
+
+constexpr const char* kMakeAgain = "; make it again with `sortie export surfels LOG -o FILE`";
+
+[[noreturn]] void refuse_bytes(const KeptMap& map, const std::string& why) {
+  throw InputError("--map " + map.path + ": " + why + kMakeAgain, 3);
+}
+
+// `cure`: a key of the scene and its value.
+[[noreturn]] void refuse_scene(const KeptMap& map, const std::string& why, const std::string& cure) {
+  throw InputError("--map " + map.path + ": " + why + "; cure: --set " + cure, 2);
+}
+
+template <class T>
+[[noreturn]] void refuse_other(const KeptMap& map, const std::string& key, T its, T own) {
+  const std::string value = format_short(static_cast<double>(its));
+  refuse_scene(
+      map,
+      "was made with " + key + " = " + value + ", this scene has " + format_short(static_cast<double>(own)),
+      key + "=" + value);
+}
+
+[[noreturn]] void refuse(const KeptMap& map, const SurfelMapResult& result,
+                         const mapping::RegistrationConfig& own) {
+  const SurfelMapHead& head = result.head;
+  const std::string needed = std::to_string(result.needed);
+  switch (result.fault) {
+    case SurfelMapFault::version:
+      refuse_bytes(map, "is of version " + std::to_string(head.version) +
+                            " of the format, this program reads " + std::to_string(SurfelMapHead::kVersion));
+    case SurfelMapFault::length:
+      refuse_bytes(map,
+                   "has " + std::to_string(map.bytes.size()) +
+                       " bytes, which is not what its head says: it is cut off, or something is behind it");
+    case SurfelMapFault::checksum:
+      refuse_bytes(map, "is damaged: its check sum is another");
+    case SurfelMapFault::surfel:
+      refuse_bytes(map, "byte " + std::to_string(result.byte) + ": " + result.why);
+    case SurfelMapFault::order:
+      refuse_bytes(map, "byte " + std::to_string(result.byte) +
+                            ": a cell that is there twice, or not in the order of cells");
+    case SurfelMapFault::cell:
+      refuse_other(map, "locate.cell_m", head.cell_m, own.cell_m);
+    case SurfelMapFault::min_points:
+      refuse_other(map, "locate.min_points", head.min_points, own.min_points);
+    case SurfelMapFault::memory_points:
+      refuse_other(map, "locate.memory_points", head.memory_points, own.memory_points);
+    case SurfelMapFault::room:
+      refuse_scene(map, "has more surfels than this scene has room for", "limits.surfels=" + needed);
+    case SurfelMapFault::window:
+      refuse_scene(map, "is wider than half the window of this scene's map", "locate.window_cells=" + needed);
+    case SurfelMapFault::height:
+      refuse_scene(map, "is higher than half the window of this scene's map",
+                   "locate.window_cells_up=" + needed);
+    default:
+      refuse_bytes(map, "is no map of surfaces");
+  }
+}
+
+}  // namespace
+
+void load_kept_map(VehicleBuilder& builder, mapping::Locator& locator) {
+  Profile& profile = builder.profile();
+  const std::string name =
+      profile.text("locate.map", "", "the map of surfaces that the run begins with; --map FILE writes it");
+  const std::string digest = profile.text("locate.map_digest", "", "its digest; --map FILE writes it");
+  const KeptMap* map = builder.kept_map();
+  if (map == nullptr) {
+    if (!name.empty() || !digest.empty())
+      profile.fail("locate.map",
+                   "begins with the map " + name + " (digest " + digest + "); give it with --map FILE");
+    return;
+  }
+  if (map->digest != digest)
+    profile.fail("locate.map", "begins with the map " + name + " (digest " + digest + "), and --map " +
+                                   map->path + " is another one (digest " + map->digest + ")");
+  if (builder.arena().refused() != 0) return;  // its memory is still being measured
+  const SurfelMapResult result = locator.load(map->bytes);
+  if (result.fault != SurfelMapFault::none) refuse(*map, result, locator.registration().config());
+}
+
+}  // namespace sortie::firmware

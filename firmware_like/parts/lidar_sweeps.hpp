@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ground robot's lidar scans as its mapping tasks see them: each straightened and placed once, whoever
+// asks.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "firmware_like/parts/part.hpp"
+#include "mapping/grid/rolling_grid_config.hpp"
+#include "mapping/grid/sweep.hpp"
+#include "planner/flipper_postures.hpp"
+
+namespace sortie::firmware {
+
+/// The lidar's scans as the group `mapping` has them, and how it sits on the body.
+struct LidarScans {
+  ScanStream* scans{};
+  rt::Vector3 p_body_m;
+  rt::Quaternion q_body;
+  rt::Nanoseconds time_offset_ns{};  ///< added to the stamps of scans that carry no pose
+};
+
+/// What scans are, and the memory for them.
+struct LidarSweepsConfig {
+  mapping::SweepConfig sweep;
+  std::uint32_t buffers{};
+  std::uint32_t points{};  ///< of one scan
+};
+
+/// A scan as of one moment.
+struct PlacedScan {
+  rt::PointScan scan;  ///< sensor frame at its stamp; one that is not placed as it came
+  bool placed{};
+  mapping::RigidPose T_odom_sensor;  ///< at that stamp, where it is placed
+  mapping::SweepCounts counts;       ///< of straightening; of a scan that is not placed all are `unplaced`
+};
+
+/// Scans of channel SCAN in a group. Those that carry a pose stay as they are; others are straightened return
+/// by return with the odometry's poses, and freed of the robot itself; without a pose for them they are not
+/// placed. The first part that needs it makes it and offers it to those behind it. No heap after
+/// construction; deterministic.
+class LidarSweeps {
+ public:
+  /// Opens the stream, offers LidarScans and this object. Throws ProfileError.
+  LidarSweeps(VehicleBuilder& builder, rt::GroupId group, const LidarSweepsConfig& config);
+
+  /// At the beginning of each task that reads scans: takes poses, once a job.
+  void begin(const rt::JobContext& context);
+  /// Scans of this job.
+  std::uint32_t size() const { return lidar_.scans->size(); }
+  /// Scan `index` of this job, in rising order. Lives until the next one is asked for; of a shared one (see
+  /// share()) until the job's end. Cost: as of Sweeps::straighten(), the first time in a job.
+  const PlacedScan& place(std::uint32_t index);
+
+  /// A second task reads the same scans, and wants returns of these ranges, too. Set-up only. Takes memory
+  /// for all but the last of a job's scans.
+  void share(VehicleBuilder& builder, double min_m, double max_m);
+  /// Other ranges of the first reader: returns out of these and of those of share() are left out. Status: as
+  /// of Sweeps::set_ranges().
+  Status set_ranges(double min_m, double max_m);
+
+  const LidarScans& lidar() const { return lidar_; }
+  ScanPort* port() const { return port_; }
+  /// False: only scans that carry a pose can be placed.
+  bool has_odometry() const { return sweeps_ != nullptr; }
+
+  void archive(rt::Archive& archive);
+
+ private:
+  static constexpr rt::Nanoseconds kPoseEveryNs = 2 * rt::kNanosecondsPerMillisecond;
+  static constexpr std::uint64_t kNoJob = ~std::uint64_t{0};
+
+  void take_poses();
+  PlacedScan straighten(const rt::PointScan& scan);
+  void keep(PlacedScan& placed, std::uint32_t index);
+
+  rt::Input<rt::PoseEstimate>* poses_{};  // null without odometry
+  rt::Input<planner::FlipperOutput>* flippers_{};
+  LidarScans lidar_;
+  ScanPort* port_{};
+  std::unique_ptr<mapping::Sweeps> sweeps_;  // null without odometry
+  std::vector<PlacedScan> placed_;           // of this job, as many as a batch has
+  std::span<rt::ScanPoint> kept_;            // points of all scans of a batch but its last; empty: not shared
+  std::uint32_t points_;
+  double min_m_;  // of the first reader
+  double max_m_;
+  double shared_min_m_{1e300};
+  double shared_max_m_{};
+  rt::Nanoseconds next_pose_ns_{};
+  std::uint64_t job_{kNoJob};
+  std::uint32_t count_{};  // placed in this job
+};
+
+}  // namespace sortie::firmware

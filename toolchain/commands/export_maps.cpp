@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "toolchain/commands/export_maps.hpp"
+
+#include "firmware_like/scene/input_error.hpp"
+#include "mapping/registration/surfel_map.hpp"
+#include "toolchain/export/ply.hpp"
+
+namespace sortie::toolchain {
+
+using firmware::InputError;
+
+void export_ply(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out) {
+  std::vector<CloudPoint> points;
+  outcome.runtime->vehicle().for_each_voxel(
+      [&points](const firmware::VoxelOnMap& voxel) { points.push_back(to_cloud_point(voxel)); });
+  if (points.empty())
+    throw InputError(log + ": this scene keeps no map; export ply needs a scene with task map", 2);
+  write_ply(out, points);
+}
+
+void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out) {
+  const mapping::ScanRegistration* map = outcome.runtime->vehicle().surfels();
+  if (map == nullptr)
+    throw InputError(
+        log + ": this scene makes no map of surfaces; choose one with part locate, as ugv_locate", 2);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
+  if (mapping::write_surfel_map(*map, bytes) != Status::ok)
+    throw InputError(log + ": its map of surfaces cannot be written", 3);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+}  // namespace sortie::toolchain

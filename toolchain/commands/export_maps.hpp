@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The maps that a replay ends with, as files.
+#pragma once
+
+#include <ostream>
+#include <string>
+
+#include "firmware_like/log/replay.hpp"
+
+namespace sortie::toolchain {
+
+/// The local map's voxels as a PLY. Throws InputError where the scene keeps none; `log` is its name in it.
+void export_ply(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
+
+/// The map of surfaces of part locate, for `run --map`. Throws InputError where the scene makes none.
+void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
+
+}  // namespace sortie::toolchain
