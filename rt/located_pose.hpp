@@ -14,10 +14,11 @@ namespace sortie::rt {
 struct LocatedPose {
   static constexpr std::uint8_t kFirst = 1;  ///< verdict: the map begins with this scan
   static constexpr std::uint8_t kAccepted = 2;
+  static constexpr std::uint8_t kNewPlace = 9;   ///< hardly on the map yet: placed by the odometry
   static constexpr std::uint8_t kUnplaced = 10;  ///< where the robot is on a kept map is not known
 
   Nanoseconds stamp_ns{};    ///< of the scan, on the odometry's clock; 0: none yet
-  std::uint8_t verdict{};    ///< mapping::LocateVerdict: above kAccepted is why the scan was refused
+  std::uint8_t verdict{};    ///< mapping::LocateVerdict: one that is not placed says why
   double p_map_odom_m[3]{};  ///< T_map_odom of the newest accepted scan
   double q_map_odom[4]{1, 0, 0, 0};
   double p_map_body_m[3]{};  ///< T_map_body of this scan; of one that was refused, where the odometry says,
@@ -38,13 +39,15 @@ struct LocatedPose {
   double weak_turn_map[9]{};  ///< axes
   double weak_turn_sigma_rad[3]{};
   std::uint64_t scans{};   ///< so far
-  std::uint64_t placed{};  ///< of them: first or accepted
+  std::uint64_t placed{};  ///< of them: first, accepted or new place
   SORTIE_FIELDS(stamp_ns, verdict, p_map_odom_m, q_map_odom, p_map_body_m, q_map_body, p_map_sensor_m,
                 q_map_sensor, covariance, share, known, crossed, returns, steps, weak_moves, weak_turns,
                 weak_move_map, weak_move_sigma_m, weak_turn_map, weak_turn_sigma_rad, scans, placed)
 
   /// The scan is part of the map.
-  constexpr bool is_placed() const { return verdict == kFirst || verdict == kAccepted; }
+  constexpr bool is_placed() const {
+    return verdict == kFirst || verdict == kAccepted || verdict == kNewPlace;
+  }
 };
 
 }  // namespace sortie::rt

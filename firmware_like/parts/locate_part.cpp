@@ -9,16 +9,21 @@
 #include "firmware_like/parts/ugv_map_config.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
+#include "mapping/registration/pose_algebra.hpp"
 
 namespace sortie::firmware {
 namespace {
 
+using mapping::after;
+using mapping::inverse;
+using mapping::LocateVerdict;
 using mapping::RigidPose;
 
-RigidPose after(const RigidPose& a, const RigidPose& b) {
-  return {a.p + rt::rotate(a.q, b.p), rt::normalised(a.q * b.q)};
-}
-RigidPose inverse(const RigidPose& a) { return {-1.0 * rt::rotate_back(a.q, a.p), rt::conjugate(a.q)}; }
+// The message's own numbers, which programs read that know nothing of the map.
+static_assert(rt::LocatedPose::kFirst == static_cast<int>(LocateVerdict::first) &&
+              rt::LocatedPose::kAccepted == static_cast<int>(LocateVerdict::accepted) &&
+              rt::LocatedPose::kNewPlace == static_cast<int>(LocateVerdict::new_place) &&
+              rt::LocatedPose::kUnplaced == static_cast<int>(LocateVerdict::unplaced));
 
 /// How far the odometry is believed from one placed scan to the next.
 struct LocateConfig {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/registration/match_covariance.hpp"
+#include "mapping/registration/pose_algebra.hpp"
 
 namespace sortie::mapping {
 namespace {
@@ -12,11 +13,6 @@ constexpr std::size_t kLeastReturns = 100;
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRaySteps = 64;
 constexpr double kFar2 = 22.46;  ///< 99.9 % of chi-square with 6 degrees of freedom
-
-RigidPose after(const RigidPose& a, const RigidPose& b) {
-  return {a.p + rt::rotate(a.q, b.p), rt::normalised(a.q * b.q)};
-}
-RigidPose inverse(const RigidPose& a) { return {-1.0 * rt::rotate_back(a.q, a.p), rt::conjugate(a.q)}; }
 
 /// `share` of a motion goes on.
 RigidPose gone_on(const RigidPose& from, const RigidPose& to, double share) {

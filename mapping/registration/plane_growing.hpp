@@ -7,6 +7,7 @@
 
 #include "mapping/registration/plane_cell.hpp"
 #include "mapping/registration/plane_set.hpp"
+#include "mapping/registration/unit_credit.hpp"
 #include "rt/describe.hpp"
 #include "rt/keys.hpp"
 #include "rt/status.hpp"
@@ -156,7 +157,7 @@ class PlaneGrowing {
   std::uint32_t region_at_{};    ///< that finish or merge looks at next
   std::uint32_t regions_end_{};  ///< none in use from here on
   std::uint32_t ids_{};
-  std::uint64_t credit_{};
+  UnitCredit credit_;
   PlaneGrowingCounts counts_;
 };
 

@@ -45,15 +45,7 @@ std::uint64_t PlaneGrowing::next_cost() const {
 
 bool PlaneGrowing::run(std::uint64_t& units) {
   while (stage_ != Stage::done) {
-    const std::uint64_t cost = next_cost();
-    if (units + credit_ < cost) {
-      credit_ += units;
-      units = 0;
-      return false;
-    }
-    const std::uint64_t from_credit = std::min(credit_, cost);
-    credit_ -= from_credit;
-    units -= cost - from_credit;
+    if (!credit_.pay(next_cost(), units)) return false;
     switch (stage_) {
       case Stage::seed:
         seed();

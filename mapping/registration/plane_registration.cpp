@@ -46,7 +46,7 @@ Status PlaneRegistration::begin(const PlaneSet& source, const PlaneSet& target,
   mirror_ = 0;
   in_mirror_ = false;
   mirror_rivalry_ = 0.0;
-  credit_ = 0;
+  credit_.clear();
   bad_plane_ = 0;
   if (!finite(estimate)) return Status::not_finite;
   if (!good(estimate)) return Status::out_of_range;
@@ -91,14 +91,7 @@ std::uint64_t PlaneRegistration::next_cost() const {
 bool PlaneRegistration::run(std::uint64_t& units) {
   while (stage_ != Stage::done) {
     const std::uint64_t cost = next_cost();
-    if (units + credit_ < cost) {
-      credit_ += units;
-      units = 0;
-      return false;
-    }
-    const std::uint64_t from_credit = std::min(credit_, cost);
-    credit_ -= from_credit;
-    units -= cost - from_credit;
+    if (!credit_.pay(cost, units)) return false;
     result_.units += cost;
     step();
   }

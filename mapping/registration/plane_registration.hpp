@@ -7,6 +7,7 @@
 
 #include "mapping/registration/plane_consensus.hpp"
 #include "mapping/registration/plane_turns.hpp"
+#include "mapping/registration/unit_credit.hpp"
 #include "rt/describe.hpp"
 #include "rt/status.hpp"
 
@@ -131,7 +132,7 @@ class PlaneRegistration {
   PlaneRegistrationConfig config_;
   PlaneEstimate estimate_;
   Stage stage_{Stage::done};
-  std::uint64_t credit_{};
+  UnitCredit credit_;
   std::uint32_t bad_plane_{};
   std::uint32_t turn_{};
   std::uint32_t scale_{};

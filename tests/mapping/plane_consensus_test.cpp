@@ -111,7 +111,7 @@ TEST_CASE("A place that is found agrees with as many planes as the best of all h
   std::uint32_t placed = 0;
   std::uint32_t less = 0;
   for (std::uint32_t i = 0; i < 40; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     const tests::PlaneNoise fine{0.005, 0.002, 0.7};
     const tests::PlaneScene scene = tests::random_scene(7, 3, 3, 1.0, fine, fine, random);
     const mapping::PlaneRegistrationResult result = tests::registered(*registration, scene, {});
@@ -132,7 +132,7 @@ TEST_CASE("Exact planes without others: all of them agree, to a millimetre") {
   const auto registration = std::make_unique<mapping::PlaneRegistration>(mapping::PlaneRegistrationConfig{});
   std::uint32_t placed = 0;
   for (std::uint32_t i = 0; i < 100; ++i) {
-    tests::PlaneRandom random(13000 + i);
+    tests::WorldRandom random(13000 + i);
     const tests::PlaneScene scene = tests::random_scene(12, 0, 0, 1.0, {0, 0, 1}, {0, 0, 1}, random);
     const mapping::PlaneRegistrationResult result = tests::registered(*registration, scene, {});
     if (!result.placed()) continue;

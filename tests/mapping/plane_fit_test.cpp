@@ -43,7 +43,7 @@ mapping::PlaneEstimate guess(const rt::Vector3& p, double sigma_m) {
 
 /// Planes with exact normals and offsets that differ by `off(k)` of a shift; turns are held by the tilts.
 Pairs shifted(const std::vector<rt::Vector3>& normals, const rt::Vector3& shift, double noise_m, double scale,
-              tests::PlaneRandom& random) {
+              tests::WorldRandom& random) {
   Pairs p;
   for (const rt::Vector3& n : normals) {
     const double x = random.between(-10, 10);
@@ -69,7 +69,7 @@ mapping::PlaneFitConfig exact_config() {
 
 TEST_CASE("Translation is the pseudo-inverse's where singular values are good, the estimate's where not") {
   constexpr std::uint32_t kSeed = 21;
-  tests::PlaneRandom random(kSeed);
+  tests::WorldRandom random(kSeed);
   CAPTURE(kSeed);
   std::uint32_t ranks[4]{};
   for (int trial = 0; trial < 400; ++trial) {
@@ -127,7 +127,7 @@ TEST_CASE("Translation is the pseudo-inverse's where singular values are good, t
 }
 
 TEST_CASE("Scale is the fourth column of the same system") {
-  tests::PlaneRandom random(22);
+  tests::WorldRandom random(22);
   std::uint32_t whole = 0;
   for (int trial = 0; trial < 200; ++trial) {
     std::vector<rt::Vector3> normals;
@@ -162,7 +162,7 @@ TEST_CASE("Scale is the fourth column of the same system") {
 }
 
 TEST_CASE("Exact planes give the exact pose, near and 100 km from the origin") {
-  tests::PlaneRandom random(23);
+  tests::WorldRandom random(23);
   for (const double far : {0.0, 1e5}) {
     for (int trial = 0; trial < 50; ++trial) {
       tests::PlaneNoise none{0, 0, 1};
@@ -193,7 +193,7 @@ TEST_CASE("Exact planes give the exact pose, near and 100 km from the origin") {
 }
 
 TEST_CASE("Parallel planes: the turn about their normal and the way along them keep the estimate") {
-  tests::PlaneRandom random(24);
+  tests::WorldRandom random(24);
   Pairs p;
   for (const double z : {0.0, 1.0, 3.0}) {
     const mapping::Plane t = tests::rectangle({0, 0, 1}, {0.5 * z, -z, z}, {1, 0, 0}, 3, 2);
@@ -223,7 +223,7 @@ TEST_CASE("The covariance is that of the errors: NEES of 1,000 fits, with and wi
   constexpr std::uint32_t kSeed = 25;
   CAPTURE(kSeed);
   for (const bool scaled : {false, true}) {
-    tests::PlaneRandom random(kSeed);
+    tests::WorldRandom random(kSeed);
     double sum = 0.0;
     const int dimension = scaled ? 7 : 6;
     constexpr int kTrials = 1000;
@@ -264,7 +264,7 @@ TEST_CASE("The covariance is that of the errors: NEES of 1,000 fits, with and wi
 }
 
 TEST_CASE("Errors of 1e-6 and of 1e3 side by side, a tilted vertical, and no pairs at all") {
-  tests::PlaneRandom random(26);
+  tests::WorldRandom random(26);
   std::vector<rt::Vector3> normals{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
   Pairs p = shifted(normals, {0.1, 0.2, 0.3}, 0.0, 1.0, random);
   for (std::size_t k = 0; k < p.source.size(); ++k) {
@@ -291,7 +291,7 @@ TEST_CASE("Errors of 1e-6 and of 1e3 side by side, a tilted vertical, and no pai
 }
 
 TEST_CASE("Eigenvectors by Jacobi's method are Eigen's, also of equal values and of values 1e16 apart") {
-  tests::PlaneRandom random(27);
+  tests::WorldRandom random(27);
   for (int trial = 0; trial < 2000; ++trial) {
     const rt::RotationMatrix r = rt::to_matrix(
         rt::exp_rotation({random.between(-3, 3), random.between(-3, 3), random.between(-3, 3)}));

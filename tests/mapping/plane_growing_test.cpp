@@ -16,7 +16,7 @@ using namespace sortie;
 constexpr std::uint64_t kAllUnits = std::uint64_t{1} << 60;
 
 /// A hall off the cells' borders: a wall in the middle of a border is in two layers of cells.
-tests::HallMaker some_hall(tests::PlaneRandom& random, double x_m = 20, double y_m = 12) {
+tests::HallMaker some_hall(tests::WorldRandom& random, double x_m = 20, double y_m = 12) {
   tests::HallMaker hall(random, x_m, y_m, 4.1);
   hall.shell();
   hall.furnish(14);
@@ -27,7 +27,7 @@ tests::HallMaker some_hall(tests::PlaneRandom& random, double x_m = 20, double y
   return hall;
 }
 
-std::vector<mapping::PlaneCell> some_cells(const tests::HallMaker& hall, tests::PlaneRandom& random,
+std::vector<mapping::PlaneCell> some_cells(const tests::HallMaker& hall, tests::WorldRandom& random,
                                            std::size_t points = 40000) {
   return tests::cells_of(tests::points_on(hall.planes, points, 0.008, random), 0.4);
 }
@@ -69,7 +69,7 @@ TEST_CASE(
   double worst_tilt = 0;
   double worst_offset = 0;
   for (std::uint32_t i = 0; i < 10; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     tests::HallMaker hall = some_hall(random);
     hall.planes.resize(6);
     tests::OwnedGrowing owned({});
@@ -107,7 +107,7 @@ TEST_CASE("Cells in any order, and work in pieces, give the same bits") {
   constexpr std::uint32_t kSeed = 41;
   CAPTURE(kSeed);
   for (std::uint32_t i = 0; i < 5; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     const tests::HallMaker hall = some_hall(random);
     std::vector<mapping::PlaneCell> cells = some_cells(hall, random);
     std::vector<mapping::PlaneCell> later = some_cells(hall, random, 30000);
@@ -141,7 +141,7 @@ TEST_CASE("After many changes planes are those of a growing from scratch, and no
   constexpr std::uint32_t kSeed = 51;
   CAPTURE(kSeed);
   for (std::uint32_t i = 0; i < 5; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     const tests::HallMaker hall = some_hall(random);
     tests::OwnedGrowing kept({});
     std::vector<mapping::PlaneCell> all = some_cells(hall, random);
@@ -202,62 +202,6 @@ TEST_CASE("After many changes planes are those of a growing from scratch, and no
   }
 }
 
-TEST_CASE("Sums of a plane are exact: adding, shifting and taking away leave nothing, moments are Eigen's") {
-  tests::PlaneRandom random(61);
-  for (int trial = 0; trial < 200; ++trial) {
-    mapping::PlaneSums sums;
-    std::vector<mapping::PlaneSums> parts;
-    const std::int64_t d[3] = {random.below(1000000), -std::int64_t{random.below(1000000)},
-                               random.below(1000000)};
-    const std::int64_t back[3] = {-d[0], -d[1], -d[2]};
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d product = Eigen::Matrix3d::Zero();
-    double weight = 0;
-    for (int k = 0; k < 50; ++k) {
-      const double a = random.between(-20, 20), b = random.between(-20, 20),
-                   c = 0.3 * a + 0.01 * random.normal();
-      mapping::PlaneCell cell;
-      for (float& n : cell.normal) n = 0;
-      cell.normal[2] = 1;
-      cell.count = 1 + random.below(30);
-      const double at[3] = {a, b, c};
-      std::int64_t cells[3];
-      for (int i = 0; i < 3; ++i) {
-        cells[i] = static_cast<std::int64_t>(std::floor(at[i] / 0.4));
-        cell.mean_m[i] = static_cast<float>(at[i] - 0.4 * (static_cast<double>(cells[i]) + 0.5));
-      }
-      mapping::PlaneSums own = mapping::sums_of(cell, 0.4, 64);
-      const std::int64_t to_anchor[3] = {1024 * cells[0], 1024 * cells[1], 1024 * cells[2]};
-      own.shift(to_anchor);
-      sums.add(own);
-      parts.push_back(own);
-      const double w = cell.count;
-      const Eigen::Vector3d x(a, b, c);
-      mean += w * x;
-      product += w * x * x.transpose();
-      weight += w;
-    }
-    mean /= weight;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(product / weight - mean * mean.transpose());
-    const mapping::PlaneMoments m = mapping::moments_of(sums, 0.4);
-    const Eigen::Vector3d n(m.normal.x, m.normal.y, m.normal.z);
-    CHECK(n.cross(eigen.eigenvectors().col(0)).norm() < 1e-4);
-    CHECK(m.mean_m.x == Approx(mean.x() - 0.2).margin(5e-4));
-    CHECK(m.variance_m2[2] == Approx(eigen.eigenvalues()[2]).epsilon(1e-3));
-    mapping::PlaneSums far = sums;
-    far.shift(d);
-    const mapping::PlaneMoments there = mapping::moments_of(far, 0.4);
-    CHECK(there.normal.x == m.normal.x);  // the same bits at any distance
-    CHECK(there.variance_m2[0] == m.variance_m2[0]);
-    far.shift(back);
-    random.shuffle(parts);
-    for (const mapping::PlaneSums& part : parts) far.subtract(part);
-    CHECK(far.weight == 0);
-    for (const std::int64_t part : far.sum) CHECK(part == 0);
-    for (const std::int64_t part : far.product) CHECK(part == 0);
-  }
-}
-
 TEST_CASE("Cells that are not good are refused by name, full pools are counted, edges of the grid hold") {
   tests::OwnedGrowing owned({}, 8, 2);
   mapping::PlaneCell good;
@@ -312,7 +256,7 @@ TEST_CASE("Cells that are not good are refused by name, full pools are counted, 
 }
 
 TEST_CASE("A sphere has no large plane, a step of 10 cm parts two, a step of 2 cm does not") {
-  tests::PlaneRandom random(71);
+  tests::WorldRandom random(71);
   std::vector<Eigen::Vector3d> ball;
   for (int i = 0; i < 60000; ++i) {
     const double x = random.between(-1, 1), y = random.between(-1, 1);
@@ -345,7 +289,7 @@ TEST_CASE("Growing makes no heap call") {
     WARN("skipped: no heap trap under a sanitizer");
     return;
   }
-  tests::PlaneRandom random(81);
+  tests::WorldRandom random(81);
   const tests::HallMaker hall = some_hall(random);
   const std::vector<mapping::PlaneCell> cells = some_cells(hall, random);
   tests::OwnedGrowing owned({});

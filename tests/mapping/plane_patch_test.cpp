@@ -11,7 +11,7 @@ namespace {
 using namespace sortie;
 using Point = std::array<double, 2>;
 
-mapping::PlanePatch random_patch(tests::PlaneRandom& random, bool turned) {
+mapping::PlanePatch random_patch(tests::WorldRandom& random, bool turned) {
   const double yaw = turned ? random.between(0, 6.28) : 0.0;
   const double a = random.between(0.1, 2), b = random.between(0.1, 2),
                skew = turned ? random.between(-0.15, 0.15) : 0;
@@ -85,7 +85,7 @@ double widest_gap(const mapping::PlanePatch& p, const mapping::PlanePatch& q) {
 }  // namespace
 
 TEST_CASE("Patches overlap exactly where corners and edges say so, in either order") {
-  tests::PlaneRandom random(11);
+  tests::WorldRandom random(11);
   std::uint32_t met = 0, parted = 0;
   for (int i = 0; i < 20000; ++i) {
     const mapping::PlanePatch p = random_patch(random, i % 2 == 0);
@@ -103,7 +103,7 @@ TEST_CASE("Patches overlap exactly where corners and edges say so, in either ord
 }
 
 TEST_CASE("Common area against a count of points") {
-  tests::PlaneRandom random(12);
+  tests::WorldRandom random(12);
   double worst = 0.0;
   for (int i = 0; i < 300; ++i) {
     const mapping::PlanePatch own = random_patch(random, false);

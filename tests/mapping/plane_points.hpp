@@ -15,7 +15,7 @@ namespace sortie::tests {
 
 /// `count` points on planes, by area, with noise along the normal.
 inline std::vector<Eigen::Vector3d> points_on(const std::vector<mapping::Plane>& planes, std::size_t count,
-                                              double noise_m, PlaneRandom& random) {
+                                              double noise_m, WorldRandom& random) {
   double area = 0.0;
   for (const mapping::Plane& p : planes) area += p.area_m2;
   std::vector<Eigen::Vector3d> points;

@@ -10,7 +10,7 @@
 namespace {
 using namespace sortie;
 
-rt::Vector3 random_unit(tests::PlaneRandom& random) {
+rt::Vector3 random_unit(tests::WorldRandom& random) {
   for (;;) {
     const double x = random.between(-1, 1);
     const double y = random.between(-1, 1);
@@ -20,7 +20,7 @@ rt::Vector3 random_unit(tests::PlaneRandom& random) {
   }
 }
 
-mapping::Plane random_plane(tests::PlaneRandom& random) {
+mapping::Plane random_plane(tests::WorldRandom& random) {
   const rt::Vector3 n = random_unit(random);
   const double x = random.between(-8388, 8388);
   const double y = random.between(-8388, 8388);
@@ -47,7 +47,7 @@ double angle(const rt::Vector3& a, const rt::Vector3& b) {
 
 TEST_CASE("A plane's record loses no more than its bounds") {
   constexpr std::uint32_t kSeed = 1;
-  tests::PlaneRandom random(kSeed);
+  tests::WorldRandom random(kSeed);
   CAPTURE(kSeed);
   double worst_normal = 0, worst_axis = 0, worst_centroid = 0, worst_side = 0, worst_corner = 0,
          worst_sigma = 0;
@@ -90,7 +90,7 @@ TEST_CASE("A plane's record loses no more than its bounds") {
 }
 
 TEST_CASE("Any 28 bytes are a good plane or malformed, and axes along the frame come back as they are") {
-  tests::PlaneRandom random(2);
+  tests::WorldRandom random(2);
   std::uint32_t malformed = 0;
   for (int i = 0; i < 20000; ++i) {
     mapping::PlaneRecord record;
@@ -143,7 +143,7 @@ TEST_CASE("A record refuses what it cannot hold, and leaves its bytes alone") {
 }
 
 TEST_CASE("The 4x4 information of a plane is the inverse of its covariance, by differences") {
-  tests::PlaneRandom random(3);
+  tests::WorldRandom random(3);
   const mapping::Plane p = tests::rectangle({0.3, -0.5, 0.8}, {4, -7, 2}, {1, 0.2, 0}, 2, 1);
   mapping::Plane q = p;
   q.sigma_offset_m = 0.02;

@@ -31,7 +31,7 @@ TEST_CASE("Air and ground: 19 of 20 places are found within 5 cm and 0.3 degrees
   for (const bool known : {false, true}) {
     tests::PlaneTally tally;
     for (std::uint32_t i = 0; i < 200; ++i) {
-      tests::PlaneRandom random(kSeed + i);
+      tests::WorldRandom random(kSeed + i);
       const std::uint32_t common = 5 + random.below(16);
       const tests::PlaneScene scene = tests::air_scene(common, 1.0, random);
       tally.judge(scene, tests::registered(*registration, scene, tests::gps(scene, known, 0.0, random)));
@@ -48,7 +48,7 @@ TEST_CASE("Air and ground with a scale that is 7 % off: within 0.5 %") {
   CAPTURE(kSeed);
   tests::PlaneTally tally;
   for (std::uint32_t i = 0; i < 200; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     const std::uint32_t common = 8 + random.below(13);
     const tests::PlaneScene scene = tests::air_scene(common, 0.93, random);
     tally.judge(scene, tests::registered(*registration, scene, tests::gps(scene, true, 0.05, random)));
@@ -63,12 +63,7 @@ TEST_CASE("Symmetric rooms, mirrored halls and wrong buildings are refused") {
   constexpr std::uint32_t kSeed = 5000;
   CAPTURE(kSeed);
   for (int kind = 0; kind < 3; ++kind) {
-    tests::PlaneTally tally;
-    for (std::uint32_t i = 0; i < 100; ++i) {
-      tests::PlaneRandom random(kSeed + i);
-      const tests::PlaneScene scene = tests::false_scene(kind, random);
-      tally.judge(scene, tests::registered(*registration, scene, {}), kind > 0);
-    }
+    const tests::PlaneTally tally = tests::false_places(*registration, kind, kSeed, 100);
     CAPTURE(kind, tally.close, tally.wrong, tally.refused);
     CHECK(tally.wrong == 0);
     CHECK(tally.refused >= 90);
@@ -83,7 +78,7 @@ TEST_CASE("A corridor without ends: exact across, the estimate's along, and it s
   std::uint32_t partly = 0;
   std::uint32_t refused = 0;
   for (std::uint32_t i = 0; i < 100; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     tests::HallMaker hall(random, 40, 3, 2.8);
     hall.shell();
     hall.planes.erase(hall.planes.begin() + 2, hall.planes.begin() + 4);  // both ends
@@ -127,7 +122,7 @@ TEST_CASE("Planes in any order give the same bits, and so does work in pieces") 
   constexpr std::uint32_t kSeed = 7000;
   CAPTURE(kSeed);
   for (std::uint32_t i = 0; i < 40; ++i) {
-    tests::PlaneRandom random(kSeed + i);
+    tests::WorldRandom random(kSeed + i);
     const double scale = i % 3 == 0 ? 0.95 : 1.0;
     tests::PlaneScene scene = tests::air_scene(6 + random.below(10), scale, random);
     mapping::PlaneEstimate estimate = tests::gps(scene, i % 2 == 0, scale < 1 ? 0.05 : 0.0, random);
@@ -165,7 +160,7 @@ TEST_CASE("Planes in any order give the same bits, and so does work in pieces") 
 
 TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed partly with an estimate") {
   const auto registration = std::make_unique<mapping::PlaneRegistration>(mapping::PlaneRegistrationConfig{});
-  tests::PlaneRandom random(8);
+  tests::WorldRandom random(8);
   tests::HallMaker hall(random, 20, 10, 4);
   hall.shell();
   const auto set_of = [&hall](std::initializer_list<std::size_t> which) {
@@ -220,7 +215,7 @@ TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed
 
 TEST_CASE("What is not finite or out of range is refused by name, and nothing is begun") {
   const auto registration = std::make_unique<mapping::PlaneRegistration>(mapping::PlaneRegistrationConfig{});
-  tests::PlaneRandom random(9);
+  tests::WorldRandom random(9);
   const tests::PlaneScene scene = tests::air_scene(8, 1.0, random);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -254,7 +249,7 @@ TEST_CASE("Errors of 1e-6 and 1e3 in some planes, planes of no area, and 10 km: 
   const auto registration = std::make_unique<mapping::PlaneRegistration>(mapping::PlaneRegistrationConfig{});
   tests::PlaneTally tally;
   for (std::uint32_t i = 0; i < 60; ++i) {
-    tests::PlaneRandom random(9000 + i);
+    tests::WorldRandom random(9000 + i);
     tests::PlaneScene scene = tests::air_scene(12, 1.0, random);
     for (mapping::PlaneSet* set : {&scene.source, &scene.target}) {
       for (int k = 0; k < 3; ++k) {
@@ -286,7 +281,7 @@ TEST_CASE("Without gravity, and without signs of normals, places are found as we
   config.signed_normals = false;
   const auto either = std::make_unique<mapping::PlaneRegistration>(config);
   for (std::uint32_t i = 0; i < 60; ++i) {
-    tests::PlaneRandom random(11000 + i);
+    tests::WorldRandom random(11000 + i);
     tests::PlaneScene scene = tests::air_scene(14, 1.0, random);
     mapping::PlaneSet turned;
     const mapping::PlanePose tilt{
@@ -325,7 +320,7 @@ TEST_CASE("A registration makes no heap call") {
     return;
   }
   const auto registration = std::make_unique<mapping::PlaneRegistration>(mapping::PlaneRegistrationConfig{});
-  tests::PlaneRandom random(12);
+  tests::WorldRandom random(12);
   const tests::PlaneScene scene = tests::air_scene(16, 0.95, random);
   mapping::PlaneEstimate estimate = tests::gps(scene, true, 0.05, random);
   std::uint64_t calls = 0;

@@ -5,38 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "mapping/registration/plane_pose.hpp"
 #include "mapping/registration/plane_set.hpp"
 #include "rt/rotation.hpp"
+#include "tests/mapping/world_random.hpp"
 
 namespace sortie::tests {
-
-/// Random numbers that are the same everywhere.
-class PlaneRandom {
- public:
-  explicit PlaneRandom(std::uint32_t seed) : engine_(seed) {}
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine_() % n); }
-  double between(double low, double high) {
-    return low + (high - low) * (static_cast<double>(engine_()) / 4294967296.0);
-  }
-  /// Nearly normal, unit variance: twelve draws.
-  double normal() {
-    double sum = -6.0;
-    for (int k = 0; k < 12; ++k) sum += between(0, 1);
-    return sum;
-  }
-  template <class T>
-  void shuffle(std::vector<T>& all) {
-    for (std::size_t i = all.size(); i > 1; --i)
-      std::swap(all[i - 1], all[below(static_cast<std::uint32_t>(i))]);
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 /// A rectangle with middle `c`, normal `n` and first side along `u` (need not be exact), of 2 hu by 2 hv.
 inline mapping::Plane rectangle(const rt::Vector3& n, const rt::Vector3& c, const rt::Vector3& u, double hu,
@@ -58,7 +34,7 @@ inline mapping::Plane rectangle(const rt::Vector3& n, const rt::Vector3& c, cons
 /// Walls, floors and boxes of a building.
 class HallMaker {
  public:
-  HallMaker(PlaneRandom& random, double x_m, double y_m, double z_m)
+  HallMaker(WorldRandom& random, double x_m, double y_m, double z_m)
       : random_(random), size_{x_m, y_m, z_m} {}
 
   void shell() {
@@ -125,7 +101,7 @@ class HallMaker {
   void add(const rt::Vector3& n, const rt::Vector3& c, const rt::Vector3& u, double hu, double hv) {
     planes.push_back(rectangle(n, c, u, hu, hv));
   }
-  PlaneRandom& random_;
+  WorldRandom& random_;
   rt::Vector3 size_;
 };
 
@@ -138,7 +114,7 @@ struct PlaneNoise {
 
 /// A plane as a sensor sees it: a part of the rectangle, shifted and tilted. Larger planes are surer: tilt
 /// falls with the square root of the length, to a third at most.
-inline mapping::Plane seen(const mapping::Plane& truth, const PlaneNoise& noise, PlaneRandom& random) {
+inline mapping::Plane seen(const mapping::Plane& truth, const PlaneNoise& noise, WorldRandom& random) {
   mapping::Plane p = truth;
   const rt::Vector3 v = truth.axis_v();
   double half[2];
@@ -188,7 +164,7 @@ struct PlaneScene {
   std::uint32_t common{};
 };
 
-inline mapping::PlanePose random_pose(PlaneRandom& random, double most_m, double scale) {
+inline mapping::PlanePose random_pose(WorldRandom& random, double most_m, double scale) {
   mapping::PlanePose pose;
   pose.q_target_source = rt::from_yaw_pitch_roll(random.between(-3.14, 3.14), 0, 0);
   const double x = random.between(-most_m, most_m);
@@ -204,7 +180,7 @@ inline PlaneScene make_scene(const std::vector<mapping::Plane>& common,
                              const std::vector<mapping::Plane>& source_only,
                              const std::vector<mapping::Plane>& target_only, const mapping::PlanePose& truth,
                              const PlaneNoise& source_noise, const PlaneNoise& target_noise,
-                             PlaneRandom& random) {
+                             WorldRandom& random) {
   PlaneScene scene;
   scene.truth = truth;
   scene.common = static_cast<std::uint32_t>(common.size());
@@ -229,7 +205,7 @@ inline PlaneScene make_scene(const std::vector<mapping::Plane>& common,
 /// are among the common ones where there is room, else three of them that show all directions.
 inline PlaneScene random_scene(std::uint32_t common, std::uint32_t source_only, std::uint32_t target_only,
                                double scale, const PlaneNoise& source_noise, const PlaneNoise& target_noise,
-                               PlaneRandom& random) {
+                               WorldRandom& random) {
   HallMaker hall(random, random.between(15, 60), random.between(10, 30), random.between(4, 9));
   hall.shell();
   hall.furnish(common + source_only + target_only + 6);
@@ -257,7 +233,7 @@ inline PlaneScene random_scene(std::uint32_t common, std::uint32_t source_only, 
 }
 
 /// A hall that half a turn about its middle takes into itself, `extra` planes on each side aside.
-inline PlaneScene symmetric_scene(std::uint32_t planes, std::uint32_t extra, PlaneRandom& random) {
+inline PlaneScene symmetric_scene(std::uint32_t planes, std::uint32_t extra, WorldRandom& random) {
   HallMaker hall(random, random.between(10, 40), random.between(8, 25), random.between(3, 8));
   hall.shell();
   hall.furnish(6 + (planes - std::min(planes, 6u)) / 2);
@@ -277,7 +253,7 @@ inline PlaneScene symmetric_scene(std::uint32_t planes, std::uint32_t extra, Pla
 }
 
 /// A hall, and its mirror image: no pose is right.
-inline PlaneScene mirrored_scene(std::uint32_t planes, PlaneRandom& random) {
+inline PlaneScene mirrored_scene(std::uint32_t planes, WorldRandom& random) {
   HallMaker hall(random, random.between(10, 40), random.between(8, 25), random.between(3, 8));
   hall.shell();
   hall.furnish(planes);
@@ -290,7 +266,7 @@ inline PlaneScene mirrored_scene(std::uint32_t planes, PlaneRandom& random) {
 }
 
 /// Two halls of one kind: the same height of storeys, now and then the same width.
-inline PlaneScene wrong_building_scene(std::uint32_t source, std::uint32_t target, PlaneRandom& random) {
+inline PlaneScene wrong_building_scene(std::uint32_t source, std::uint32_t target, WorldRandom& random) {
   const double x = random.between(10, 40), y = random.between(8, 25), z = random.between(3, 8);
   HallMaker first(random, x, y, z);
   const bool same_width = random.below(3) == 0;

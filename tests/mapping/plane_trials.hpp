@@ -9,13 +9,13 @@ namespace sortie::tests {
 
 /// `common` planes in three directions at least, and a third of each side seen by that side alone; the source
 /// as a camera's map, the target as a laser's.
-inline PlaneScene air_scene(std::uint32_t common, double scale, PlaneRandom& random) {
+inline PlaneScene air_scene(std::uint32_t common, double scale, WorldRandom& random) {
   const std::uint32_t others = (common + 1) / 2;
   return random_scene(common, others, others, scale, {}, {0.01, 0.004, 0.6}, random);
 }
 
 /// 0: a symmetric room; 1: a mirrored hall; 2: a wrong building. 8 to 32 planes.
-inline PlaneScene false_scene(int kind, PlaneRandom& random) {
+inline PlaneScene false_scene(int kind, WorldRandom& random) {
   const std::uint32_t planes = 8 + random.below(25);
   const std::uint32_t others = 8 + random.below(25);
   if (kind == 0) return symmetric_scene(planes, random.below(planes / 2 + 1), random);
@@ -26,7 +26,7 @@ inline PlaneScene false_scene(int kind, PlaneRandom& random) {
 /// What satellites and a compass say: 3 m and 6 degrees about the truth, and a scale of 1. Nothing but
 /// gravity where not `known`.
 inline mapping::PlaneEstimate gps(const PlaneScene& scene, bool known, double sigma_scale,
-                                  PlaneRandom& random) {
+                                  WorldRandom& random) {
   mapping::PlaneEstimate e;
   e.sigma_scale = sigma_scale;
   const double yaw = 0.1 * random.normal();
@@ -90,5 +90,18 @@ struct PlaneTally {
       ++close;
   }
 };
+
+/// What became of `trials` false scenes of a kind, seeds from `seed` on. Where a mirrored hall or a wrong
+/// building is placed at all, that is wrong.
+inline PlaneTally false_places(mapping::PlaneRegistration& registration, int kind, std::uint32_t seed,
+                               std::uint32_t trials) {
+  PlaneTally tally;
+  for (std::uint32_t i = 0; i < trials; ++i) {
+    WorldRandom random(seed + i);
+    const PlaneScene scene = false_scene(kind, random);
+    tally.judge(scene, registered(registration, scene, {}), kind > 0);
+  }
+  return tally;
+}
 
 }  // namespace sortie::tests

@@ -7,26 +7,12 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
-#include <random>
 #include <vector>
 
 #include "tests/mapping/owned_map.hpp"
+#include "tests/mapping/world_random.hpp"
 
 namespace sortie::tests {
-
-/// Random numbers that are the same everywhere.
-class WorldRandom {
- public:
-  explicit WorldRandom(std::uint32_t seed) : engine_(seed) {}
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine_() % n); }
-  double between(double low, double high) {
-    return low + (high - low) * (static_cast<double>(engine_()) / 4294967296.0);
-  }
-  float coordinate(double low, double high) { return static_cast<float>(between(low, high)); }
-
- private:
-  std::mt19937 engine_;
-};
 
 /// An active voxel as a twin sees it: whole coordinates in the grid, 65,536 a cell.
 struct TwinVoxel {

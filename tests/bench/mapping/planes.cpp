@@ -33,7 +33,7 @@ Rounds registrations_us(std::uint32_t common, std::uint32_t source_only, std::ui
   Rounds us;
   placed = 0;
   for (std::uint32_t i = 0; i < 200; ++i) {
-    tests::PlaneRandom random(5000 + i);
+    tests::WorldRandom random(5000 + i);
     const tests::PlaneScene scene =
         tests::random_scene(common, source_only, target_only, 1.0, {}, {0.01, 0.004, 0.6}, random);
     const mapping::PlaneEstimate estimate = tests::gps(scene, known, 0.0, random);
@@ -55,7 +55,7 @@ void growing_times(Report& report, Json& rows) {
   Rounds again_ms;
   std::size_t cells_held = 0;
   for (std::uint32_t i = 0; i < 20; ++i) {
-    tests::PlaneRandom random(100 + i);
+    tests::WorldRandom random(100 + i);
     tests::HallMaker hall(random, 50, 25, 6);
     hall.shell();
     hall.furnish(29);
