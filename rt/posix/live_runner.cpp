@@ -78,6 +78,7 @@ void LiveRunner::make_threads() {
                                    [this, index] { work(index, priority_of(index)); }));
   }
   if (supervisor_) supervisor_->start();
+  all_made_.store(true, std::memory_order_release);
 }
 
 // Rate-monotonic: a group stands below every faster one; ties go to the table.
@@ -195,10 +196,13 @@ void LiveRunner::note_late(std::uint32_t index, bool promise_broke, Tick tick) {
   static_cast<void>(pulses_[index].events.try_push(event));
 }
 
-// Until shortly before tick 0, so that a run that is stopped or refused before it begins ends at once.
+// Until shortly before tick 0, so that a run that is stopped or refused before it begins ends at once. Nobody
+// begins before all threads are there: on a busy machine tick 0 may have passed when the last one is refused.
 void LiveRunner::await_start() {
   constexpr Nanoseconds kBefore = 50 * kNanosecondsPerMillisecond;
   ready_.fetch_add(1, std::memory_order_release);
+  while (!all_made_.load(std::memory_order_acquire) && !stop_.load(std::memory_order_relaxed))
+    sleep_until(monotonic_now() + kNanosecondsPerMillisecond);
   while (options_.require_realtime && !stop_.load(std::memory_order_relaxed)) {
     if (refused() || (supervisor_ && supervisor_->ready() && supervisor_->was_refused())) stop();
     const bool all_asked = ready_.load(std::memory_order_acquire) == executive_.group_count() &&

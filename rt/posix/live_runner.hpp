@@ -146,6 +146,7 @@ class LiveRunner {
   std::atomic<bool> refused_{false};
   std::atomic<int> stopped_by_{-1};
   std::atomic<std::uint32_t> running_{0};
+  std::atomic<bool> all_made_{};         // all threads are there
   std::atomic<std::uint32_t> ready_{0};  // workers that have asked the platform
   Tick ticks_{};
   std::vector<std::uint64_t> next_job_;  // by group: the first that was neither run nor left out

@@ -145,8 +145,8 @@ TEST_CASE("a thread that cannot be made is refused with the cure, and neither ha
   testing::check_few_threads(7, 6, [] {
     LiveRig rig;
     add_groups(rig.executive, 0);
-    LiveOptions live = rig.options(60 * kMs);
-    live.last_tick = 20;
+    LiveOptions live = rig.options(-5 * kMs);  // late already: the workers would begin at once
+    live.last_tick = 400;
     LiveRunner runner(rig.executive, live);
     try {
       runner.start();
