@@ -12,12 +12,15 @@ constexpr std::size_t kFewReturns = 512;       ///< of a sample, for starts that
 constexpr double kClearlyBetter = 1.02;        ///< of a score
 constexpr double kAboutTurn = 0.03;            ///< rad and m from a result to the starts about it
 constexpr double kAboutMove = 0.15;
+/// Of the squares of where starts about a result end, two steps on: they are on their way still. With it the
+/// errors on six shapes are those that the covariance says, or less.
+constexpr double kOfSpread = 1.0 / 3.0;
 constexpr int kTurns = 5;    ///< about the upright, either way
 constexpr int kLattice = 5;  ///< an edge of it
 constexpr int kLatticeRadius2 = 5;
 constexpr double kCompass[8][2] = {{1, 0},  {0.7, 0.7},   {0, 1},  {-0.7, 0.7},
                                    {-1, 0}, {-0.7, -0.7}, {0, -1}, {0.7, -0.7}};
-constexpr double kNoiseMargin = 4.0;  ///< what holds a direction, against what noise could make of nothing
+constexpr double kNoiseMargin = 5.0;  ///< what holds a direction, against what noise could make of nothing
 constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less is a reason to look elsewhere
 constexpr double kAsGood = 0.95;      ///< of the best score: as good
 constexpr double kApartMove = 0.5;    ///< m and rad: two poses are well apart
@@ -123,7 +126,8 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
     const rt::Vector3 moved = pose.p - match.pose.p;
     const double x[6] = {turned.x, turned.y, turned.z, moved.x, moved.y, moved.z};
     for (int row = 0; row < 6; ++row) {
-      for (int column = 0; column < 6; ++column) match.spread[row][column] += x[row] * x[column] / 12.0;
+      for (int column = 0; column < 6; ++column)
+        match.spread[row][column] += x[row] * x[column] * kOfSpread / 12.0;
     }
   }
   if (!better) return false;

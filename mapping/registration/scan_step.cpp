@@ -27,18 +27,20 @@ double second_moment(const SurfelSums& sums, const rt::Vector3& a) {
          2.0 * (a.x * a.y * part(3) + a.x * a.z * part(4) + a.y * a.z * part(5));
 }
 
-/// A normal that is off by an angle about a tangent of its surface seems to hold what it does not.
-void add_noise(const Surfel& surfel, const rt::Vector3& x, double weight, double noise_m2,
-               NormalEquations& out) {
-  for (int k = 1; k < 3; ++k) {
+/// The lever's share of what a cell holds, and what the noise of its normal could make of nothing: one that
+/// is off by an angle about a tangent of its surface seems to hold what it does not.
+void add_held(const Surfel& surfel, const rt::Vector3& x, double weight, double noise_m2,
+              NormalEquations& out) {
+  for (int k = 0; k < 3; ++k) {
     const rt::Vector3 t = surfel.along(k);
     const double ratio = (surfel.variance(0) + kLeastNoise * noise_m2) / surfel.variance(k);
     const double angle2 = ratio * (1.0 / static_cast<double>(surfel.count) + kBent);
+    double(&sums)[6][6] = k == 0 ? out.held : out.noise;
+    const double share = k == 0 ? weight : weight * angle2;
     const rt::Vector3 turn = rt::cross(x, t);
     const double j[6] = {turn.x, turn.y, turn.z, t.x, t.y, t.z};
     for (int row = 0; row < 6; ++row) {
-      for (int column = 0; column < 6; ++column)
-        out.noise[row][column] += weight * angle2 * j[row] * j[column];
+      for (int column = 0; column < 6; ++column) sums[row][column] += share * j[row] * j[column];
     }
   }
 }
@@ -98,7 +100,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
       for (int column = row; column < 6; ++column) out.h[row][column] += wj * j[column];
       out.g[row] += wj * residual;
     }
-    if (rule.noise) add_noise(surfel, x, weight, noise, out);
+    if (rule.noise) add_held(surfel, layer.centre_m(cell.cell) + surfel.mean() - pose.p, weight, noise, out);
     out.squares += weight * square(residual);
     ++out.rows;
   }

@@ -18,8 +18,10 @@ struct NormalEquations {
   double h[6][6]{};
   double g[6]{};
   double squares{};  ///< weighted sum of squared residuals
-  /// What h would hold were the normals' noise all that is in it; where it was asked for.
-  double noise[6][6]{};
+  /// Where it was asked for: h with the lever of each cell at the map's mean there, whose normal it is. To
+  /// the scan's own mean a round surface would seem to hold turns that slide it along itself.
+  double held[6][6]{};
+  double noise[6][6]{};  ///< what `held` would be were the normals' noise all that is in it
   std::uint32_t rows{};  ///< residuals, one a cell that has a normal
 };
 
@@ -33,7 +35,7 @@ struct PosePrior {
 struct StepRule {
   double scale_m{0.1};  ///< of Geman-McClure: residuals beyond it hardly count
   double sigma_m{0.02};
-  bool noise{false};  ///< NormalEquations::noise is wanted: 72 sums more a cell
+  bool noise{false};  ///< NormalEquations::held and noise are wanted: 108 sums more a cell
 };
 
 /// A scan's sums in one cell, on their way.

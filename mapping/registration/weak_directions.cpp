@@ -22,6 +22,18 @@ Symmetric3 block(const double (&m)[6][6], int at) {
   return {m[at][at], m[at + 1][at + 1], m[at + 2][at + 2], m[at][at + 1], m[at][at + 2], m[at + 1][at + 2]};
 }
 
+/// Of the other block's directions those that are no more than noise are set to 0: what they would give is a
+/// turn of any size that fits the noise of a move, or the other way round.
+void drop_noise(const NormalEquations& equations, int at, double margin, SymmetricEigen& other) {
+  const Symmetric3 noise = block(equations.noise, at);
+  for (int k = 0; k < 3; ++k) {
+    const auto& e = other.vector[k];
+    const double of_noise = e[0] * e[0] * noise.xx + e[1] * e[1] * noise.yy + e[2] * e[2] * noise.zz +
+                            2.0 * (e[0] * e[1] * noise.xy + e[0] * e[2] * noise.xz + e[1] * e[2] * noise.yz);
+    if (!(other.value[k] > margin * of_noise)) other.value[k] = 0.0;
+  }
+}
+
 /// (turn, move): `own` block free by its direction v, the other one giving way as it likes best: -O^+ C v,
 /// where O is the other's block and C couples them.
 rt::Vector3 giving_way(const double (&h)[6][6], int own, const SymmetricEigen& other, const rt::Vector3& v) {
@@ -69,11 +81,12 @@ Symmetric3 alone(const double (&h)[6][6], int own, const SymmetricEigen& other) 
 }
 
 void look(const NormalEquations& equations, int own, double margin, WeakDirections& weak) {
-  const SymmetricEigen other = symmetric_eigen(block(equations.h, 3 - own));
-  const SymmetricEigen eigen = symmetric_eigen(alone(equations.h, own, other));
+  SymmetricEigen other = symmetric_eigen(block(equations.held, 3 - own));
+  drop_noise(equations, 3 - own, margin, other);
+  const SymmetricEigen eigen = symmetric_eigen(alone(equations.held, own, other));
   for (int k = 0; k < 3; ++k) {
     const rt::Vector3 v{eigen.vector[k][0], eigen.vector[k][1], eigen.vector[k][2]};
-    const rt::Vector3 way = giving_way(equations.h, own, other, v);
+    const rt::Vector3 way = giving_way(equations.held, own, other, v);
     double z[6];
     const double first[3] = {v.x, v.y, v.z};
     const double second[3] = {way.x, way.y, way.z};
@@ -82,7 +95,7 @@ void look(const NormalEquations& equations, int own, double margin, WeakDirectio
       z[3 - own + i] = second[i];
     }
     const double noise = form(equations.noise, z);
-    if (eigen.value[k] > margin * noise && eigen.value[k] > kNothing * std::max(1.0, largest(equations.h)))
+    if (eigen.value[k] > margin * noise && eigen.value[k] > kNothing * std::max(1.0, largest(equations.held)))
       continue;
     const std::uint32_t row = weak.moves + weak.turns;
     for (int i = 0; i < 6; ++i) weak.along[row][i] = z[i];

@@ -38,7 +38,7 @@ struct StepRow {
 
 struct StepTwin {
   std::vector<StepRow> rows;
-  Matrix6 h = Matrix6::Zero(), noise = Matrix6::Zero();
+  Matrix6 held = Matrix6::Zero(), h = Matrix6::Zero(), noise = Matrix6::Zero();
   Vector6 g = Vector6::Zero();
   double squares{}, weight{};
 };
@@ -90,11 +90,14 @@ StepTwin step_twin(const mapping::SurfelLayer& layer, const std::vector<mapping:
     twin.g += weight * row.residual * j;
     twin.squares += weight * row.residual * row.residual;
     twin.weight += weight;
+    const Eigen::Vector3d at_map = centre + as_eigen(surfel->mean_m) - as_eigen(pose.p);
+    j << at_map.cross(a), a;
+    twin.held += weight * j * j.transpose();
     for (int k = 1; k < 3; ++k) {
       const double angle2 =
           (variance[0] + 0.1 * rule.sigma_m * rule.sigma_m) / variance[k] * (1.0 / surfel->count + 0.03);
       Vector6 t;
-      t << row.lever.cross(as_eigen(surfel->axis[k])), as_eigen(surfel->axis[k]);
+      t << at_map.cross(as_eigen(surfel->axis[k])), as_eigen(surfel->axis[k]);
       twin.noise += weight * angle2 * t * t.transpose();
     }
     twin.rows.push_back(row);
@@ -161,7 +164,9 @@ TEST_CASE("The equations of a scan are those of a brute-force twin") {
     CHECK(std::fabs(found.squares - twin.squares) < 1e-8 * twin.squares);
     if (rule.noise) {
       CHECK((as_eigen(found.noise) - twin.noise).norm() < 1e-8 * twin.noise.norm());
+      CHECK((as_eigen(found.held) - twin.held).norm() < 1e-8 * twin.held.norm());
     } else {
+      CHECK(as_eigen(found.held).norm() == 0.0);
       CHECK(as_eigen(found.noise).norm() == 0.0);
     }
     // Sums are in the order of the sample; but for rounding, that does not matter.

@@ -114,7 +114,7 @@ mapping::NormalEquations equations_of(const WeakShape& shape, double scale, doub
   for (int i = 0; i < 6; ++i) {
     out.g[i] = g[i];
     for (int k = 0; k < 6; ++k) {
-      out.h[i][k] = 0.5 * (h(i, k) + h(k, i));
+      out.h[i][k] = out.held[i][k] = 0.5 * (h(i, k) + h(k, i));
       out.noise[i][k] = 0.5 * (noise(i, k) + noise(k, i));
     }
   }

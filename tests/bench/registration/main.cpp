@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-registration: registration of scans beside PCL's, its error over run time, its basin, and what
-// it says of places that are false; tables in Markdown. --only PART (peers, sweep, basin, places, counts),
+// it says of places that are false; tables in Markdown. --only PART (peers, sweep, basin, places, counts,
+// corridor),
 // --cases N, --seed N, --out DIR for the plots, --data DIR, --each yes for a line a case that went wrong.
 #include <cstdio>
 #include <stdexcept>
@@ -15,11 +16,10 @@ struct RegistrationPart {
   const char* name;
   void (*measure)(const RegistrationSettings&);
 };
-constexpr RegistrationPart kRegistrationParts[] = {{"peers", registration_beside_peers},
-                                                   {"sweep", registration_sweep},
-                                                   {"counts", registration_counts},
-                                                   {"basin", registration_basin},
-                                                   {"places", registration_places}};
+constexpr RegistrationPart kRegistrationParts[] = {
+    {"peers", registration_beside_peers}, {"sweep", registration_sweep},
+    {"counts", registration_counts},      {"basin", registration_basin},
+    {"places", registration_places},      {"corridor", registration_corridor}};
 
 int run(int argc, char** argv) {
   RegistrationSettings settings;
@@ -53,7 +53,7 @@ int run(int argc, char** argv) {
     found = true;
     part.measure(settings);
   }
-  if (!found) throw std::invalid_argument("--only takes peers, sweep, counts, basin or places");
+  if (!found) throw std::invalid_argument("--only takes peers, sweep, counts, basin, places or corridor");
   return 0;
 }
 

@@ -26,6 +26,8 @@ void registration_basin(const RegistrationSettings& settings);
 void registration_places(const RegistrationSettings& settings);
 /// Instructions of the step: worst over median.
 void registration_counts(const RegistrationSettings& settings);
+/// A corridor without ends beside ICP with a fixed sigma, and its picture.
+void registration_corridor(const RegistrationSettings& settings);
 /// The child that is counted.
 int registration_counted(bool lost);
 
