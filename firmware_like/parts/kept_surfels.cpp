@@ -51,6 +51,9 @@ template <class T>
     case SurfelMapFault::order:
       refuse_bytes(map, "byte " + std::to_string(result.byte) +
                             ": a cell that is there twice, or not in the order of cells");
+    case SurfelMapFault::planar:
+      refuse_scene(map, own.planar ? "was made by a lidar of many rows" : "was made in the plane",
+                   own.planar ? "locate.planar=false" : "locate.planar=true");
     case SurfelMapFault::cell:
       refuse_other(map, "locate.cell_m", head.cell_m, own.cell_m);
     case SurfelMapFault::min_points:

@@ -10,9 +10,11 @@
 namespace sortie::mapping {
 namespace {
 constexpr std::size_t kLeastReturns = 100;
+constexpr std::size_t kLeastInPlane = 40;  ///< of one row: a wall 1 m off fills half of what it sees
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRaySteps = 64;
-constexpr double kFar2 = 22.46;  ///< 99.9 % of chi-square with 6 degrees of freedom
+constexpr double kFar2 = 22.46;         ///< 99.9 % of chi-square with 6 degrees of freedom
+constexpr double kFarInPlane2 = 16.27;  ///< with 3
 
 /// `share` of a motion goes on.
 RigidPose gone_on(const RigidPose& from, const RigidPose& to, double share) {
@@ -67,12 +69,22 @@ const char* to_string(LocateVerdict verdict) {
 const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hint) {
   OdometryHint odometry = hint;
   odometry.known = usable(hint);
+  if (!config_.planar) return look(scan, odometry);
+  left_out_ = out_of_plane(odometry.known ? odometry.T_odom_sensor : located_.T_map_sensor);
+  odometry.T_odom_sensor = laid_flat(odometry.T_odom_sensor);
+  look(scan, odometry);
+  located_.T_map_sensor = stood_up(laid_flat(located_.T_map_sensor), left_out_);
+  return located_;
+}
+
+const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odometry) {
   const std::span<const rt::ScanPoint> points{scan.points, scan.header.points};
   located_.stamp_ns = scan.header.stamp_ns;
   ++located_.counts.in;
   located_.steps = 0;
   located_.share = located_.known = located_.crossed = located_.inside = 0.0;
   located_.returns = static_cast<std::uint32_t>(registration_.take(points));
+  if (config_.planar) registration_.lay_flat(left_out_.tilt);
   located_.weak_moves = located_.weak_turns = 0;
   const PosePrior prior = expect(odometry);
   double covariance[6][6]{};
@@ -81,7 +93,7 @@ const Located& Locator::locate(const rt::PointScan& scan, const OdometryHint& hi
     describe({}, covariance, prior.at.q);
     return refuse(LocateVerdict::unplaced, odometry);
   }
-  if (located_.returns < kLeastReturns) {
+  if (located_.returns < (config_.planar ? kLeastInPlane : kLeastReturns)) {
     describe({}, covariance, prior.at.q);
     return refuse(LocateVerdict::few_returns, odometry);
   }
@@ -181,7 +193,8 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
     return LocateVerdict::little_share;
   if (!clear()) return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
-  if (tied_ && odometry.known && squared_distance(prior, match.pose) > kFar2)
+  if (tied_ && odometry.known &&
+      squared_distance(prior, match.pose) > (config_.planar ? kFarInPlane2 : kFar2))
     return LocateVerdict::far_from_prior;
   return LocateVerdict::accepted;
 }
@@ -241,7 +254,7 @@ void Locator::describe(const WeakDirections& weak, const double (&c)[6][6],
   for (std::uint32_t i = 0; i < weak.moves; ++i) note(weak.move[i], 3, located_.weak_move[i]);
   for (std::uint32_t i = 0; i < weak.turns; ++i) note(weak.turn[i], 0, located_.weak_turn[i]);
   // Turns are about the map's axes so far; those in the sensor are R' times them.
-  const rt::RotationMatrix r = rt::to_matrix(q_map_sensor);
+  const rt::RotationMatrix r = rt::to_matrix(config_.planar ? q_map_sensor * left_out_.tilt : q_map_sensor);
   double to_sensor[6][6]{};  // (turn, move) to (position, rotation)
   for (int i = 0; i < 3; ++i) {
     to_sensor[i][3 + i] = 1.0;

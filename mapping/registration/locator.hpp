@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "mapping/registration/level_pose.hpp"
 #include "mapping/registration/scan_registration.hpp"
 #include "mapping/registration/seen_space.hpp"
 #include "mapping/registration/surfel_map.hpp"
@@ -98,10 +99,11 @@ class Locator {
   Locator(const RegistrationConfig& config, rt::Arena& arena, const RegistrationMemory& memory = {})
       : config_(config),
         registration_(config, arena, memory),
-        seen_(arena.make_array<float>("seen_space", SeenSpace::kDirections)) {}
+        seen_(arena.make_array<float>("seen_space", SeenSpace::kDirections), config.planar) {}
 
   /// The place of a scan whose returns are as of one moment, sensor frame. An accepted scan becomes part of
-  /// the map. Odometry that is not finite, no rotation, or as good as sure counts as none.
+  /// the map. Odometry that is not finite, no rotation, or as good as sure counts as none. In the plane
+  /// T_map_odom has neither height nor tilt: the odometry's are the map's.
   const Located& locate(const rt::PointScan& scan, const OdometryHint& hint);
   const Located& located() const { return located_; }
   /// A scan has a place on the map. Until then nothing is known of any motion.
@@ -123,6 +125,7 @@ class Locator {
   void archive(rt::Archive& archive);
 
  private:
+  const Located& look(const rt::PointScan& scan, const OdometryHint& odometry);
   void look_along_rays(const Match& match);
   bool clear() const;  ///< neither rays through surfaces nor returns in what was seen to be empty
   void conclude(LocateVerdict verdict);
@@ -158,8 +161,9 @@ class Locator {
   Anchor anchor_{Anchor::none};
   double told_move_m_{};  ///< standard deviations of what place() said
   double told_turn_rad_{};
-  bool tied_{};       ///< the odometry's place on the map is known: an accepted scan came with some
-  RigidPose newest_;  ///< T_map_sensor of the two newest accepted scans
+  OutOfPlane left_out_;  ///< in the plane: of this scan's pose; all poses below have none
+  bool tied_{};          ///< the odometry's place on the map is known: an accepted scan came with some
+  RigidPose newest_;     ///< T_map_sensor of the two newest accepted scans
   RigidPose before_;
   rt::Nanoseconds newest_ns_{};
   rt::Nanoseconds before_ns_{kNever};

@@ -9,6 +9,7 @@ namespace sortie::mapping {
 void Locator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "locator")
       .fixed(config_)
+      .scratch(left_out_)
       .state(registration_, seen_, located_, anchor_, told_move_m_, told_turn_rad_, tied_, newest_, before_,
              newest_ns_, before_ns_, usual_share_);
   if (!archive.is_reading()) return;

@@ -38,11 +38,12 @@ Status Locator::place(const RigidPose& T_map_sensor, const double (&covariance)[
   told_move_m_ = move_m;
   told_turn_rad_ = turn_rad;
   newest_ = before_ = located_.T_map_sensor = pose;
+  if (config_.planar) newest_ = before_ = laid_flat(pose);
   tied_ = odometry.known;
   if (!tied_) return Status::ok;
-  const RigidPose& odom = odometry.T_odom_sensor;
-  located_.T_map_odom.q = rt::normalised(pose.q * rt::conjugate(odom.q));
-  located_.T_map_odom.p = pose.p - rt::rotate(located_.T_map_odom.q, odom.p);
+  const RigidPose odom = config_.planar ? laid_flat(odometry.T_odom_sensor) : odometry.T_odom_sensor;
+  located_.T_map_odom.q = rt::normalised(newest_.q * rt::conjugate(odom.q));
+  located_.T_map_odom.p = newest_.p - rt::rotate(located_.T_map_odom.q, odom.p);
   return Status::ok;
 }
 

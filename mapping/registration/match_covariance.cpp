@@ -15,8 +15,10 @@ bool match_covariance(const NormalEquations& equations, const WeakDirections& we
                       const double (&spread)[6][6], double (&covariance)[6][6]) {
   NormalEquations held = equations;
   let_go(weak, held);
+  const double unknowns = held.planar ? 3.0 : 6.0;
   const double scatter =
-      kShared * std::max(kLeastScatter, held.squares / std::max(1.0, static_cast<double>(held.rows) - 6.0));
+      kShared *
+      std::max(kLeastScatter, held.squares / std::max(1.0, static_cast<double>(held.rows) - unknowns));
   double information[6][6];
   for (int i = 0; i < 6; ++i) {
     for (int k = 0; k < 6; ++k) information[i][k] = held.h[i][k] / scatter + prior.information[i][k];

@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 
-/// The defaults work in a building and around one, with 16 to 128 rows.
+/// The defaults work in a building and around one, with 16 to 128 rows. `planar`: for a lidar of one row.
 struct RegistrationConfig {
   double cell_m{0.5};           ///< edge of the finest surfel; the coarser layers have 2 and 4 times it
   double edge_m{0.1};           ///< of the cubes that a scan is thinned to one return in
@@ -26,6 +26,7 @@ struct RegistrationConfig {
   double most_inside{0.02};           ///< of the returns: where the scan before saw nothing
   double recovery_turn_rad{1.0472};
   double recovery_move_m{1.0};
+  bool planar{};  ///< x, y and yaw alone are matched; height and tilt are the odometry's
 
   SORTIE_KEYS(c, key) {
     key("cell_m", c.cell_m, {0.05, 5, "m", "edge of a surfel's cell", rt::kKnob});
@@ -50,6 +51,8 @@ struct RegistrationConfig {
     key("recovery_turn_deg", c.recovery_turn_rad,
         {0, 180, rt::kDegInRad, "a lost robot is looked for this far either way"});
     key("recovery_move_m", c.recovery_move_m, {0, 10, "m", "a lost robot is looked for this far"});
+    key("planar", c.planar,
+        {"for a lidar of one row: x, y and yaw are matched, height and tilt stay the odometry's"});
   }
 };
 

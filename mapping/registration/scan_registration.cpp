@@ -50,7 +50,8 @@ SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level,
       arena.make_array<Surfel>(kNames[level], count),
       arena.make_array<SurfelIndex>(kNames[level], count),
       arena.make_array<std::uint32_t>(kNames[level], count)};
-  return {config_.cell_m * (1 << level), bits_xy, bits_z, config_.min_points, config_.memory_points, arrays};
+  return {config_.cell_m * (1 << level), bits_xy, bits_z,        config_.min_points,
+          config_.memory_points,         arrays,  config_.planar};
 }
 
 ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& arena,
@@ -58,7 +59,8 @@ ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& 
     : config_(config),
       layers_{make_layer(arena, 0, memory), make_layer(arena, 1, memory), make_layer(arena, 2, memory)},
       step_({arena.make_array<StepMemory::Slot>("match_slots", std::max(memory.surfels, kFewestSurfels)),
-             arena.make_array<CellSums>("match_cells", config.returns)}),
+             arena.make_array<CellSums>("match_cells", config.returns)},
+            config.planar),
       chooser_(config.edge_m, config.min_range_m, config.max_range_m,
                arena.make_array<ScanSample::Slot>(
                    "sample_slots", 4 * std::bit_ceil(std::max<std::size_t>(kMostInserted, config.returns)))),
@@ -70,6 +72,13 @@ std::size_t ScanRegistration::take(std::span<const rt::ScanPoint> scan) {
   chosen_ = chooser_.choose(scan, sample_, counts_);
   size_ = std::min<std::size_t>(chosen_, config_.returns);
   return size_;
+}
+
+void ScanRegistration::lay_flat(const rt::Quaternion& tilt) {
+  for (SamplePoint& point : sample_.first(chosen_)) {
+    const rt::Vector3 v = rt::rotate(tilt, point.at());
+    point = {static_cast<float>(v.x), static_cast<float>(v.y), 0.0f};
+  }
 }
 
 /// Steps from coarse to fine. The sample's first returns are as good as any others: their order is by chance.
@@ -95,7 +104,7 @@ RigidPose ScanRegistration::descend(RigidPose pose, const PosePrior& prior, cons
   return pose;
 }
 
-/// Starts about a result, on each side along each of its six unknowns. A match that is a false minimum falls
+/// Starts about a result, on each side along each of its unknowns. A match that is a false minimum falls
 /// into a better one from some of them, and true is returned; where the pose is not held they stay apart, and
 /// that is its uncertainty.
 bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
@@ -104,7 +113,9 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
   double best = value * kClearlyBetter;
   RigidPose found = match.pose;
   bool better = false;
+  const double starts = config_.planar ? 6.0 : 12.0;
   for (int i = 0; i < 12; ++i) {
+    if (match.equations.holds(i / 2)) continue;
     double by[6]{};
     by[i / 2] = (i % 2 == 0 ? 1.0 : -1.0) * (i < 6 ? kAboutTurn : kAboutMove);
     RigidPose pose{match.pose.p + rt::Vector3{by[3], by[4], by[5]},
@@ -127,7 +138,7 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
     const double x[6] = {turned.x, turned.y, turned.z, moved.x, moved.y, moved.z};
     for (int row = 0; row < 6; ++row) {
       for (int column = 0; column < 6; ++column)
-        match.spread[row][column] += x[row] * x[column] * kOfSpread / 12.0;
+        match.spread[row][column] += x[row] * x[column] * kOfSpread / starts;
     }
   }
   if (!better) return false;
@@ -159,8 +170,8 @@ void ScanRegistration::recover(Match& match, const RigidPose& start, const Rigid
       if (candidate.value > one.value) std::swap(candidate, one);
     }
   };
-  // Turns about the upright, which are the usual ones, close together; about all axes on a lattice. Moves all
-  // round.
+  // Turns about the upright, which are the usual ones, close together; about all axes on a lattice, or in the
+  // plane turns and moves on it. Moves all round.
   const double most = config_.recovery_turn_rad;
   for (const RigidPose* base : {&start, &other}) {
     for (int i = -kTurns; i <= kTurns; ++i) try_start(*base, {0, 0, most * i / kTurns}, {});
@@ -168,7 +179,12 @@ void ScanRegistration::recover(Match& match, const RigidPose& start, const Rigid
       const int step[3] = {i % kLattice - 2, i / kLattice % kLattice - 2, i / (kLattice * kLattice) - 2};
       const int flat = step[0] * step[0] + step[1] * step[1];
       if (flat == 0 || flat + step[2] * step[2] > kLatticeRadius2) continue;
-      try_start(*base, {0.5 * most * step[0], 0.5 * most * step[1], 0.5 * most * step[2]}, {});
+      const double x = 0.5 * step[0], y = 0.5 * step[1], z = 0.5 * step[2];
+      if (config_.planar) {
+        try_start(*base, {0, 0, most * z}, {config_.recovery_move_m * x, config_.recovery_move_m * y, 0});
+      } else {
+        try_start(*base, {most * x, most * y, most * z}, {});
+      }
     }
     for (int i = 0; i < 16; ++i) {
       const double far = i < 8 ? config_.recovery_move_m : 0.5 * config_.recovery_move_m;

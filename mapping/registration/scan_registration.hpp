@@ -39,6 +39,9 @@ class ScanRegistration {
 
   /// Takes a scan's sample; the calls below are about it. How many returns it has.
   std::size_t take(std::span<const rt::ScanPoint> scan);
+  /// For a registration in the plane, whose poses have neither height nor tilt: turns what was taken by the
+  /// sensor's tilt, and puts it on the plane.
+  void lay_flat(const rt::Quaternion& tilt);
   /// Matches from `start`. Where that does not do, or does much worse than `usual_share` of the scan before,
   /// also from turns of it and of `other`.
   Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior, double usual_share);

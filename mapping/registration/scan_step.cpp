@@ -44,6 +44,16 @@ void add_held(const Surfel& surfel, const rt::Vector3& x, double weight, double 
     }
   }
 }
+/// Takes out what is known of the unknowns that are held.
+void keep_free_ones(NormalEquations& out) {
+  for (int row = 0; row < 6; ++row) {
+    if (out.holds(row)) out.g[row] = 0.0;
+    for (int column = 0; column < 6; ++column) {
+      if (out.holds(row) || out.holds(column))
+        out.h[row][column] = out.held[row][column] = out.noise[row][column] = 0.0;
+    }
+  }
+}
 }  // namespace
 
 std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SamplePoint> sample,
@@ -70,6 +80,7 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
 NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const SamplePoint> sample,
                                     const RigidPose& pose, const StepRule& rule) {
   NormalEquations out;
+  out.planar = planar_;
   const std::uint32_t used = sum_up(layer, sample, pose);
   const double step = layer.cell_m() / kSurfelSteps;
   // A surface that goes on through the cell along all three axes has no normal there (extended axes of ICET,
@@ -107,6 +118,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
   for (int row = 1; row < 6; ++row) {
     for (int column = 0; column < row; ++column) out.h[row][column] = out.h[column][row];
   }
+  if (planar_) keep_free_ones(out);
   return out;
 }
 
@@ -150,6 +162,12 @@ bool ScanStep::advance(const NormalEquations& equations, const PosePrior& prior,
       a[row][column] = equations.h[row][column] + prior.information[row][column];
       b[row] -= prior.information[row][column] * from_prior[column];
     }
+  }
+  for (int held = 0; held < 6; ++held) {
+    if (!equations.holds(held)) continue;
+    for (int i = 0; i < 6; ++i) a[held][i] = a[i][held] = 0.0;
+    a[held][held] = 1.0;
+    b[held] = 0.0;
   }
   double x[6];
   if (!solve6(a, b, x)) return false;

@@ -23,6 +23,10 @@ struct NormalEquations {
   double held[6][6]{};
   double noise[6][6]{};  ///< what `held` would be were the normals' noise all that is in it
   std::uint32_t rows{};  ///< residuals, one a cell that has a normal
+  bool planar{};         ///< x, y and the turn about z are unknown; the others are held, and their sums are 0
+
+  /// Whether unknown `i` of (turn, move) is held.
+  bool holds(int i) const { return planar && (i < 2 || i == 5); }
 };
 
 /// What a pose is believed to be before the scan: its own residual, about `at`.
@@ -58,7 +62,8 @@ struct StepMemory {
 /// Sums up scans and solves; holds nothing between calls but scratch.
 class ScanStep {
  public:
-  explicit ScanStep(const StepMemory& memory) : memory_(memory) {}
+  /// `planar`: see NormalEquations.
+  explicit ScanStep(const StepMemory& memory, bool planar = false) : memory_(memory), planar_(planar) {}
 
   /// The equations of a sample at a pose. Cost: a look-up a return, 27 sums a cell.
   NormalEquations equations(const SurfelLayer& layer, std::span<const SamplePoint> sample,
@@ -70,6 +75,7 @@ class ScanStep {
   std::uint32_t sum_up(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose);
 
   StepMemory memory_;
+  bool planar_;
   std::uint32_t stamp_{};
 };
 

@@ -14,6 +14,7 @@ constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr double kClear = 0.3;  ///< m, and a part of the range: by so much a ray must have gone on
 constexpr double kClearPart = 0.03;
 constexpr int kLeastNeighbours = 5;  ///< of 9 directions that must have seen something
+constexpr int kLeastInPlane = 3;     ///< of 3
 }  // namespace
 
 /// False right at the sensor.
@@ -61,14 +62,15 @@ double SeenSpace::share_inside(std::span<const SamplePoint> sample, const RigidP
         nearest = std::min(nearest, r);
       }
     }
-    if (seen >= kLeastNeighbours && range < static_cast<double>(nearest) * (1.0 - kClearPart) - kClear)
+    if (seen >= (planar_ ? kLeastInPlane : kLeastNeighbours) &&
+        range < static_cast<double>(nearest) * (1.0 - kClearPart) - kClear)
       ++inside;
   }
   return inside / static_cast<double>(sample.size());
 }
 
 void SeenSpace::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "seen space").by_hand(ranges_).state(pose_, some_);
+  rt::Members(archive, *this, "seen space").by_hand(ranges_).fixed(planar_).state(pose_, some_);
   for (float& range : ranges_) archive.value(range);
   check_pose(archive, pose_);
 }

@@ -20,8 +20,8 @@ class SeenSpace {
   static constexpr int kRises = 36;  ///< from straight down to straight up
   static constexpr std::size_t kDirections = std::size_t{kTurns} * kRises;
 
-  /// `ranges`: kDirections of them.
-  explicit SeenSpace(std::span<float> ranges) : ranges_(ranges) {}
+  /// `ranges`: kDirections of them. `planar`: all returns lie in the sensor's own plane.
+  explicit SeenSpace(std::span<float> ranges, bool planar = false) : ranges_(ranges), planar_(planar) {}
 
   /// Takes a scan's sample, seen from `pose`. An arc tangent a return.
   void take(std::span<const SamplePoint> sample, const RigidPose& pose);
@@ -39,6 +39,7 @@ class SeenSpace {
   float at(int turn, int rise) const { return ranges_[static_cast<std::size_t>(rise * kTurns + turn)]; }
 
   std::span<float> ranges_;
+  bool planar_;
   RigidPose pose_;
   bool some_{};
 };

@@ -15,7 +15,7 @@ void SurfelSums::fade() {
   count = half;
 }
 
-Surfel surfel_of(const SurfelSums& sums, double cell_m) {
+Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar) {
   const auto n = static_cast<std::int64_t>(sums.count);
   const double step = cell_m / kSurfelSteps;
   const double scale = step * step / (static_cast<double>(n) * static_cast<double>(n));
@@ -24,8 +24,13 @@ Surfel surfel_of(const SurfelSums& sums, double cell_m) {
     return scale *
            static_cast<double>(n * sums.product[at] - std::int64_t{sums.sum[i]} * std::int64_t{sums.sum[k]});
   };
-  const SymmetricEigen eigen = symmetric_eigen(
-      {part(0, 0, 0), part(1, 1, 1), part(2, 2, 2), part(3, 0, 1), part(4, 0, 2), part(5, 1, 2)});
+  Symmetric3 variance{part(0, 0, 0), part(1, 1, 1), part(2, 2, 2),
+                      part(3, 0, 1), part(4, 0, 2), part(5, 1, 2)};
+  if (planar) {
+    variance.zz = cell_m * cell_m / 12.0;
+    variance.xz = variance.yz = 0.0;
+  }
+  const SymmetricEigen eigen = symmetric_eigen(variance);
   Surfel surfel;
   surfel.count = sums.count;
   for (int i = 0; i < 3; ++i) {

@@ -56,7 +56,8 @@ struct Surfel {
 };
 static_assert(sizeof(Surfel) == 64);
 
-/// The Gaussian of some sums in cells of an edge, m. At least one point.
-Surfel surfel_of(const SurfelSums& sums, double cell_m);
+/// The Gaussian of some sums in cells of an edge, m. At least one point. `planar`: the points stand for walls
+/// that go upwards through the whole cell.
+Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar = false);
 
 }  // namespace sortie::mapping

@@ -6,7 +6,7 @@
 namespace sortie::mapping {
 
 SurfelLayer::SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
-                         std::uint32_t memory_points, const SurfelLayerMemory& memory)
+                         std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar)
     : cell_m_(cell_m),
       per_cell_(1.0 / cell_m),
       bits_xy_(bits_xy),
@@ -15,6 +15,7 @@ SurfelLayer::SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::
       mask_z_((1u << bits_z) - 1),
       min_points_(min_points),
       memory_points_(memory_points),
+      planar_(planar),
       memory_(memory) {
   clear();
 }
@@ -117,9 +118,10 @@ void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t sc
     SurfelSums& sums = memory_.sums[index];
     Surfel& surfel = memory_.surfels[index];
     const std::uint32_t known = surfel.count;
-    if (sums.count >= min_points_ && sums.count > known + known / 10) surfel = surfel_of(sums, cell_m_);
+    if (sums.count >= min_points_ && sums.count > known + known / 10)
+      surfel = surfel_of(sums, cell_m_, planar_);
     if (sums.count >= memory_points_) {
-      surfel = surfel_of(sums, cell_m_);
+      surfel = surfel_of(sums, cell_m_, planar_);
       sums.fade();
       surfel.count = sums.count;
     }
@@ -156,7 +158,7 @@ void SurfelLayer::archive(rt::Archive& archive) {
   archive.expect(memory_.keys.size(), "another number of surfels than this layer's");
   if (archive.is_reading()) clear();
   rt::Members(archive, *this, "surfel layer")
-      .fixed(cell_m_, per_cell_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_)
+      .fixed(cell_m_, per_cell_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_, planar_)
       .by_hand(memory_, free_)
       .state(middle_, has_middle_, counts_);
   for (const std::int32_t at : middle_.at) {

@@ -66,9 +66,9 @@ struct SurfelLayerCounts {
 class SurfelLayer {
  public:
   /// 144 bytes a surfel and 4 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
-  /// `min_points` on, and fades from `memory_points` on (at most 32,768).
+  /// `min_points` on, and fades from `memory_points` on (at most 32,768). `planar`: see surfel_of().
   SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
-              std::uint32_t memory_points, const SurfelLayerMemory& memory);
+              std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar = false);
 
   double cell_m() const { return cell_m_; }
   /// Cells of the window along x and y, and along z.
@@ -145,6 +145,7 @@ class SurfelLayer {
   std::uint32_t mask_z_;
   std::uint32_t min_points_;
   std::uint32_t memory_points_;
+  bool planar_;
   SurfelLayerMemory memory_;
   std::size_t free_{};  ///< entries of memory_.free
   SurfelCell middle_;   ///< of the window

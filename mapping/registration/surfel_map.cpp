@@ -16,6 +16,7 @@ constexpr std::uint32_t kMostSurfels = 1u << 24;  // of a layer: no sum of lengt
 
 SurfelMapHead head_of(const ScanRegistration& registration) {
   SurfelMapHead head;
+  if (registration.config().planar) head.version = SurfelMapHead::kInPlane;
   head.cell_m = registration.config().cell_m;
   head.min_points = registration.config().min_points;
   head.memory_points = registration.config().memory_points;
@@ -32,12 +33,13 @@ std::uint64_t bytes_of(const SurfelMapHead& head) {
 
 SurfelMapFault judge(const SurfelMapHead& head, const SurfelMapHead& own, std::size_t bytes) {
   if (head.magic != own.magic) return SurfelMapFault::no_map;
-  if (head.version != own.version || head.layers != own.layers || head.steps != own.steps)
-    return SurfelMapFault::version;
+  const bool read = head.version == SurfelMapHead::kVersion || head.version == SurfelMapHead::kInPlane;
+  if (!read || head.layers != own.layers || head.steps != own.steps) return SurfelMapFault::version;
   for (const std::uint32_t count : head.surfels) {
     if (count > kMostSurfels) return SurfelMapFault::length;
   }
   if (bytes_of(head) != bytes) return SurfelMapFault::length;
+  if (head.version != own.version) return SurfelMapFault::planar;
   if (!(head.cell_m == own.cell_m)) return SurfelMapFault::cell;
   if (head.min_points != own.min_points) return SurfelMapFault::min_points;
   if (head.memory_points != own.memory_points) return SurfelMapFault::memory_points;

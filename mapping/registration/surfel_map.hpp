@@ -15,6 +15,8 @@ namespace sortie::mapping {
 struct SurfelMapHead {
   static constexpr std::uint64_t kMagic = 0x4c45465255534f53;  ///< "SOSURFEL"
   static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kInPlane =
+      101;  ///< the same of a map in the plane (RegistrationConfig::planar)
   std::uint64_t magic{kMagic};
   std::uint32_t version{kVersion};
   std::uint32_t steps{kSurfelSteps};  ///< of a cell's edge, in which its sums are
@@ -33,6 +35,7 @@ enum class SurfelMapFault : std::uint8_t {
   version,        ///< of another version of the format
   length,         ///< cut off, or something behind it
   checksum,       ///< damaged
+  planar,         ///< of a plane for a registration in space, or the other way round
   cell,           ///< other cells than the registration's
   min_points,     ///< other cells have a surface
   memory_points,  ///< cells fade at another number

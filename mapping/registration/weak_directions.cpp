@@ -80,12 +80,29 @@ Symmetric3 alone(const double (&h)[6][6], int own, const SymmetricEigen& other) 
           0.5 * (s[1][2] + s[2][1])};
 }
 
+/// No move along a unit vector.
+void stop(const rt::Vector3& along, double (&h)[6][6]) {
+  const double v[6] = {0.0, 0.0, 0.0, along.x, along.y, along.z};
+  for (auto& row : h) {
+    double sum = 0.0;
+    for (int i = 3; i < 6; ++i) sum += row[i] * v[i];
+    for (int i = 3; i < 6; ++i) row[i] -= sum * v[i];
+  }
+  for (int column = 0; column < 6; ++column) {
+    double sum = 0.0;
+    for (int i = 3; i < 6; ++i) sum += h[i][column] * v[i];
+    for (int i = 3; i < 6; ++i) h[i][column] -= sum * v[i];
+  }
+}
+
 void look(const NormalEquations& equations, int own, double margin, WeakDirections& weak) {
   SymmetricEigen other = symmetric_eigen(block(equations.held, 3 - own));
   drop_noise(equations, 3 - own, margin, other);
   const SymmetricEigen eigen = symmetric_eigen(alone(equations.held, own, other));
   for (int k = 0; k < 3; ++k) {
     const rt::Vector3 v{eigen.vector[k][0], eigen.vector[k][1], eigen.vector[k][2]};
+    // What is held couples with nothing, so that its directions are exact.
+    if (equations.planar && (own == 3) == (v.z > 0.5)) continue;
     const rt::Vector3 way = giving_way(equations.held, own, other, v);
     double z[6];
     const double first[3] = {v.x, v.y, v.z};
@@ -111,7 +128,10 @@ void look(const NormalEquations& equations, int own, double margin, WeakDirectio
 WeakDirections weak_directions(const NormalEquations& equations, double margin) {
   WeakDirections weak;
   look(equations, 3, margin, weak);
-  look(equations, 0, margin, weak);
+  NormalEquations rest = equations;
+  // Along a corridor the turn would give way by metres, and would seem as weak as that is.
+  for (std::uint32_t i = 0; equations.planar && i < weak.moves; ++i) stop(weak.move[i], rest.held);
+  look(rest, 0, margin, weak);
   return weak;
 }
 

@@ -20,7 +20,8 @@ struct WeakDirections {
 };
 
 /// A direction is weak where what holds it is no more than the noise of the normals could have made of
-/// nothing (`equations.noise`), times `margin`. Four eigenvalue problems of 3 x 3.
+/// nothing (`equations.noise`), times `margin`. What the equations hold is not. In the plane a
+/// motion that turns as it moves is a move. Four eigenvalue problems of 3 x 3.
 WeakDirections weak_directions(const NormalEquations& equations, double margin);
 
 /// Takes out of the equations what they seem to know along weak directions, to a hundredth of it; the prior
