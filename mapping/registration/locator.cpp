@@ -189,7 +189,8 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
   if (match.equations.rows < 6 || (weak && !(tied_ && odometry.known) && located_.inside > kHardlyAny))
     return LocateVerdict::unheld;
   if (match.score.matched < config_.least_share * match.score.known ||
-      match.score.known < config_.least_known || match.score.matched < kLeastOfUsual * usual_share_)
+      match.score.known < (match.other_start ? kLeastElsewhere : config_.least_known) ||
+      match.score.matched < kLeastOfUsual * usual_share_)
     return LocateVerdict::little_share;
   if (!clear()) return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;

@@ -30,6 +30,26 @@ unsigned bits_of(std::uint32_t cells) {
   return static_cast<unsigned>(std::countr_zero(std::bit_ceil(cells)));
 }
 
+/// Whether something that the scan does not hold is left to a prior that does not hold it either, to so many
+/// m and rad: then the start is as good as the result.
+bool left_open(const WeakDirections& weak, const PosePrior& prior, double move_m, double turn_rad) {
+  const auto loose = [&prior](const rt::Vector3& v, int at, double sigma) {
+    const double x[3] = {v.x, v.y, v.z};
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) sum += x[i] * prior.information[at + i][at + k] * x[k];
+    }
+    return sum * sigma * sigma < 1.0;
+  };
+  for (std::uint32_t i = 0; i < weak.moves; ++i) {
+    if (loose(weak.move[i], 3, move_m)) return true;
+  }
+  for (std::uint32_t i = 0; i < weak.turns; ++i) {
+    if (loose(weak.turn[i], 0, turn_rad)) return true;
+  }
+  return false;
+}
+
 bool apart(const RigidPose& a, const RigidPose& b, double move_m = kApartMove, double turn_rad = kApartTurn) {
   return rt::norm(a.p - b.p) > move_m || rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > turn_rad;
 }
@@ -239,11 +259,12 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
   match.score = match_score(layers_[0], sample(), start, config_.sigma_m);
   take(descend(start, prior, {0, 0, config_.steps}, size_, match));
   if (!good()) take(descend(start, prior, {2, 2, config_.steps}, size_, match));
-  if (!good()) {
+  weigh(match);  // descending left the weak directions of the last start that was tried
+  if (!good() || left_open(match.weak, prior, 0.5 * config_.cell_m, kApartTurn)) {
     recover(match, start, other, prior);
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
+    weigh(match);
   }
-  weigh(match);  // descending left the weak directions of the last start that was tried
   if (!look_about(match, prior)) return match;
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
   weigh(match);
