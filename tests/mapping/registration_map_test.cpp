@@ -122,6 +122,11 @@ TEST_CASE("A kept map that does not fit is refused by name, and leaves no surfel
   CHECK(refused({}).fault == SurfelMapFault::no_map);
   CHECK(refused(changed([](auto& b) { b[0] ^= 1; })).fault == SurfelMapFault::no_map);
   CHECK(refused(changed([](auto& b) { b[8] = 2; })).fault == SurfelMapFault::version);
+  CHECK(refused(changed([](auto& b) { b[8] = mapping::SurfelMapHead::kInPlane; })).fault ==
+        SurfelMapFault::planar);
+  mapping::RegistrationConfig flat;
+  flat.planar = true;
+  CHECK(refused(good, flat).fault == SurfelMapFault::planar);
   CHECK(refused({good.begin(), good.begin() + 20}).fault == SurfelMapFault::length);
   CHECK(refused({good.begin(), good.end() - 1}).fault == SurfelMapFault::length);
   std::vector<std::uint8_t> longer = good;
