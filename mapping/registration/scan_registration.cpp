@@ -69,6 +69,13 @@ std::size_t ScanRegistration::take(std::span<const rt::ScanPoint> scan) {
   return size_;
 }
 
+std::size_t ScanRegistration::take_sample(std::span<const SamplePoint> sample) {
+  chosen_ = std::min(sample.size(), sample_.size());
+  std::copy_n(sample.begin(), chosen_, sample_.begin());
+  size_ = std::min<std::size_t>(chosen_, config_.returns);
+  return size_;
+}
+
 /// Steps from coarse to fine. The sample's first returns are as good as any others: their order is by chance.
 RigidPose ScanRegistration::descend(RigidPose pose, const PosePrior& prior, const Ladder& ladder,
                                     std::size_t returns, Match& match) {
@@ -226,6 +233,15 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
   weigh(match);  // descending left the weak directions of the last start that was tried
   if (!look_about(match, prior)) return match;
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
+  weigh(match);
+  return match;
+}
+
+Match ScanRegistration::match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns) {
+  Match match;
+  match.pose = descend(start, prior, {2, 2, config_.steps}, returns, match);
+  match.score =
+      match_score(layers_[0], sample().first(std::min(size_, returns)), match.pose, config_.sigma_m);
   weigh(match);
   return match;
 }

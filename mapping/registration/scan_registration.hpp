@@ -42,6 +42,12 @@ class ScanRegistration {
   /// Matches from `start`. Where that does not do, or does much worse than `usual_share` of the scan before,
   /// also from turns of it and of `other`.
   Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior, double usual_share);
+  /// Takes a sample that was chosen before, of this scan or another one: sample() then. No more returns than
+  /// a scan's.
+  std::size_t take_sample(std::span<const SamplePoint> sample);
+  /// Matches the first `returns` of the sample from one start alone, coarse layers first: for who has many
+  /// starts of his own. Steps it spends: 4 and those of the config.
+  Match match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns);
   /// Adds the sample to the map at a pose.
   void insert(const RigidPose& pose);
 

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/place_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sortie::mapping {
+namespace {
+using Word = std::uint64_t;
+
+constexpr std::int32_t kVoxels = 2;  ///< of a cell along an axis
+constexpr double kWide = 2.0;  ///< standard deviations that a surface reaches
+constexpr std::int32_t kTopVoxels = PlaceMap::kStep * PlaceMap::kNode * PlaceMap::kTop;
+
+struct Size {
+  std::int32_t at[3];
+};
+
+/// Voxels of a map of cells, with margins.
+Size with_margins(std::int32_t x, std::int32_t y, std::int32_t z) {
+  constexpr std::int32_t kBoth = 2 * PlaceTiles::kMargin;
+  return {{kVoxels * x + kBoth, kVoxels * y + kBoth, kVoxels * z + kBoth}};
+}
+
+Size largest(const RegistrationMemory& memory) {
+  const auto wide = static_cast<std::int32_t>(memory.window_cells / 2);
+  return with_margins(wide, wide, static_cast<std::int32_t>(memory.window_cells_up / 2));
+}
+
+std::int32_t words_of_row(std::int32_t voxels) { return (voxels + 63) / 64; }
+
+std::int32_t tops_of(std::int32_t voxels_with_margins) {
+  return (voxels_with_margins - 2 * PlaceTiles::kMargin + kTopVoxels - 1) / kTopVoxels;
+}
+}  // namespace
+
+std::size_t PlaceMap::most_tops(const RegistrationMemory& memory) {
+  std::size_t all = 1;
+  for (const std::int32_t voxels : largest(memory).at) all *= static_cast<std::size_t>(tops_of(voxels));
+  return all;
+}
+
+PlaceMap::PlaceMap(const RegistrationMemory& memory, rt::Arena& arena)
+    : bits_(arena.make_array<Word>("place_bits", static_cast<std::size_t>(words_of_row(largest(memory).at[0])) *
+                                                     static_cast<std::size_t>(largest(memory).at[1]) *
+                                                     static_cast<std::size_t>(largest(memory).at[2]))),
+      poses_(arena.make_array<Word>("place_poses", PlaceTiles::words(largest(memory).at, kStep)), kStep),
+      nodes_(arena.make_array<Word>("place_nodes", PlaceTiles::words(largest(memory).at, kStep * kNode)),
+             kStep * kNode) {}
+
+rt::Vector3 PlaceMap::position_m(const PlaceCell& cell) const {
+  const auto along = [&](int i) { return (kStep * cell.at[i] + 0.5) * voxel_m_; };
+  return origin_m_ + rt::Vector3{along(0), along(1), along(2)};
+}
+
+bool PlaceMap::build(const SurfelLayer& layer) {
+  for (std::int32_t& tops : tops_) tops = 0;
+  SurfelCell last;
+  bool some = false;
+  for (const std::uint64_t key : layer.keys()) {
+    if (key == SurfelLayer::kUnused) continue;
+    const SurfelCell cell = SurfelCell::from_key(key);
+    if (!some) first_ = last = cell;
+    some = true;
+    for (int i = 0; i < 3; ++i) {
+      first_.at[i] = std::min(first_.at[i], cell.at[i]);
+      last.at[i] = std::max(last.at[i], cell.at[i]);
+    }
+  }
+  if (!some) return false;
+  const auto cells = [&](int i) { return last.at[i] - first_.at[i] + 1; };
+  const Size size = with_margins(cells(0), cells(1), cells(2));
+  std::copy_n(size.at, 3, size_);
+  row_words_ = words_of_row(size_[0]);
+  if (row(0, size_[2]) > bits_.size() || !poses_.begin(size_) || !nodes_.begin(size_)) return false;
+  voxel_m_ = layer.cell_m() / kVoxels;
+  origin_m_ = layer.cell_m() * rt::Vector3{static_cast<double>(first_.at[0]), static_cast<double>(first_.at[1]),
+                                           static_cast<double>(first_.at[2])};
+  std::fill(bits_.begin(), bits_.end(), Word{0});
+  for (const std::uint64_t key : layer.keys()) {
+    if (key == SurfelLayer::kUnused) continue;
+    const SurfelCell cell = SurfelCell::from_key(key);
+    if (const Surfel* const surfel = layer.surfel_at(cell)) draw(*surfel, cell);
+  }
+  // A pose of the search is at most half a step, one voxel, from any along each axis.
+  for (int axis = 0; axis < 3; ++axis) spread(axis, 1, true);
+  copy(poses_);
+  // Poses of a node stand 0, 1, 2 and 3 steps from its first.
+  for (int axis = 0; axis < 3; ++axis) {
+    spread(axis, kStep, false);
+    spread(axis, 2 * kStep, false);
+  }
+  copy(nodes_);
+  for (int i = 0; i < 3; ++i) tops_[i] = tops_of(size_[i]);
+  return true;
+}
+
+/// Voxels of the cell that the box of the surface, two standard deviations wide, reaches.
+void PlaceMap::draw(const Surfel& surfel, const SurfelCell& cell) {
+  double reach[3];
+  rt::Vector3 along[3];
+  for (int i = 0; i < 3; ++i) {
+    along[i] = surfel.along(i);
+    const double of_voxel =
+        0.5 * voxel_m_ * (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
+    reach[i] = kWide * std::sqrt(surfel.variance(i)) + of_voxel;
+  }
+  for (std::int32_t k = 0; k < kVoxels * kVoxels * kVoxels; ++k) {
+    const std::int32_t at[3] = {k & 1, (k >> 1) & 1, k >> 2};
+    const auto middle = [&](int i) { return (at[i] - 0.5) * voxel_m_; };
+    const rt::Vector3 off = rt::Vector3{middle(0), middle(1), middle(2)} - surfel.mean();
+    bool inside = true;
+    for (int i = 0; i < 3; ++i) inside = inside && std::fabs(rt::dot(off, along[i])) <= reach[i];
+    if (!inside) continue;
+    std::int32_t voxel[3];
+    for (int i = 0; i < 3; ++i)
+      voxel[i] = kVoxels * (cell.at[i] - first_.at[i]) + at[i] + PlaceTiles::kMargin;
+    bits_[row(voxel[1], voxel[2]) + static_cast<std::size_t>(voxel[0] / 64)] |= Word{1} << (voxel[0] % 64);
+  }
+}
+
+/// Each voxel takes what stands `by` after it and, `both_ways` (by 1), before it along an axis.
+void PlaceMap::spread(int axis, std::int32_t by, bool both_ways) {
+  if (axis == 0) {
+    const auto words = static_cast<std::size_t>(row_words_);
+    for (std::size_t first = 0; first < row(0, size_[2]); first += words) {
+      Word before = 0;
+      for (std::size_t i = 0; i < words; ++i) {
+        Word& word = bits_[first + i];
+        const Word old = word;
+        const Word next = i + 1 < words ? bits_[first + i + 1] : 0;
+        word |= old >> by | next << (64 - by);
+        if (both_ways) word |= old << by | before >> (64 - by);
+        before = old;
+      }
+    }
+    return;
+  }
+  const std::size_t from = axis == 1 ? row(by, 0) : row(0, by);
+  const std::int32_t n = size_[axis];
+  const std::int32_t others = axis == 1 ? size_[2] : size_[1];
+  const auto line = [&](std::int32_t i, std::int32_t other) { return axis == 1 ? row(i, other) : row(other, i); };
+  for (std::int32_t other = 0; other < others; ++other) {
+    for (std::int32_t i = 0; i + by < n; ++i) {
+      for (std::size_t w = 0; w < static_cast<std::size_t>(row_words_); ++w)
+        bits_[line(i, other) + w] |= bits_[line(i, other) + from + w];
+    }
+    // i now has i and i + 1: with what i - 1 has, it has all three.
+    for (std::int32_t i = n - 1; both_ways && i >= by; --i) {
+      for (std::size_t w = 0; w < static_cast<std::size_t>(row_words_); ++w)
+        bits_[line(i, other) + w] |= bits_[line(i, other) - from + w];
+    }
+  }
+}
+
+void PlaceMap::copy(PlaceTiles& tiles) const {
+  for (std::int32_t z = 0; z < size_[2]; ++z) {
+    for (std::int32_t y = 0; y < size_[1]; ++y) {
+      for (std::int32_t x = 0; x < size_[0]; ++x) {
+        if ((bits_[row(y, z) + static_cast<std::size_t>(x / 64)] >> (x % 64) & 1) != 0) tiles.set(x, y, z);
+      }
+    }
+  }
+}
+
+}  // namespace sortie::mapping

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where on a map a scan may have been taken: all places, all turns about the upright, best first.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "mapping/registration/place_map.hpp"
+#include "mapping/registration/relocate_config.hpp"
+#include "mapping/registration/unit_credit.hpp"
+#include "rt/archive.hpp"
+
+namespace sortie::mapping {
+
+/// A pose of the search, and how many returns lie near a surface there.
+struct PlaceCandidate {
+  PlaceCell cell;
+  std::uint32_t hits{};
+  SORTIE_FIELDS(cell, hits)
+};
+
+/// Work of a search.
+struct PlaceSearchCounts {
+  std::uint64_t tops{};   ///< looked at, 64 nodes each
+  std::uint64_t nodes{};  ///< looked at, 64 poses each
+  std::uint64_t units{};
+  SORTIE_FIELDS(tops, nodes, units)
+};
+
+/// Branch and bound over x, y, z and the turn. Poses stand half a metre apart (in cells of half a metre) and
+/// 360 / 256 degrees. First each node of 4 x 4 x 4 poses gets, for each turn, the most hits that any of its
+/// poses can have; then nodes are opened, most hits first. What it finds is exactly what looking at every
+/// pose finds. A unit is one return looked at for 64 poses. Memory: 64 bytes a top of 8 x 8 x 8 m a turn, and
+/// 0.4 MB. No heap.
+class PlaceSearch {
+ public:
+  static constexpr std::int32_t kTurns = 256;
+  /// Two poses are the same place within so many steps along each axis and so many of the turn.
+  static constexpr std::int32_t kNearSteps = 2;
+  static constexpr std::int32_t kNearTurns = 6;
+
+  /// `map` outlives it.
+  PlaceSearch(const PlaceSearchConfig& config, const RegistrationMemory& memory, const PlaceMap& map,
+              rt::Arena& arena);
+
+  /// Begins with returns of a level frame, m: at most kMostReturns. Nothing is searched where there are none.
+  void begin(std::span<const rt::Vector3> returns_m);
+  /// Searches on for at most `units`, takes what it used off. True: it is done.
+  bool run(std::uint64_t& units);
+
+  /// Most hits first; of as many, the one that comes first by turn, node and pose. No two of them are the same place; none has
+  /// fewer hits than the config wants.
+  std::span<const PlaceCandidate> found() const { return {found_, found_count_}; }
+  std::size_t returns() const { return return_count_; }
+  const PlaceSearchCounts& counts() const { return counts_; }
+  /// Turn of a pose about the upright.
+  static double turn_rad(std::int32_t turn);
+
+  /// The pose of a lane of a node; nodes are numbered by tops along x, y, z and in them as lanes of a block.
+  PlaceCell cell(std::int32_t turn, std::uint32_t node, int lane) const;
+  /// Fewest hits that a candidate may have, with those that were found so far.
+  std::uint32_t least_hits() const;
+  /// Two poses are one place.
+  static bool near(const PlaceCell& a, const PlaceCell& b);
+
+  /// The map is the same, or is built before this reads.
+  void archive(rt::Archive& archive);
+
+ private:
+  enum class Step : std::uint8_t { done, bounds, picks };
+  void turn_returns();
+  void take_turn(const PlaceTiles& tiles);
+  bool run_bounds(std::uint64_t& units);
+  bool run_picks(std::uint64_t& units);
+  bool pick_in_turn(std::uint64_t& units);
+  bool pay(std::uint64_t cost, std::uint64_t& units);
+  void open(std::uint32_t node);
+  bool is_taken(const PlaceCell& cell) const;
+  std::uint32_t nodes() const { return static_cast<std::uint32_t>(map_->tops()) * PlaceTiles::kLanes; }
+  std::span<std::uint8_t> bounds_of(std::int32_t turn) {
+    return bounds_.subspan(static_cast<std::size_t>(turn) * nodes(), nodes());
+  }
+
+  PlaceSearchConfig config_;
+  const PlaceMap* map_;
+  std::span<std::uint8_t> bounds_;     ///< most hits of the poses of a node that are not taken
+  std::span<PlaceOffset> offsets_;     ///< of each turn's returns
+  std::span<PlaceTiles::Look> looks_;  ///< of the turn at hand
+  std::int32_t looks_turn_{-1};
+  Step step_{Step::done};
+  rt::Vector3 returns_m_[PlaceSearchConfig::kMostReturns];
+  std::uint32_t return_count_{};
+  std::int32_t turn_{};
+  std::uint32_t at_{};        ///< the top or the node that is next
+  std::uint32_t level_{};     ///< hits of the nodes that are being opened
+  std::uint32_t rest_{};      ///< most bound of the turn's nodes so far
+  bool paid_{};               ///< for looking through the turn's nodes
+  std::uint8_t most_[kTurns]{};  ///< bound of each turn's nodes
+  PlaceCandidate found_[PlaceSearchConfig::kMostCandidates];
+  std::uint32_t found_count_{};
+  UnitCredit credit_;
+  PlaceSearchCounts counts_;
+};
+
+}  // namespace sortie::mapping

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Settings of the search of a place on a kept map.
+#pragma once
+
+#include <cstdint>
+
+#include "rt/keys.hpp"
+
+namespace sortie::mapping {
+
+/// The coarse search.
+struct PlaceSearchConfig {
+  static constexpr std::uint32_t kMostReturns = 248;
+  static constexpr std::uint32_t kMostCandidates = 32;
+  std::uint32_t returns{240};
+  std::uint32_t candidates{16};
+  double reach_m{20.0};
+  double least_hits{0.5};
+  double within{0.25};
+
+  SORTIE_KEYS(c, key) {
+    key("returns", c.returns, {32, kMostReturns, "returns", "of a scan that are searched with"});
+    key("candidates", c.candidates, {2, kMostCandidates, "places", "well apart, that are then matched"});
+    key("reach_m", c.reach_m, {2, 60, "m", "farther returns are not searched with"});
+    key("least_hits", c.least_hits, {0.1, 1, "", "of the returns, that must lie near surfaces at a candidate"});
+    key("within", c.within, {0.01, 1, "", "candidates may have that part fewer hits than the best"});
+  }
+};
+
+/// What a place needs to be believed.
+struct RelocateConfig {
+  std::uint32_t tried_returns{1024};  ///< of a candidate, before the best ones are matched with all
+  double least_share{0.75};
+  double least_seen{0.6};
+  double most_crossed{0.03};
+  double least_lead{0.03};
+  double over_rival{3.0};
+  double over_unexplained{1.0};
+
+  SORTIE_KEYS(c, key) {
+    key("tried_returns", c.tried_returns, {128, 8192, "returns", "that candidates are first matched with"});
+    key("least_share", c.least_share,
+        {0, 1, "", "of the returns where the map has seen something, that must lie on a surface"});
+    key("least_seen", c.least_seen, {0, 1, "", "of the returns, that must lie where the map has seen something"});
+    key("most_crossed", c.most_crossed, {0, 1, "", "of the rays that may go through surfaces"});
+    key("least_lead", c.least_lead, {0, 1, "", "of the returns, that a place must explain and another not"});
+    key("over_rival", c.over_rival, {1, 100, "", "times as many as the other one explains alone"});
+    key("over_unexplained", c.over_unexplained, {0, 100, "", "times as many as neither explains"});
+  }
+};
+
+}  // namespace sortie::mapping
