@@ -51,6 +51,7 @@ class PlaceSearch {
   /// Most hits first; of as many, the one that comes first by turn, node and pose. No two of them are the same place; none has
   /// fewer hits than the config wants.
   std::span<const PlaceCandidate> found() const { return {found_, found_count_}; }
+  const PlaceSearchConfig& config() const { return config_; }
   std::size_t returns() const { return return_count_; }
   const PlaceSearchCounts& counts() const { return counts_; }
   /// Turn of a pose about the upright.
