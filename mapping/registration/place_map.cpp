@@ -34,14 +34,9 @@ std::int32_t tops_of(std::int32_t voxels_with_margins) {
 }
 }  // namespace
 
-std::size_t PlaceMap::most_tops(const RegistrationMemory& memory) {
-  std::size_t all = 1;
-  for (const std::int32_t voxels : largest(memory).at) all *= static_cast<std::size_t>(tops_of(voxels));
-  return all;
-}
-
-PlaceMap::PlaceMap(const RegistrationMemory& memory, rt::Arena& arena)
-    : bits_(arena.make_array<Word>("place_bits", static_cast<std::size_t>(words_of_row(largest(memory).at[0])) *
+PlaceMap::PlaceMap(const RegistrationMemory& memory, std::uint32_t most_tops, rt::Arena& arena)
+    : most_tops_(most_tops),
+      bits_(arena.make_array<Word>("place_bits", static_cast<std::size_t>(words_of_row(largest(memory).at[0])) *
                                                      static_cast<std::size_t>(largest(memory).at[1]) *
                                                      static_cast<std::size_t>(largest(memory).at[2]))),
       poses_(arena.make_array<Word>("place_poses", PlaceTiles::words(largest(memory).at, kStep)), kStep),
@@ -82,31 +77,34 @@ bool PlaceMap::build(const SurfelLayer& layer) {
     const SurfelCell cell = SurfelCell::from_key(key);
     if (const Surfel* const surfel = layer.surfel_at(cell)) draw(*surfel, cell);
   }
-  // A pose of the search is at most half a step, one voxel, from any along each axis.
-  for (int axis = 0; axis < 3; ++axis) spread(axis, 1, true);
   copy(poses_);
   // Poses of a node stand 0, 1, 2 and 3 steps from its first.
   for (int axis = 0; axis < 3; ++axis) {
-    spread(axis, kStep, false);
-    spread(axis, 2 * kStep, false);
+    spread(axis, kStep);
+    spread(axis, 2 * kStep);
   }
   copy(nodes_);
+  std::uint64_t all = 1;
+  for (int i = 0; i < 3; ++i) all *= static_cast<std::uint64_t>(tops_of(size_[i]));
+  if (all > most_tops_) return false;
   for (int i = 0; i < 3; ++i) tops_[i] = tops_of(size_[i]);
   return true;
 }
 
-/// Voxels of the cell that the box of the surface, two standard deviations wide, reaches.
+/// Voxels that come within half a voxel of the box of the surface, two standard deviations wide.
 void PlaceMap::draw(const Surfel& surfel, const SurfelCell& cell) {
   double reach[3];
   rt::Vector3 along[3];
   for (int i = 0; i < 3; ++i) {
     along[i] = surfel.along(i);
-    const double of_voxel =
-        0.5 * voxel_m_ * (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
-    reach[i] = kWide * std::sqrt(surfel.variance(i)) + of_voxel;
+    // Half a voxel for the voxel, and half a step along each axis for the pose.
+    const double grown =
+        0.5 * (1 + kStep) * voxel_m_ * (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
+    reach[i] = kWide * std::sqrt(surfel.variance(i)) + grown;
   }
-  for (std::int32_t k = 0; k < kVoxels * kVoxels * kVoxels; ++k) {
-    const std::int32_t at[3] = {k & 1, (k >> 1) & 1, k >> 2};
+  constexpr std::int32_t kSide = kVoxels + 2;  // and a voxel on either side
+  for (std::int32_t k = 0; k < kSide * kSide * kSide; ++k) {
+    const std::int32_t at[3] = {k % kSide - 1, k / kSide % kSide - 1, k / (kSide * kSide) - 1};
     const auto middle = [&](int i) { return (at[i] - 0.5) * voxel_m_; };
     const rt::Vector3 off = rt::Vector3{middle(0), middle(1), middle(2)} - surfel.mean();
     bool inside = true;
@@ -119,36 +117,21 @@ void PlaceMap::draw(const Surfel& surfel, const SurfelCell& cell) {
   }
 }
 
-/// Each voxel takes what stands `by` after it and, `both_ways` (by 1), before it along an axis.
-void PlaceMap::spread(int axis, std::int32_t by, bool both_ways) {
+/// Each voxel takes what stands `by` after it along an axis.
+void PlaceMap::spread(int axis, std::int32_t by) {
+  const auto words = static_cast<std::size_t>(row_words_);
+  const std::size_t all = row(0, size_[2]);
   if (axis == 0) {
-    const auto words = static_cast<std::size_t>(row_words_);
-    for (std::size_t first = 0; first < row(0, size_[2]); first += words) {
-      Word before = 0;
-      for (std::size_t i = 0; i < words; ++i) {
-        Word& word = bits_[first + i];
-        const Word old = word;
-        const Word next = i + 1 < words ? bits_[first + i + 1] : 0;
-        word |= old >> by | next << (64 - by);
-        if (both_ways) word |= old << by | before >> (64 - by);
-        before = old;
-      }
+    for (std::size_t i = 0; i < all; ++i) {
+      const Word next = (i + 1) % words != 0 ? bits_[i + 1] : 0;
+      bits_[i] |= bits_[i] >> by | next << (64 - by);
     }
     return;
   }
-  const std::size_t from = axis == 1 ? row(by, 0) : row(0, by);
-  const std::int32_t n = size_[axis];
-  const std::int32_t others = axis == 1 ? size_[2] : size_[1];
-  const auto line = [&](std::int32_t i, std::int32_t other) { return axis == 1 ? row(i, other) : row(other, i); };
-  for (std::int32_t other = 0; other < others; ++other) {
-    for (std::int32_t i = 0; i + by < n; ++i) {
-      for (std::size_t w = 0; w < static_cast<std::size_t>(row_words_); ++w)
-        bits_[line(i, other) + w] |= bits_[line(i, other) + from + w];
-    }
-    // i now has i and i + 1: with what i - 1 has, it has all three.
-    for (std::int32_t i = n - 1; both_ways && i >= by; --i) {
-      for (std::size_t w = 0; w < static_cast<std::size_t>(row_words_); ++w)
-        bits_[line(i, other) + w] |= bits_[line(i, other) - from + w];
+  for (std::int32_t z = 0; z + (axis == 2 ? by : 0) < size_[2]; ++z) {
+    for (std::int32_t y = 0; y + (axis == 1 ? by : 0) < size_[1]; ++y) {
+      const std::size_t from = axis == 1 ? row(y + by, z) : row(y, z + by);
+      for (std::size_t w = 0; w < words; ++w) bits_[row(y, z) + w] |= bits_[from + w];
     }
   }
 }

@@ -20,21 +20,20 @@ struct PlaceCell {
 };
 
 /// The voxels of a layer's surfaces, half a cell each, and the same for blocks of poses. A voxel counts as
-/// occupied up to one voxel beside a surface: just as far as the nearest pose of the search is from any. Built
+/// occupied where a surface is within half a voxel of it along each axis: just as far as the nearest pose of the
+/// search is from any. Built
 /// at set-up from a map that then stays what it is.
 class PlaceMap {
  public:
-  static constexpr std::int32_t kStep = 2;    ///< voxels from pose to pose
+  static constexpr std::int32_t kStep = 1;    ///< voxels from pose to pose
   static constexpr std::int32_t kNode = 4;    ///< poses of a node along each axis
   static constexpr std::int32_t kTop = 4;     ///< nodes of a top along each axis
 
-  /// Room for any map that fits into half the window of a registration.
-  PlaceMap(const RegistrationMemory& memory, rt::Arena& arena);
-  /// Most tops that a map has.
-  static std::size_t most_tops(const RegistrationMemory& memory);
+  /// Room for any map that fits into half the window of a registration, and has at most `most_tops`.
+  PlaceMap(const RegistrationMemory& memory, std::uint32_t most_tops, rt::Arena& arena);
 
   /// Takes the surfaces of a layer. False, and the map is empty: there are none, or they are wider than half
-  /// the window. Not for the real-time path: some ten passes over the voxels.
+  /// the window, or have too many tops. Not for the real-time path: some ten passes over the voxels.
   bool build(const SurfelLayer& layer);
 
   bool empty() const { return tops() == 0; }
@@ -52,12 +51,13 @@ class PlaceMap {
 
  private:
   void draw(const Surfel& surfel, const SurfelCell& cell);
-  void spread(int axis, std::int32_t by, bool both_ways);
+  void spread(int axis, std::int32_t by);
   void copy(PlaceTiles& tiles) const;
   std::size_t row(std::int32_t y, std::int32_t z) const {
     return static_cast<std::size_t>((z * size_[1] + y) * row_words_);
   }
 
+  std::uint32_t most_tops_;
   double voxel_m_{};
   rt::Vector3 origin_m_;  ///< corner of the first voxel of the map
   SurfelCell first_;      ///< its cell

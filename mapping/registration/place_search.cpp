@@ -13,12 +13,11 @@ constexpr double kFarVoxels = 8000.0;  ///< a return stays within, and in 16 bit
 constexpr std::uint32_t kScanned = 16;    ///< bounds that are read in the time of a unit
 }  // namespace
 
-PlaceSearch::PlaceSearch(const PlaceSearchConfig& config, const RegistrationMemory& memory, const PlaceMap& map,
-                         rt::Arena& arena)
+PlaceSearch::PlaceSearch(const PlaceSearchConfig& config, const PlaceMap& map, rt::Arena& arena)
     : config_(config),
       map_(&map),
       bounds_(arena.make_array<std::uint8_t>(
-          "place_bounds", PlaceMap::most_tops(memory) * PlaceTiles::kLanes * static_cast<std::size_t>(kTurns))),
+          "place_bounds", std::size_t{config.tops} * PlaceTiles::kLanes * static_cast<std::size_t>(kTurns))),
       offsets_(arena.make_array<PlaceOffset>(
           "place_offsets", static_cast<std::size_t>(kTurns) * PlaceSearchConfig::kMostReturns)),
       looks_(arena.make_array<PlaceTiles::Look>("place_looks", PlaceSearchConfig::kMostReturns)) {}

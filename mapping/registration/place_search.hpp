@@ -27,21 +27,20 @@ struct PlaceSearchCounts {
   SORTIE_FIELDS(tops, nodes, units)
 };
 
-/// Branch and bound over x, y, z and the turn. Poses stand half a metre apart (in cells of half a metre) and
+/// Branch and bound over x, y, z and the turn. Poses stand half a cell apart and
 /// 360 / 256 degrees. First each node of 4 x 4 x 4 poses gets, for each turn, the most hits that any of its
 /// poses can have; then nodes are opened, most hits first. What it finds is exactly what looking at every
-/// pose finds. A unit is one return looked at for 64 poses. Memory: 64 bytes a top of 8 x 8 x 8 m a turn, and
-/// 0.4 MB. No heap.
+/// pose finds. A unit is one return looked at for 64 poses. Memory: 64 bytes a top a turn, and
+/// 0.3 MB. No heap.
 class PlaceSearch {
  public:
   static constexpr std::int32_t kTurns = 256;
   /// Two poses are the same place within so many steps along each axis and so many of the turn.
-  static constexpr std::int32_t kNearSteps = 2;
+  static constexpr std::int32_t kNearSteps = 4;
   static constexpr std::int32_t kNearTurns = 6;
 
   /// `map` outlives it.
-  PlaceSearch(const PlaceSearchConfig& config, const RegistrationMemory& memory, const PlaceMap& map,
-              rt::Arena& arena);
+  PlaceSearch(const PlaceSearchConfig& config, const PlaceMap& map, rt::Arena& arena);
 
   /// Begins with returns of a level frame, m: at most kMostReturns. Nothing is searched where there are none.
   void begin(std::span<const rt::Vector3> returns_m);

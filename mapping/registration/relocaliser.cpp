@@ -36,8 +36,8 @@ Relocaliser::Relocaliser(const RelocateConfig& config, const PlaceSearchConfig& 
                          const RegistrationMemory& memory, ScanRegistration& registration, rt::Arena& arena)
     : config_(config),
       registration_(&registration),
-      map_(memory, arena),
-      search_(search, memory, map_, arena),
+      map_(memory, search.tops, arena),
+      search_(search, map_, arena),
       sample_(arena.make_array<SamplePoint>("relocate_sample", registration.config().returns)),
       bits_(arena.make_array<std::uint64_t>(
           "relocate_bits", 2 * PlaceSearchConfig::kMostCandidates * ((sample_.size() + 63) / 64))) {}
@@ -77,6 +77,13 @@ bool Relocaliser::run(std::uint64_t& units) {
   if (step_ == Step::tries) {
     if (!run_tries(units)) return false;
     order();
+    count_ = std::min(count_, kTried);
+    at_ = 0;
+    step_ = Step::retries;
+  }
+  if (step_ == Step::retries) {
+    if (!run_retries(units)) return false;
+    order();
     at_ = 0;
     step_ = Step::matches;
   }
@@ -99,7 +106,7 @@ bool Relocaliser::pay_match(std::size_t returns, std::uint64_t& units) {
 
 /// Each candidate from where the search found it, with some of the returns.
 bool Relocaliser::run_tries(std::uint64_t& units) {
-  const std::size_t returns = std::min<std::size_t>(size_, config_.tried_returns);
+  const std::size_t returns = std::min<std::size_t>(size_, config_.first_returns);
   for (; at_ < count_; ++at_) {
     if (!pay_match(returns, units)) return false;
     const PlaceCell& cell = search_.found()[at_].cell;
@@ -109,6 +116,16 @@ bool Relocaliser::run_tries(std::uint64_t& units) {
     place.pose.p = map_.position_m(cell);
     place.pose.q = rt::normalised(rt::exp_rotation({0, 0, PlaceSearch::turn_rad(cell.turn)}) * q_level_sensor_);
     match_place(place, returns);
+  }
+  return true;
+}
+
+/// Those that did well, with more of them.
+bool Relocaliser::run_retries(std::uint64_t& units) {
+  const std::size_t returns = std::min<std::size_t>(size_, config_.tried_returns);
+  for (; at_ < count_; ++at_) {
+    if (!pay_match(returns, units)) return false;
+    match_place(places_[at_], returns);
   }
   return true;
 }

@@ -95,13 +95,15 @@ class Relocaliser {
   struct Compared {
     std::uint32_t here{}, there{}, neither{};
   };
-  enum class Step : std::uint8_t { idle, search, tries, matches, verdict };
+  enum class Step : std::uint8_t { idle, search, tries, retries, matches, verdict };
+  static constexpr std::uint32_t kTried = 16;   ///< of the candidates, with more returns
   static constexpr std::uint32_t kMatched = 4;  ///< of the best places, with all returns
 
   /// 10 m and 10 rad: nothing is known.
   static PosePrior prior_at(const RigidPose& pose);
   bool pay(std::uint64_t cost, std::uint64_t& units);
   bool run_tries(std::uint64_t& units);
+  bool run_retries(std::uint64_t& units);
   bool run_matches(std::uint64_t& units);
   bool pay_match(std::size_t returns, std::uint64_t& units);
   Match match_place(Place& place, std::size_t returns);

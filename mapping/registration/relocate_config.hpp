@@ -11,25 +11,28 @@ namespace sortie::mapping {
 /// The coarse search.
 struct PlaceSearchConfig {
   static constexpr std::uint32_t kMostReturns = 248;
-  static constexpr std::uint32_t kMostCandidates = 32;
-  std::uint32_t returns{240};
-  std::uint32_t candidates{16};
+  static constexpr std::uint32_t kMostCandidates = 128;
+  std::uint32_t returns{160};
+  std::uint32_t candidates{64};
   double reach_m{20.0};
   double least_hits{0.5};
   double within{0.25};
+  std::uint32_t tops{1024};
 
   SORTIE_KEYS(c, key) {
     key("returns", c.returns, {32, kMostReturns, "returns", "of a scan that are searched with"});
     key("candidates", c.candidates, {2, kMostCandidates, "places", "well apart, that are then matched"});
     key("reach_m", c.reach_m, {2, 60, "m", "farther returns are not searched with"});
     key("least_hits", c.least_hits, {0.1, 1, "", "of the returns, that must lie near surfaces at a candidate"});
+    key("limits.tops", c.tops, {1, 65'536, "", "blocks of 8 cells along each axis that a map may have; 16 kB each"});
     key("within", c.within, {0.01, 1, "", "candidates may have that part fewer hits than the best"});
   }
 };
 
 /// What a place needs to be believed.
 struct RelocateConfig {
-  std::uint32_t tried_returns{1024};  ///< of a candidate, before the best ones are matched with all
+  std::uint32_t first_returns{256};   ///< that all candidates are first matched with
+  std::uint32_t tried_returns{1024};  ///< that the best ones are then matched with
   double least_share{0.75};
   double least_seen{0.6};
   double most_crossed{0.03};
@@ -38,7 +41,8 @@ struct RelocateConfig {
   double over_unexplained{1.0};
 
   SORTIE_KEYS(c, key) {
-    key("tried_returns", c.tried_returns, {128, 8192, "returns", "that candidates are first matched with"});
+    key("first_returns", c.first_returns, {64, 8192, "returns", "that all candidates are first matched with"});
+    key("tried_returns", c.tried_returns, {128, 8192, "returns", "that the best 16 are then matched with"});
     key("least_share", c.least_share,
         {0, 1, "", "of the returns where the map has seen something, that must lie on a surface"});
     key("least_seen", c.least_seen, {0, 1, "", "of the returns, that must lie where the map has seen something"});
