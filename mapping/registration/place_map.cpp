@@ -9,6 +9,8 @@ namespace {
 using Word = std::uint64_t;
 
 constexpr std::int32_t kVoxels = 2;  ///< of a cell along an axis
+constexpr int kNear = 0;  ///< kinds of bits
+constexpr int kOn = 1;
 constexpr double kWide = 2.0;  ///< standard deviations that a surface reaches
 constexpr std::int32_t kTopVoxels = PlaceMap::kStep * PlaceMap::kNode * PlaceMap::kTop;
 
@@ -71,19 +73,10 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   voxel_m_ = layer.cell_m() / kVoxels;
   origin_m_ = layer.cell_m() * rt::Vector3{static_cast<double>(first_.at[0]), static_cast<double>(first_.at[1]),
                                            static_cast<double>(first_.at[2])};
-  std::fill(bits_.begin(), bits_.end(), Word{0});
-  for (const std::uint64_t key : layer.keys()) {
-    if (key == SurfelLayer::kUnused) continue;
-    const SurfelCell cell = SurfelCell::from_key(key);
-    if (const Surfel* const surfel = layer.surfel_at(cell)) draw(*surfel, cell);
-  }
-  copy(poses_);
-  // Poses of a node stand 0, 1, 2 and 3 steps from its first.
-  for (int axis = 0; axis < 3; ++axis) {
-    spread(axis, kStep);
-    spread(axis, 2 * kStep);
-  }
-  copy(nodes_);
+  draw(layer, kStep);
+  copy_both(kNear);
+  draw(layer, 0);
+  copy_both(kOn);
   std::uint64_t all = 1;
   for (int i = 0; i < 3; ++i) all *= static_cast<std::uint64_t>(tops_of(size_[i]));
   if (all > most_tops_) return false;
@@ -91,15 +84,34 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   return true;
 }
 
-/// Voxels that come within half a voxel of the box of the surface, two standard deviations wide.
-void PlaceMap::draw(const Surfel& surfel, const SurfelCell& cell) {
+void PlaceMap::draw(const SurfelLayer& layer, std::int32_t steps) {
+  std::fill(bits_.begin(), bits_.end(), Word{0});
+  for (const std::uint64_t key : layer.keys()) {
+    if (key == SurfelLayer::kUnused) continue;
+    const SurfelCell cell = SurfelCell::from_key(key);
+    if (const Surfel* const surfel = layer.surfel_at(cell)) draw(*surfel, cell, steps);
+  }
+}
+
+/// Poses of a node stand 0, 1, 2 and 3 steps from its first.
+void PlaceMap::copy_both(int kind) {
+  copy(kind, poses_);
+  for (int axis = 0; axis < 3; ++axis) {
+    spread(axis, kStep);
+    spread(axis, 2 * kStep);
+  }
+  copy(kind, nodes_);
+}
+
+/// Voxels that come within half of some steps of the box of the surface, two standard deviations wide.
+void PlaceMap::draw(const Surfel& surfel, const SurfelCell& cell, std::int32_t steps) {
   double reach[3];
   rt::Vector3 along[3];
   for (int i = 0; i < 3; ++i) {
     along[i] = surfel.along(i);
-    // Half a voxel for the voxel, and half a step along each axis for the pose.
+    // Half a voxel for the voxel, and half the steps along each axis for the pose.
     const double grown =
-        0.5 * (1 + kStep) * voxel_m_ * (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
+        0.5 * (1 + steps) * voxel_m_ * (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
     reach[i] = kWide * std::sqrt(surfel.variance(i)) + grown;
   }
   constexpr std::int32_t kSide = kVoxels + 2;  // and a voxel on either side
@@ -136,11 +148,11 @@ void PlaceMap::spread(int axis, std::int32_t by) {
   }
 }
 
-void PlaceMap::copy(PlaceTiles& tiles) const {
+void PlaceMap::copy(int kind, PlaceTiles& tiles) const {
   for (std::int32_t z = 0; z < size_[2]; ++z) {
     for (std::int32_t y = 0; y < size_[1]; ++y) {
       for (std::int32_t x = 0; x < size_[0]; ++x) {
-        if ((bits_[row(y, z) + static_cast<std::size_t>(x / 64)] >> (x % 64) & 1) != 0) tiles.set(x, y, z);
+        if ((bits_[row(y, z) + static_cast<std::size_t>(x / 64)] >> (x % 64) & 1) != 0) tiles.set(kind, x, y, z);
       }
     }
   }

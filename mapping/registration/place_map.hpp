@@ -19,9 +19,9 @@ struct PlaceCell {
   SORTIE_FIELDS(at, turn)
 };
 
-/// The voxels of a layer's surfaces, half a cell each, and the same for blocks of poses. A voxel counts as
-/// occupied where a surface is within half a voxel of it along each axis: just as far as the nearest pose of the
-/// search is from any. Built
+/// The voxels of a layer's surfaces, half a cell each, and the same for blocks of poses. A return counts
+/// once where a surface is within half a voxel of its voxel along each axis: just as far as the nearest pose of
+/// the search is from any; and once more where the surface goes through its voxel. Built
 /// at set-up from a map that then stays what it is.
 class PlaceMap {
  public:
@@ -50,9 +50,11 @@ class PlaceMap {
   const PlaceTiles& nodes() const { return nodes_; }
 
  private:
-  void draw(const Surfel& surfel, const SurfelCell& cell);
+  void draw(const SurfelLayer& layer, std::int32_t steps);
+  void draw(const Surfel& surfel, const SurfelCell& cell, std::int32_t steps);
   void spread(int axis, std::int32_t by);
-  void copy(PlaceTiles& tiles) const;
+  void copy_both(int kind);
+  void copy(int kind, PlaceTiles& tiles) const;
   std::size_t row(std::int32_t y, std::int32_t z) const {
     return static_cast<std::size_t>((z * size_[1] + y) * row_words_);
   }

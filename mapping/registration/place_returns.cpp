@@ -7,7 +7,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr int kSectors = 64;
+constexpr int kSectors = 31;
 constexpr int kRises = 16;  ///< of equal height on the unit ball
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kNearest_m = 0.6;

@@ -108,7 +108,7 @@ bool PlaceSearch::run_bounds(std::uint64_t& units) {
   std::uint8_t counts[PlaceTiles::kLanes];
   for (; turn_ < kTurns; ++turn_, at_ = 0) {
     for (; at_ < tops; ++at_) {
-      if (!pay(return_count_, units)) return false;
+      if (!pay(2 * return_count_, units)) return false;
       take_turn(map_->nodes());
       ++counts_.tops;
       const auto top = static_cast<std::int32_t>(at_);
@@ -124,7 +124,7 @@ bool PlaceSearch::run_bounds(std::uint64_t& units) {
 }
 
 std::uint32_t PlaceSearch::least_hits() const {
-  const double of_all = config_.least_hits * return_count_;
+  const double of_all = config_.least_hits * 2.0 * return_count_;
   const double of_best = found_count_ == 0 ? 0.0 : (1.0 - config_.within) * found_[0].hits;
   return std::max(1u, static_cast<std::uint32_t>(std::max(of_all, of_best)));
 }
@@ -153,7 +153,7 @@ bool PlaceSearch::pick_in_turn(std::uint64_t& units) {
   }
   for (; at_ < nodes(); ++at_) {
     if (bounds[at_] == level_) {
-      if (!pay(return_count_, units)) return false;
+      if (!pay(2 * return_count_, units)) return false;
       take_turn(map_->poses());
       open(at_);
       if (found_count_ == config_.candidates) return true;
@@ -206,7 +206,7 @@ void PlaceSearch::archive(rt::Archive& archive) {
   if (archive.is_reading()) {
     const bool fits = step_ <= Step::picks && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
                       turn_ <= kTurns && (step_ != Step::bounds || turn_ < kTurns) && at_ <= nodes() &&
-                      level_ <= PlaceTiles::kMost && rest_ <= PlaceTiles::kMost &&
+                      level_ <= 255 && rest_ <= 255 &&
                       found_count_ <= config_.candidates && (step_ == Step::done || !map_->empty());
     if (!fits) {
       archive.fail(Status::malformed, "a search that cannot be");

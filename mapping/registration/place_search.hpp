@@ -12,7 +12,7 @@
 
 namespace sortie::mapping {
 
-/// A pose of the search, and how many returns lie near a surface there.
+/// A pose of the search, and how many returns lie near a surface there, plus how many lie on one.
 struct PlaceCandidate {
   PlaceCell cell;
   std::uint32_t hits{};
@@ -30,7 +30,7 @@ struct PlaceSearchCounts {
 /// Branch and bound over x, y, z and the turn. Poses stand half a cell apart and
 /// 360 / 256 degrees. First each node of 4 x 4 x 4 poses gets, for each turn, the most hits that any of its
 /// poses can have; then nodes are opened, most hits first. What it finds is exactly what looking at every
-/// pose finds. A unit is one return looked at for 64 poses. Memory: 64 bytes a top a turn, and
+/// pose finds. A unit is one look at one return for 64 poses; each takes two. Memory: 64 bytes a top a turn, and
 /// 0.3 MB. No heap.
 class PlaceSearch {
  public:

@@ -18,7 +18,9 @@ constexpr std::int32_t tiles(std::int32_t voxels, std::int32_t stride) {
 constexpr std::int32_t down(std::int32_t at, std::int32_t stride) {
   return at >> std::countr_zero(static_cast<std::uint32_t>(stride));
 }
+}  // namespace
 
+namespace {
 /// Three bits of one weight make one of it and one of twice the weight.
 void add3(Word& high, Word& low, Word a, Word b, Word c) {
   const Word both = a ^ b;
@@ -26,8 +28,10 @@ void add3(Word& high, Word& low, Word a, Word b, Word c) {
   low = both ^ c;
 }
 
+}  // namespace
+
 /// Counts of 64 lanes, a bit plane for each power of two.
-struct Planes {
+struct PlacePlanes {
   Word plane[8]{};
 
   void add8(const Word (&w)[8]) {
@@ -58,11 +62,10 @@ struct Planes {
     }
   }
 };
-}  // namespace
 
 std::size_t PlaceTiles::words(const std::int32_t (&voxels)[3], std::int32_t stride) {
   const auto size = [](std::int32_t n) { return static_cast<std::size_t>(n); };
-  return size(stride * stride * stride) * size(tiles(voxels[0], stride)) * size(tiles(voxels[1], stride)) *
+  return kKinds * size(stride * stride * stride) * size(tiles(voxels[0], stride)) * size(tiles(voxels[1], stride)) *
          size(poses(voxels[2], stride));
 }
 
@@ -91,7 +94,7 @@ PlaceTiles::Look PlaceTiles::look(const PlaceOffset& offset) const {
   return look;
 }
 
-void PlaceTiles::set(std::int32_t x, std::int32_t y, std::int32_t z) {
+void PlaceTiles::set(int kind, std::int32_t x, std::int32_t y, std::int32_t z) {
   const std::int32_t at[3] = {x, y, z};
   std::int32_t pose[3], rest[3];
   for (int i = 0; i < 3; ++i) {
@@ -105,12 +108,16 @@ void PlaceTiles::set(std::int32_t x, std::int32_t y, std::int32_t z) {
       const std::int32_t i = pose[0] - 4 * (tx - 1);
       const std::int32_t k = pose[1] - 4 * (ty - 1);
       const std::int32_t word = ((of_class * tiles_[1] + ty) * tiles_[0] + tx) * high_ + pose[2];
-      words_[static_cast<std::size_t>(word)] |= Word{1} << (8 * k + i);
+      words_[static_cast<std::size_t>(kind) * words_of_kind() + static_cast<std::size_t>(word)] |= Word{1} << (8 * k + i);
     }
   }
 }
 
-std::uint64_t PlaceTiles::bits(const Look& look, const std::int32_t (&block)[3]) const {
+std::size_t PlaceTiles::words_of_kind() const {
+  return static_cast<std::size_t>(stride_ * stride_ * stride_ * tiles_[0] * tiles_[1] * high_);
+}
+
+std::uint64_t PlaceTiles::bits(const std::uint64_t* words, const Look& look, const std::int32_t (&block)[3]) const {
   const std::int32_t tx = look.tile[0] + block[0];
   const std::int32_t ty = look.tile[1] + block[1];
   const std::int32_t z = look.tile[2] + 4 * block[2];
@@ -119,7 +126,7 @@ std::uint64_t PlaceTiles::bits(const Look& look, const std::int32_t (&block)[3])
     return 0;
   constexpr Word kFour = 0x0f0f0f0f;
   const Word* const column =
-      words_.data() + look.base + static_cast<std::size_t>((ty * tiles_[0] + tx) * high_);
+      words + look.base + static_cast<std::size_t>((ty * tiles_[0] + tx) * high_);
   if (z >= 0 && z + 3 < high_) {
     const Word* const w = column + z;
     return (w[0] >> look.shift & kFour) | (w[1] >> look.shift & kFour) << 4 |
@@ -133,17 +140,23 @@ std::uint64_t PlaceTiles::bits(const Look& look, const std::int32_t (&block)[3])
   return all;
 }
 
-void PlaceTiles::count(std::span<const Look> looks, const std::int32_t (&block)[3],
-                       std::uint8_t (&counts)[kLanes]) const {
-  Planes planes;
+void PlaceTiles::add(int kind, std::span<const Look> looks, const std::int32_t (&block)[3],
+                     PlacePlanes& planes) const {
+  const Word* const words = words_.data() + static_cast<std::size_t>(kind) * words_of_kind();
   Word w[8];
   std::size_t at = 0;
   for (; at + 8 <= looks.size(); at += 8) {
-    for (std::size_t i = 0; i < 8; ++i) w[i] = bits(looks[at + i], block);
+    for (std::size_t i = 0; i < 8; ++i) w[i] = bits(words, looks[at + i], block);
     planes.add8(w);
   }
-  for (std::size_t i = 0; i < 8; ++i) w[i] = at + i < looks.size() ? bits(looks[at + i], block) : 0;
+  for (std::size_t i = 0; i < 8; ++i) w[i] = at + i < looks.size() ? bits(words, looks[at + i], block) : 0;
   planes.add8(w);
+}
+
+void PlaceTiles::count(std::span<const Look> looks, const std::int32_t (&block)[3],
+                       std::uint8_t (&counts)[kLanes]) const {
+  PlacePlanes planes;
+  for (int kind = 0; kind < kKinds; ++kind) add(kind, looks, block, planes);
   planes.write(counts);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map of bits that is looked at for 64 poses at once.
+// Maps of bits that are looked at for 64 poses at once.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,18 @@ struct PlaceOffset {
   std::int16_t at[3]{};
 };
 
-/// Bits of a grid of voxels, for poses that stand `stride` voxels apart. They lie in tiles of 8 x 8 poses,
+struct PlacePlanes;
+
+/// Two bits of each voxel of a grid, for poses that stand `stride` voxels apart. Each kind lies in tiles of 8 x 8 poses,
 /// one every 4, so that the bits of any 4 x 4 poses side by side lie in one of them: one load, one shift.
-/// Memory: about half a byte a voxel, more for small grids.
+/// Memory: about a byte a voxel, more for small grids.
 class PlaceTiles {
  public:
   /// Voxels before the map's first one: bits of poses that stand outside of it.
   static constexpr std::int32_t kMargin = 8;
   static constexpr int kLanes = 64;    ///< poses of a block: 4 along each axis
-  static constexpr int kMost = 255;    ///< returns that can be counted
+  static constexpr int kKinds = 2;
+  static constexpr int kMost = 124;  ///< returns that can be counted
 
   /// Where a return's bits begin for one turn of the scan, whatever the block.
   struct Look {
@@ -29,7 +32,7 @@ class PlaceTiles {
     std::uint8_t shift{};
   };
 
-  /// 64-bit words for a grid of voxels.
+  /// 64-bit words for a grid of voxels, both kinds.
   static std::size_t words(const std::int32_t (&voxels)[3], std::int32_t stride);
 
   /// `words`: as many as words() says, for the largest grid. `stride`: a power of two, at most kMargin.
@@ -37,13 +40,13 @@ class PlaceTiles {
 
   /// Empty, for a grid. False: there is no room for it.
   bool begin(const std::int32_t (&voxels)[3]);
-  /// Sets the bit of a voxel of the grid.
-  void set(std::int32_t x, std::int32_t y, std::int32_t z);
+  /// Sets a bit of a voxel of the grid.
+  void set(int kind, std::int32_t x, std::int32_t y, std::int32_t z);
 
   /// A return that lies `offset` from the sensor; the sensor of pose 0 stands at voxel kMargin.
   Look look(const PlaceOffset& offset) const;
-  /// How many of at most kMost returns lie on set bits, for each of the 64 poses of a block; its first pose is
-  /// 4 times `block`. Returns outside the grid count nothing. Four loads a return.
+  /// How many bits, of both kinds together, at most kMost returns lie on, for each of the 64 poses of a block; its first pose is
+  /// 4 times `block`. Returns outside the grid count nothing. Eight loads a return.
   void count(std::span<const Look> looks, const std::int32_t (&block)[3], std::uint8_t (&counts)[kLanes]) const;
 
   /// The place in its block of a lane of count().
@@ -52,7 +55,9 @@ class PlaceTiles {
   static constexpr std::int32_t lane_z(int lane) { return ((lane >> 2) & 1) | ((lane >> 5) << 1); }
 
  private:
-  std::uint64_t bits(const Look& look, const std::int32_t (&block)[3]) const;
+  void add(int kind, std::span<const Look> looks, const std::int32_t (&block)[3], PlacePlanes& planes) const;
+  std::uint64_t bits(const std::uint64_t* words, const Look& look, const std::int32_t (&block)[3]) const;
+  std::size_t words_of_kind() const;
 
   std::span<std::uint64_t> words_;
   std::int32_t stride_;

@@ -10,9 +10,9 @@ namespace sortie::mapping {
 
 /// The coarse search.
 struct PlaceSearchConfig {
-  static constexpr std::uint32_t kMostReturns = 248;
+  static constexpr std::uint32_t kMostReturns = 124;
   static constexpr std::uint32_t kMostCandidates = 128;
-  std::uint32_t returns{160};
+  std::uint32_t returns{124};
   std::uint32_t candidates{64};
   double reach_m{20.0};
   double least_hits{0.5};
