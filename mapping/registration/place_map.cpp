@@ -42,6 +42,8 @@ PlaceMap::PlaceMap(const RegistrationMemory& memory, std::uint32_t most_tops, rt
                                                      static_cast<std::size_t>(largest(memory).at[1]) *
                                                      static_cast<std::size_t>(largest(memory).at[2]))),
       poses_(arena.make_array<Word>("place_poses", PlaceTiles::words(largest(memory).at, kStep)), kStep),
+      parts_(arena.make_array<Word>("place_parts", PlaceTiles::words(largest(memory).at, kStep * kPart)),
+             kStep * kPart),
       nodes_(arena.make_array<Word>("place_nodes", PlaceTiles::words(largest(memory).at, kStep * kNode)),
              kStep * kNode) {}
 
@@ -69,14 +71,14 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   const Size size = with_margins(cells(0), cells(1), cells(2));
   std::copy_n(size.at, 3, size_);
   row_words_ = words_of_row(size_[0]);
-  if (row(0, size_[2]) > bits_.size() || !poses_.begin(size_) || !nodes_.begin(size_)) return false;
+  if (row(0, size_[2]) > bits_.size() || !poses_.begin(size_) || !parts_.begin(size_) || !nodes_.begin(size_)) return false;
   voxel_m_ = layer.cell_m() / kVoxels;
   origin_m_ = layer.cell_m() * rt::Vector3{static_cast<double>(first_.at[0]), static_cast<double>(first_.at[1]),
                                            static_cast<double>(first_.at[2])};
   draw(layer, kStep);
-  copy_both(kNear);
+  copy_all(kNear);
   draw(layer, 0);
-  copy_both(kOn);
+  copy_all(kOn);
   std::uint64_t all = 1;
   for (int i = 0; i < 3; ++i) all *= static_cast<std::uint64_t>(tops_of(size_[i]));
   if (all > most_tops_) return false;
@@ -93,13 +95,12 @@ void PlaceMap::draw(const SurfelLayer& layer, std::int32_t steps) {
   }
 }
 
-/// Poses of a node stand 0, 1, 2 and 3 steps from its first.
-void PlaceMap::copy_both(int kind) {
+/// Poses of a part stand 0 and 1 step from its first, those of a node 0 to 3.
+void PlaceMap::copy_all(int kind) {
   copy(kind, poses_);
-  for (int axis = 0; axis < 3; ++axis) {
-    spread(axis, kStep);
-    spread(axis, 2 * kStep);
-  }
+  for (int axis = 0; axis < 3; ++axis) spread(axis, kStep);
+  copy(kind, parts_);
+  for (int axis = 0; axis < 3; ++axis) spread(axis, 2 * kStep);
   copy(kind, nodes_);
 }
 

@@ -26,6 +26,7 @@ struct PlaceCell {
 class PlaceMap {
  public:
   static constexpr std::int32_t kStep = 1;    ///< voxels from pose to pose
+  static constexpr std::int32_t kPart = 2;    ///< poses of a part along each axis
   static constexpr std::int32_t kNode = 4;    ///< poses of a node along each axis
   static constexpr std::int32_t kTop = 4;     ///< nodes of a top along each axis
 
@@ -46,6 +47,8 @@ class PlaceMap {
 
   /// For the poses themselves: a return counts where its voxel is occupied.
   const PlaceTiles& poses() const { return poses_; }
+  /// For parts of 2 x 2 x 2 poses: where it may be for any of them.
+  const PlaceTiles& parts() const { return parts_; }
   /// For nodes: where it may be for any pose of the node.
   const PlaceTiles& nodes() const { return nodes_; }
 
@@ -53,7 +56,7 @@ class PlaceMap {
   void draw(const SurfelLayer& layer, std::int32_t steps);
   void draw(const Surfel& surfel, const SurfelCell& cell, std::int32_t steps);
   void spread(int axis, std::int32_t by);
-  void copy_both(int kind);
+  void copy_all(int kind);
   void copy(int kind, PlaceTiles& tiles) const;
   std::size_t row(std::int32_t y, std::int32_t z) const {
     return static_cast<std::size_t>((z * size_[1] + y) * row_words_);
@@ -68,6 +71,7 @@ class PlaceMap {
   std::int32_t tops_[3]{};
   std::span<std::uint64_t> bits_;  ///< rows along x; scratch of build()
   PlaceTiles poses_;
+  PlaceTiles parts_;
   PlaceTiles nodes_;
 };
 

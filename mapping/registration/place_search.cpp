@@ -20,7 +20,10 @@ PlaceSearch::PlaceSearch(const PlaceSearchConfig& config, const PlaceMap& map, r
           "place_bounds", std::size_t{config.tops} * PlaceTiles::kLanes * static_cast<std::size_t>(kTurns))),
       offsets_(arena.make_array<PlaceOffset>(
           "place_offsets", static_cast<std::size_t>(kTurns) * PlaceSearchConfig::kMostReturns)),
-      looks_(arena.make_array<PlaceTiles::Look>("place_looks", PlaceSearchConfig::kMostReturns)) {}
+      narrowed_(arena.make_array<std::uint8_t>("place_narrowed",
+                                               std::size_t{config.tops} * static_cast<std::size_t>(kTurns))),
+      looks_(arena.make_array<PlaceTiles::Look>("place_looks", PlaceSearchConfig::kMostReturns)),
+      part_looks_(arena.make_array<PlaceTiles::Look>("place_looks", PlaceSearchConfig::kMostReturns)) {}
 
 double PlaceSearch::turn_rad(std::int32_t turn) { return turn * (2.0 * kPi / kTurns); }
 
@@ -55,6 +58,7 @@ void PlaceSearch::begin(std::span<const rt::Vector3> returns_m) {
   at_ = level_ = rest_ = found_count_ = 0;
   paid_ = false;
   std::fill(std::begin(most_), std::end(most_), std::uint8_t{0});
+  std::fill_n(narrowed_.begin(), static_cast<std::size_t>(kTurns * map_->tops()), std::uint8_t{0});
   credit_.clear();
   counts_ = {};
   if (step_ != Step::done) turn_returns();
@@ -79,12 +83,17 @@ void PlaceSearch::turn_returns() {
   }
 }
 
-void PlaceSearch::take_turn(const PlaceTiles& tiles) {
+/// Of the nodes while their bounds are made, else of poses and parts.
+void PlaceSearch::take_turn() {
   if (looks_turn_ == turn_) return;
   looks_turn_ = turn_;
   const PlaceOffset* const offsets =
       &offsets_[static_cast<std::size_t>(turn_) * PlaceSearchConfig::kMostReturns];
-  for (std::uint32_t i = 0; i < return_count_; ++i) looks_[i] = tiles.look(offsets[i]);
+  const PlaceTiles& tiles = step_ == Step::bounds ? map_->nodes() : map_->poses();
+  for (std::uint32_t i = 0; i < return_count_; ++i) {
+    looks_[i] = tiles.look(offsets[i]);
+    part_looks_[i] = map_->parts().look(offsets[i]);
+  }
 }
 
 bool PlaceSearch::pay(std::uint64_t cost, std::uint64_t& units) {
@@ -109,7 +118,7 @@ bool PlaceSearch::run_bounds(std::uint64_t& units) {
   for (; turn_ < kTurns; ++turn_, at_ = 0) {
     for (; at_ < tops; ++at_) {
       if (!pay(2 * return_count_, units)) return false;
-      take_turn(map_->nodes());
+      take_turn();
       ++counts_.tops;
       const auto top = static_cast<std::int32_t>(at_);
       const std::int32_t block[3] = {top % map_->tops(0), top / map_->tops(0) % map_->tops(1),
@@ -153,8 +162,11 @@ bool PlaceSearch::pick_in_turn(std::uint64_t& units) {
   }
   for (; at_ < nodes(); ++at_) {
     if (bounds[at_] == level_) {
+      take_turn();
+      if (!narrow(at_, units)) return false;
+    }
+    if (bounds[at_] == level_) {
       if (!pay(2 * return_count_, units)) return false;
-      take_turn(map_->poses());
       open(at_);
       if (found_count_ == config_.candidates) return true;
     }
@@ -170,6 +182,35 @@ bool PlaceSearch::is_taken(const PlaceCell& cell) const {
     if (near(one.cell, cell)) return true;
   }
   return false;
+}
+
+/// Closer bounds for a node and the seven beside it, by their parts, if they have none yet.
+bool PlaceSearch::narrow(std::uint32_t node, std::uint64_t& units) {
+  const PlaceCell first = cell(turn_, node, 0);
+  constexpr std::int32_t kEight = 2 * PlaceMap::kNode;
+  const std::int32_t block[3] = {first.at[0] / kEight, first.at[1] / kEight, first.at[2] / kEight};
+  const auto bit = static_cast<std::uint8_t>(1 << ((block[0] & 1) | (block[1] & 1) << 1 | (block[2] & 1) << 2));
+  const std::uint32_t top = node / PlaceTiles::kLanes;
+  std::uint8_t& narrowed = narrowed_[static_cast<std::size_t>(turn_ * map_->tops()) + top];
+  if ((narrowed & bit) != 0) return true;
+  if (!pay(2 * return_count_, units)) return false;
+  narrowed = static_cast<std::uint8_t>(narrowed | bit);
+  ++counts_.parts;
+  std::uint8_t counts[PlaceTiles::kLanes];
+  map_->parts().count({part_looks_.data(), return_count_}, block, counts);
+  const std::span<std::uint8_t> bounds = bounds_of(turn_).subspan(std::size_t{top} * PlaceTiles::kLanes);
+  std::uint8_t most[8]{};
+  for (int lane = 0; lane < PlaceTiles::kLanes; ++lane) {
+    const int of = PlaceTiles::lane_x(lane) / 2 + PlaceTiles::lane_y(lane) / 2 * 2 + PlaceTiles::lane_z(lane) / 2 * 4;
+    most[of] = std::max(most[of], counts[lane]);
+  }
+  for (int lane = 0; lane < PlaceTiles::kLanes; ++lane) {
+    const std::int32_t x = PlaceTiles::lane_x(lane), y = PlaceTiles::lane_y(lane), z = PlaceTiles::lane_z(lane);
+    if (x / 2 != (block[0] & 1) || y / 2 != (block[1] & 1) || z / 2 != (block[2] & 1)) continue;
+    std::uint8_t& bound = bounds[static_cast<std::size_t>(lane)];
+    bound = std::min(bound, most[(x & 1) + (y & 1) * 2 + (z & 1) * 4]);
+  }
+  return true;
 }
 
 /// Takes the node's poses that have as many hits as its bound says and are no place that was found already.
@@ -199,8 +240,8 @@ void PlaceSearch::open(std::uint32_t node) {
 void PlaceSearch::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "place search")
       .fixed(config_, map_)
-      .scratch(offsets_, looks_, looks_turn_)
-      .by_hand(bounds_)
+      .scratch(offsets_, looks_, part_looks_, looks_turn_)
+      .by_hand(bounds_, narrowed_)
       .state(step_, returns_m_, return_count_, turn_, at_, level_, rest_, paid_, most_, found_, found_count_,
              credit_, counts_);
   if (archive.is_reading()) {
@@ -217,6 +258,8 @@ void PlaceSearch::archive(rt::Archive& archive) {
   }
   if (step_ == Step::done) return;
   for (std::uint8_t& bound : bounds_.first(static_cast<std::size_t>(kTurns) * nodes())) archive.value(bound);
+  for (std::uint8_t& narrowed : narrowed_.first(static_cast<std::size_t>(kTurns * map_->tops())))
+    archive.value(narrowed);
   if (archive.is_reading()) turn_returns();
 }
 

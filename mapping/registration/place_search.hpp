@@ -22,14 +22,15 @@ struct PlaceCandidate {
 /// Work of a search.
 struct PlaceSearchCounts {
   std::uint64_t tops{};   ///< looked at, 64 nodes each
+  std::uint64_t parts{};  ///< eight nodes at once looked at by their parts
   std::uint64_t nodes{};  ///< looked at, 64 poses each
   std::uint64_t units{};
-  SORTIE_FIELDS(tops, nodes, units)
+  SORTIE_FIELDS(tops, parts, nodes, units)
 };
 
 /// Branch and bound over x, y, z and the turn. Poses stand half a cell apart and
 /// 360 / 256 degrees. First each node of 4 x 4 x 4 poses gets, for each turn, the most hits that any of its
-/// poses can have; then nodes are opened, most hits first. What it finds is exactly what looking at every
+/// poses can have; then nodes are looked at by their parts and opened, most hits first. What it finds is exactly what looking at every
 /// pose finds. A unit is one look at one return for 64 poses; each takes two. Memory: 64 bytes a top a turn, and
 /// 0.3 MB. No heap.
 class PlaceSearch {
@@ -69,11 +70,12 @@ class PlaceSearch {
  private:
   enum class Step : std::uint8_t { done, bounds, picks };
   void turn_returns();
-  void take_turn(const PlaceTiles& tiles);
+  void take_turn();
   bool run_bounds(std::uint64_t& units);
   bool run_picks(std::uint64_t& units);
   bool pick_in_turn(std::uint64_t& units);
   bool pay(std::uint64_t cost, std::uint64_t& units);
+  bool narrow(std::uint32_t node, std::uint64_t& units);
   void open(std::uint32_t node);
   bool is_taken(const PlaceCell& cell) const;
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(map_->tops()) * PlaceTiles::kLanes; }
@@ -85,7 +87,9 @@ class PlaceSearch {
   const PlaceMap* map_;
   std::span<std::uint8_t> bounds_;     ///< most hits of the poses of a node that are not taken
   std::span<PlaceOffset> offsets_;     ///< of each turn's returns
+  std::span<std::uint8_t> narrowed_;   ///< a bit for each eight nodes of a top and turn
   std::span<PlaceTiles::Look> looks_;  ///< of the turn at hand
+  std::span<PlaceTiles::Look> part_looks_;
   std::int32_t looks_turn_{-1};
   Step step_{Step::done};
   rt::Vector3 returns_m_[PlaceSearchConfig::kMostReturns];

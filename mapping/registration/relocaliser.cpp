@@ -93,7 +93,7 @@ bool Relocaliser::run(std::uint64_t& units) {
     step_ = Step::verdict;
   }
   if (step_ == Step::verdict) {
-    if (!pay_match(size_, units)) return false;
+    if (!pay_match(4 * std::size_t{size_}, units)) return false;
     conclude(judge());
   }
   return true;

@@ -10,6 +10,8 @@ namespace sortie::mapping {
 namespace {
 constexpr std::uint32_t kRays = 256;
 constexpr std::uint32_t kMostRaySteps = 96;
+constexpr double kMostMove = 0.03;  ///< m and rad, standard deviations: of a place that is held
+constexpr double kMostTurn = 0.006;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
 
 /// Whether a point of the map's frame lies on the surface of its cell.
@@ -99,7 +101,11 @@ RelocateVerdict Relocaliser::judge() {
   if (count_ == 0) return RelocateVerdict::nothing_fits;
   Place& best = places_[0];
   const PosePrior prior = prior_at(best.pose);
-  const Match match = match_place(best, size_);
+  Match match = match_place(best, size_);
+  registration_->match_about(match, prior);
+  best.pose = match.pose;
+  best.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
+  explain(best);
   result_.T_map_sensor = best.pose;
   result_.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
   result_.seen = best.seen / static_cast<double>(size_);
@@ -113,6 +119,10 @@ RelocateVerdict Relocaliser::judge() {
   if (!match_covariance(match.equations, match.weak, prior, match.spread, covariance))
     return RelocateVerdict::ambiguous;
   pose_covariance(covariance, best.pose.q, result_.covariance);
+  for (int i = 0; i < 6; ++i) {
+    const double most = i < 3 ? kMostMove : kMostTurn;
+    if (result_.covariance[7 * i] > most * most) return RelocateVerdict::ambiguous;
+  }
   return RelocateVerdict::placed;
 }
 

@@ -13,10 +13,10 @@ struct PlaceSearchConfig {
   static constexpr std::uint32_t kMostReturns = 124;
   static constexpr std::uint32_t kMostCandidates = 128;
   std::uint32_t returns{124};
-  std::uint32_t candidates{64};
+  std::uint32_t candidates{48};
   double reach_m{20.0};
   double least_hits{0.5};
-  double within{0.25};
+  double within{0.08};
   std::uint32_t tops{1024};
 
   SORTIE_KEYS(c, key) {
@@ -35,7 +35,7 @@ struct RelocateConfig {
   std::uint32_t tried_returns{1024};  ///< that the best ones are then matched with
   double least_share{0.75};
   double least_seen{0.6};
-  double most_crossed{0.03};
+  double most_crossed{0.1};
   double least_lead{0.03};
   double over_rival{3.0};
   double over_unexplained{1.0};

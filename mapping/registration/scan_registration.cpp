@@ -231,10 +231,14 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
   }
   weigh(match);  // descending left the weak directions of the last start that was tried
-  if (!look_about(match, prior)) return match;
+  match_about(match, prior);
+  return match;
+}
+
+void ScanRegistration::match_about(Match& match, const PosePrior& prior) {
+  if (!look_about(match, prior)) return;
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
   weigh(match);
-  return match;
 }
 
 Match ScanRegistration::match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns) {

@@ -48,6 +48,8 @@ class ScanRegistration {
   /// Matches the first `returns` of the sample from one start alone, coarse layers first: for who has many
   /// starts of his own. Steps it spends: 4 and those of the config.
   Match match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns);
+  /// Looks from starts about a match's pose, with all of the sample, and takes a better one: Match::spread.
+  void match_about(Match& match, const PosePrior& prior);
   /// Adds the sample to the map at a pose.
   void insert(const RigidPose& pose);
 
