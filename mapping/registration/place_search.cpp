@@ -55,7 +55,7 @@ void PlaceSearch::begin(std::span<const rt::Vector3> returns_m) {
   std::copy_n(returns_m.begin(), return_count_, returns_m_);
   step_ = return_count_ == 0 || map_->empty() ? Step::done : Step::bounds;
   turn_ = 0;
-  at_ = level_ = rest_ = found_count_ = 0;
+  at_ = level_ = rest_ = found_count_ = candidate_count_ = 0;
   paid_ = false;
   std::fill(std::begin(most_), std::end(most_), std::uint8_t{0});
   std::fill_n(narrowed_.begin(), static_cast<std::size_t>(kTurns * map_->tops()), std::uint8_t{0});
@@ -108,7 +108,18 @@ bool PlaceSearch::run(std::uint64_t& units) {
     looks_turn_ = -1;
     turn_ = kTurns;  // no turn is at hand
   }
-  if (step_ == Step::picks && run_picks(units)) step_ = Step::done;
+  if (step_ == Step::picks && run_picks(units)) {
+    step_ = Step::rivals;
+    candidate_count_ = found_count_;
+    turn_ = kTurns;
+    // The turn at hand begins anew: what was left out of it may be a rival.
+    paid_ = false;
+    for (std::int32_t turn = 0; turn < kTurns; ++turn) {
+      const std::span<const std::uint8_t> bounds = bounds_of(turn);
+      most_[turn] = *std::max_element(bounds.begin(), bounds.end());
+    }
+  }
+  if (step_ == Step::rivals && run_picks(units)) step_ = Step::done;
   return step_ == Step::done;
 }
 
@@ -132,23 +143,40 @@ bool PlaceSearch::run_bounds(std::uint64_t& units) {
   return true;
 }
 
-std::uint32_t PlaceSearch::least_hits() const {
+std::uint32_t PlaceSearch::least_hits(bool rival) const {
+  const double within = rival ? config_.rivals_within : config_.within;
   const double of_all = config_.least_hits * 2.0 * return_count_;
-  const double of_best = found_count_ == 0 ? 0.0 : (1.0 - config_.within) * found_[0].hits;
+  const double of_best = found_count_ == 0 ? 0.0 : (1.0 - within) * found_[0].hits;
   return std::max(1u, static_cast<std::uint32_t>(std::max(of_all, of_best)));
+}
+
+bool PlaceSearch::is_rivals_turn(std::int32_t turn) const {
+  if (found_count_ == 0) return false;
+  const std::int32_t of_quarter = (turn - found_[0].cell.turn + 1) & (kTurns / 4 - 1);
+  return of_quarter <= 2;
+}
+
+std::uint32_t PlaceSearch::most_found() const {
+  return step_ == Step::rivals ? candidate_count_ + config_.rivals : config_.candidates;
 }
 
 /// Opens all nodes with the most hits, turn by turn, then those with the next fewer.
 bool PlaceSearch::run_picks(std::uint64_t& units) {
+  const bool rivals = step_ == Step::rivals;
+  const auto wanted = [&](std::int32_t turn) { return !rivals || is_rivals_turn(turn); };
   for (;;) {
+    if (found_count_ == most_found()) return true;
     if (turn_ == kTurns) {
-      level_ = *std::max_element(std::begin(most_), std::end(most_));
-      if (level_ < least_hits()) return true;
+      level_ = 0;
+      for (std::int32_t turn = 0; turn < kTurns; ++turn) {
+        if (wanted(turn)) level_ = std::max<std::uint32_t>(level_, most_[turn]);
+      }
+      if (level_ < least_hits(rivals)) return true;
       turn_ = 0;
     }
     for (; turn_ < kTurns; ++turn_) {
-      if (most_[turn_] == level_ && !pick_in_turn(units)) return false;
-      if (found_count_ == config_.candidates) return true;
+      if (wanted(turn_) && most_[turn_] == level_ && !pick_in_turn(units)) return false;
+      if (found_count_ == most_found()) return true;
     }
   }
 }
@@ -168,7 +196,7 @@ bool PlaceSearch::pick_in_turn(std::uint64_t& units) {
     if (bounds[at_] == level_) {
       if (!pay(2 * return_count_, units)) return false;
       open(at_);
-      if (found_count_ == config_.candidates) return true;
+      if (found_count_ == most_found()) return true;
     }
     rest_ = std::max<std::uint32_t>(rest_, bounds[at_]);
   }
@@ -223,10 +251,10 @@ void PlaceSearch::open(std::uint32_t node) {
   std::uint8_t counts[PlaceTiles::kLanes];
   map_->poses().count({looks_.data(), return_count_}, block, counts);
   std::uint8_t& bound = bounds_of(turn_)[node];
-  for (int i = 0; i < PlaceTiles::kLanes && found_count_ < config_.candidates; ++i) {
+  for (int i = 0; i < PlaceTiles::kLanes && found_count_ < most_found(); ++i) {
     const auto best = std::max_element(std::begin(counts), std::end(counts));
     bound = *best;
-    if (*best < least_hits()) return;
+    if (*best < least_hits(step_ == Step::rivals)) return;
     const PlaceCell at = cell(turn_, node, static_cast<int>(best - std::begin(counts)));
     if (!is_taken(at)) {
       if (*best < level_) return;
@@ -242,13 +270,14 @@ void PlaceSearch::archive(rt::Archive& archive) {
       .fixed(config_, map_)
       .scratch(offsets_, looks_, part_looks_, looks_turn_)
       .by_hand(bounds_, narrowed_)
-      .state(step_, returns_m_, return_count_, turn_, at_, level_, rest_, paid_, most_, found_, found_count_,
+      .state(step_, returns_m_, return_count_, turn_, at_, level_, rest_, paid_, most_, found_, found_count_, candidate_count_,
              credit_, counts_);
   if (archive.is_reading()) {
-    const bool fits = step_ <= Step::picks && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
+    const bool fits = step_ <= Step::rivals && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
                       turn_ <= kTurns && (step_ != Step::bounds || turn_ < kTurns) && at_ <= nodes() &&
                       level_ <= 255 && rest_ <= 255 &&
-                      found_count_ <= config_.candidates && (step_ == Step::done || !map_->empty());
+                      candidate_count_ <= config_.candidates &&
+                      found_count_ <= config_.candidates + config_.rivals && (step_ == Step::done || !map_->empty());
     if (!fits) {
       archive.fail(Status::malformed, "a search that cannot be");
       step_ = Step::done;

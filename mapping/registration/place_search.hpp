@@ -48,7 +48,7 @@ class PlaceSearch {
   /// Searches on for at most `units`, takes what it used off. True: it is done.
   bool run(std::uint64_t& units);
 
-  /// Most hits first; of as many, the one that comes first by turn, node and pose. No two of them are the same place; none has
+  /// Candidates, then rivals of the best; most hits first. Of as many, the one that comes first by turn, node and pose. No two of them are the same place; none has
   /// fewer hits than the config wants.
   std::span<const PlaceCandidate> found() const { return {found_, found_count_}; }
   const PlaceSearchConfig& config() const { return config_; }
@@ -59,8 +59,11 @@ class PlaceSearch {
 
   /// The pose of a lane of a node; nodes are numbered by tops along x, y, z and in them as lanes of a block.
   PlaceCell cell(std::int32_t turn, std::uint32_t node, int lane) const;
-  /// Fewest hits that a candidate may have, with those that were found so far.
-  std::uint32_t least_hits() const;
+  /// Fewest hits that a candidate, or a rival of the best one, may have, with those that were found so far.
+  std::uint32_t least_hits(bool rival) const;
+  /// Whether rivals of the best one are looked for at a turn: its own, or a quarter or half a turn from it, and
+  /// the steps next to these. Rooms that look like another one do so there.
+  bool is_rivals_turn(std::int32_t turn) const;
   /// Two poses are one place.
   static bool near(const PlaceCell& a, const PlaceCell& b);
 
@@ -68,7 +71,7 @@ class PlaceSearch {
   void archive(rt::Archive& archive);
 
  private:
-  enum class Step : std::uint8_t { done, bounds, picks };
+  enum class Step : std::uint8_t { done, bounds, picks, rivals };
   void turn_returns();
   void take_turn();
   bool run_bounds(std::uint64_t& units);
@@ -77,6 +80,7 @@ class PlaceSearch {
   bool pay(std::uint64_t cost, std::uint64_t& units);
   bool narrow(std::uint32_t node, std::uint64_t& units);
   void open(std::uint32_t node);
+  std::uint32_t most_found() const;
   bool is_taken(const PlaceCell& cell) const;
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(map_->tops()) * PlaceTiles::kLanes; }
   std::span<std::uint8_t> bounds_of(std::int32_t turn) {
@@ -102,6 +106,7 @@ class PlaceSearch {
   std::uint8_t most_[kTurns]{};  ///< bound of each turn's nodes
   PlaceCandidate found_[PlaceSearchConfig::kMostCandidates];
   std::uint32_t found_count_{};
+  std::uint32_t candidate_count_{};  ///< of them, before rivals were looked for
   UnitCredit credit_;
   PlaceSearchCounts counts_;
 };

@@ -18,9 +18,7 @@ constexpr std::int32_t tiles(std::int32_t voxels, std::int32_t stride) {
 constexpr std::int32_t down(std::int32_t at, std::int32_t stride) {
   return at >> std::countr_zero(static_cast<std::uint32_t>(stride));
 }
-}  // namespace
 
-namespace {
 /// Three bits of one weight make one of it and one of twice the weight.
 void add3(Word& high, Word& low, Word a, Word b, Word c) {
   const Word both = a ^ b;
@@ -28,10 +26,8 @@ void add3(Word& high, Word& low, Word a, Word b, Word c) {
   low = both ^ c;
 }
 
-}  // namespace
-
 /// Counts of 64 lanes, a bit plane for each power of two.
-struct PlacePlanes {
+struct Planes {
   Word plane[8]{};
 
   void add8(const Word (&w)[8]) {
@@ -63,6 +59,8 @@ struct PlacePlanes {
   }
 };
 
+}  // namespace
+
 std::size_t PlaceTiles::words(const std::int32_t (&voxels)[3], std::int32_t stride) {
   const auto size = [](std::int32_t n) { return static_cast<std::size_t>(n); };
   return kKinds * size(stride * stride * stride) * size(tiles(voxels[0], stride)) * size(tiles(voxels[1], stride)) *
@@ -87,7 +85,7 @@ PlaceTiles::Look PlaceTiles::look(const PlaceOffset& offset) const {
   }
   Look look;
   const std::int32_t of_class = (rest[2] * stride_ + rest[1]) * stride_ + rest[0];
-  look.base = static_cast<std::uint32_t>(of_class * tiles_[0] * tiles_[1] * high_);
+  look.base = static_cast<std::uint32_t>(kKinds * of_class * tiles_[0] * tiles_[1] * high_);
   for (int i = 0; i < 2; ++i) look.tile[i] = static_cast<std::int16_t>(down(first[i], 4) + 1);
   look.tile[2] = static_cast<std::int16_t>(first[2]);
   look.shift = static_cast<std::uint8_t>((first[1] & 3) * 8 + (first[0] & 3));
@@ -108,55 +106,52 @@ void PlaceTiles::set(int kind, std::int32_t x, std::int32_t y, std::int32_t z) {
       const std::int32_t i = pose[0] - 4 * (tx - 1);
       const std::int32_t k = pose[1] - 4 * (ty - 1);
       const std::int32_t word = ((of_class * tiles_[1] + ty) * tiles_[0] + tx) * high_ + pose[2];
-      words_[static_cast<std::size_t>(kind) * words_of_kind() + static_cast<std::size_t>(word)] |= Word{1} << (8 * k + i);
+      words_[static_cast<std::size_t>(kKinds * word + kind)] |= Word{1} << (8 * k + i);
     }
   }
 }
 
-std::size_t PlaceTiles::words_of_kind() const {
-  return static_cast<std::size_t>(stride_ * stride_ * stride_ * tiles_[0] * tiles_[1] * high_);
-}
-
-std::uint64_t PlaceTiles::bits(const std::uint64_t* words, const Look& look, const std::int32_t (&block)[3]) const {
+/// The bits of the block's 64 poses, of both kinds. They lie in one line of the cache.
+void PlaceTiles::bits(const Look& look, const std::int32_t (&block)[3], Word& near, Word& on) const {
   const std::int32_t tx = look.tile[0] + block[0];
   const std::int32_t ty = look.tile[1] + block[1];
   const std::int32_t z = look.tile[2] + 4 * block[2];
+  near = on = 0;
   if (static_cast<std::uint32_t>(tx) >= static_cast<std::uint32_t>(tiles_[0]) ||
       static_cast<std::uint32_t>(ty) >= static_cast<std::uint32_t>(tiles_[1]))
-    return 0;
+    return;
   constexpr Word kFour = 0x0f0f0f0f;
   const Word* const column =
-      words + look.base + static_cast<std::size_t>((ty * tiles_[0] + tx) * high_);
+      words_.data() + look.base + static_cast<std::ptrdiff_t>(kKinds * (ty * tiles_[0] + tx) * high_);
+  const auto four = [&](const Word* w, int i) { return w[kKinds * i] >> look.shift & kFour; };
   if (z >= 0 && z + 3 < high_) {
-    const Word* const w = column + z;
-    return (w[0] >> look.shift & kFour) | (w[1] >> look.shift & kFour) << 4 |
-           (w[2] >> look.shift & kFour) << 32 | (w[3] >> look.shift & kFour) << 36;
+    const Word* const w = column + static_cast<std::ptrdiff_t>(kKinds * z);
+    near = four(w, 0) | four(w, 1) << 4 | (four(w, 2) | four(w, 3) << 4) << 32;
+    on = four(w + 1, 0) | four(w + 1, 1) << 4 | (four(w + 1, 2) | four(w + 1, 3) << 4) << 32;
+    return;
   }
-  Word all = 0;
   constexpr int kAt[4] = {0, 4, 32, 36};
   for (int i = 0; i < 4; ++i) {
-    if (z + i >= 0 && z + i < high_) all |= (column[z + i] >> look.shift & kFour) << kAt[i];
+    if (z + i < 0 || z + i >= high_) continue;
+    near |= four(column, z + i) << kAt[i];
+    on |= four(column + 1, z + i) << kAt[i];
   }
-  return all;
-}
-
-void PlaceTiles::add(int kind, std::span<const Look> looks, const std::int32_t (&block)[3],
-                     PlacePlanes& planes) const {
-  const Word* const words = words_.data() + static_cast<std::size_t>(kind) * words_of_kind();
-  Word w[8];
-  std::size_t at = 0;
-  for (; at + 8 <= looks.size(); at += 8) {
-    for (std::size_t i = 0; i < 8; ++i) w[i] = bits(words, looks[at + i], block);
-    planes.add8(w);
-  }
-  for (std::size_t i = 0; i < 8; ++i) w[i] = at + i < looks.size() ? bits(words, looks[at + i], block) : 0;
-  planes.add8(w);
 }
 
 void PlaceTiles::count(std::span<const Look> looks, const std::int32_t (&block)[3],
                        std::uint8_t (&counts)[kLanes]) const {
-  PlacePlanes planes;
-  for (int kind = 0; kind < kKinds; ++kind) add(kind, looks, block, planes);
+  Planes planes;
+  Word w[8];
+  std::size_t at = 0;
+  for (; at + 4 <= looks.size(); at += 4) {
+    for (std::size_t i = 0; i < 4; ++i) bits(looks[at + i], block, w[2 * i], w[2 * i + 1]);
+    planes.add8(w);
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    w[2 * i] = w[2 * i + 1] = 0;
+    if (at + i < looks.size()) bits(looks[at + i], block, w[2 * i], w[2 * i + 1]);
+  }
+  planes.add8(w);
   planes.write(counts);
 }
 

@@ -12,8 +12,6 @@ struct PlaceOffset {
   std::int16_t at[3]{};
 };
 
-struct PlacePlanes;
-
 /// Two bits of each voxel of a grid, for poses that stand `stride` voxels apart. Each kind lies in tiles of 8 x 8 poses,
 /// one every 4, so that the bits of any 4 x 4 poses side by side lie in one of them: one load, one shift.
 /// Memory: about a byte a voxel, more for small grids.
@@ -55,9 +53,7 @@ class PlaceTiles {
   static constexpr std::int32_t lane_z(int lane) { return ((lane >> 2) & 1) | ((lane >> 5) << 1); }
 
  private:
-  void add(int kind, std::span<const Look> looks, const std::int32_t (&block)[3], PlacePlanes& planes) const;
-  std::uint64_t bits(const std::uint64_t* words, const Look& look, const std::int32_t (&block)[3]) const;
-  std::size_t words_of_kind() const;
+  void bits(const Look& look, const std::int32_t (&block)[3], std::uint64_t& near, std::uint64_t& on) const;
 
   std::span<std::uint64_t> words_;
   std::int32_t stride_;

@@ -101,7 +101,7 @@ bool Relocaliser::run(std::uint64_t& units) {
 
 /// Its steps, and looking at what it explains.
 bool Relocaliser::pay_match(std::size_t returns, std::uint64_t& units) {
-  return pay((registration_->config().steps + 6) * std::uint64_t{kMatchUnits} * returns, units);
+  return pay((registration_->config().steps + 8) * std::uint64_t{kMatchUnits} * returns, units);
 }
 
 /// Each candidate from where the search found it, with some of the returns.

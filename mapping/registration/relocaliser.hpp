@@ -96,7 +96,7 @@ class Relocaliser {
     std::uint32_t here{}, there{}, neither{};
   };
   enum class Step : std::uint8_t { idle, search, tries, retries, matches, verdict };
-  static constexpr std::uint32_t kTried = 16;   ///< of the candidates, with more returns
+  static constexpr std::uint32_t kTried = 24;   ///< of the candidates, with more returns
   static constexpr std::uint32_t kMatched = 4;  ///< of the best places, with all returns
 
   /// 10 m and 10 rad: nothing is known.

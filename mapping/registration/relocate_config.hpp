@@ -11,9 +11,11 @@ namespace sortie::mapping {
 /// The coarse search.
 struct PlaceSearchConfig {
   static constexpr std::uint32_t kMostReturns = 124;
-  static constexpr std::uint32_t kMostCandidates = 128;
+  static constexpr std::uint32_t kMostCandidates = 96;
   std::uint32_t returns{124};
   std::uint32_t candidates{48};
+  std::uint32_t rivals{12};
+  double rivals_within{0.35};
   double reach_m{20.0};
   double least_hits{0.5};
   double within{0.08};
@@ -21,9 +23,11 @@ struct PlaceSearchConfig {
 
   SORTIE_KEYS(c, key) {
     key("returns", c.returns, {32, kMostReturns, "returns", "of a scan that are searched with"});
-    key("candidates", c.candidates, {2, kMostCandidates, "places", "well apart, that are then matched"});
+    key("candidates", c.candidates, {2, 64, "places", "well apart, that are then matched"});
     key("reach_m", c.reach_m, {2, 60, "m", "farther returns are not searched with"});
     key("least_hits", c.least_hits, {0.1, 1, "", "of the returns, that must lie near surfaces at a candidate"});
+    key("rivals", c.rivals, {0, 32, "places", "more, along the best one's turn and a quarter and half a turn from it"});
+    key("rivals_within", c.rivals_within, {0.01, 1, "", "these may have that part fewer hits than the best"});
     key("limits.tops", c.tops, {1, 65'536, "", "blocks of 8 cells along each axis that a map may have; 16 kB each"});
     key("within", c.within, {0.01, 1, "", "candidates may have that part fewer hits than the best"});
   }
@@ -36,7 +40,7 @@ struct RelocateConfig {
   double least_share{0.75};
   double least_seen{0.6};
   double most_crossed{0.1};
-  double least_lead{0.03};
+  double least_lead{0.06};
   double over_rival{3.0};
   double over_unexplained{1.0};
 

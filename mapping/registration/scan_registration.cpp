@@ -242,10 +242,18 @@ void ScanRegistration::match_about(Match& match, const PosePrior& prior) {
 }
 
 Match ScanRegistration::match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns) {
+  const std::span<const SamplePoint> some = sample().first(std::min(size_, returns));
   Match match;
-  match.pose = descend(start, prior, {2, 2, config_.steps}, returns, match);
-  match.score =
-      match_score(layers_[0], sample().first(std::min(size_, returns)), match.pose, config_.sigma_m);
+  match.pose = descend(start, prior, {0, 0, config_.steps}, returns, match);
+  match.score = match_score(layers_[0], some, match.pose, config_.sigma_m);
+  if (match.score.matched < config_.good_share) {
+    const RigidPose other = descend(start, prior, {2, 2, config_.steps}, returns, match);
+    const MatchScore score = match_score(layers_[0], some, other, config_.sigma_m);
+    if (score.value > match.score.value) {
+      match.pose = other;
+      match.score = score;
+    }
+  }
   weigh(match);
   return match;
 }

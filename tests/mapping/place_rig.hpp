@@ -42,7 +42,7 @@ struct PlaceRig {
     for (const double floor : world.floors) {
       for (double y = 0.5 * spacing; y < world.deep; y += spacing) {
         for (double x = 0.5 * spacing; x < world.wide; x += spacing) {
-          for (int tries = 0; tries < 8; ++tries) {
+          for (int tries = 0; tries < 20; ++tries) {
             const rt::Vector3 p{x + draws.uniform(-0.4, 0.4) * spacing, y + draws.uniform(-0.4, 0.4) * spacing,
                                 floor + 0.8};
             if (!world.is_free(p, 0.4)) continue;

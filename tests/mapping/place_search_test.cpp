@@ -162,7 +162,7 @@ TEST_CASE("Almost all returns hit at the pose of the search that is next to the 
   constexpr int kTrials = 20;
   for (int trial = 0; trial < kTrials; ++trial) {
     const testing::PlaceWorld world = testing::random_place_hall(draws);
-    rig.make_map(world, draws, 3.0);
+    rig.make_map(world, draws, 1.7);
     const testing::LostRobot robot(world, draws);
     rig.find(testing::place_scan(testing::random_lidar(draws), world, robot.pose.p, robot.pose.q, draws),
              robot.q_level_sensor);

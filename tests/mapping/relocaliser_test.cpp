@@ -21,7 +21,7 @@ struct LostInHall {
 
   explicit LostInHall(std::uint64_t seed)
       : draws(seed), world(testing::random_place_hall(draws)), robot(world, draws) {
-    rig.make_map(world, draws, 3.0);
+    rig.make_map(world, draws, 1.7);
     scan = testing::place_scan({32, 512}, world, robot.pose.p, robot.pose.q, draws);
   }
 };
@@ -51,7 +51,7 @@ TEST_CASE("In a hall that looks the same from both ends a robot is not placed") 
     testing::Draws draws(seed);
     const testing::PlaceWorld world = testing::symmetric(testing::random_place_hall(draws));
     testing::PlaceRig rig(testing::kHallMemory);
-    rig.make_map(world, draws, 3.0);
+    rig.make_map(world, draws, 1.7);
     const testing::LostRobot robot(world, draws);
     const auto scan = testing::place_scan({32, 512}, world, robot.pose.p, robot.pose.q, draws);
     CHECK(rig.find(scan, robot.q_level_sensor).verdict == RelocateVerdict::ambiguous);
