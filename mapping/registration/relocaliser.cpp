@@ -124,10 +124,21 @@ bool Relocaliser::run_tries(std::uint64_t& units) {
 bool Relocaliser::run_retries(std::uint64_t& units) {
   const std::size_t returns = std::min<std::size_t>(size_, config_.tried_returns);
   for (; at_ < count_; ++at_) {
-    if (!pay_match(returns, units)) return false;
+    if (!pay_match(3 * returns, units)) return false;
     match_place(places_[at_], returns);
+    look_about(places_[at_]);
   }
   return true;
+}
+
+/// From starts about where a place ended: a rival that was caught beside its place would be no rival.
+Match Relocaliser::look_about(Place& place) {
+  Match match = registration_->match_from(place.pose, prior_at(place.pose), size_);
+  registration_->match_about(match, prior_at(place.pose));
+  place.pose = match.pose;
+  place.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
+  explain(place);
+  return match;
 }
 
 /// The best ones, from where they ended, with all returns.

@@ -41,7 +41,7 @@ struct Relocated {
   double crossed{};             ///< of the rays: through surfaces
   double lead{};                ///< of the returns: explained here and not at the strongest other place
   double rival{};               ///< of the returns: explained there and not here
-  double unexplained{};         ///< of the returns: by neither, where the map has seen something
+  double unexplained{};         ///< of the returns: not here, where the map has seen something
   std::uint32_t hits{};         ///< in the search, of `searched` returns
   std::uint32_t searched{};
   std::uint32_t candidates{};
@@ -93,10 +93,10 @@ class Relocaliser {
   };
   /// What one place explains and another one not.
   struct Compared {
-    std::uint32_t here{}, there{}, neither{};
+    std::uint32_t here{}, there{};
   };
   enum class Step : std::uint8_t { idle, search, tries, retries, matches, verdict };
-  static constexpr std::uint32_t kTried = 24;   ///< of the candidates, with more returns
+  static constexpr std::uint32_t kTried = 32;   ///< of the candidates, with more returns
   static constexpr std::uint32_t kMatched = 4;  ///< of the best places, with all returns
 
   /// 10 m and 10 rad: nothing is known.
@@ -107,6 +107,7 @@ class Relocaliser {
   bool run_matches(std::uint64_t& units);
   bool pay_match(std::size_t returns, std::uint64_t& units);
   Match match_place(Place& place, std::size_t returns);
+  Match look_about(Place& place);
   void explain(Place& place);
   void order();
   RelocateVerdict judge();

@@ -10,7 +10,7 @@ namespace sortie::mapping {
 namespace {
 constexpr std::uint32_t kRays = 256;
 constexpr std::uint32_t kMostRaySteps = 96;
-constexpr double kMostMove = 0.03;  ///< m and rad, standard deviations: of a place that is held
+constexpr double kMostMove = 0.02;  ///< m and rad, standard deviations: of a place that is held
 constexpr double kMostTurn = 0.006;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
 
@@ -63,13 +63,11 @@ void Relocaliser::explain(Place& place) {
 Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there) const {
   const std::uint64_t* const a = explained_bits(here);
   const std::uint64_t* const b = explained_bits(there);
-  const std::uint64_t* const seen = seen_bits(here);
   Compared compared;
   const auto count = [](std::uint64_t word) { return static_cast<std::uint32_t>(std::popcount(word)); };
   for (std::size_t i = 0; i < words(); ++i) {
     compared.here += count(a[i] & ~b[i]);
     compared.there += count(b[i] & ~a[i]);
-    compared.neither += count(seen[i] & ~a[i] & ~b[i]);
   }
   return compared;
 }
@@ -80,19 +78,18 @@ Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there
 bool Relocaliser::leads(const Place& best) {
   bool leads = true;
   result_.lead = 1.0;
+  result_.unexplained = (best.seen - best.explained) / static_cast<double>(size_);
   for (std::uint32_t i = 0; i < count_; ++i) {
     if (places_[i].slot == best.slot) continue;
     const Compared compared = compare(best, places_[i]);
     const double here = compared.here / static_cast<double>(size_);
     const double there = compared.there / static_cast<double>(size_);
-    const double neither = compared.neither / static_cast<double>(size_);
     if (here < result_.lead) {
       result_.lead = here;
       result_.rival = there;
-      result_.unexplained = neither;
     }
     leads = leads && here >= config_.least_lead && here >= config_.over_rival * there &&
-            here >= config_.over_unexplained * neither;
+            here >= config_.over_unexplained * result_.unexplained;
   }
   return leads;
 }
@@ -101,11 +98,8 @@ RelocateVerdict Relocaliser::judge() {
   if (count_ == 0) return RelocateVerdict::nothing_fits;
   Place& best = places_[0];
   const PosePrior prior = prior_at(best.pose);
-  Match match = match_place(best, size_);
-  registration_->match_about(match, prior);
-  best.pose = match.pose;
-  best.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
-  explain(best);
+  registration_->take_sample(sample());
+  const Match match = look_about(best);
   result_.T_map_sensor = best.pose;
   result_.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
   result_.seen = best.seen / static_cast<double>(size_);
@@ -119,10 +113,10 @@ RelocateVerdict Relocaliser::judge() {
   if (!match_covariance(match.equations, match.weak, prior, match.spread, covariance))
     return RelocateVerdict::ambiguous;
   pose_covariance(covariance, best.pose.q, result_.covariance);
-  for (int i = 0; i < 6; ++i) {
-    const double most = i < 3 ? kMostMove : kMostTurn;
-    if (result_.covariance[7 * i] > most * most) return RelocateVerdict::ambiguous;
-  }
+  const auto trace = [&](int at) {
+    return result_.covariance[7 * at] + result_.covariance[7 * at + 7] + result_.covariance[7 * at + 14];
+  };
+  if (trace(0) > kMostMove * kMostMove || trace(3) > kMostTurn * kMostTurn) return RelocateVerdict::ambiguous;
   return RelocateVerdict::placed;
 }
 

@@ -39,10 +39,10 @@ struct RelocateConfig {
   std::uint32_t tried_returns{1024};  ///< that the best ones are then matched with
   double least_share{0.75};
   double least_seen{0.6};
-  double most_crossed{0.1};
+  double most_crossed{0.035};
   double least_lead{0.06};
   double over_rival{3.0};
-  double over_unexplained{1.0};
+  double over_unexplained{1.5};
 
   SORTIE_KEYS(c, key) {
     key("first_returns", c.first_returns, {64, 8192, "returns", "that all candidates are first matched with"});
@@ -53,7 +53,7 @@ struct RelocateConfig {
     key("most_crossed", c.most_crossed, {0, 1, "", "of the rays that may go through surfaces"});
     key("least_lead", c.least_lead, {0, 1, "", "of the returns, that a place must explain and another not"});
     key("over_rival", c.over_rival, {1, 100, "", "times as many as the other one explains alone"});
-    key("over_unexplained", c.over_unexplained, {0, 100, "", "times as many as neither explains"});
+    key("over_unexplained", c.over_unexplained, {0, 100, "", "times as many as it leaves unexplained"});
   }
 };
 
