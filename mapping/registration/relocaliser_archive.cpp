@@ -22,7 +22,7 @@ void Relocaliser::archive(rt::Archive& archive) {
     }
     check_pose(archive, {{}, q_level_sensor_});
     for (const Place& place : places_) check_pose(archive, place.pose);
-    if (step_ == Step::search) take_map();
+    if (step_ != Step::idle) take_map();
   }
   if (step_ == Step::idle) return;
   archive.value(search_);

@@ -140,7 +140,7 @@ TEST_CASE("The search of a place finds what looking at every pose finds") {
   INFO("seed " << seed);
   testing::Draws draws(seed);
   mapping::PlaceSearchConfig config;
-  config.returns = 37;  // no whole number of fours
+  config.returns = 61;  // no whole number of fours
   config.candidates = 12;
   testing::PlaceRig rig(kSmall, {}, config);
   for (int trial = 0; trial < 2; ++trial) {

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tests/mapping/registration_world.hpp"
 
 namespace sortie::testing {
+
+inline constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
 /// Boxes turned about z, found through a grid in the plane. Rays are cast in about a microsecond.
 class PlaceWorld {
@@ -50,12 +53,12 @@ class PlaceWorld {
 
   /// Distance along a ray to the nearest surface, or infinity beyond `most`.
   double range(const rt::Vector3& from, const rt::Vector3& ray, double most) const {
-    double least = INFINITY;
+    double least = kNowhere;
     int x = at(from.x, nx_), y = at(from.y, ny_);
     const double inv_x = 1.0 / ray.x, inv_y = 1.0 / ray.y;
     const int sx = ray.x > 0 ? 1 : -1, sy = ray.y > 0 ? 1 : -1;
-    double tx = ray.x == 0.0 ? INFINITY : ((x + (sx > 0)) * kCell - kEdge - from.x) * inv_x;
-    double ty = ray.y == 0.0 ? INFINITY : ((y + (sy > 0)) * kCell - kEdge - from.y) * inv_y;
+    double tx = ray.x == 0.0 ? kNowhere : ((x + (sx > 0)) * kCell - kEdge - from.x) * inv_x;
+    double ty = ray.y == 0.0 ? kNowhere : ((y + (sy > 0)) * kCell - kEdge - from.y) * inv_y;
     double t = 0.0;
     while (t < most && t < least && x >= 0 && y >= 0 && x < nx_ && y < ny_) {
       for (const int i : cells_[static_cast<std::size_t>(y * nx_ + x)])
@@ -66,7 +69,7 @@ class PlaceWorld {
         t = ty, y += sy, ty += std::fabs(kCell * inv_y);
       }
     }
-    return least > most ? INFINITY : least;
+    return least > most ? kNowhere : least;
   }
 
   /// Whether a ball is free of surfaces.
@@ -94,17 +97,17 @@ class PlaceWorld {
     const double oo[3] = {b.c * o.x + b.s * o.y, -b.s * o.x + b.c * o.y, o.z};
     const double dd[3] = {b.c * ray.x + b.s * ray.y, -b.s * ray.x + b.c * ray.y, ray.z};
     const double hh[3] = {b.half.x, b.half.y, b.half.z};
-    double near = -INFINITY, far = INFINITY;
+    double near = -kNowhere, far = kNowhere;
     for (int i = 0; i < 3; ++i) {
       if (dd[i] == 0.0) {
-        if (std::fabs(oo[i]) > hh[i]) return INFINITY;
+        if (std::fabs(oo[i]) > hh[i]) return kNowhere;
         continue;
       }
       const double a = (-hh[i] - oo[i]) / dd[i], c = (hh[i] - oo[i]) / dd[i];
       near = std::max(near, std::min(a, c));
       far = std::min(far, std::max(a, c));
     }
-    return near > far || near <= 1e-6 ? INFINITY : near;
+    return near > far || near <= 1e-6 ? kNowhere : near;
   }
 
   int nx_{}, ny_{};
