@@ -300,7 +300,7 @@ TEST_CASE("a robot that is told nothing finds its place on the map of another ru
   keep_map(located_hall().log, map);
   // Jobs of few units: a search takes several of them while the robot drives on.
   const std::vector<std::string> wanted = {"tasks.locate.enabled=true", "tasks.relocate.enabled=true",
-                                           "relocate.units=1000000"};
+                                           "relocate.units=1000000", "tasks.relocate.budget_us=10000"};
   const firmware::LiveRunOutcome run = run_located(6, log, wanted, map);
   CHECK(run.failures.empty());
   CHECK(counted(run, "relocate_placed") == 1);
