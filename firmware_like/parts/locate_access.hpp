@@ -11,11 +11,11 @@ namespace sortie::firmware {
 struct LocateAccess {
   mapping::Locator* locator{};
   mapping::RegistrationMemory memory;
-  /// Scans that were looked at in this job. The newest one is the registration's sample, and `hint` is what the
-  /// odometry says of it.
+  /// Scans that were looked at in this job. The newest one is the registration's sample, and `hint` is what
+  /// the odometry says of it.
   std::uint32_t scans{};
   mapping::OdometryHint hint;
-  bool has_odometry{};           ///< `hint` is the odometry's; else where the robot starts
+  bool has_odometry{};            ///< `hint` is the odometry's; else where the robot starts
   rt::Quaternion q_level_sensor;  ///< the scan's attitude
 };
 

@@ -20,7 +20,7 @@ struct RelocatePartConfig {
 };
 
 struct RelocateOutput {
-  std::uint8_t verdict{};  ///< mapping::RelocateVerdict of the newest search
+  std::uint8_t verdict{};      ///< mapping::RelocateVerdict of the newest search
   rt::Nanoseconds stamp_ns{};  ///< of the scan that is searched with
   double p_map_sensor_m[3]{};
   double q_map_sensor[4]{1, 0, 0, 0};
@@ -34,8 +34,8 @@ struct RelocateOutput {
   std::uint64_t units{};  ///< of this search so far
   mapping::RelocateCounts counts;
   std::uint64_t not_confirmed{};  ///< places that no later scan confirmed: searched again
-  SORTIE_FIELDS(verdict, stamp_ns, p_map_sensor_m, q_map_sensor, share, seen, crossed, lead, rival, unexplained,
-                candidates, units, counts, not_confirmed)
+  SORTIE_FIELDS(verdict, stamp_ns, p_map_sensor_m, q_map_sensor, share, seen, crossed, lead, rival,
+                unexplained, candidates, units, counts, not_confirmed)
 };
 
 /// Group `mapping`, task `relocate`, behind `locate`. A search takes the newest scan, goes on over as many
@@ -49,8 +49,8 @@ class RelocatePart final : public Part {
     builder.profile().read("relocate", config);
     builder.profile().read("relocate", search);
     builder.profile().read("relocate", config_);
-    relocaliser_ = std::make_unique<mapping::Relocaliser>(config, search, access_->memory,
-                                                          access_->locator->registration_to_match(), builder.arena());
+    relocaliser_ = std::make_unique<mapping::Relocaliser>(
+        config, search, access_->memory, access_->locator->registration_to_match(), builder.arena());
     if (access_->locator->is_unplaced()) relocaliser_->take_map();
     task_ = builder.task<RelocateOutput>(builder.group("mapping", 10), "relocate",
                                          TaskDefaults{50'000, rt::Criticality::b},
@@ -75,7 +75,8 @@ class RelocatePart final : public Part {
 
  private:
   static constexpr std::uint32_t kPatience = 5;  ///< scans that may fail to confirm a place
-  static constexpr double kLeastMove = 0.1;      ///< m and rad: what the locator is told at least that a place may be off
+  static constexpr double kLeastMove =
+      0.1;  ///< m and rad: what the locator is told at least that a place may be off
   static constexpr double kLeastTurn = 0.03;
 
   void work(rt::JobContext& context) {
@@ -144,13 +145,15 @@ class RelocatePart final : public Part {
   mapping::RigidPose T_odom_searched_;
   double sigma_move_m_{0.05};
   double sigma_turn_rad_{0.02};
-  bool told_{};            ///< the locator was told a place, and has to see whether it is one
+  bool told_{};             ///< the locator was told a place, and has to see whether it is one
   std::uint32_t waited_{};  ///< scans since
   RelocateOutput output_;
 };
 
 }  // namespace
 
-std::unique_ptr<Part> make_relocate(VehicleBuilder& builder) { return std::make_unique<RelocatePart>(builder); }
+std::unique_ptr<Part> make_relocate(VehicleBuilder& builder) {
+  return std::make_unique<RelocatePart>(builder);
+}
 
 }  // namespace sortie::firmware

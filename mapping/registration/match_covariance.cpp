@@ -30,7 +30,8 @@ bool match_covariance(const NormalEquations& equations, const WeakDirections& we
   return true;
 }
 
-void pose_covariance(const double (&covariance)[6][6], const rt::Quaternion& q_map_sensor, double (&out)[36]) {
+void pose_covariance(const double (&covariance)[6][6], const rt::Quaternion& q_map_sensor,
+                     double (&out)[36]) {
   // Turns are about the map's axes so far; those in the sensor are R' times them.
   const rt::RotationMatrix r = rt::to_matrix(q_map_sensor);
   double to_sensor[6][6]{};  // (turn, move) to (position, rotation)

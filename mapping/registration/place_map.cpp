@@ -9,7 +9,7 @@ namespace {
 using Word = std::uint64_t;
 
 constexpr std::int32_t kVoxels = 2;  ///< of a cell along an axis
-constexpr int kNear = 0;  ///< kinds of bits
+constexpr int kNear = 0;             ///< kinds of bits
 constexpr int kOn = 1;
 constexpr double kWide = 2.0;  ///< standard deviations that a surface reaches
 constexpr std::int32_t kTopVoxels = PlaceMap::kStep * PlaceMap::kNode * PlaceMap::kTop;
@@ -38,9 +38,10 @@ std::int32_t tops_of(std::int32_t voxels_with_margins) {
 
 PlaceMap::PlaceMap(const RegistrationMemory& memory, std::uint32_t most_tops, rt::Arena& arena)
     : most_tops_(most_tops),
-      bits_(arena.make_array<Word>("place_bits", static_cast<std::size_t>(words_of_row(largest(memory).at[0])) *
-                                                     static_cast<std::size_t>(largest(memory).at[1]) *
-                                                     static_cast<std::size_t>(largest(memory).at[2]))),
+      bits_(
+          arena.make_array<Word>("place_bits", static_cast<std::size_t>(words_of_row(largest(memory).at[0])) *
+                                                   static_cast<std::size_t>(largest(memory).at[1]) *
+                                                   static_cast<std::size_t>(largest(memory).at[2]))),
       poses_(arena.make_array<Word>("place_poses", PlaceTiles::words(largest(memory).at, kStep)), kStep),
       parts_(arena.make_array<Word>("place_parts", PlaceTiles::words(largest(memory).at, kStep * kPart)),
              kStep * kPart),
@@ -71,10 +72,12 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   const Size size = with_margins(cells(0), cells(1), cells(2));
   std::copy_n(size.at, 3, size_);
   row_words_ = words_of_row(size_[0]);
-  if (row(0, size_[2]) > bits_.size() || !poses_.begin(size_) || !parts_.begin(size_) || !nodes_.begin(size_)) return false;
+  if (row(0, size_[2]) > bits_.size() || !poses_.begin(size_) || !parts_.begin(size_) || !nodes_.begin(size_))
+    return false;
   voxel_m_ = layer.cell_m() / kVoxels;
-  origin_m_ = layer.cell_m() * rt::Vector3{static_cast<double>(first_.at[0]), static_cast<double>(first_.at[1]),
-                                           static_cast<double>(first_.at[2])};
+  origin_m_ =
+      layer.cell_m() * rt::Vector3{static_cast<double>(first_.at[0]), static_cast<double>(first_.at[1]),
+                                   static_cast<double>(first_.at[2])};
   draw(layer, kStep);
   copy_all(kNear);
   draw(layer, 0);
@@ -111,8 +114,8 @@ void PlaceMap::draw(const Surfel& surfel, const SurfelCell& cell, std::int32_t s
   for (int i = 0; i < 3; ++i) {
     along[i] = surfel.along(i);
     // Half a voxel for the voxel, and half the steps along each axis for the pose.
-    const double grown =
-        0.5 * (1 + steps) * voxel_m_ * (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
+    const double grown = 0.5 * (1 + steps) * voxel_m_ *
+                         (std::fabs(along[i].x) + std::fabs(along[i].y) + std::fabs(along[i].z));
     reach[i] = kWide * std::sqrt(surfel.variance(i)) + grown;
   }
   constexpr std::int32_t kSide = kVoxels + 2;  // and a voxel on either side
@@ -153,7 +156,8 @@ void PlaceMap::copy(int kind, PlaceTiles& tiles) const {
   for (std::int32_t z = 0; z < size_[2]; ++z) {
     for (std::int32_t y = 0; y < size_[1]; ++y) {
       for (std::int32_t x = 0; x < size_[0]; ++x) {
-        if ((bits_[row(y, z) + static_cast<std::size_t>(x / 64)] >> (x % 64) & 1) != 0) tiles.set(kind, x, y, z);
+        if ((bits_[row(y, z) + static_cast<std::size_t>(x / 64)] >> (x % 64) & 1) != 0)
+          tiles.set(kind, x, y, z);
       }
     }
   }

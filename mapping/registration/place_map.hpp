@@ -20,15 +20,15 @@ struct PlaceCell {
 };
 
 /// The voxels of a layer's surfaces, half a cell each, and the same for blocks of poses. A return counts
-/// once where a surface is within half a voxel of its voxel along each axis: just as far as the nearest pose of
-/// the search is from any; and once more where the surface goes through its voxel. Built
-/// at set-up from a map that then stays what it is.
+/// once where a surface is within half a voxel of its voxel along each axis: just as far as the nearest pose
+/// of the search is from any; and once more where the surface goes through its voxel. Built at set-up from a
+/// map that then stays what it is.
 class PlaceMap {
  public:
-  static constexpr std::int32_t kStep = 1;    ///< voxels from pose to pose
-  static constexpr std::int32_t kPart = 2;    ///< poses of a part along each axis
-  static constexpr std::int32_t kNode = 4;    ///< poses of a node along each axis
-  static constexpr std::int32_t kTop = 4;     ///< nodes of a top along each axis
+  static constexpr std::int32_t kStep = 1;  ///< voxels from pose to pose
+  static constexpr std::int32_t kPart = 2;  ///< poses of a part along each axis
+  static constexpr std::int32_t kNode = 4;  ///< poses of a node along each axis
+  static constexpr std::int32_t kTop = 4;   ///< nodes of a top along each axis
 
   /// Room for any map that fits into half the window of a registration, and has at most `most_tops`.
   PlaceMap(const RegistrationMemory& memory, std::uint32_t most_tops, rt::Arena& arena);
@@ -64,8 +64,8 @@ class PlaceMap {
 
   std::uint32_t most_tops_;
   double voxel_m_{};
-  rt::Vector3 origin_m_;  ///< corner of the first voxel of the map
-  SurfelCell first_;      ///< its cell
+  rt::Vector3 origin_m_;    ///< corner of the first voxel of the map
+  SurfelCell first_;        ///< its cell
   std::int32_t size_[3]{};  ///< voxels, with margins
   std::int32_t row_words_{};
   std::int32_t tops_[3]{};

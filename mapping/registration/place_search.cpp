@@ -9,8 +9,8 @@
 namespace sortie::mapping {
 namespace {
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kFarVoxels = 8000.0;  ///< a return stays within, and in 16 bits
-constexpr std::uint32_t kScanned = 16;    ///< bounds that are read in the time of a unit
+constexpr double kFarVoxels = 8000.0;   ///< a return stays within, and in 16 bits
+constexpr std::uint32_t kScanned = 16;  ///< bounds that are read in the time of a unit
 }  // namespace
 
 PlaceSearch::PlaceSearch(const PlaceSearchConfig& config, const PlaceMap& map, rt::Arena& arena)
@@ -50,8 +50,8 @@ PlaceCell PlaceSearch::cell(std::int32_t turn, std::uint32_t node, int lane) con
 }
 
 void PlaceSearch::begin(std::span<const rt::Vector3> returns_m) {
-  return_count_ = static_cast<std::uint32_t>(
-      std::min<std::size_t>(returns_m.size(), PlaceSearchConfig::kMostReturns));
+  return_count_ =
+      static_cast<std::uint32_t>(std::min<std::size_t>(returns_m.size(), PlaceSearchConfig::kMostReturns));
   std::copy_n(returns_m.begin(), return_count_, returns_m_);
   step_ = return_count_ == 0 || map_->empty() ? Step::done : Step::bounds;
   turn_ = 0;
@@ -112,12 +112,7 @@ bool PlaceSearch::run(std::uint64_t& units) {
     step_ = Step::rivals;
     candidate_count_ = found_count_;
     turn_ = kTurns;
-    // The turn at hand begins anew: what was left out of it may be a rival.
-    paid_ = false;
-    for (std::int32_t turn = 0; turn < kTurns; ++turn) {
-      const std::span<const std::uint8_t> bounds = bounds_of(turn);
-      most_[turn] = *std::max_element(bounds.begin(), bounds.end());
-    }
+    paid_ = false;  // a turn that was left begins anew: what was not taken of it may be a rival
   }
   if (step_ == Step::rivals && run_picks(units)) step_ = Step::done;
   return step_ == Step::done;
@@ -217,7 +212,8 @@ bool PlaceSearch::narrow(std::uint32_t node, std::uint64_t& units) {
   const PlaceCell first = cell(turn_, node, 0);
   constexpr std::int32_t kEight = 2 * PlaceMap::kNode;
   const std::int32_t block[3] = {first.at[0] / kEight, first.at[1] / kEight, first.at[2] / kEight};
-  const auto bit = static_cast<std::uint8_t>(1 << ((block[0] & 1) | (block[1] & 1) << 1 | (block[2] & 1) << 2));
+  const auto bit =
+      static_cast<std::uint8_t>(1 << ((block[0] & 1) | (block[1] & 1) << 1 | (block[2] & 1) << 2));
   const std::uint32_t top = node / PlaceTiles::kLanes;
   std::uint8_t& narrowed = narrowed_[static_cast<std::size_t>(turn_ * map_->tops()) + top];
   if ((narrowed & bit) != 0) return true;
@@ -229,11 +225,13 @@ bool PlaceSearch::narrow(std::uint32_t node, std::uint64_t& units) {
   const std::span<std::uint8_t> bounds = bounds_of(turn_).subspan(std::size_t{top} * PlaceTiles::kLanes);
   std::uint8_t most[8]{};
   for (int lane = 0; lane < PlaceTiles::kLanes; ++lane) {
-    const int of = PlaceTiles::lane_x(lane) / 2 + PlaceTiles::lane_y(lane) / 2 * 2 + PlaceTiles::lane_z(lane) / 2 * 4;
+    const int of =
+        PlaceTiles::lane_x(lane) / 2 + PlaceTiles::lane_y(lane) / 2 * 2 + PlaceTiles::lane_z(lane) / 2 * 4;
     most[of] = std::max(most[of], counts[lane]);
   }
   for (int lane = 0; lane < PlaceTiles::kLanes; ++lane) {
-    const std::int32_t x = PlaceTiles::lane_x(lane), y = PlaceTiles::lane_y(lane), z = PlaceTiles::lane_z(lane);
+    const std::int32_t x = PlaceTiles::lane_x(lane), y = PlaceTiles::lane_y(lane),
+                       z = PlaceTiles::lane_z(lane);
     if (x / 2 != (block[0] & 1) || y / 2 != (block[1] & 1) || z / 2 != (block[2] & 1)) continue;
     std::uint8_t& bound = bounds[static_cast<std::size_t>(lane)];
     bound = std::min(bound, most[(x & 1) + (y & 1) * 2 + (z & 1) * 4]);
@@ -270,14 +268,14 @@ void PlaceSearch::archive(rt::Archive& archive) {
       .fixed(config_, map_)
       .scratch(offsets_, looks_, part_looks_, looks_turn_)
       .by_hand(bounds_, narrowed_)
-      .state(step_, returns_m_, return_count_, turn_, at_, level_, rest_, paid_, most_, found_, found_count_, candidate_count_,
-             credit_, counts_);
+      .state(step_, returns_m_, return_count_, turn_, at_, level_, rest_, paid_, most_, found_, found_count_,
+             candidate_count_, credit_, counts_);
   if (archive.is_reading()) {
-    const bool fits = step_ <= Step::rivals && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
-                      turn_ <= kTurns && (step_ != Step::bounds || turn_ < kTurns) && at_ <= nodes() &&
-                      level_ <= 255 && rest_ <= 255 &&
-                      candidate_count_ <= config_.candidates &&
-                      found_count_ <= config_.candidates + config_.rivals && (step_ == Step::done || !map_->empty());
+    const bool fits =
+        step_ <= Step::rivals && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
+        turn_ <= kTurns && (step_ != Step::bounds || turn_ < kTurns) && at_ <= nodes() && level_ <= 255 &&
+        rest_ <= 255 && candidate_count_ <= config_.candidates &&
+        found_count_ <= config_.candidates + config_.rivals && (step_ == Step::done || !map_->empty());
     if (!fits) {
       archive.fail(Status::malformed, "a search that cannot be");
       step_ = Step::done;

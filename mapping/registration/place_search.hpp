@@ -30,9 +30,9 @@ struct PlaceSearchCounts {
 
 /// Branch and bound over x, y, z and the turn. Poses stand half a cell apart and
 /// 360 / 256 degrees. First each node of 4 x 4 x 4 poses gets, for each turn, the most hits that any of its
-/// poses can have; then nodes are looked at by their parts and opened, most hits first. What it finds is exactly what looking at every
-/// pose finds. A unit is one look at one return for 64 poses; each takes two. Memory: 64 bytes a top a turn, and
-/// 0.3 MB. No heap.
+/// poses can have; then nodes are looked at by their parts and opened, most hits first. What it finds is
+/// exactly what looking at every pose finds. A unit is one look at one return for 64 poses; each takes two.
+/// Memory: 64 bytes a top a turn, and 0.3 MB. No heap.
 class PlaceSearch {
  public:
   static constexpr std::int32_t kTurns = 256;
@@ -48,8 +48,8 @@ class PlaceSearch {
   /// Searches on for at most `units`, takes what it used off. True: it is done.
   bool run(std::uint64_t& units);
 
-  /// Candidates, then rivals of the best; most hits first. Of as many, the one that comes first by turn, node and pose. No two of them are the same place; none has
-  /// fewer hits than the config wants.
+  /// Candidates, then rivals of the best; most hits first. Of as many, the one that comes first by turn, node
+  /// and pose. No two of them are the same place; none has fewer hits than the config wants.
   std::span<const PlaceCandidate> found() const { return {found_, found_count_}; }
   const PlaceSearchConfig& config() const { return config_; }
   std::size_t returns() const { return return_count_; }
@@ -61,8 +61,8 @@ class PlaceSearch {
   PlaceCell cell(std::int32_t turn, std::uint32_t node, int lane) const;
   /// Fewest hits that a candidate, or a rival of the best one, may have, with those that were found so far.
   std::uint32_t least_hits(bool rival) const;
-  /// Whether rivals of the best one are looked for at a turn: its own, or a quarter or half a turn from it, and
-  /// the steps next to these. Rooms that look like another one do so there.
+  /// Whether rivals of the best one are looked for at a turn: its own, or a quarter or half a turn from it,
+  /// and the steps next to these. Rooms that look like another one do so there.
   bool is_rivals_turn(std::int32_t turn) const;
   /// Two poses are one place.
   static bool near(const PlaceCell& a, const PlaceCell& b);
@@ -99,10 +99,10 @@ class PlaceSearch {
   rt::Vector3 returns_m_[PlaceSearchConfig::kMostReturns];
   std::uint32_t return_count_{};
   std::int32_t turn_{};
-  std::uint32_t at_{};        ///< the top or the node that is next
-  std::uint32_t level_{};     ///< hits of the nodes that are being opened
-  std::uint32_t rest_{};      ///< most bound of the turn's nodes so far
-  bool paid_{};               ///< for looking through the turn's nodes
+  std::uint32_t at_{};           ///< the top or the node that is next
+  std::uint32_t level_{};        ///< hits of the nodes that are being opened
+  std::uint32_t rest_{};         ///< most bound of the turn's nodes so far
+  bool paid_{};                  ///< for looking through the turn's nodes
   std::uint8_t most_[kTurns]{};  ///< bound of each turn's nodes
   PlaceCandidate found_[PlaceSearchConfig::kMostCandidates];
   std::uint32_t found_count_{};

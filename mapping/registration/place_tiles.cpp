@@ -8,7 +8,9 @@ namespace sortie::mapping {
 namespace {
 using Word = std::uint64_t;
 
-constexpr std::int32_t poses(std::int32_t voxels, std::int32_t stride) { return (voxels + stride - 1) / stride; }
+constexpr std::int32_t poses(std::int32_t voxels, std::int32_t stride) {
+  return (voxels + stride - 1) / stride;
+}
 /// One more before the first pose.
 constexpr std::int32_t tiles(std::int32_t voxels, std::int32_t stride) {
   return (poses(voxels, stride) + 3) / 4 + 1;
@@ -63,8 +65,8 @@ struct Planes {
 
 std::size_t PlaceTiles::words(const std::int32_t (&voxels)[3], std::int32_t stride) {
   const auto size = [](std::int32_t n) { return static_cast<std::size_t>(n); };
-  return kKinds * size(stride * stride * stride) * size(tiles(voxels[0], stride)) * size(tiles(voxels[1], stride)) *
-         size(poses(voxels[2], stride));
+  return kKinds * size(stride * stride * stride) * size(tiles(voxels[0], stride)) *
+         size(tiles(voxels[1], stride)) * size(poses(voxels[2], stride));
 }
 
 bool PlaceTiles::begin(const std::int32_t (&voxels)[3]) {

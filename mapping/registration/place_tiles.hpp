@@ -12,20 +12,20 @@ struct PlaceOffset {
   std::int16_t at[3]{};
 };
 
-/// Two bits of each voxel of a grid, for poses that stand `stride` voxels apart. Each kind lies in tiles of 8 x 8 poses,
-/// one every 4, so that the bits of any 4 x 4 poses side by side lie in one of them: one load, one shift.
-/// Memory: about a byte a voxel, more for small grids.
+/// Two bits of each voxel of a grid, for poses that stand `stride` voxels apart. Each kind lies in tiles of 8
+/// x 8 poses, one every 4, so that the bits of any 4 x 4 poses side by side lie in one of them: one load, one
+/// shift. Memory: about a byte a voxel, more for small grids.
 class PlaceTiles {
  public:
   /// Voxels before the map's first one: bits of poses that stand outside of it.
   static constexpr std::int32_t kMargin = 8;
-  static constexpr int kLanes = 64;    ///< poses of a block: 4 along each axis
+  static constexpr int kLanes = 64;  ///< poses of a block: 4 along each axis
   static constexpr int kKinds = 2;
   static constexpr int kMost = 124;  ///< returns that can be counted
 
   /// Where a return's bits begin for one turn of the scan, whatever the block.
   struct Look {
-    std::uint32_t base{};   ///< of its class of voxels, words
+    std::uint32_t base{};    ///< of its class of voxels, words
     std::int16_t tile[3]{};  ///< of the first block; along z the pose itself
     std::uint8_t shift{};
   };
@@ -43,9 +43,10 @@ class PlaceTiles {
 
   /// A return that lies `offset` from the sensor; the sensor of pose 0 stands at voxel kMargin.
   Look look(const PlaceOffset& offset) const;
-  /// How many bits, of both kinds together, at most kMost returns lie on, for each of the 64 poses of a block; its first pose is
-  /// 4 times `block`. Returns outside the grid count nothing. Eight loads a return.
-  void count(std::span<const Look> looks, const std::int32_t (&block)[3], std::uint8_t (&counts)[kLanes]) const;
+  /// How many bits, of both kinds together, at most kMost returns lie on, for each of the 64 poses of a
+  /// block; its first pose is 4 times `block`. Returns outside the grid count nothing. Eight loads a return.
+  void count(std::span<const Look> looks, const std::int32_t (&block)[3],
+             std::uint8_t (&counts)[kLanes]) const;
 
   /// The place in its block of a lane of count().
   static constexpr std::int32_t lane_x(int lane) { return lane & 3; }

@@ -9,7 +9,7 @@ namespace sortie::mapping {
 namespace {
 constexpr std::size_t kLeastReturns = 100;  ///< of a sample
 constexpr std::size_t kLeastSearched = 48;  ///< of them, within reach and spread over directions
-constexpr double kApartMove = 0.5;  ///< m and rad: two places are two
+constexpr double kApartMove = 0.5;          ///< m and rad: two places are two
 constexpr double kApartTurn = 0.17;
 
 bool apart(const RigidPose& a, const RigidPose& b) {
@@ -27,7 +27,8 @@ PosePrior Relocaliser::prior_at(const RigidPose& pose) {
 }
 
 const char* to_string(RelocateVerdict verdict) {
-  constexpr const char* kNames[] = {"none", "searching", "placed", "ambiguous", "nothing fits", "few returns"};
+  constexpr const char* kNames[] = {"none",      "searching",    "placed",
+                                    "ambiguous", "nothing fits", "few returns"};
   const auto at = static_cast<std::size_t>(verdict);
   return at < std::size(kNames) ? kNames[at] : "unknown";
 }
@@ -52,7 +53,8 @@ void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternio
   ++result_.counts.begun;
   rt::Vector3 returns_m[PlaceSearchConfig::kMostReturns];
   const std::span<rt::Vector3> wanted{returns_m, search_.config().returns};
-  const std::size_t few = choose_place_returns(this->sample(), q_level_sensor_, search_.config().reach_m, wanted);
+  const std::size_t few =
+      choose_place_returns(this->sample(), q_level_sensor_, search_.config().reach_m, wanted);
   result_.searched = static_cast<std::uint32_t>(few);
   if (size_ < kLeastReturns || few < kLeastSearched) return conclude(RelocateVerdict::few_returns);
   search_.begin(wanted.first(few));
@@ -85,11 +87,6 @@ bool Relocaliser::run(std::uint64_t& units) {
     if (!run_retries(units)) return false;
     order();
     at_ = 0;
-    step_ = Step::matches;
-  }
-  if (step_ == Step::matches) {
-    if (!run_matches(units)) return false;
-    order();
     step_ = Step::verdict;
   }
   if (step_ == Step::verdict) {
@@ -114,13 +111,14 @@ bool Relocaliser::run_tries(std::uint64_t& units) {
     place = {};
     place.slot = at_;
     place.pose.p = map_.position_m(cell);
-    place.pose.q = rt::normalised(rt::exp_rotation({0, 0, PlaceSearch::turn_rad(cell.turn)}) * q_level_sensor_);
+    place.pose.q =
+        rt::normalised(rt::exp_rotation({0, 0, PlaceSearch::turn_rad(cell.turn)}) * q_level_sensor_);
     match_place(place, returns);
   }
   return true;
 }
 
-/// Those that did well, with more of them.
+/// Those that did well, with more returns, then with all.
 bool Relocaliser::run_retries(std::uint64_t& units) {
   const std::size_t returns = std::min<std::size_t>(size_, config_.tried_returns);
   for (; at_ < count_; ++at_) {
@@ -139,15 +137,6 @@ Match Relocaliser::look_about(Place& place) {
   place.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
   explain(place);
   return match;
-}
-
-/// The best ones, from where they ended, with all returns.
-bool Relocaliser::run_matches(std::uint64_t& units) {
-  for (; at_ < std::min(count_, kMatched); ++at_) {
-    if (!pay_match(size_, units)) return false;
-    match_place(places_[at_], size_);
-  }
-  return true;
 }
 
 Match Relocaliser::match_place(Place& place, std::size_t returns) {

@@ -35,26 +35,27 @@ struct RelocateCounts {
 struct Relocated {
   RelocateVerdict verdict{RelocateVerdict::none};
   RigidPose T_map_sensor;
-  double covariance[36]{};      ///< position in map, rotation in sensor, row-major, m^2 and rad^2; where placed
-  double share{};               ///< of the returns where the map has seen something: that lie on a surface
-  double seen{};                ///< of the returns: where the map has seen something
-  double crossed{};             ///< of the rays: through surfaces
-  double lead{};                ///< of the returns: explained here and not at the strongest other place
-  double rival{};               ///< of the returns: explained there and not here
-  double unexplained{};         ///< of the returns: not here, where the map has seen something
-  std::uint32_t hits{};         ///< in the search, of `searched` returns
+  double covariance[36]{};  ///< position in map, rotation in sensor, row-major, m^2 and rad^2; where placed
+  double share{};           ///< of the returns where the map has seen something: that lie on a surface
+  double seen{};            ///< of the returns: where the map has seen something
+  double crossed{};         ///< of the rays: through surfaces
+  double lead{};            ///< of the returns: explained here and not at the strongest other place
+  double rival{};           ///< of the returns: explained there and not here
+  double unexplained{};     ///< of the returns: not here, where the map has seen something
+  std::uint32_t hits{};     ///< in the search, of `searched` returns
   std::uint32_t searched{};
   std::uint32_t candidates{};
-  std::uint64_t units{};        ///< of work
+  std::uint64_t units{};  ///< of work
   RelocateCounts counts;
-  SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, rival, unexplained, hits, searched,
-                candidates, units, counts)
+  SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, rival, unexplained, hits,
+                searched, candidates, units, counts)
 };
 
 /// Searches, matches what it found, and judges. All memory is taken from the arena; no heap; no step costs
-/// more than a match of the whole sample. The same bits whatever the budgets and the order of a scan's
-/// returns; arithmetic of rt/math alone. A unit is one return looked at for 64 poses; a step of a match costs
-/// kMatchUnits a return.
+/// more than four matches of the whole sample, nor begin() more than a millisecond. The same bits whatever
+/// the budgets and the order of a scan's returns; arithmetic of rt/math alone. A unit is one look at a return
+/// for 64 poses; a step of a match costs kMatchUnits a return. Memory beside the map's bits and the search:
+/// 150 kB.
 class Relocaliser {
  public:
   static constexpr std::uint32_t kMatchUnits = 8;
@@ -88,23 +89,20 @@ class Relocaliser {
     std::uint32_t seen{};
     std::uint32_t through{};  ///< rays
     bool weak{};              ///< not held in some direction
-    bool dropped{};           ///< another candidate ended there, too
-    SORTIE_FIELDS(pose, slot, explained, seen, through, weak, dropped)
+    SORTIE_FIELDS(pose, slot, explained, seen, through, weak)
   };
   /// What one place explains and another one not.
   struct Compared {
     std::uint32_t here{}, there{};
   };
-  enum class Step : std::uint8_t { idle, search, tries, retries, matches, verdict };
-  static constexpr std::uint32_t kTried = 32;   ///< of the candidates, with more returns
-  static constexpr std::uint32_t kMatched = 4;  ///< of the best places, with all returns
+  enum class Step : std::uint8_t { idle, search, tries, retries, verdict };
+  static constexpr std::uint32_t kTried = 32;  ///< of the candidates, again from where they ended
 
   /// 10 m and 10 rad: nothing is known.
   static PosePrior prior_at(const RigidPose& pose);
   bool pay(std::uint64_t cost, std::uint64_t& units);
   bool run_tries(std::uint64_t& units);
   bool run_retries(std::uint64_t& units);
-  bool run_matches(std::uint64_t& units);
   bool pay_match(std::size_t returns, std::uint64_t& units);
   Match match_place(Place& place, std::size_t returns);
   Match look_about(Place& place);
@@ -124,13 +122,13 @@ class Relocaliser {
   ScanRegistration* registration_;
   PlaceMap map_;
   PlaceSearch search_;
-  std::span<SamplePoint> sample_;   ///< of the scan that is searched with
-  std::span<std::uint64_t> bits_;   ///< of each place: returns that it explains, returns that the map has seen there
-  std::uint32_t size_{};            ///< of the sample
+  std::span<SamplePoint> sample_;  ///< of the scan that is searched with
+  std::span<std::uint64_t> bits_;  ///< of each place: returns that it explains, and that the map has seen
+  std::uint32_t size_{};           ///< of the sample
   rt::Quaternion q_level_sensor_;
   Step step_{Step::idle};
-  std::uint32_t at_{};              ///< candidate that is next
-  std::uint32_t count_{};           ///< of candidates
+  std::uint32_t at_{};     ///< candidate that is next
+  std::uint32_t count_{};  ///< of candidates
   Place places_[PlaceSearchConfig::kMostCandidates];
   UnitCredit credit_;
   Relocated result_;

@@ -5,15 +5,17 @@
 namespace sortie::mapping {
 
 void Relocaliser::archive(rt::Archive& archive) {
-  // The map's bits follow from its surfaces. Nobody asks for them where nothing is searched, and a map that has grown is no kept map.
+  // The map's bits follow from its surfaces. Nobody asks for them where nothing is searched, and a map that
+  // has grown is no kept map.
   rt::Members(archive, *this, "relocaliser")
       .fixed(config_, registration_, map_)
       .scratch(bits_)
       .by_hand(search_, sample_)
       .state(size_, q_level_sensor_, step_, at_, count_, places_, credit_, result_);
   if (archive.is_reading()) {
-    bool fits = step_ <= Step::verdict && size_ <= sample_.size() && count_ <= PlaceSearchConfig::kMostCandidates &&
-                at_ <= count_ && result_.verdict <= RelocateVerdict::few_returns;
+    bool fits = step_ <= Step::verdict && size_ <= sample_.size() &&
+                count_ <= PlaceSearchConfig::kMostCandidates && at_ <= count_ &&
+                result_.verdict <= RelocateVerdict::few_returns;
     for (const Place& place : places_) fits = fits && place.slot < PlaceSearchConfig::kMostCandidates;
     if (!fits) {
       archive.fail(Status::malformed, "a search of a place that cannot be");

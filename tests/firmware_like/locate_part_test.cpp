@@ -306,7 +306,8 @@ TEST_CASE("a robot that is told nothing finds its place on the map of another ru
   CHECK(counted(run, "relocate_placed") == 1);
   CHECK(counted(run, "relocate_not_confirmed") == 0);
   CHECK(counted(run, "locate_unplaced_on_map") >= 2);
-  CHECK(counted(run, "locate_accepted") + counted(run, "locate_unplaced_on_map") == counted(run, "locate_in"));
+  CHECK(counted(run, "locate_accepted") + counted(run, "locate_unplaced_on_map") ==
+        counted(run, "locate_in"));
   CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
   if (rt::posix::kHeapTrapAvailable) CHECK(counted(run, "heap_calls") == 0);
   firmware::ReplayOptions options;

@@ -35,16 +35,16 @@ struct PlaceRig {
   }
   /// A map as a robot that went everywhere makes it: a scan about every `spacing` metres.
   void make_map(const PlaceWorld& world, Draws& draws, double spacing) {
-    for (mapping::SurfelLayer* layer : {&registration.layer_to_load(0), &registration.layer_to_load(1),
-                                        &registration.layer_to_load(2)})
+    for (mapping::SurfelLayer* layer :
+         {&registration.layer_to_load(0), &registration.layer_to_load(1), &registration.layer_to_load(2)})
       layer->clear();
     const TestLidar lidar{32, 720, -0.7, 0.7};
     for (const double floor : world.floors) {
       for (double y = 0.5 * spacing; y < world.deep; y += spacing) {
         for (double x = 0.5 * spacing; x < world.wide; x += spacing) {
           for (int tries = 0; tries < 20; ++tries) {
-            const rt::Vector3 p{x + draws.uniform(-0.4, 0.4) * spacing, y + draws.uniform(-0.4, 0.4) * spacing,
-                                floor + 0.8};
+            const rt::Vector3 p{x + draws.uniform(-0.4, 0.4) * spacing,
+                                y + draws.uniform(-0.4, 0.4) * spacing, floor + 0.8};
             if (!world.is_free(p, 0.4)) continue;
             const rt::Quaternion q = rt::exp_rotation({0, 0, draws.uniform(-3, 3)});
             add(place_scan(lidar, world, p, q, draws), {p, q});
@@ -60,7 +60,8 @@ struct PlaceRig {
                                  std::uint64_t budget = ~std::uint64_t{0} >> 1) {
     registration.take(scan);
     part.begin(registration.sample(), q_level_sensor);
-    for (std::uint64_t units = budget; !part.run(units); units = budget) {}
+    for (std::uint64_t units = budget; !part.run(units); units = budget) {
+    }
     return part.result();
   }
 };
@@ -82,7 +83,9 @@ struct LostRobot {
     return rt::norm(rt::log_rotation(pose.q * rt::conjugate(other.q)));
   }
   /// Within 10 cm and 1 degree.
-  bool is_right(const mapping::RigidPose& other) const { return move_m(other) < 0.1 && turn_rad(other) < 0.01745; }
+  bool is_right(const mapping::RigidPose& other) const {
+    return move_m(other) < 0.1 && turn_rad(other) < 0.01745;
+  }
 };
 
 }  // namespace sortie::testing

@@ -41,7 +41,8 @@ struct PlainMap {
     for (int wide = 1; wide <= 2; ++wide) {
       std::vector<bool> there(worth.size());
       each([&](const mapping::SurfelCell& cell) {
-        if (const mapping::Surfel* const surfel = layer.surfel_at(cell)) draw(*surfel, cell, half, wide, there);
+        if (const mapping::Surfel* const surfel = layer.surfel_at(cell))
+          draw(*surfel, cell, half, wide, there);
       });
       for (std::size_t i = 0; i < there.size(); ++i) worth[i] += there[i];
     }
@@ -64,7 +65,9 @@ struct PlainMap {
                     2 * (cell.at[2] - first[2]) + at[2] + 1)] = true;
     }
   }
-  std::size_t index(int x, int y, int z) const { return static_cast<std::size_t>((z * size[1] + y) * size[0] + x); }
+  std::size_t index(int x, int y, int z) const {
+    return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
+  }
   int at(int x, int y, int z) const {  // voxels from -1
     ++x, ++y, ++z;
     const bool inside = x >= 0 && y >= 0 && z >= 0 && x < size[0] && y < size[1] && z < size[2];
@@ -73,14 +76,16 @@ struct PlainMap {
 };
 
 /// All poses, one by one, in the order of the search.
-std::vector<PlaceCandidate> look_everywhere(const testing::PlaceRig& rig, const std::vector<rt::Vector3>& returns,
+std::vector<PlaceCandidate> look_everywhere(const testing::PlaceRig& rig,
+                                            const std::vector<rt::Vector3>& returns,
                                             const mapping::PlaceSearchConfig& config) {
   const PlainMap plain(rig.registration.layer(0));
   const double voxel = 0.5 * rig.registration.layer(0).cell_m();
   const PlaceSearch& search = rig.part.search();
   const auto least = [&](double best, double within) {
-    return std::max(1u, static_cast<std::uint32_t>(std::max(
-                            config.least_hits * 2.0 * static_cast<double>(returns.size()), (1.0 - within) * best)));
+    return std::max(
+        1u, static_cast<std::uint32_t>(std::max(config.least_hits * 2.0 * static_cast<double>(returns.size()),
+                                                (1.0 - within) * best)));
   };
   std::vector<PlaceCandidate> all;
   std::uint32_t most = 0;
@@ -115,7 +120,8 @@ std::vector<PlaceCandidate> look_everywhere(const testing::PlaceRig& rig, const 
   };
   pick(config.candidates, config.within, [](const auto&) { return true; });
   pick(found.size() + config.rivals, config.rivals_within, [&](const PlaceCandidate& one) {
-    return (one.cell.turn - found[0].cell.turn + 1 + 4 * PlaceSearch::kTurns) % (PlaceSearch::kTurns / 4) <= 2;
+    return (one.cell.turn - found[0].cell.turn + 1 + 4 * PlaceSearch::kTurns) % (PlaceSearch::kTurns / 4) <=
+           2;
   });
   return found;
 }
@@ -152,8 +158,8 @@ TEST_CASE("The search of a place finds what looking at every pose finds") {
     rig.find(scan, robot.q_level_sensor);
     rig.registration.take(scan);
     std::vector<rt::Vector3> returns(config.returns);
-    returns.resize(mapping::choose_place_returns(rig.registration.sample(), robot.q_level_sensor, config.reach_m,
-                                                 returns));
+    returns.resize(mapping::choose_place_returns(rig.registration.sample(), robot.q_level_sensor,
+                                                 config.reach_m, returns));
     const std::vector<PlaceCandidate> all = look_everywhere(rig, returns, config);
     const auto found = rig.part.search().found();
     REQUIRE(found.size() == all.size());

@@ -21,7 +21,8 @@ struct PlaceTally {
   }
   double units_at(double share) {
     std::sort(units.begin(), units.end());
-    return units[std::min(units.size() - 1, static_cast<std::size_t>(share * static_cast<double>(units.size())))];
+    return units[std::min(units.size() - 1,
+                          static_cast<std::size_t>(share * static_cast<double>(units.size())))];
   }
 };
 
@@ -39,9 +40,9 @@ inline std::vector<rt::ScanPoint> scan_where_known(PlaceRig& rig, const PlaceWor
   for (int tries = 0;; ++tries) {
     std::vector<rt::ScanPoint> scan = place_scan(lidar, world, robot.pose.p, robot.pose.q, draws);
     rig.registration.take(scan);
-    if (tries == 20 || mapping::match_score(rig.registration.layer(0), rig.registration.sample(), robot.pose,
-                                            0.02)
-                               .known > known)
+    if (tries == 20 ||
+        mapping::match_score(rig.registration.layer(0), rig.registration.sample(), robot.pose, 0.02).known >
+            known)
       return scan;
     robot = LostRobot(world, draws);
   }

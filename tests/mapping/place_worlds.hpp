@@ -122,21 +122,23 @@ inline void add_things(PlaceWorld& world, Draws& draws, const rt::Vector3& low, 
     const double tall = draws.uniform(0, 1) < 0.15 ? 0.5 * (high.z - low.z) : draws.uniform(0.2, 1.0);
     const rt::Vector3 half{draws.uniform(0.1, 0.8), draws.uniform(0.1, 0.6), tall};
     if (high.x - low.x < 1.0 || high.y - low.y < 1.0) continue;
-    world.boxes.push_back({{draws.uniform(low.x + 0.3, high.x - 0.3), draws.uniform(low.y + 0.3, high.y - 0.3),
-                            low.z + tall},
-                           half,
-                           draws.uniform(0, 1) < 0.5 ? 0.0 : draws.uniform(0, M_PI)});
+    world.boxes.push_back(
+        {{draws.uniform(low.x + 0.3, high.x - 0.3), draws.uniform(low.y + 0.3, high.y - 0.3), low.z + tall},
+         half,
+         draws.uniform(0, 1) < 0.5 ? 0.0 : draws.uniform(0, M_PI)});
   }
 }
 
 /// A wall along x or y with gaps (doors, 2.1 m high) at the given places along it.
-inline void add_wall(PlaceWorld& world, bool along_x, double at, double from, double to, double z, double high,
-                     const std::vector<double>& doors) {
+inline void add_wall(PlaceWorld& world, bool along_x, double at, double from, double to, double z,
+                     double high, const std::vector<double>& doors) {
   constexpr double kHalf = 0.08, kDoor = 0.5, kDoorHigh = 2.1;
   const auto piece = [&](double a, double b, double low, double up) {
     if (b <= a) return;
-    if (along_x) world.add({a, at - kHalf, low}, {b, at + kHalf, up});
-    else world.add({at - kHalf, a, low}, {at + kHalf, b, up});
+    if (along_x)
+      world.add({a, at - kHalf, low}, {b, at + kHalf, up});
+    else
+      world.add({at - kHalf, a, low}, {at + kHalf, b, up});
   };
   double last = from;
   for (const double door : doors) {
@@ -150,10 +152,13 @@ inline void add_wall(PlaceWorld& world, bool along_x, double at, double from, do
 /// Floors, ceilings and the walls around.
 inline void add_shell(PlaceWorld& world) {
   const double top = world.floors.back() + world.storey;
-  for (const double z : world.floors) world.add({-0.2, -0.2, z - 0.2}, {world.wide + 0.2, world.deep + 0.2, z});
+  for (const double z : world.floors)
+    world.add({-0.2, -0.2, z - 0.2}, {world.wide + 0.2, world.deep + 0.2, z});
   world.add({-0.2, -0.2, top}, {world.wide + 0.2, world.deep + 0.2, top + 0.2});
-  for (const double x : {-0.1, world.wide + 0.1}) world.add({x - 0.1, -0.2, -0.2}, {x + 0.1, world.deep + 0.2, top});
-  for (const double y : {-0.1, world.deep + 0.1}) world.add({-0.2, y - 0.1, -0.2}, {world.wide + 0.2, y + 0.1, top});
+  for (const double x : {-0.1, world.wide + 0.1})
+    world.add({x - 0.1, -0.2, -0.2}, {x + 0.1, world.deep + 0.2, top});
+  for (const double y : {-0.1, world.deep + 0.1})
+    world.add({-0.2, y - 0.1, -0.2}, {world.wide + 0.2, y + 0.1, top});
 }
 
 /// Storeys of rooms on both sides of a corridor, some of them as wide as their neighbours, some halls.
@@ -195,8 +200,9 @@ inline PlaceWorld random_building(Draws& draws, double wide, double deep, int st
   for (const Room& room : rooms) {
     const double area = (room.high.x - room.low.x) * (room.high.y - room.low.y);
     const bool is_corridor = room.high.x - room.low.x > 0.99 * wide;
-    add_things(world, draws, room.low, room.high,
-               static_cast<int>(area * (is_corridor ? draws.uniform(0.02, 0.08) : draws.uniform(0.1, 0.3))) + 1);
+    add_things(
+        world, draws, room.low, room.high,
+        static_cast<int>(area * (is_corridor ? draws.uniform(0.02, 0.08) : draws.uniform(0.1, 0.3))) + 1);
   }
   world.index();
   return world;
@@ -269,8 +275,8 @@ inline rt::Vector3 free_place(const PlaceWorld& world, Draws& draws) {
 }
 
 /// Returns of a lidar in such a world.
-inline std::vector<rt::ScanPoint> place_scan(const TestLidar& lidar, const PlaceWorld& world, const rt::Vector3& p,
-                                             const rt::Quaternion& q, Draws& draws) {
+inline std::vector<rt::ScanPoint> place_scan(const TestLidar& lidar, const PlaceWorld& world,
+                                             const rt::Vector3& p, const rt::Quaternion& q, Draws& draws) {
   std::vector<rt::ScanPoint> out;
   for (int row = 0; row < lidar.rows; ++row) {
     const double up = lidar.low_rad + (lidar.high_rad - lidar.low_rad) * row / (lidar.rows - 1);
@@ -290,9 +296,12 @@ inline std::vector<rt::ScanPoint> place_scan(const TestLidar& lidar, const Place
 /// 16, 32 or 64 rows.
 inline TestLidar random_lidar(Draws& draws) {
   switch (static_cast<int>(draws.uniform(0, 3))) {
-    case 0: return {16, 720, -0.26, 0.26};
-    case 1: return {32, 512, -0.5, 0.3};
-    default: return {64, 360, -0.6, 0.6};
+    case 0:
+      return {16, 720, -0.26, 0.26};
+    case 1:
+      return {32, 512, -0.5, 0.3};
+    default:
+      return {64, 360, -0.6, 0.6};
   }
 }
 

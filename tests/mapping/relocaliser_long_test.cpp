@@ -32,8 +32,8 @@ testing::PlaceTally on_site(double share_moved) {
   REQUIRE(rig.arena.refused() == 0);
   testing::PlaceTally tally = testing::lost_on_site(rig, seed_or(700'000), trials_or(500), share_moved);
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
-                << tally.nothing << " few " << tally.few << "; units median " << tally.units_at(0.5) << " p95 "
-                << tally.units_at(0.95) << " most " << tally.units.back());
+                << tally.nothing << " few " << tally.few << "; units median " << tally.units_at(0.5)
+                << " p95 " << tally.units_at(0.95) << " most " << tally.units.back());
   CHECK(tally.wrong == 0);
   return tally;
 }
@@ -47,7 +47,9 @@ TEST_CASE("Of 3,000 robots in the mirror image of their building none is placed"
   check_none(testing::FalsePlace::mirrored);
 }
 
-TEST_CASE("Of 3,000 robots in another building none is placed") { check_none(testing::FalsePlace::other_building); }
+TEST_CASE("Of 3,000 robots in another building none is placed") {
+  check_none(testing::FalsePlace::other_building);
+}
 
 TEST_CASE("On two storeys of 100 x 25 m almost all lost robots are placed") {
   const testing::PlaceTally tally = on_site(0.0);
