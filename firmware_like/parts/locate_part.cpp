@@ -6,6 +6,7 @@
 
 #include "firmware_like/parts/kept_surfels.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
+#include "firmware_like/parts/locate_access.hpp"
 #include "firmware_like/parts/ugv_map_config.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
@@ -69,8 +70,11 @@ class LocatePart final : public Part {
     const InitialPose& initial = builder.initial_pose();
     T_start_sensor_ = after({rt::to_vector(initial.p_world_body_m), rt::to_quaternion(initial.q_world_body)},
                             T_body_sensor_);
-    locator_ = std::make_unique<mapping::Locator>(config, builder.arena(), read_memory(builder.profile()));
+    access_.memory = read_memory(builder.profile());
+    locator_ = std::make_unique<mapping::Locator>(config, builder.arena(), access_.memory);
     load_kept_map(builder, *locator_);
+    access_.locator = locator_.get();
+    builder.offer(access_);
     poses_ = builder.reports<rt::LocatedPose>("located", 16);
     builder.offer(*poses_);
     add_task(builder, group);
@@ -87,6 +91,7 @@ class LocatePart final : public Part {
         .base<Part>()
         .fixed(config_, sweeps_, poses_, task_, T_body_sensor_, T_start_sensor_)
         .by_hand(own_, locator_)
+        .scratch(access_)
         .state(T_odom_last_, unplaced_, output_);
     archive.value(*locator_);
     if (own_ != nullptr) archive.value(*own_);  // else they are the map's
@@ -120,6 +125,7 @@ class LocatePart final : public Part {
     task_ = builder.task<rt::LocatedPose>(group, "locate", TaskDefaults{50'000, rt::Criticality::b},
                                           [this](rt::JobContext& context, rt::LocatedPose& output) {
                                             sweeps_->begin(context);
+                                            access_.scans = 0;
                                             for (std::uint32_t i = 0; i < sweeps_->size(); ++i)
                                               take(context, i);
                                             output = output_;
@@ -158,6 +164,10 @@ class LocatePart final : public Part {
     const mapping::OdometryHint hint = hint_of(placed, known);
     if (config_.start_on_map && locator_->is_unplaced() && hint.known) start_on_map(hint);
     const mapping::Located& located = locator_->locate(scan, hint);
+    ++access_.scans;
+    access_.hint = hint;
+    access_.has_odometry = known;
+    access_.q_level_sensor = hint.T_odom_sensor.q;
     if (mapping::is_placed(located.verdict)) T_odom_last_ = placed.T_odom_sensor;
     context.add_units(located.steps);
     put(located);
@@ -227,6 +237,7 @@ class LocatePart final : public Part {
   LidarSweeps* sweeps_{};
   std::unique_ptr<LidarSweeps> own_;  // null where the map has them
   std::unique_ptr<mapping::Locator> locator_;
+  LocateAccess access_;  // of this job, for who comes behind in the table
   std::unique_ptr<ReportQueue<rt::LocatedPose>> poses_;
   const rt::Task<rt::LocatedPose>* task_{};
   RigidPose T_body_sensor_;

@@ -254,26 +254,7 @@ void Locator::describe(const WeakDirections& weak, const double (&c)[6][6],
   };
   for (std::uint32_t i = 0; i < weak.moves; ++i) note(weak.move[i], 3, located_.weak_move[i]);
   for (std::uint32_t i = 0; i < weak.turns; ++i) note(weak.turn[i], 0, located_.weak_turn[i]);
-  // Turns are about the map's axes so far; those in the sensor are R' times them.
-  const rt::RotationMatrix r = rt::to_matrix(config_.planar ? q_map_sensor * left_out_.tilt : q_map_sensor);
-  double to_sensor[6][6]{};  // (turn, move) to (position, rotation)
-  for (int i = 0; i < 3; ++i) {
-    to_sensor[i][3 + i] = 1.0;
-    for (int k = 0; k < 3; ++k) to_sensor[3 + i][k] = r.m[3 * k + i];
-  }
-  double half[6][6]{};
-  for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k < 6; ++k) {
-      for (int j = 0; j < 6; ++j) half[i][k] += to_sensor[i][j] * c[j][k];
-    }
-  }
-  for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k < 6; ++k) {
-      double sum = 0.0;
-      for (int j = 0; j < 6; ++j) sum += half[i][j] * to_sensor[k][j];
-      located_.covariance[6 * i + k] = sum;
-    }
-  }
+  pose_covariance(c, config_.planar ? q_map_sensor * left_out_.tilt : q_map_sensor, located_.covariance);
 }
 
 }  // namespace sortie::mapping

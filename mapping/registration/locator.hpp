@@ -122,6 +122,8 @@ class Locator {
   /// out_of_range: no pose, or no covariance; nothing is changed. No map was loaded: not_supported.
   Status place(const RigidPose& T_map_sensor, const double (&covariance)[36], const OdometryHint& odometry);
   const ScanRegistration& registration() const { return registration_; }
+  /// The same, for who matches scans to the map between two calls of locate().
+  ScanRegistration& registration_to_match() { return registration_; }
   void archive(rt::Archive& archive);
 
  private:

@@ -32,4 +32,28 @@ bool match_covariance(const NormalEquations& equations, const WeakDirections& we
   return true;
 }
 
+void pose_covariance(const double (&covariance)[6][6], const rt::Quaternion& q_map_sensor,
+                     double (&out)[36]) {
+  // Turns are about the map's axes so far; those in the sensor are R' times them.
+  const rt::RotationMatrix r = rt::to_matrix(q_map_sensor);
+  double to_sensor[6][6]{};  // (turn, move) to (position, rotation)
+  for (int i = 0; i < 3; ++i) {
+    to_sensor[i][3 + i] = 1.0;
+    for (int k = 0; k < 3; ++k) to_sensor[3 + i][k] = r.m[3 * k + i];
+  }
+  double half[6][6]{};
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) {
+      for (int j = 0; j < 6; ++j) half[i][k] += to_sensor[i][j] * covariance[j][k];
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) {
+      double sum = 0.0;
+      for (int j = 0; j < 6; ++j) sum += half[i][j] * to_sensor[k][j];
+      out[6 * i + k] = sum;
+    }
+  }
+}
+
 }  // namespace sortie::mapping

@@ -12,4 +12,8 @@ namespace sortie::mapping {
 bool match_covariance(const NormalEquations& equations, const WeakDirections& weak, const PosePrior& prior,
                       const double (&spread)[6][6], double (&covariance)[6][6]);
 
+/// The same of (position in map, rotation in sensor), row-major: of a covariance of (turn, move) along the
+/// map's axes about a pose of rotation `q_map_sensor`.
+void pose_covariance(const double (&covariance)[6][6], const rt::Quaternion& q_map_sensor, double (&out)[36]);
+
 }  // namespace sortie::mapping

@@ -101,6 +101,13 @@ void ScanRegistration::lay_flat(const rt::Quaternion& tilt) {
   }
 }
 
+std::size_t ScanRegistration::take_sample(std::span<const SamplePoint> sample) {
+  chosen_ = std::min(sample.size(), sample_.size());
+  std::copy_n(sample.begin(), chosen_, sample_.begin());
+  size_ = std::min<std::size_t>(chosen_, config_.returns);
+  return size_;
+}
+
 /// Steps from coarse to fine. The sample's first returns are as good as any others: their order is by chance.
 RigidPose ScanRegistration::descend(RigidPose pose, const PosePrior& prior, const Ladder& ladder,
                                     std::size_t returns, Match& match) {
@@ -265,8 +272,29 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
     weigh(match);
   }
-  if (!look_about(match, prior)) return match;
+  match_about(match, prior);
+  return match;
+}
+
+void ScanRegistration::match_about(Match& match, const PosePrior& prior) {
+  if (!look_about(match, prior)) return;
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
+  weigh(match);
+}
+
+Match ScanRegistration::match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns) {
+  const std::span<const SamplePoint> some = sample().first(std::min(size_, returns));
+  Match match;
+  match.pose = descend(start, prior, {0, 0, config_.steps}, returns, match);
+  match.score = match_score(layers_[0], some, match.pose, config_.sigma_m);
+  if (match.score.matched < config_.good_share) {
+    const RigidPose other = descend(start, prior, {2, 2, config_.steps}, returns, match);
+    const MatchScore score = match_score(layers_[0], some, other, config_.sigma_m);
+    if (score.value > match.score.value) {
+      match.pose = other;
+      match.score = score;
+    }
+  }
   weigh(match);
   return match;
 }

@@ -45,6 +45,15 @@ class ScanRegistration {
   /// Matches from `start`. Where that does not do, or does much worse than `usual_share` of the scan before,
   /// also from turns of it and of `other`.
   Match match(const RigidPose& start, const RigidPose& other, const PosePrior& prior, double usual_share);
+  /// Takes a sample that was chosen before, of this scan or another one: sample() then. No more returns than
+  /// a scan's.
+  std::size_t take_sample(std::span<const SamplePoint> sample);
+  /// Matches the first `returns` of the sample from one start alone, with the finest layer and, where that
+  /// does not do, with the coarse ones first: for who has many starts of his own. Steps it spends: at most 4
+  /// and twice those of the config.
+  Match match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns);
+  /// Looks from starts about a match's pose, with all of the sample, and takes a better one: Match::spread.
+  void match_about(Match& match, const PosePrior& prior);
   /// Adds the sample to the map at a pose.
   void insert(const RigidPose& pose);
 

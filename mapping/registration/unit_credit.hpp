@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "rt/describe.hpp"
+
 namespace sortie::mapping {
 
 /// What budgets left that were too small for the next step.
@@ -25,6 +27,8 @@ class UnitCredit {
     units -= cost - from_kept;
     return true;
   }
+
+  SORTIE_FIELDS(kept_)
 
  private:
   std::uint64_t kept_{};

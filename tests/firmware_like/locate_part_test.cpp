@@ -293,6 +293,33 @@ TEST_CASE("a run begins with the map of another, and its log replays with that m
   }
 }
 
+TEST_CASE("a robot that is told nothing finds its place on the map of another run, and replays to the bit") {
+  const TempFolder folder;
+  const std::string map = folder.file("hall.surfels");
+  const std::string log = folder.file("found.lcm");
+  keep_map(located_hall().log, map);
+  // Jobs of few units: a search takes several of them while the robot drives on.
+  const std::vector<std::string> wanted = {"tasks.locate.enabled=true", "tasks.relocate.enabled=true",
+                                           "relocate.units=1000000", "tasks.relocate.budget_us=10000"};
+  const firmware::LiveRunOutcome run = run_located(6, log, wanted, map);
+  CHECK(run.failures.empty());
+  CHECK(counted(run, "relocate_placed") == 1);
+  CHECK(counted(run, "relocate_not_confirmed") == 0);
+  CHECK(counted(run, "locate_unplaced_on_map") >= 2);
+  CHECK(counted(run, "locate_accepted") + counted(run, "locate_unplaced_on_map") ==
+        counted(run, "locate_in"));
+  CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
+  if (rt::posix::kHeapTrapAvailable) CHECK(counted(run, "heap_calls") == 0);
+  firmware::ReplayOptions options;
+  options.map = map;
+  const firmware::ReplayOutcome again = replay_log(log, options);
+  CHECK(complaint_of(again).empty());
+  CHECK(again.results.digest == run.results.digest);
+  // Nothing is searched where the robot makes its map itself.
+  const firmware::LiveRunOutcome own = run_located(2, "", wanted);
+  CHECK(counted(own, "relocate_begun") == 0);
+}
+
 TEST_CASE("a map that does not fit the scene is refused with the key to set") {
   const TempFolder folder;
   const std::string map = folder.file("hall.surfels");

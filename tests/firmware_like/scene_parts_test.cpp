@@ -32,7 +32,7 @@ std::set<std::string> tasks_of(const Runtime& runtime) {
 std::string first_disagreement(const std::set<std::string>& parts, const Runtime& runtime) {
   const std::set<std::string> tasks = tasks_of(runtime);
   for (const char* name : {"attitude", "odometry", "odometry_state", "drive", "flippers", "map", "locate",
-                           "ssl", "pilot", "path"}) {
+                           "relocate", "ssl", "pilot", "path"}) {
     if (parts.count(name) != tasks.count(name)) return name;
   }
   const bool occupancy = tasks.count("occupancy") != 0;

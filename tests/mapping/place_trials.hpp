@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lost robots by the hundred, and how many of them were placed rightly, wrongly or not at all.
+#pragma once
+
+#include "mapping/registration/match_score.hpp"
+#include "tests/mapping/place_rig.hpp"
+
+namespace sortie::testing {
+
+struct PlaceTally {
+  int right{}, wrong{}, ambiguous{}, nothing{}, few{};
+  std::vector<double> units;
+
+  void add(const mapping::Relocated& found, bool is_right) {
+    using mapping::RelocateVerdict;
+    if (found.verdict == RelocateVerdict::placed) ++(is_right ? right : wrong);
+    if (found.verdict == RelocateVerdict::ambiguous) ++ambiguous;
+    if (found.verdict == RelocateVerdict::nothing_fits) ++nothing;
+    if (found.verdict == RelocateVerdict::few_returns) ++few;
+    units.push_back(static_cast<double>(found.units));
+  }
+  double units_at(double share) {
+    std::sort(units.begin(), units.end());
+    return units[std::min(units.size() - 1,
+                          static_cast<std::size_t>(share * static_cast<double>(units.size())))];
+  }
+};
+
+/// A hall with columns, or one storey of rooms along a corridor.
+inline PlaceWorld random_place_world(Draws& draws) {
+  if (draws.uniform(0, 1) < 0.6) return random_place_hall(draws);
+  const double wide = draws.uniform(12, 28);
+  return random_building(draws, wide, draws.uniform(9, 15), 1);
+}
+
+/// A robot where the robot that made the map has been, too: the map knows `known` of what it sees.
+inline std::vector<rt::ScanPoint> scan_where_known(PlaceRig& rig, const PlaceWorld& world, Draws& draws,
+                                                   double known, LostRobot& robot) {
+  const TestLidar lidar = random_lidar(draws);
+  for (int tries = 0;; ++tries) {
+    std::vector<rt::ScanPoint> scan = place_scan(lidar, world, robot.pose.p, robot.pose.q, draws);
+    rig.registration.take(scan);
+    if (tries == 20 ||
+        mapping::match_score(rig.registration.layer(0), rig.registration.sample(), robot.pose, 0.02).known >
+            known)
+      return scan;
+    robot = LostRobot(world, draws);
+  }
+}
+
+enum class FalsePlace { symmetric, mirrored, other_building };
+
+/// Worlds in which a robot that is placed is placed by mistake, but in symmetric ones for one that has luck.
+inline PlaceTally false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t seed, int trials) {
+  PlaceTally tally;
+  for (int trial = 0; trial < trials; ++trial) {
+    Draws draws(seed + static_cast<std::uint64_t>(trial));
+    PlaceWorld world = random_place_world(draws);
+    if (kind == FalsePlace::symmetric) world = symmetric(world);
+    rig.make_map(world, draws, 1.7);
+    PlaceWorld seen = world;
+    if (kind == FalsePlace::mirrored) seen = mirrored(world);
+    if (kind == FalsePlace::other_building) seen = random_place_world(draws);
+    LostRobot robot(seen, draws);
+    const double known = kind == FalsePlace::symmetric ? 0.9 : -1.0;
+    const auto scan = scan_where_known(rig, seen, draws, known, robot);
+    const mapping::Relocated& found = rig.find(scan, robot.q_level_sensor);
+    tally.add(found, kind == FalsePlace::symmetric && robot.is_right(found.T_map_sensor));
+  }
+  return tally;
+}
+
+/// Robots on a site of two storeys of 100 x 25 m, a new one each 25; a share of the things was moved since.
+inline PlaceTally lost_on_site(PlaceRig& rig, std::uint64_t seed, int trials, double share_moved) {
+  PlaceTally tally;
+  PlaceWorld world;
+  for (int trial = 0; trial < trials; ++trial) {
+    Draws draws(seed + static_cast<std::uint64_t>(trial));
+    if (trial % 25 == 0) {
+      world = random_building(draws, 100, 25, 2);
+      rig.make_map(world, draws, 2.5);
+    }
+    const PlaceWorld now = share_moved > 0.0 ? moved(world, draws, share_moved) : world;
+    LostRobot robot(now, draws);
+    const auto scan = scan_where_known(rig, now, draws, share_moved > 0.0 ? 0.8 : 0.9, robot);
+    const mapping::Relocated& found = rig.find(scan, robot.q_level_sensor);
+    tally.add(found, robot.is_right(found.T_map_sensor));
+  }
+  return tally;
+}
+
+}  // namespace sortie::testing

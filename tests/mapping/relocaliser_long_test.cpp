@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Nine thousand places that are not there, and robots lost on a large site.
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "tests/mapping/place_trials.hpp"
+
+namespace {
+using namespace sortie;
+
+/// Of the whole numbers below; SORTIE_PLACE_TRIALS gives another one for a quick look.
+int trials_or(int usual) {
+  const char* const wanted = std::getenv("SORTIE_PLACE_TRIALS");
+  return wanted != nullptr ? std::atoi(wanted) : usual;
+}
+std::uint64_t seed_or(std::uint64_t usual) {
+  const char* const wanted = std::getenv("SORTIE_PLACE_SEED");
+  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : usual;
+}
+
+void check_none(testing::FalsePlace kind) {
+  testing::PlaceRig rig(testing::kHallMemory);
+  REQUIRE(rig.arena.refused() == 0);
+  const testing::PlaceTally tally = testing::false_places(rig, kind, seed_or(500'000), trials_or(3000));
+  WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
+                << tally.nothing << " few " << tally.few);
+  CHECK(tally.wrong == 0);
+}
+
+testing::PlaceTally on_site(double share_moved) {
+  testing::PlaceRig rig(testing::kSiteMemory);
+  REQUIRE(rig.arena.refused() == 0);
+  testing::PlaceTally tally = testing::lost_on_site(rig, seed_or(700'000), trials_or(500), share_moved);
+  WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
+                << tally.nothing << " few " << tally.few << "; units median " << tally.units_at(0.5)
+                << " p95 " << tally.units_at(0.95) << " most " << tally.units.back());
+  CHECK(tally.wrong == 0);
+  return tally;
+}
+}  // namespace
+
+TEST_CASE("Of 3,000 robots in rooms that look the same from both ends none is placed at the wrong one") {
+  check_none(testing::FalsePlace::symmetric);
+}
+
+TEST_CASE("Of 3,000 robots in the mirror image of their building none is placed") {
+  check_none(testing::FalsePlace::mirrored);
+}
+
+TEST_CASE("Of 3,000 robots in another building none is placed") {
+  check_none(testing::FalsePlace::other_building);
+}
+
+TEST_CASE("On two storeys of 100 x 25 m almost all lost robots are placed") {
+  const testing::PlaceTally tally = on_site(0.0);
+  CHECK(tally.right > 0.9 * static_cast<double>(tally.units.size()));
+}
+
+TEST_CASE("With a third of the things moved some are still placed, and none wrongly") {
+  const testing::PlaceTally tally = on_site(0.3);
+  CHECK(tally.right > 0.3 * static_cast<double>(tally.units.size()));
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot that knows nothing of where it is: placed where it is, or not at all.
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "rt/digest.hpp"
+#include "rt/posix/heap_trap.hpp"
+#include "tests/mapping/place_rig.hpp"
+
+namespace {
+using namespace sortie;
+using mapping::RelocateVerdict;
+
+/// A hall with its map, and a robot in it.
+struct LostInHall {
+  testing::Draws draws;
+  testing::PlaceRig rig{testing::kHallMemory};
+  testing::PlaceWorld world;
+  testing::LostRobot robot;
+  std::vector<rt::ScanPoint> scan;
+
+  explicit LostInHall(std::uint64_t seed)
+      : draws(seed), world(testing::random_place_hall(draws)), robot(world, draws) {
+    rig.make_map(world, draws, 1.7);
+    scan = testing::place_scan({32, 512}, world, robot.pose.p, robot.pose.q, draws);
+  }
+};
+
+std::uint64_t digest(const mapping::Relocated& found) { return rt::digest_of(found); }
+}  // namespace
+
+TEST_CASE("A robot is found in a hall that it has a map of") {
+  int right = 0;
+  constexpr int kTrials = 10;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    CAPTURE(trial);
+    LostInHall lost(100 + static_cast<std::uint64_t>(trial));
+    const mapping::Relocated& found = lost.rig.find(lost.scan, lost.robot.q_level_sensor);
+    if (found.verdict != RelocateVerdict::placed) continue;
+    CHECK(lost.robot.is_right(found.T_map_sensor));
+    for (int i = 0; i < 6; ++i) CHECK(found.covariance[7 * i] > 0.0);
+    CHECK(found.counts.placed == 1);
+    ++right;
+  }
+  CHECK(right >= kTrials - 1);
+}
+
+TEST_CASE("In a hall that looks the same from both ends a robot is not placed") {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    CAPTURE(seed);
+    testing::Draws draws(seed);
+    const testing::PlaceWorld world = testing::symmetric(testing::random_place_hall(draws));
+    testing::PlaceRig rig(testing::kHallMemory);
+    rig.make_map(world, draws, 1.7);
+    const testing::LostRobot robot(world, draws);
+    const auto scan = testing::place_scan({32, 512}, world, robot.pose.p, robot.pose.q, draws);
+    CHECK(rig.find(scan, robot.q_level_sensor).verdict == RelocateVerdict::ambiguous);
+  }
+}
+
+TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another building") {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    CAPTURE(seed);
+    LostInHall lost(seed);
+    testing::Draws draws(seed + 1000);
+    const testing::PlaceWorld mirror = testing::mirrored(lost.world);
+    const testing::PlaceWorld other = testing::random_building(draws, 20, 12, 1);
+    for (const testing::PlaceWorld* world : {&mirror, &other}) {
+      const testing::LostRobot robot(*world, draws);
+      const auto scan = testing::place_scan({32, 512}, *world, robot.pose.p, robot.pose.q, draws);
+      const RelocateVerdict verdict = lost.rig.find(scan, robot.q_level_sensor).verdict;
+      CHECK(verdict != RelocateVerdict::placed);
+      CHECK(verdict != RelocateVerdict::searching);
+    }
+  }
+}
+
+TEST_CASE("Budgets of any size and any order of the returns give the same bits") {
+  LostInHall lost(100);
+  const std::uint64_t whole = digest(lost.rig.find(lost.scan, lost.robot.q_level_sensor));
+  CHECK(lost.rig.part.result().verdict == RelocateVerdict::placed);
+  for (const std::uint64_t budget : {997u, 20'011u, 1'000'003u}) {
+    LostInHall again(100);
+    CHECK(digest(again.rig.find(again.scan, again.robot.q_level_sensor, budget)) == whole);
+  }
+  LostInHall shuffled(100);
+  testing::Draws draws(5);
+  for (std::size_t i = shuffled.scan.size(); i > 1; --i)
+    std::swap(shuffled.scan[i - 1],
+              shuffled.scan[static_cast<std::size_t>(draws.uniform(0, static_cast<double>(i)))]);
+  CHECK(digest(shuffled.rig.find(shuffled.scan, shuffled.robot.q_level_sensor)) == whole);
+}
+
+TEST_CASE("A search that was written and read back goes on to the same bits") {
+  LostInHall lost(100);
+  const std::uint64_t whole = digest(lost.rig.find(lost.scan, lost.robot.q_level_sensor));
+  LostInHall half(100);
+  half.rig.registration.take(half.scan);
+  half.rig.part.begin(half.rig.registration.sample(), half.robot.q_level_sensor);
+  bool done = false;
+  int written = 0;
+  for (int job = 0; !done; ++job) {
+    std::uint64_t units = 300'000;
+    done = half.rig.part.run(units);
+    if (job % 5 != 0) continue;
+    rt::Archive measuring = rt::Archive::measuring();
+    measuring.value(half.rig.registration);
+    measuring.value(half.rig.part);
+    REQUIRE(measuring.status() == Status::ok);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measuring.bytes()));
+    rt::Archive writing = rt::Archive::writing(bytes);
+    writing.value(half.rig.registration);
+    writing.value(half.rig.part);
+    REQUIRE(writing.status() == Status::ok);
+    testing::PlaceRig other(testing::kHallMemory);
+    rt::Archive reading = rt::Archive::reading(bytes);
+    reading.value(other.registration);
+    reading.value(other.part);
+    REQUIRE(reading.status() == Status::ok);
+    std::uint64_t rest = ~std::uint64_t{0} >> 1;
+    other.part.run(rest);
+    CHECK(digest(other.part.result()) == whole);
+    ++written;
+  }
+  CHECK(written >= 2);
+  CHECK(digest(half.rig.part.result()) == whole);
+}
+
+TEST_CASE("A search makes no heap call") {
+  if (!rt::posix::kHeapTrapAvailable) {
+    WARN("skipped: no heap trap under a sanitizer");
+    return;
+  }
+  LostInHall lost(100);
+  lost.rig.registration.take(lost.scan);
+  const rt::posix::HeapTrapScope scope;
+  lost.rig.part.begin(lost.rig.registration.sample(), lost.robot.q_level_sensor);
+  std::uint64_t units = ~std::uint64_t{0} >> 1;
+  const bool done = lost.rig.part.run(units);
+  const std::uint64_t calls = scope.calls();
+  CHECK(done);
+  CHECK(calls == 0);
+}
