@@ -49,6 +49,10 @@ class RelocatePart final : public Part {
     builder.profile().read("relocate", config);
     builder.profile().read("relocate", search);
     builder.profile().read("relocate", config_);
+    if (access_->locator->registration().config().planar)
+      builder.profile().fail("tasks.relocate.enabled",
+                             "a lidar of one row (locate.planar) sees too little to be searched with: say "
+                             "where the robot starts with locate.start_on_map = true");
     relocaliser_ = std::make_unique<mapping::Relocaliser>(
         config, search, access_->memory, access_->locator->registration_to_match(), builder.arena());
     if (access_->locator->is_unplaced()) relocaliser_->take_map();
