@@ -49,7 +49,7 @@ void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternio
   q_level_sensor_ = rt::normalised(q_level_sensor);
   at_ = count_ = 0;
   credit_.clear();
-  result_ = {RelocateVerdict::searching, {}, {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, result_.counts};
+  result_ = {RelocateVerdict::searching, {}, {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, result_.counts};
   ++result_.counts.begun;
   rt::Vector3 returns_m[PlaceSearchConfig::kMostReturns];
   const std::span<rt::Vector3> wanted{returns_m, search_.config().returns};

@@ -40,6 +40,7 @@ struct Relocated {
   double seen{};            ///< of the returns: where the map has seen something
   double crossed{};         ///< of the rays: through surfaces
   double lead{};            ///< of the returns: explained here and not at the strongest other place
+  double denied{};  ///< of these returns: the map has a surface there in their cell, and they are not on it
   double rival{};           ///< of the returns: explained there and not here
   double unexplained{};     ///< of the returns: not here, where the map has seen something
   std::uint32_t hits{};     ///< in the search, of `searched` returns
@@ -47,7 +48,7 @@ struct Relocated {
   std::uint32_t candidates{};
   std::uint64_t units{};  ///< of work
   RelocateCounts counts;
-  SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, rival, unexplained, hits,
+  SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, denied, rival, unexplained, hits,
                 searched, candidates, units, counts)
 };
 
@@ -93,7 +94,7 @@ class Relocaliser {
   };
   /// What one place explains and another one not.
   struct Compared {
-    std::uint32_t here{}, there{};
+    std::uint32_t here{}, denied{}, there{};
   };
   enum class Step : std::uint8_t { idle, search, tries, retries, verdict };
   static constexpr std::uint32_t kTried = 32;  ///< of the candidates, again from where they ended
@@ -113,9 +114,9 @@ class Relocaliser {
   Compared compare(const Place& here, const Place& there) const;
   void conclude(RelocateVerdict verdict);
   std::size_t words() const { return bits_.size() / (2 * PlaceSearchConfig::kMostCandidates); }
-  /// Returns that a place explains, or those that the map has seen there.
+  /// Returns that a place explains, or those that lie in a cell that has a surface there.
   std::uint64_t* explained_bits(const Place& place) const { return &bits_[2 * place.slot * words()]; }
-  std::uint64_t* seen_bits(const Place& place) const { return explained_bits(place) + words(); }
+  std::uint64_t* known_bits(const Place& place) const { return explained_bits(place) + words(); }
   std::span<const SamplePoint> sample() const { return sample_.first(size_); }
 
   RelocateConfig config_;
@@ -123,7 +124,7 @@ class Relocaliser {
   PlaceMap map_;
   PlaceSearch search_;
   std::span<SamplePoint> sample_;  ///< of the scan that is searched with
-  std::span<std::uint64_t> bits_;  ///< of each place: returns that it explains, and that the map has seen
+  std::span<std::uint64_t> bits_;  ///< of each place: returns that it explains, and in cells with a surface
   std::uint32_t size_{};           ///< of the sample
   rt::Quaternion q_level_sensor_;
   Step step_{Step::idle};

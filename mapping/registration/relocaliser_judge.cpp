@@ -14,12 +14,14 @@ constexpr double kMostMove = 0.02;  ///< m and rad, standard deviations: of a pl
 constexpr double kMostTurn = 0.006;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
 
-/// Whether a point of the map's frame lies on the surface of its cell.
-bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, double sigma_m) {
+/// Whether a point of the map's frame lies on the surface of its cell; `known`: there is one.
+bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, double sigma_m, bool& known) {
   SurfelPlace place;
+  known = false;
   if (!layer.place(p.x, p.y, p.z, place)) return false;
   const Surfel* const surfel = layer.surfel_at(place.cell);
   if (surfel == nullptr) return false;
+  known = true;
   const double step = layer.cell_m() / kSurfelSteps;
   const rt::Vector3 off =
       rt::Vector3{step * place.at[0], step * place.at[1], step * place.at[2]} - surfel->mean();
@@ -43,7 +45,7 @@ void Relocaliser::explain(Place& place) {
   const SurfelLayer& coarse = registration_->layer(kSurfelLayers - 1);
   const double sigma_m = registration_->config().sigma_m;
   std::uint64_t* const explained = explained_bits(place);
-  std::uint64_t* const seen = seen_bits(place);
+  std::uint64_t* const known = known_bits(place);
   std::fill_n(explained, 2 * words(), std::uint64_t{0});
   place.explained = place.seen = 0;
   const rt::RotationMatrix r = rt::to_matrix(place.pose.q);
@@ -51,9 +53,11 @@ void Relocaliser::explain(Place& place) {
     const rt::Vector3 p = r * sample_[i].at() + place.pose.p;
     const std::uint64_t bit = std::uint64_t{1} << (i % 64);
     if (!is_seen(coarse, p)) continue;
-    seen[i / 64] |= bit;
     ++place.seen;
-    if (!on_surface(fine, p, sigma_m)) continue;
+    bool has_surface{};
+    const bool on = on_surface(fine, p, sigma_m, has_surface);
+    if (has_surface) known[i / 64] |= bit;
+    if (!on) continue;
     explained[i / 64] |= bit;
     ++place.explained;
   }
@@ -63,10 +67,12 @@ void Relocaliser::explain(Place& place) {
 Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there) const {
   const std::uint64_t* const a = explained_bits(here);
   const std::uint64_t* const b = explained_bits(there);
+  const std::uint64_t* const known = known_bits(there);
   Compared compared;
   const auto count = [](std::uint64_t word) { return static_cast<std::uint32_t>(std::popcount(word)); };
   for (std::size_t i = 0; i < words(); ++i) {
     compared.here += count(a[i] & ~b[i]);
+    compared.denied += count(a[i] & ~b[i] & known[i]);
     compared.there += count(b[i] & ~a[i]);
   }
   return compared;
@@ -83,13 +89,16 @@ bool Relocaliser::leads(const Place& best) {
     if (places_[i].slot == best.slot) continue;
     const Compared compared = compare(best, places_[i]);
     const double here = compared.here / static_cast<double>(size_);
+    const double denied = compared.denied / static_cast<double>(size_);
     const double there = compared.there / static_cast<double>(size_);
     if (here < result_.lead) {
       result_.lead = here;
       result_.rival = there;
+      result_.denied = denied;
     }
-    leads = leads && here >= config_.least_lead && here >= config_.over_rival * there &&
-            here >= config_.over_unexplained * result_.unexplained;
+    // What lies where the other place has no surface at all may lie in a gap of the map.
+    leads = leads && here >= config_.least_lead && denied >= config_.least_denied &&
+            denied >= config_.over_rival * there && here >= config_.over_unexplained * result_.unexplained;
   }
   return leads;
 }

@@ -44,6 +44,7 @@ struct RelocateConfig {
   double least_seen{0.6};
   double most_crossed{0.035};
   double least_lead{0.06};
+  double least_denied{0.035};
   double over_rival{3.0};
   double over_unexplained{1.5};
 
@@ -57,6 +58,9 @@ struct RelocateConfig {
         {0, 1, "", "of the returns, that must lie where the map has seen something"});
     key("most_crossed", c.most_crossed, {0, 1, "", "of the rays that may go through surfaces"});
     key("least_lead", c.least_lead, {0, 1, "", "of the returns, that a place must explain and another not"});
+    key("least_denied", c.least_denied,
+        {0, 1, "",
+         "of the returns, that a place must explain where another has a surface that they are not on"});
     key("over_rival", c.over_rival, {1, 100, "", "times as many as the other one explains alone"});
     key("over_unexplained", c.over_unexplained, {0, 100, "", "times as many as it leaves unexplained"});
   }
