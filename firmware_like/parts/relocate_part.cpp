@@ -4,6 +4,7 @@
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "mapping/registration/kept_pose.hpp"
+#include "mapping/registration/pose_algebra.hpp"
 #include "mapping/registration/relocaliser.hpp"
 
 namespace sortie::firmware {
@@ -13,9 +14,12 @@ using mapping::RelocateVerdict;
 
 struct RelocatePartConfig {
   std::uint32_t units{4'000'000};
+  double second_look_m{0.5};
 
   SORTIE_KEYS(c, key) {
     key("units", c.units, {10'000, 1e9, "units", "of work a job; 4,000,000 are about 50 ms"});
+    key("second_look_m", c.second_look_m,
+        {0, 10, "m", "of way between two searches that have to agree; 0: one is enough"});
   }
 };
 
@@ -34,13 +38,15 @@ struct RelocateOutput {
   std::uint64_t units{};  ///< of this search so far
   mapping::RelocateCounts counts;
   std::uint64_t not_confirmed{};  ///< places that no later scan confirmed: searched again
+  std::uint64_t first_looks{};    ///< places that wait for a second search that agrees
+  std::uint64_t disagreed{};      ///< second searches that found another place
   SORTIE_FIELDS(verdict, stamp_ns, p_map_sensor_m, q_map_sensor, share, seen, crossed, lead, rival,
-                unexplained, candidates, units, counts, not_confirmed)
+                unexplained, candidates, units, counts, not_confirmed, first_looks, disagreed)
 };
 
 /// Group `mapping`, task `relocate`, behind `locate`. A search takes the newest scan, goes on over as many
-/// jobs as its units need, and hands a place that it believes to the locator, which believes it when its next
-/// scan does.
+/// jobs as its units need. A place that two searches from places apart agree in is handed to the locator,
+/// which believes it when its next scan does.
 class RelocatePart final : public Part {
  public:
   explicit RelocatePart(VehicleBuilder& builder) : access_(builder.find<LocateAccess>()) {
@@ -65,6 +71,8 @@ class RelocatePart final : public Part {
     builder.remembers(task_, *this);
     builder.counters("relocate_", output_.counts);
     builder.counter("relocate_not_confirmed", [this] { return output_.not_confirmed; });
+    builder.counter("relocate_first_looks", [this] { return output_.first_looks; });
+    builder.counter("relocate_disagreed", [this] { return output_.disagreed; });
   }
 
   void archive(rt::Archive& archive) {
@@ -72,9 +80,12 @@ class RelocatePart final : public Part {
         .base<Part>()
         .fixed(config_, access_, task_)
         .by_hand(relocaliser_)
-        .state(searched_odometry_, T_odom_searched_, sigma_move_m_, sigma_turn_rad_, told_, waited_, output_);
+        .state(searched_odometry_, T_odom_searched_, sigma_move_m_, sigma_turn_rad_, told_, waited_,
+               has_look_, T_odom_look_, T_map_odom_look_, output_);
     archive.value(*relocaliser_);
     mapping::check_pose(archive, T_odom_searched_);
+    mapping::check_pose(archive, T_odom_look_);
+    mapping::check_pose(archive, T_map_odom_look_);
   }
 
  private:
@@ -82,6 +93,8 @@ class RelocatePart final : public Part {
   static constexpr double kLeastMove =
       0.1;  ///< m and rad: what the locator is told at least that a place may be off
   static constexpr double kLeastTurn = 0.03;
+  static constexpr double kSameMove = 0.3;  ///< m and rad: two searches agree, the odometry's drift included
+  static constexpr double kSameTurn = 0.05;
 
   void work(rt::JobContext& context) {
     mapping::Locator& locator = *access_->locator;
@@ -99,7 +112,8 @@ class RelocatePart final : public Part {
       begin();
     }
     std::uint64_t units = config_.units;
-    if (relocaliser_->run(units) && relocaliser_->result().verdict == RelocateVerdict::placed) place();
+    if (relocaliser_->run(units) && relocaliser_->result().verdict == RelocateVerdict::placed && agrees())
+      place();
     context.add_units(config_.units - static_cast<std::uint32_t>(units));
     put();
   }
@@ -111,6 +125,30 @@ class RelocatePart final : public Part {
     sigma_turn_rad_ = access_->hint.sigma_turn_rad;
     output_.stamp_ns = access_->locator->located().stamp_ns;
     relocaliser_->begin(access_->locator->registration().sample(), access_->q_level_sensor);
+  }
+
+  /// Whether a search from elsewhere found the odometry at the same place. What looks like another place
+  /// looks less like it from a second one. Without odometry nobody knows where that is: then one search has
+  /// to do.
+  bool agrees() {
+    if (config_.second_look_m <= 0.0 || !searched_odometry_) return true;
+    const mapping::RigidPose T_map_odom =
+        mapping::after(relocaliser_->result().T_map_sensor, mapping::inverse(T_odom_searched_));
+    const mapping::RigidPose apart = mapping::after(mapping::inverse(T_map_odom_look_), T_map_odom);
+    // Where the odometry's origin is far off, a small turn moves it far: both are compared at the robot.
+    const rt::Vector3 here = T_odom_searched_.p;
+    const rt::Vector3 off = apart.p + rt::rotate(apart.q, here) - here;
+    const bool same =
+        has_look_ && rt::norm(off) < kSameMove && rt::norm(rt::log_rotation(apart.q)) < kSameTurn;
+    const bool far = has_look_ && rt::norm(here - T_odom_look_.p) >= config_.second_look_m;
+    if (same && !far) return false;
+    if (has_look_ && !same) ++output_.disagreed;
+    has_look_ = !same;
+    if (same) return true;
+    ++output_.first_looks;
+    T_odom_look_ = T_odom_searched_;
+    T_map_odom_look_ = T_map_odom;
+    return false;
   }
 
   void place() {
@@ -149,8 +187,11 @@ class RelocatePart final : public Part {
   mapping::RigidPose T_odom_searched_;
   double sigma_move_m_{0.05};
   double sigma_turn_rad_{0.02};
-  bool told_{};             ///< the locator was told a place, and has to see whether it is one
-  std::uint32_t waited_{};  ///< scans since
+  bool told_{};                     ///< the locator was told a place, and has to see whether it is one
+  std::uint32_t waited_{};          ///< scans since
+  bool has_look_{};                 ///< a search found a place, and waits for another one that agrees
+  mapping::RigidPose T_odom_look_;  ///< of its scan
+  mapping::RigidPose T_map_odom_look_;
   RelocateOutput output_;
 };
 

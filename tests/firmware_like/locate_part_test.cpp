@@ -300,10 +300,13 @@ TEST_CASE("a robot that is told nothing finds its place on the map of another ru
   keep_map(located_hall().log, map);
   // Jobs of few units: a search takes several of them while the robot drives on.
   const std::vector<std::string> wanted = {"tasks.locate.enabled=true", "tasks.relocate.enabled=true",
-                                           "relocate.units=1000000", "tasks.relocate.budget_us=10000"};
-  const firmware::LiveRunOutcome run = run_located(6, log, wanted, map);
+                                           "relocate.units=1000000", "tasks.relocate.budget_us=10000",
+                                           "relocate.second_look_m=0.2"};
+  const firmware::LiveRunOutcome run = run_located(9, log, wanted, map);
   CHECK(run.failures.empty());
-  CHECK(counted(run, "relocate_placed") == 1);
+  CHECK(counted(run, "relocate_placed") >= 2);  // from two places
+  CHECK(counted(run, "relocate_first_looks") == 1);
+  CHECK(counted(run, "relocate_disagreed") == 0);
   CHECK(counted(run, "relocate_not_confirmed") == 0);
   CHECK(counted(run, "locate_unplaced_on_map") >= 2);
   CHECK(counted(run, "locate_accepted") + counted(run, "locate_unplaced_on_map") ==

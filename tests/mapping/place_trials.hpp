@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mapping/registration/match_score.hpp"
+#include "mapping/registration/pose_algebra.hpp"
 #include "tests/mapping/place_rig.hpp"
 
 namespace sortie::testing {
@@ -66,6 +67,37 @@ inline PlaceTally false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t see
     const auto scan = scan_where_known(rig, seen, draws, known, robot);
     const mapping::Relocated& found = rig.find(scan, robot.q_level_sensor);
     tally.add(found, kind == FalsePlace::symmetric && robot.is_right(found.T_map_sensor));
+  }
+  return tally;
+}
+
+/// A robot in a room that looks the same from both ends that looks twice, from two places whose way apart it
+/// knows, as part `relocate` does: placed where both searches agree.
+inline PlaceTally symmetric_twice(PlaceRig& rig, std::uint64_t seed, int trials) {
+  PlaceTally tally;
+  for (int trial = 0; trial < trials; ++trial) {
+    Draws draws(seed + static_cast<std::uint64_t>(trial));
+    const PlaceWorld world = symmetric(random_place_world(draws));
+    rig.make_map(world, draws, 1.7);
+    mapping::Relocated found[2];
+    mapping::RigidPose truth[2];
+    for (int look = 0; look < 2; ++look) {
+      LostRobot robot(world, draws);
+      const auto scan = scan_where_known(rig, world, draws, 0.9, robot);
+      found[look] = rig.find(scan, robot.q_level_sensor);
+      truth[look] = robot.pose;
+      if (found[look].verdict != mapping::RelocateVerdict::placed) break;
+    }
+    using mapping::RelocateVerdict;
+    mapping::Relocated both = found[1];
+    if (both.verdict == RelocateVerdict::none) both.verdict = found[0].verdict;
+    if (both.verdict == RelocateVerdict::placed) {
+      // Of the second robot by the first one's place.
+      const mapping::RigidPose way = mapping::after(mapping::inverse(truth[0]), truth[1]);
+      const mapping::RigidPose expected = mapping::after(found[0].T_map_sensor, way);
+      if (rt::norm(expected.p - both.T_map_sensor.p) > 0.3) both.verdict = RelocateVerdict::ambiguous;
+    }
+    tally.add(both, rt::norm(truth[1].p - both.T_map_sensor.p) < 0.1);
   }
   return tally;
 }
