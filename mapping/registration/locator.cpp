@@ -184,10 +184,9 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
       usual_share_ < kYoung && clear())
     return LocateVerdict::new_place;
   // Without odometry nothing else holds what the scan does not, and standing still fits as well as any
-  // motion: then nothing at all may speak against the pose.
+  // motion.
   const bool weak = match.weak.moves + match.weak.turns > 0;
-  if (match.equations.rows < 6 || (weak && !(tied_ && odometry.known) && located_.inside > kHardlyAny))
-    return LocateVerdict::unheld;
+  if (match.equations.rows < 6 || (weak && !(tied_ && odometry.known))) return LocateVerdict::unheld;
   if (match.score.matched < config_.least_share * match.score.known ||
       match.score.known < (match.other_start ? kLeastElsewhere : config_.least_known) ||
       match.score.matched < kLeastOfUsual * usual_share_)

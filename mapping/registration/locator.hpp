@@ -149,7 +149,6 @@ class Locator {
   static constexpr double kLongestGap = 3.0;  ///< times the last interval: no motion goes on for longer
 
   static constexpr double kNeverUsual = 2.0;   ///< a share that no match has: all starts are tried
-  static constexpr double kHardlyAny = 0.005;  ///< of the returns
   static constexpr double kForget = 0.9;       ///< of the usual share, a scan that is refused
   static constexpr double kYoung = 0.5;        ///< a usual share: the map is thin, or was left behind
   /// Of the returns, in cells that have a surface: what a place needs that was found from another start than
