@@ -8,10 +8,12 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr double kBeforeAll = 1.02;      ///< of a score: clearly better
-constexpr double kRival = 0.95;          ///< of a score: as good
-constexpr double kRivalKnown = 0.7;      ///< of the share that is known: enough of it to compare
-constexpr double kRivalMove = 0.1;       ///< m and rad: the two are not the same
+constexpr double kBeforeAll = 1.02;          ///< of a score: clearly better
+constexpr double kRival = 0.95;              ///< of a score: as good
+constexpr double kRivalFit = 1.0;            ///< of the share of what is known that fits
+constexpr double kSurfaceDeviations2 = 4.0;  ///< squared: a return lies on a surface
+constexpr double kRivalKnown = 0.7;          ///< of the share that is known: enough of it to compare
+constexpr double kRivalMove = 0.1;           ///< m and rad: the two are not the same
 constexpr double kRivalTurn = 0.0174533;
 constexpr std::size_t kRivalReturns = 512;
 constexpr double kAlong[] = {0.4, 0.8, 1.2, 1.6};  ///< m, either way along what is held least
@@ -31,9 +33,36 @@ bool is_other(const RigidPose& a, const RigidPose& b) {
          rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > kRivalTurn;
 }
 
+/// How well a sample lies on the surfaces that it meets, across them alone: where its rings lie on the rings
+/// of another scan says nothing of the surface.
+struct SurfaceFit {
+  std::uint32_t known{};
+  std::uint32_t matched{};
+};
+
+SurfaceFit surface_fit(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose,
+                       double sigma_m) {
+  const rt::RotationMatrix r = rt::to_matrix(pose.q);
+  const double step = layer.cell_m() / kSurfelSteps;
+  SurfaceFit fit;
+  SurfelPlace place;
+  for (const SamplePoint& point : sample) {
+    const rt::Vector3 p = r * point.at() + pose.p;
+    if (!layer.place(p.x, p.y, p.z, place)) continue;
+    const Surfel* const surfel = layer.surfel_at(place.cell);
+    if (surfel == nullptr) continue;
+    ++fit.known;
+    const rt::Vector3 at{step * place.at[0], step * place.at[1], step * place.at[2]};
+    const double off = rt::dot(surfel->normal(), at - surfel->mean());
+    if (off * off < kSurfaceDeviations2 * (surfel->variance(0) + sigma_m * sigma_m)) ++fit.matched;
+  }
+  return fit;
+}
+
 /// Of what it knows, as much lies on the map: what is not known must not decide.
-bool fits_as_well(const MatchScore& one, const MatchScore& best) {
-  return one.known > kRivalKnown * best.known && one.matched * best.known >= best.matched * one.known;
+bool fits_as_well(const SurfaceFit& one, const SurfaceFit& best) {
+  return one.known > kRivalKnown * best.known &&
+         static_cast<double>(one.matched) * best.known >= kRivalFit * best.matched * one.known;
 }
 }  // namespace
 
@@ -54,17 +83,18 @@ void ScanRegistration::look_for_rivals(Match& match, const PosePrior& prior) {
     for (const double turn : kAbout) try_start({}, side * turn);
   }
   const std::span<const SamplePoint> few = sample_.first(std::min<std::size_t>(size_, 1024));
-  MatchScore fine[kStarts + 1];
+  SurfaceFit fit[kStarts + 1];
   double value[kStarts + 1];
   std::size_t best = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    fine[i] = match_score(layers_[0], few, ends[i], config_.sigma_m);
-    value[i] = fine[i].value + match_score(layers_[1], few, ends[i], config_.sigma_m).value;
+    fit[i] = surface_fit(layers_[0], few, ends[i], config_.sigma_m);
+    value[i] = match_score(layers_[0], few, ends[i], config_.sigma_m).value +
+               match_score(layers_[1], few, ends[i], config_.sigma_m).value;
     if (value[i] > value[best] * (best == 0 ? kBeforeAll : 1.0)) best = i;
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!is_other(ends[i], ends[best])) continue;
-    match.ambiguous = match.ambiguous || value[i] > kRival * value[best] || fits_as_well(fine[i], fine[best]);
+    match.ambiguous = match.ambiguous || value[i] > kRival * value[best] || fits_as_well(fit[i], fit[best]);
   }
   if (best != 0) {
     match.other_start = match.other_start || is_other(ends[best], match.pose);

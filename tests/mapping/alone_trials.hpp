@@ -13,10 +13,10 @@ namespace sortie::testing {
 
 /// What a drive goes through.
 enum class AlonePlace : std::uint8_t {
-  hall,            ///< boxes and columns stand in it
-  bare_hall,       ///< four walls
-  corridor,        ///< columns stand along it
-  bare_corridor,   ///< nothing says how far along it one is, until its end is seen
+  hall,           ///< boxes and columns stand in it
+  bare_hall,      ///< four walls
+  corridor,       ///< columns stand along it
+  bare_corridor,  ///< nothing says how far along it one is, until its end is seen
 };
 inline constexpr AlonePlace kAlonePlaces[] = {AlonePlace::hall, AlonePlace::bare_hall, AlonePlace::corridor,
                                               AlonePlace::bare_corridor};
@@ -50,7 +50,8 @@ inline RegistrationWorld alone_world(AlonePlace place, Draws& draws) {
   if (place == AlonePlace::bare_corridor) return world;
   for (double x = -15.0; x < 15.0; x += draws.uniform(1.5, 4.0)) {
     const double side = draws.uniform(0, 1) < 0.5 ? -1.0 : 1.0;
-    world.boxes.push_back({{x, side * wide, 1.3}, {draws.uniform(0.1, 0.5), draws.uniform(0.1, 0.3), 1.3}, 0});
+    world.boxes.push_back(
+        {{x, side * wide, 1.3}, {draws.uniform(0.1, 0.5), draws.uniform(0.1, 0.3), 1.3}, 0});
   }
   return world;
 }
