@@ -13,7 +13,7 @@ constexpr std::size_t kLeastReturns = 100;
 constexpr std::size_t kLeastInPlane = 40;  ///< of one row: a wall 1 m off fills half of what it sees
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRaySteps = 64;
-constexpr double kFastMargin = 10.0;    ///< what holds a direction, against that noise: without odometry
+constexpr double kFastMargin = 7.0;    ///< what holds a direction, against that noise: without odometry
 constexpr double kFar2 = 22.46;         ///< 99.9 % of chi-square with 6 degrees of freedom
 constexpr double kFarInPlane2 = 16.27;  ///< with 3
 
