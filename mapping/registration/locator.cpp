@@ -13,6 +13,7 @@ constexpr std::size_t kLeastReturns = 100;
 constexpr std::size_t kLeastInPlane = 40;  ///< of one row: a wall 1 m off fills half of what it sees
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRaySteps = 64;
+constexpr double kFastMargin = 7.0;    ///< what holds a direction, against that noise: without odometry
 constexpr double kFar2 = 22.46;         ///< 99.9 % of chi-square with 6 degrees of freedom
 constexpr double kFarInPlane2 = 16.27;  ///< with 3
 
@@ -43,6 +44,12 @@ double both(double a, double b) { return std::sqrt(a * a + b * b); }
 /// What the prior alone says of a pose.
 void set_covariance(const PosePrior& prior, double (&covariance)[6][6]) {
   for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
+}
+
+/// Every direction is held by far more than noise could make of nothing.
+bool held_fast(const NormalEquations& equations) {
+  const WeakDirections weak = weak_directions(equations, kFastMargin);
+  return weak.moves + weak.turns == 0;
 }
 
 /// Squared distance from the prior in its own standard deviations.
@@ -184,15 +191,18 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
       usual_share_ < kYoung && clear())
     return LocateVerdict::new_place;
   // Without odometry nothing else holds what the scan does not, and standing still fits as well as any
-  // motion: then nothing at all may speak against the pose.
-  const bool weak = match.weak.moves + match.weak.turns > 0;
-  if (match.equations.rows < 6 || (weak && !(tied_ && odometry.known) && located_.inside > kHardlyAny))
-    return LocateVerdict::unheld;
+  // motion.
+  const bool alone = !(tied_ && odometry.known);
+  if (match.equations.rows < 6 || (alone && !held_fast(match.equations))) return LocateVerdict::unheld;
+  // Since a scan was refused it may have gone farther than any start reaches.
+  if (alone && anchor_ == Anchor::held && !is_placed(located_.verdict) &&
+      match.score.matched < kLeastAfterRefused)
+    return LocateVerdict::little_share;
   if (match.score.matched < config_.least_share * match.score.known ||
       match.score.known < (match.other_start ? kLeastElsewhere : config_.least_known) ||
       match.score.matched < kLeastOfUsual * usual_share_)
     return LocateVerdict::little_share;
-  if (!clear()) return LocateVerdict::crossed;
+  if (!clear() || (alone && located_.inside > kHardlyAny)) return LocateVerdict::crossed;
   if (match.ambiguous) return LocateVerdict::ambiguous;
   if (tied_ && odometry.known &&
       squared_distance(prior, match.pose) > (config_.planar ? kFarInPlane2 : kFar2))

@@ -152,8 +152,10 @@ class Locator {
 
   static constexpr double kNeverUsual = 2.0;   ///< a share that no match has: all starts are tried
   static constexpr double kHardlyAny = 0.005;  ///< of the returns
-  static constexpr double kForget = 0.9;       ///< of the usual share, a scan that is refused
-  static constexpr double kYoung = 0.5;        ///< a usual share: the map is thin, or was left behind
+  /// Of the returns, on the map, without odometry, after a scan that was refused.
+  static constexpr double kLeastAfterRefused = 0.8;
+  static constexpr double kForget = 0.9;  ///< of the usual share, a scan that is refused
+  static constexpr double kYoung = 0.5;   ///< a usual share: the map is thin, or was left behind
   /// Of the returns, in cells that have a surface: what a place needs that was found from another start than
   /// the expected one. With less of it known, one of 3,000 scans of other halls was taken.
   static constexpr double kLeastElsewhere = 0.4;

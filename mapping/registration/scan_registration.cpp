@@ -25,6 +25,7 @@ constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less
 constexpr double kAsGood = 0.95;      ///< of the best score: as good
 constexpr double kApartMove = 0.5;    ///< m and rad: two poses are well apart
 constexpr double kApartTurn = 0.17;
+constexpr double kSaysNothing = 5.0;  ///< m: a prior that is no better
 
 unsigned bits_of(std::uint32_t cells) {
   return static_cast<unsigned>(std::countr_zero(std::bit_ceil(cells)));
@@ -48,6 +49,11 @@ bool left_open(const WeakDirections& weak, const PosePrior& prior, double move_m
     if (loose(weak.turn[i], 0, turn_rad)) return true;
   }
   return false;
+}
+
+/// Whether the prior leaves metres open: there is no odometry.
+bool says_nothing(const PosePrior& prior) {
+  return prior.information[3][3] < 1.0 / (kSaysNothing * kSaysNothing);
 }
 
 bool apart(const RigidPose& a, const RigidPose& b, double move_m = kApartMove, double turn_rad = kApartTurn) {
@@ -272,6 +278,7 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
     weigh(match);
   }
+  if (says_nothing(prior)) look_for_rivals(match, prior);
   match_about(match, prior);
   return match;
 }

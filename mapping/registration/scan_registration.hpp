@@ -76,6 +76,9 @@ class ScanRegistration {
                     Match& match);
   bool look_about(Match& match, const PosePrior& prior);
   void weigh(Match& match);
+  /// Starts along what is held least, across it and about the upright. A better end is taken; where another
+  /// does as well, or fits what it knows as well, the match is ambiguous.
+  void look_for_rivals(Match& match, const PosePrior& prior);
   void recover(Match& match, const RigidPose& start, const RigidPose& other, const PosePrior& prior);
   SurfelLayer make_layer(rt::Arena& arena, int level, const RegistrationMemory& memory) const;
 
