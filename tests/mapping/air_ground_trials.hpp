@@ -147,7 +147,7 @@ inline AirGroundScene scene_of(const Building& in, double air_to, double ground_
   return out;
 }
 
-/// What became of scenes, and the errors of those that were placed.
+/// What became of scenes, and the errors of those that were placed: in part, those of what was observed.
 struct AirGroundTally {
   PlaneTally tally;
   std::uint32_t scenes{};
@@ -156,8 +156,10 @@ struct AirGroundTally {
   void add(const AirGroundScene& scene, const mapping::PlaneRegistrationResult& result) {
     ++scenes;
     tally.judge(scene.scene, result);
-    if (result.verdict != mapping::PlaneVerdict::placed) return;
-    const PoseError e = pose_error(scene.scene, result.fit.T_target_source);
+    if (!result.placed()) return;
+    const bool whole = result.verdict == mapping::PlaneVerdict::placed;
+    PoseError e = pose_error(scene.scene, result.fit.T_target_source);
+    if (!whole) e.position_m = observed_error_m(scene.scene, result.fit), e.scale = 0.0;
     position_m.push_back(e.position_m), angle_rad.push_back(e.angle_rad), scale.push_back(e.scale);
   }
 };
