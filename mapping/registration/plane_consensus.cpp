@@ -46,6 +46,16 @@ double log_of_cover(const PlanePatch& here, const PlanePatch& there) {
   return rt::log(std::clamp(2.0 * share, 0.05, 2.0));
 }
 
+/// What areas that differ by more than a factor of three speak against a pair: views of one plane mostly have
+/// like areas, e-fold less often per factor of two beyond; a box's top is not the floor that lies under it.
+double log_of_areas(double a_m2, double b_m2) {
+  constexpr double kLike = 1.1;
+  constexpr double kFall = 0.7;
+  const double least = std::max(std::min(a_m2, b_m2), 1e-6);
+  const double apart = rt::log(std::max({a_m2, b_m2, 1e-6}) / least) - kLike;
+  return apart > 0.0 ? -apart / kFall : 0.0;
+}
+
 /// Squared tilt of a placed plane against another in their standard deviations: chi-square of two degrees.
 double tilt_chi2(const Placed& p, const Plane& s, const Plane& t, bool opposite, double model_rad) {
   double chi2 = 0.0;
@@ -129,7 +139,8 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
       const PlanePatch here = own_patch(t);
       if (!overlap(here, there, config.overlap_margin_m)) continue;
       const double gain = candidates.worth(k) - 0.5 * (rt::log(variance) + residual * residual / variance) +
-                          log_of_cover(here, there);
+                          log_of_cover(here, there) +
+                          log_of_areas(squared(pose.scale) * s.area_m2, t.area_m2);
       if (gain > most) most = gain, best = pair;
     }
     if (most == 0.0) continue;

@@ -10,10 +10,13 @@ namespace sortie::mapping {
 namespace {
 using rt::dot;
 using rt::Vector3;
+
+constexpr double kPointsCount = 4;  ///< measurements that the variance of points is worth
 }  // namespace
 
-/// All of a plane that others see. A cell's mean counts as one measurement: errors of points in a cell are of
-/// one kind.
+/// All of a plane that others see. A cell's mean counts as one measurement: errors of points in a cell may be
+/// of one kind. How good it is the means themselves say; where there are few of them the points' own
+/// variance, which is the most that a mean's can be, counts as four more.
 void PlaneGrowing::shape(PlaneRegion& region) {
   const PlaneMoments m = moments_of(region.sums, config_.cell_m);
   const double edge = config_.cell_m;
@@ -29,10 +32,12 @@ void PlaneGrowing::shape(PlaneRegion& region) {
       0.5 * edge / std::max({std::fabs(p.axis_u.x), std::fabs(p.axis_u.y), std::fabs(p.axis_u.z)}),
       0.5 * edge / std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)})};
   for (int k = 0; k < 2; ++k) p.least_m[k] = p.most_m[k] = 0.0;
+  double scatter_m2 = 0.0;
   for (std::uint32_t slot = region.first; slot != 0; slot = memory_.cells[slot - 1].next) {
     const PlaneCellSlot& cell = memory_.cells[slot - 1];
     const Vector3 d = Vector3{cell.mean_m[0], cell.mean_m[1], cell.mean_m[2]} - p.centroid_m;
     const double at[2] = {dot(d, p.axis_u), dot(d, v)};
+    scatter_m2 += dot(d, p.normal) * dot(d, p.normal);
     for (int k = 0; k < 2; ++k) {
       p.least_m[k] = std::min(p.least_m[k], at[k]);
       p.most_m[k] = std::max(p.most_m[k], at[k]);
@@ -46,8 +51,10 @@ void PlaneGrowing::shape(PlaneRegion& region) {
   }
   const double slant = std::max({std::fabs(p.normal.x), std::fabs(p.normal.y), std::fabs(p.normal.z)});
   p.area_m2 = std::min(box, region.cells * edge * edge / slant);
-  const double noise = std::max(m.variance_m2[0], 1e-6);
   const double n = region.cells;
+  const double scatter =
+      (scatter_m2 + kPointsCount * m.variance_m2[0]) / (std::max(n - 3.0, 0.0) + kPointsCount);
+  const double noise = std::max(std::min(scatter, m.variance_m2[0]), 1e-6);
   p.sigma_offset_m = std::sqrt(noise / n);
   for (int k = 0; k < 2; ++k)  // a turn about u is held by what lies along v
     p.sigma_tilt_rad[k] = std::sqrt(noise / (n * std::max(m.variance_m2[1 + k], 1e-4)));

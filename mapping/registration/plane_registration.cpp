@@ -200,6 +200,29 @@ void PlaneRegistration::begin_scale() {
   stage_ = some ? Stage::look : Stage::scale;
 }
 
+/// Where one target plane is the only one within 60 degrees of its direction: how unlike its area and that of
+/// its partners together are, as a ratio of 1 or more. The largest of them; 0 where all directions are held
+/// by two. A box's top on the floor, with no second plane that says at which height, is the case to fear.
+double PlaneRegistration::alone_ratio(const Fitted& best) const {
+  const double grown = best.fit.T_target_source.scale * best.fit.T_target_source.scale;
+  double most = 0.0;
+  for (const PlanePair& pair : best.pairs) {
+    bool alone = true;
+    double source_m2 = 0.0;
+    for (const PlanePair& other : best.pairs) {
+      if (other.target == pair.target)
+        source_m2 += grown * source_[other.source].area_m2;
+      else
+        alone = alone && std::fabs(rt::dot(target_[pair.target].normal, target_[other.target].normal)) < 0.5;
+    }
+    if (!alone) continue;
+    const double here = std::max(target_[pair.target].area_m2, 1e-6);
+    const double there = std::max(source_m2, 1e-6);
+    most = std::max({most, here / there, there / here});
+  }
+  return most;
+}
+
 void PlaneRegistration::finish() {
   stage_ = Stage::done;
   const auto refuse = [this](PlaneRefusal why) {
@@ -237,6 +260,7 @@ void PlaneRegistration::finish() {
     return refuse(PlaneRefusal::mirrored);
   if ((!whole_turn && !estimate_.has_yaw()) || (!whole_shift && !estimate_.has_position()))
     return refuse(PlaneRefusal::unobserved);
+  if (alone_ratio(best) > config_.most_area_ratio_alone) return refuse(PlaneRefusal::unobserved);
   result_.verdict = whole_turn && whole_shift ? PlaneVerdict::placed : PlaneVerdict::placed_partly;
 }
 

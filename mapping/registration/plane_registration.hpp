@@ -30,7 +30,7 @@ enum class PlaneRefusal : std::uint8_t {
   few_matches,      ///< fewer than least_matches
   little_share,     ///< too few of the planes that both should see
   little_evidence,  ///< chance may have done it
-  unobserved,       ///< a direction that neither planes nor estimate know
+  unobserved,       ///< a direction that neither planes nor estimate know, or one pair of unlike areas alone
   runner_up,        ///< another place is nearly as likely
   mirrored,         ///< a mirror image would fit better: another wing, another building
 };
@@ -126,6 +126,7 @@ class PlaneRegistration {
   bool harmless(const Place& place) const;
   double rivalry(const Fitted& best, const Fitted& other, double least_margin) const;
   bool same_basin(const PlanePose& a, const PlanePose& b) const;
+  double alone_ratio(const Fitted& best) const;
   void finish();
   double least_gain() const;
 

@@ -53,6 +53,20 @@ inline mapping::PlaneRegistrationResult registered(mapping::PlaneRegistration& r
   return registration.result();
 }
 
+/// How far a fit is off in the directions that it calls observed, its scale among them.
+inline double observed_error_m(const PlaneScene& scene, const mapping::PlaneFit& fit) {
+  const rt::Vector3 d = fit.pivot_target_m - transform(scene.truth, fit.pivot_source_m);
+  const double grown = fit.lever_m * std::log(fit.T_target_source.scale / scene.truth.scale);
+  double squared = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    if (!(fit.direction_sigma_m[k] > 0.0 && fit.direction_sigma_m[k] < 0.05)) continue;
+    const double* const v = fit.direction[k];
+    const double part = v[0] * d.x + v[1] * d.y + v[2] * d.z + v[3] * grown;
+    squared += part * part;
+  }
+  return std::sqrt(squared);
+}
+
 /// Places within 5 cm, 0.3 degrees and 0.5 % of scale; within 10 cm and 1 degree; wrong; refused. Of a place
 /// that is known in part only what it observes counts.
 struct PlaneTally {
@@ -68,18 +82,7 @@ struct PlaneTally {
     }
     PoseError e = pose_error(scene, result.fit.T_target_source);
     if (result.verdict == mapping::PlaneVerdict::placed_partly) {
-      const rt::Vector3 d = result.fit.pivot_target_m - transform(scene.truth, result.fit.pivot_source_m);
-      double squared = 0.0;
-      const double grown =
-          result.fit.lever_m * std::log(result.fit.T_target_source.scale / scene.truth.scale);
-      for (int k = 0; k < 4; ++k) {
-        const double sigma = result.fit.direction_sigma_m[k];
-        if (!(sigma > 0.0 && sigma < 0.05)) continue;
-        const double* const v = result.fit.direction[k];
-        const double part = v[0] * d.x + v[1] * d.y + v[2] * d.z + v[3] * grown;
-        squared += part * part;
-      }
-      e.position_m = std::sqrt(squared);
+      e.position_m = observed_error_m(scene, result.fit);
       e.scale = 0.0;
     }
     if (nowhere || e.position_m > 0.1 || e.angle_rad > 0.0175)
