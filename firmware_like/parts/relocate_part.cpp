@@ -59,9 +59,12 @@ class RelocatePart final : public Part {
       builder.profile().fail("tasks.relocate.enabled",
                              "a lidar of one row (locate.planar) sees too little to be searched with: say "
                              "where the robot starts with locate.start_on_map = true");
-    relocaliser_ = std::make_unique<mapping::Relocaliser>(
-        config, search, access_->memory, access_->locator->registration_to_match(), builder.arena());
-    if (access_->locator->is_unplaced()) relocaliser_->take_map();
+    // A run that makes its own map has nobody to look for, and needs no memory for it.
+    if (access_->locator->is_unplaced()) {
+      relocaliser_ = std::make_unique<mapping::Relocaliser>(
+          config, search, access_->memory, access_->locator->registration_to_match(), builder.arena());
+      relocaliser_->take_map();
+    }
     task_ = builder.task<RelocateOutput>(builder.group("mapping", 10), "relocate",
                                          TaskDefaults{50'000, rt::Criticality::b},
                                          [this](rt::JobContext& context, RelocateOutput& output) {
@@ -82,7 +85,7 @@ class RelocatePart final : public Part {
         .by_hand(relocaliser_)
         .state(searched_odometry_, T_odom_searched_, sigma_move_m_, sigma_turn_rad_, told_, waited_,
                has_look_, T_odom_look_, T_map_odom_look_, output_);
-    archive.value(*relocaliser_);
+    if (relocaliser_ != nullptr) archive.value(*relocaliser_);
     mapping::check_pose(archive, T_odom_searched_);
     mapping::check_pose(archive, T_odom_look_);
     mapping::check_pose(archive, T_map_odom_look_);
@@ -98,7 +101,7 @@ class RelocatePart final : public Part {
 
   void work(rt::JobContext& context) {
     mapping::Locator& locator = *access_->locator;
-    if (!relocaliser_->has_map() || locator.has_begun()) return;
+    if (relocaliser_ == nullptr || !relocaliser_->has_map() || locator.has_begun()) return;
     if (told_) {
       waited_ += access_->scans;
       if (waited_ < kPatience) return;
@@ -181,7 +184,7 @@ class RelocatePart final : public Part {
 
   RelocatePartConfig config_;
   LocateAccess* access_;
-  std::unique_ptr<mapping::Relocaliser> relocaliser_;
+  std::unique_ptr<mapping::Relocaliser> relocaliser_;  // null without a kept map
   const rt::Task<RelocateOutput>* task_{};
   bool searched_odometry_{};  ///< of the scan that is searched with
   mapping::RigidPose T_odom_searched_;
