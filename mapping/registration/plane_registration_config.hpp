@@ -28,7 +28,7 @@ struct PlaneRegistrationConfig {
   double least_margin{4};           ///< and the least difference between the two
   double least_share{0.4};          ///< matches over the planes of the smaller set within the other's bounds
   std::uint32_t least_matches{4};   ///< below it a place is refused
-  double most_area_ratio_alone{5};  ///< between areas of a pair that alone holds a direction: else refused
+  double most_area_ratio_alone{1.5};  ///< between areas of a pair that alone holds a direction: else refused
   double basin_m{0.15};             ///< places this near, and
   double basin_rad{0.03};           ///< turned by no more than this, are one place
   bool signed_normals{true};        ///< normals point to where they were seen from, in both sets
