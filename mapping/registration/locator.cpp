@@ -10,10 +10,10 @@
 namespace sortie::mapping {
 namespace {
 constexpr std::size_t kLeastReturns = 100;
-constexpr std::size_t kLeastInPlane = 40;  ///< of one row: a wall 1 m off fills half of what it sees
+constexpr std::size_t kLeastReturnsInPlane = 40;  ///< of one row: a wall 1 m off fills half of what it sees
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRaySteps = 64;
-constexpr double kFastMargin = 7.0;    ///< what holds a direction, against that noise: without odometry
+constexpr double kFastMargin = 7.0;     ///< what holds a direction, against that noise: without odometry
 constexpr double kFar2 = 22.46;         ///< 99.9 % of chi-square with 6 degrees of freedom
 constexpr double kFarInPlane2 = 16.27;  ///< with 3
 
@@ -100,7 +100,7 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
     describe({}, covariance, prior.at.q);
     return refuse(LocateVerdict::unplaced, odometry);
   }
-  if (located_.returns < (config_.planar ? kLeastInPlane : kLeastReturns)) {
+  if (located_.returns < (config_.planar ? kLeastReturnsInPlane : kLeastReturns)) {
     describe({}, covariance, prior.at.q);
     return refuse(LocateVerdict::few_returns, odometry);
   }

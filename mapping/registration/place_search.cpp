@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kSearchPi = 3.14159265358979323846;
 constexpr double kFarVoxels = 8000.0;   ///< a return stays within, and in 16 bits
 constexpr std::uint32_t kScanned = 16;  ///< bounds that are read in the time of a unit
 }  // namespace
@@ -25,7 +25,7 @@ PlaceSearch::PlaceSearch(const PlaceSearchConfig& config, const PlaceMap& map, r
       looks_(arena.make_array<PlaceTiles::Look>("place_looks", PlaceSearchConfig::kMostReturns)),
       part_looks_(arena.make_array<PlaceTiles::Look>("place_looks", PlaceSearchConfig::kMostReturns)) {}
 
-double PlaceSearch::turn_rad(std::int32_t turn) { return turn * (2.0 * kPi / kTurns); }
+double PlaceSearch::turn_rad(std::int32_t turn) { return turn * (2.0 * kSearchPi / kTurns); }
 
 bool PlaceSearch::near(const PlaceCell& a, const PlaceCell& b) {
   for (int i = 0; i < 3; ++i) {

@@ -28,9 +28,9 @@ using NearCandidates = rt::FixedVector<std::uint16_t, 4096>;
 /// Matches every source plane with the candidate of `near` that gains most of those within `sigmas` of it in
 /// distance and in tilt, and overlapping it. A match gains its worth less ln(standard deviation of its
 /// distance) less half its squared residual in these, plus ln of twice the share of the smaller rectangle
-/// that the other covers, less what unlike areas speak against it; a plane of the smaller set that lies within the other set's box and has no partner
-/// costs -ln(1 - share_matched). `gains` has room for what each of the pairs gains. Cost: a look a candidate,
-/// ~60 ns a match.
+/// that the other covers, less what unlike areas speak against it; a plane of the smaller set that lies
+/// within the other set's box and has no partner costs -ln(1 - share_matched). `gains` has room for what each
+/// of the pairs gains. Cost: a look a candidate, ~60 ns a match.
 PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
                      const NearCandidates& near, const PlanePose& pose, const PlaneRegistrationConfig& config,
                      PlanePairs& pairs, double* gains);

@@ -10,7 +10,7 @@ namespace sortie::mapping {
 namespace {
 using rt::Vector3;
 
-constexpr double kHalfTurn_rad = 3.14159265358979323846;
+constexpr double kHalfCircle_rad = 3.14159265358979323846;
 constexpr int kBins = 360;  ///< degrees
 constexpr int kReach = 2;   ///< bins on either side that count for a peak
 constexpr std::uint32_t kMostPeaks = 8;
@@ -29,7 +29,7 @@ void take_walls(const PlaneSide& side, const rt::RotationMatrix& level, Walls& w
   for (std::uint32_t i = 0; i < side.size(); ++i) {
     const Vector3 n = level * side[i].normal;
     if (std::fabs(n.z) > kWall) continue;
-    const double at = rt::atan2(n.y, n.x) * (0.5 * kBins / kHalfTurn_rad);
+    const double at = rt::atan2(n.y, n.x) * (0.5 * kBins / kHalfCircle_rad);
     walls.direction[walls.count] = at < 0.0 ? at + kBins : at;
     walls.weight[walls.count] = std::sqrt(std::min(side[i].area_m2, 25.0)) + 0.1;
     ++walls.count;
@@ -93,7 +93,7 @@ void take_peaks(const Votes& votes, const rt::Quaternion& level, double most_bin
       weight += votes.weight[bin];
       moment += votes.moment[bin] + k * votes.weight[bin];
     }
-    const double half_yaw = (tops[i] + moment / weight) * (kHalfTurn_rad / kBins);
+    const double half_yaw = (tops[i] + moment / weight) * (kHalfCircle_rad / kBins);
     const rt::SinCos h = rt::sincos(half_yaw);
     (void)turns.push_back({rt::normalised(rt::Quaternion{h.cos, 0, 0, h.sin} * level), around[tops[i]]});
   }
@@ -109,8 +109,8 @@ void turns_about_vertical(const PlaneSide& source, const PlaneSide& target, cons
   Votes votes;
   vote(from, to, signs, votes);
   const double most = estimate.has_yaw()
-                          ? std::max(4.0 * estimate.sigma_yaw_rad, 3.0 * kHalfTurn_rad / 180.0) *
-                                (0.5 * kBins / kHalfTurn_rad)
+                          ? std::max(4.0 * estimate.sigma_yaw_rad, 3.0 * kHalfCircle_rad / 180.0) *
+                                (0.5 * kBins / kHalfCircle_rad)
                           : kBins;
   take_peaks(votes, level, most, turns);
 }

@@ -17,4 +17,9 @@ inline RigidPose inverse(const RigidPose& a) {
   return {-1.0 * rt::rotate_back(a.q, a.p), rt::conjugate(a.q)};
 }
 
+/// Farther from each other than that, m or rad.
+inline bool are_apart(const RigidPose& a, const RigidPose& b, double move_m, double turn_rad) {
+  return rt::norm(a.p - b.p) > move_m || rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > turn_rad;
+}
+
 }  // namespace sortie::mapping

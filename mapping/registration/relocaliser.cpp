@@ -4,19 +4,14 @@
 #include <algorithm>
 
 #include "mapping/registration/place_returns.hpp"
+#include "mapping/registration/pose_algebra.hpp"
 
 namespace sortie::mapping {
 namespace {
-constexpr std::size_t kLeastReturns = 100;  ///< of a sample
+constexpr std::size_t kLeastSample = 100;   ///< of a sample
 constexpr std::size_t kLeastSearched = 48;  ///< of them, within reach and spread over directions
-constexpr double kApartMove = 0.5;          ///< m and rad: two places are two
-constexpr double kApartTurn = 0.17;
-
-bool apart(const RigidPose& a, const RigidPose& b) {
-  return rt::norm(a.p - b.p) > kApartMove ||
-         rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > kApartTurn;
-}
-
+constexpr double kPlaceMove = 0.5;          ///< m and rad: two places are two
+constexpr double kPlaceTurn = 0.17;
 }  // namespace
 
 PosePrior Relocaliser::prior_at(const RigidPose& pose) {
@@ -56,7 +51,7 @@ void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternio
   const std::size_t few =
       choose_place_returns(this->sample(), q_level_sensor_, search_.config().reach_m, wanted);
   result_.searched = static_cast<std::uint32_t>(few);
-  if (size_ < kLeastReturns || few < kLeastSearched) return conclude(RelocateVerdict::few_returns);
+  if (size_ < kLeastSample || few < kLeastSearched) return conclude(RelocateVerdict::few_returns);
   search_.begin(wanted.first(few));
   step_ = Step::search;
 }
@@ -156,7 +151,8 @@ void Relocaliser::order() {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {
     bool other = true;
-    for (std::uint32_t k = 0; k < kept; ++k) other = other && apart(places_[i].pose, places_[k].pose);
+    for (std::uint32_t k = 0; k < kept; ++k)
+      other = other && are_apart(places_[i].pose, places_[k].pose, kPlaceMove, kPlaceTurn);
     if (other) places_[kept++] = places_[i];
   }
   count_ = kept;

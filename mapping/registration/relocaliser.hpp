@@ -41,15 +41,15 @@ struct Relocated {
   double crossed{};         ///< of the rays: through surfaces
   double lead{};            ///< of the returns: explained here and not at the strongest other place
   double denied{};  ///< of these returns: the map has a surface there in their cell, and they are not on it
-  double rival{};           ///< of the returns: explained there and not here
-  double unexplained{};     ///< of the returns: not here, where the map has seen something
-  std::uint32_t hits{};     ///< in the search, of `searched` returns
+  double rival{};   ///< of the returns: explained there and not here
+  double unexplained{};  ///< of the returns: not here, where the map has seen something
+  std::uint32_t hits{};  ///< in the search, of `searched` returns
   std::uint32_t searched{};
   std::uint32_t candidates{};
   std::uint64_t units{};  ///< of work
   RelocateCounts counts;
-  SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, denied, rival, unexplained, hits,
-                searched, candidates, units, counts)
+  SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, denied, rival, unexplained,
+                hits, searched, candidates, units, counts)
 };
 
 /// Searches, matches what it found, and judges. All memory is taken from the arena; no heap; no step costs

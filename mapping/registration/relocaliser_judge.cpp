@@ -8,8 +8,8 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kRays = 256;
-constexpr std::uint32_t kMostRaySteps = 96;
+constexpr std::uint32_t kJudgeRays = 256;
+constexpr std::uint32_t kJudgeRaySteps = 96;
 constexpr double kMostMove = 0.02;  ///< m and rad, standard deviations: of a place that is held
 constexpr double kMostTurn = 0.006;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
@@ -61,7 +61,7 @@ void Relocaliser::explain(Place& place) {
     explained[i / 64] |= bit;
     ++place.explained;
   }
-  place.through = rays_through_surfaces(fine, sample(), place.pose, kRays, kMostRaySteps);
+  place.through = rays_through_surfaces(fine, sample(), place.pose, kJudgeRays, kJudgeRaySteps);
 }
 
 Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there) const {
@@ -112,7 +112,7 @@ RelocateVerdict Relocaliser::judge() {
   result_.T_map_sensor = best.pose;
   result_.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
   result_.seen = best.seen / static_cast<double>(size_);
-  result_.crossed = best.through / static_cast<double>(std::min(kRays, size_));
+  result_.crossed = best.through / static_cast<double>(std::min(kJudgeRays, size_));
   const bool lead = leads(best);
   if (result_.share < config_.least_share || result_.seen < config_.least_seen ||
       result_.crossed > config_.most_crossed)

@@ -8,23 +8,15 @@ namespace sortie::mapping {
 namespace {
 constexpr std::size_t kMostInserted = 8192;    ///< returns of a scan's sample: all of them go into the map
 constexpr std::uint32_t kFewestSurfels = 256;  ///< of a layer
-constexpr std::size_t kFewReturns = 512;       ///< of a sample, for starts that are but tried
 constexpr double kClearlyBetter = 1.02;        ///< of a score
 constexpr double kAboutTurn = 0.03;            ///< rad and m from a result to the starts about it
 constexpr double kAboutMove = 0.15;
 /// Of the squares of where starts about a result end, two steps on: they are on their way still. With it the
 /// errors on six shapes are those that the covariance says, or less.
 constexpr double kOfSpread = 1.0 / 3.0;
-constexpr int kTurns = 5;    ///< about the upright, either way
-constexpr int kLattice = 5;  ///< an edge of it
-constexpr int kLatticeRadius2 = 5;
-constexpr double kCompass[8][2] = {{1, 0},  {0.7, 0.7},   {0, 1},  {-0.7, 0.7},
-                                   {-1, 0}, {-0.7, -0.7}, {0, -1}, {0.7, -0.7}};
 constexpr double kNoiseMargin = 5.0;  ///< what holds a direction, against what noise could make of nothing
 constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less is a reason to look elsewhere
-constexpr double kAsGood = 0.95;      ///< of the best score: as good
-constexpr double kApartMove = 0.5;    ///< m and rad: two poses are well apart
-constexpr double kApartTurn = 0.17;
+constexpr double kOpenTurn = 0.17;    ///< rad: what is left open is no place
 constexpr double kSaysNothing = 5.0;  ///< m: a prior that is no better
 
 unsigned bits_of(std::uint32_t cells) {
@@ -54,10 +46,6 @@ bool left_open(const WeakDirections& weak, const PosePrior& prior, double move_m
 /// Whether the prior leaves metres open: there is no odometry.
 bool says_nothing(const PosePrior& prior) {
   return prior.information[3][3] < 1.0 / (kSaysNothing * kSaysNothing);
-}
-
-bool apart(const RigidPose& a, const RigidPose& b, double move_m = kApartMove, double turn_rad = kApartTurn) {
-  return rt::norm(a.p - b.p) > move_m || rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > turn_rad;
 }
 }  // namespace
 
@@ -184,68 +172,6 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
   return true;
 }
 
-void ScanRegistration::recover(Match& match, const RigidPose& start, const RigidPose& other,
-                               const PosePrior& prior) {
-  struct Candidate {
-    RigidPose pose;
-    double value{-1.0};
-  };
-  Candidate best[3];
-  const std::span<const SamplePoint> few = sample_.first(std::min(size_, kFewReturns));
-  const auto try_start = [&](const RigidPose& base, const rt::Vector3& turn_rad, const rt::Vector3& move_m) {
-    const RigidPose from{base.p + move_m, rt::normalised(rt::exp_rotation(turn_rad) * base.q)};
-    Candidate candidate{descend(from, prior, {2, 2, 2}, kFewReturns, match)};
-    // The middle layer as well: where the map is but one scan, its rings fit on the rings of the next one
-    // wherever that was taken.
-    candidate.value = match_score(layers_[0], few, candidate.pose, config_.sigma_m).value +
-                      match_score(layers_[1], few, candidate.pose, config_.sigma_m).value;
-    for (Candidate& one : best) {
-      if (candidate.value > one.value) std::swap(candidate, one);
-    }
-  };
-  // Turns about the upright, which are the usual ones, close together; about all axes on a lattice, or in the
-  // plane turns and moves on it. Moves all round.
-  const double most = config_.recovery_turn_rad;
-  for (const RigidPose* base : {&start, &other}) {
-    for (int i = -kTurns; i <= kTurns; ++i) try_start(*base, {0, 0, most * i / kTurns}, {});
-    for (int i = 0; i < kLattice * kLattice * kLattice; ++i) {
-      const int step[3] = {i % kLattice - 2, i / kLattice % kLattice - 2, i / (kLattice * kLattice) - 2};
-      const int flat = step[0] * step[0] + step[1] * step[1];
-      if (flat == 0 || flat + step[2] * step[2] > kLatticeRadius2) continue;
-      const double x = 0.5 * step[0], y = 0.5 * step[1], z = 0.5 * step[2];
-      if (config_.planar) {
-        try_start(*base, {0, 0, most * z}, {config_.recovery_move_m * x, config_.recovery_move_m * y, 0});
-      } else {
-        try_start(*base, {most * x, most * y, most * z}, {});
-      }
-    }
-    for (int i = 0; i < 16; ++i) {
-      const double far = i < 8 ? config_.recovery_move_m : 0.5 * config_.recovery_move_m;
-      try_start(*base, {}, {far * kCompass[i % 8][0], far * kCompass[i % 8][1], 0.0});
-    }
-    if (!apart(start, other, 0.01, 0.001)) break;
-  }
-  match.recovered = true;
-  const auto value_at = [&](const RigidPose& pose) {
-    return match_score(layers_[0], sample(), pose, config_.sigma_m).value +
-           match_score(layers_[1], sample(), pose, config_.sigma_m).value;
-  };
-  double values[4] = {value_at(match.pose)};
-  RigidPose poses[4] = {match.pose};
-  int chosen = 0;
-  for (int i = 1; i < 4; ++i) {
-    poses[i] = descend(best[i - 1].pose, prior, {0, 1, config_.steps}, size_, match);
-    values[i] = value_at(poses[i]);
-    if (values[i] > values[chosen] * (chosen == 0 ? kClearlyBetter : 1.0)) chosen = i;
-  }
-  match.pose = poses[chosen];
-  match.other_start = chosen != 0;
-  for (int i = 0; i < 4; ++i) {
-    match.ambiguous =
-        match.ambiguous || (values[i] > kAsGood * values[chosen] && apart(poses[i], match.pose));
-  }
-}
-
 /// The equations at the pose, and what they do not hold.
 void ScanRegistration::weigh(Match& match) {
   match.equations =
@@ -273,7 +199,7 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
   take(descend(start, prior, {0, 0, config_.steps}, size_, match));
   if (!good()) take(descend(start, prior, {2, 2, config_.steps}, size_, match));
   weigh(match);  // descending left the weak directions of the last start that was tried
-  if (!good() || left_open(match.weak, prior, 0.5 * config_.cell_m, kApartTurn)) {
+  if (!good() || left_open(match.weak, prior, 0.5 * config_.cell_m, kOpenTurn)) {
     recover(match, start, other, prior);
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
     weigh(match);

@@ -26,7 +26,7 @@ struct Followed {
   std::size_t surfels{};
 };
 
-Followed follow(const std::vector<tests::PlanarScan>& scans, double sigma_turn_rad) {
+Followed follow_wheels(const std::vector<tests::PlanarScan>& scans, double sigma_turn_rad) {
   std::vector<std::byte> memory(std::size_t{48} << 20);
   rt::Arena arena(memory);
   mapping::Locator locator(planar_scene(), arena, {32'768, 512, 8});
@@ -56,7 +56,7 @@ TEST_CASE(
     WARN("skipped: no recorded drive in " SORTIE_DATA_DIR);
     return;
   }
-  const Followed followed = follow(scans, 0.02);
+  const Followed followed = follow_wheels(scans, 0.02);
   const tests::RelationErrors all = tests::errors_of(relations, followed.poses);
   const tests::RelationErrors late =
       tests::errors_of(relations, followed.poses, 60 * rt::kNanosecondsPerSecond);
@@ -78,7 +78,7 @@ TEST_CASE("a drive that comes back to the same rooms for three quarters of an ho
     WARN("skipped: no recorded drive in " SORTIE_DATA_DIR);
     return;
   }
-  const Followed followed = follow(scans, 0.02);
+  const Followed followed = follow_wheels(scans, 0.02);
   INFO(followed.counts.accepted << " of " << followed.counts.in << ", " << followed.surfels << " surfels");
   CHECK(followed.counts.accepted > 97 * followed.counts.in / 100);
   CHECK(followed.surfels < 2300);  // twice that where a revisit lies beside what was there

@@ -13,7 +13,7 @@ using namespace sortie;
 using mapping::LocateVerdict;
 using mapping::RigidPose;
 
-constexpr rt::Nanoseconds kTick_ns = 150'000'000;
+constexpr rt::Nanoseconds kPlaneTick_ns = 150'000'000;
 
 mapping::RegistrationConfig planar_config() {
   mapping::RegistrationConfig config;
@@ -70,8 +70,8 @@ struct Wheels {
   }
 };
 
-mapping::Located locate(testing::OwnedLocator& owned, const std::vector<rt::ScanPoint>& points,
-                        rt::Nanoseconds stamp_ns, const mapping::OdometryHint& hint) {
+mapping::Located locate_flat(testing::OwnedLocator& owned, const std::vector<rt::ScanPoint>& points,
+                             rt::Nanoseconds stamp_ns, const mapping::OdometryHint& hint) {
   rt::PointScan scan;
   scan.header.stamp_ns = stamp_ns;
   scan.header.points = static_cast<std::uint32_t>(points.size());
@@ -113,8 +113,8 @@ TEST_CASE("A lidar of one row is followed through a storey, and its height and t
       INFO("lean " << lean << ", scan " << tick);
       const RigidPose truth = way_at(tick, lean);
       const mapping::OdometryHint hint = wheels.to(truth, draws);
-      const mapping::Located l =
-          locate(owned, one_row().scan(world, truth.p, truth.q, draws), (tick + 1) * kTick_ns, hint);
+      const mapping::Located l = locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws),
+                                             (tick + 1) * kPlaneTick_ns, hint);
       if (!mapping::is_placed(l.verdict)) ++refused;
       CHECK(flat_between(l.T_map_sensor, truth) < 0.06);
       CHECK(turn_between(l.T_map_sensor, truth) < 0.015);
@@ -153,7 +153,7 @@ TEST_CASE("Along a corridor a lidar of one row holds nothing, and says so") {
       hint.T_odom_sensor.p = hint.T_odom_sensor.p + 0.02 * along + (tick == 0 ? 0.0 : 0.03) * across;
       if (tick > 0) hint.T_odom_sensor.q = rt::exp_rotation({0, 0, 0.01}) * truth.q;
       const mapping::Located l =
-          locate(owned, lidar.scan(world, truth.p, truth.q, draws), (tick + 1) * kTick_ns, hint);
+          locate_flat(owned, lidar.scan(world, truth.p, truth.q, draws), (tick + 1) * kPlaneTick_ns, hint);
       if (tick < 2) continue;
       CHECK(l.verdict == LocateVerdict::accepted);
       REQUIRE(l.weak_moves == 1);
@@ -179,7 +179,7 @@ TEST_CASE("In the middle of a round room a lidar of one row does not know which 
   for (int tick = 0; tick < 8; ++tick) {
     const mapping::OdometryHint hint{true, {}, 0.02, 0.02};
     const mapping::Located l =
-        locate(owned, one_row().scan(world, {}, {}, draws), (tick + 1) * kTick_ns, hint);
+        locate_flat(owned, one_row().scan(world, {}, {}, draws), (tick + 1) * kPlaneTick_ns, hint);
     if (tick < 2) continue;
     CHECK(l.verdict == LocateVerdict::accepted);
     CHECK(l.weak_moves == 0);
@@ -201,8 +201,8 @@ TEST_CASE("A lidar of one row that starts off by x, y and yaw is found, or refus
     Wheels wheels{mapping::laid_flat(way_at(0, 0)), way_at(0, 0)};
     for (int tick = 0; tick < 40; ++tick) {
       const RigidPose truth = way_at(tick, 0);
-      static_cast<void>(locate(owned, one_row().scan(world, truth.p, truth.q, draws), (tick + 1) * kTick_ns,
-                               wheels.to(truth, draws)));
+      static_cast<void>(locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws),
+                                    (tick + 1) * kPlaneTick_ns, wheels.to(truth, draws)));
     }
     for (int tick = 40; tick < 46; ++tick) {
       const RigidPose truth = way_at(tick, 0);
@@ -213,8 +213,8 @@ TEST_CASE("A lidar of one row that starts off by x, y and yaw is found, or refus
           hint.T_odom_sensor.p + draws.uniform(0, 0.5) * rt::Vector3{std::cos(turn), std::sin(turn), 0};
       hint.T_odom_sensor.q =
           rt::normalised(rt::exp_rotation({0, 0, draws.uniform(-0.35, 0.35)}) * hint.T_odom_sensor.q);
-      const mapping::Located l =
-          locate(owned, one_row().scan(world, truth.p, truth.q, draws), (tick + 1) * kTick_ns, hint);
+      const mapping::Located l = locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws),
+                                             (tick + 1) * kPlaneTick_ns, hint);
       ++trials;
       if (l.verdict != LocateVerdict::accepted) continue;
       const bool right =
@@ -241,8 +241,8 @@ TEST_CASE("What a lidar of one row says of its errors is what they are", "[heavy
     for (int tick = 0; tick < 12; ++tick) {
       const RigidPose truth = way_at(tick, 0);
       const mapping::OdometryHint hint{true, truth, 1e-6, 1e-6};
-      static_cast<void>(
-          locate(owned, one_row().scan(world, truth.p, truth.q, draws), (tick + 1) * kTick_ns, hint));
+      static_cast<void>(locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws),
+                                    (tick + 1) * kPlaneTick_ns, hint));
     }
     const RigidPose truth = way_at(12, 0);
     mapping::OdometryHint hint{true, truth, 0.05, 0.03};
@@ -250,7 +250,7 @@ TEST_CASE("What a lidar of one row says of its errors is what they are", "[heavy
         hint.T_odom_sensor.p + rt::Vector3{0.05 * draws.normal(), 0.05 * draws.normal(), 0};
     hint.T_odom_sensor.q = rt::exp_rotation({0, 0, 0.03 * draws.normal()}) * hint.T_odom_sensor.q;
     const mapping::Located l =
-        locate(owned, one_row().scan(world, truth.p, truth.q, draws), 13 * kTick_ns, hint);
+        locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws), 13 * kPlaneTick_ns, hint);
     if (l.verdict != LocateVerdict::accepted) continue;
     sum += squared_deviations(l, truth);
     ++count;
@@ -274,9 +274,9 @@ TEST_CASE("In the plane, too, results do not depend on the order of returns, nor
     std::vector<rt::ScanPoint> shuffled = scan;
     testing::shuffle(shuffled, draws);
     const rt::posix::HeapTrapScope scope;
-    const std::uint64_t a = rt::digest_of(locate(one, scan, (tick + 1) * kTick_ns, hint));
+    const std::uint64_t a = rt::digest_of(locate_flat(one, scan, (tick + 1) * kPlaneTick_ns, hint));
     calls += scope.calls();
-    CHECK(a == rt::digest_of(locate(other, shuffled, (tick + 1) * kTick_ns, hint)));
+    CHECK(a == rt::digest_of(locate_flat(other, shuffled, (tick + 1) * kPlaneTick_ns, hint)));
     if (tick == 8) CHECK(one.part.located().verdict == LocateVerdict::few_returns);
   }
   if (rt::posix::kHeapTrapAvailable) CHECK(calls == 0);
