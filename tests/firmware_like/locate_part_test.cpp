@@ -187,7 +187,8 @@ TEST_CASE("a lidar's log without poses and without odometry gives a trajectory")
   const firmware::ReplayOutcome outcome = replay_lidar(log);
   CHECK(outcome.estimate.empty());
   CHECK(outcome.located.size() >= located_hall().run.located.size() - 1);
-  CHECK(counter(outcome, "locate_accepted") + 1 == counter(outcome, "locate_in"));
+  // A scan that alone leaves its pose open is refused.
+  CHECK(20 * (counter(outcome, "locate_accepted") + 1) > 19 * counter(outcome, "locate_in"));
   // A sweep takes a tenth of a second, and nothing is there to straighten it.
   CHECK(error_of(outcome.results, "located_ate_max_m") < 0.15);
   CHECK(error_of(outcome.results, "located_distance_m") > 2.0);
