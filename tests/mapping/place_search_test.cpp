@@ -141,7 +141,7 @@ constexpr mapping::RegistrationMemory kSmall{8192, 64, 32};
 
 }  // namespace
 
-TEST_CASE("The search of a place finds what looking at every pose finds") {
+TEST_CASE("The search of a place finds what looking at every pose finds", "[heavy]") {
   const std::uint32_t seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
@@ -171,7 +171,7 @@ TEST_CASE("The search of a place finds what looking at every pose finds") {
   }
 }
 
-TEST_CASE("Almost all returns hit at the pose of the search that is next to the true one") {
+TEST_CASE("Almost all returns hit at the pose of the search that is next to the true one", "[heavy]") {
   const std::uint32_t seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);

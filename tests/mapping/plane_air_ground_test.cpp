@@ -4,7 +4,8 @@
 
 #include "tests/mapping/air_ground_trials.hpp"
 
-TEST_CASE("Clouds of air and ground: what is placed is right to 5 cm, 0.3 degrees and 0.5 % of scale") {
+TEST_CASE("Clouds of air and ground: what is placed is right to 5 cm, 0.3 degrees and 0.5 % of scale",
+          "[heavy]") {
   using namespace sortie;
   constexpr std::uint32_t kSeed = 9000;
   CAPTURE(kSeed);

@@ -29,7 +29,7 @@ struct LostInHall {
 std::uint64_t digest(const mapping::Relocated& found) { return rt::digest_of(found); }
 }  // namespace
 
-TEST_CASE("A robot is found in a hall that it has a map of") {
+TEST_CASE("A robot is found in a hall that it has a map of", "[heavy]") {
   int right = 0;
   constexpr int kTrials = 10;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -45,7 +45,7 @@ TEST_CASE("A robot is found in a hall that it has a map of") {
   CHECK(right >= kTrials - 3);  // halls that look nearly the same from both ends are refused
 }
 
-TEST_CASE("In a hall that looks the same from both ends a robot is not placed") {
+TEST_CASE("In a hall that looks the same from both ends a robot is not placed", "[heavy]") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     testing::Draws draws(seed);
@@ -58,7 +58,7 @@ TEST_CASE("In a hall that looks the same from both ends a robot is not placed") 
   }
 }
 
-TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another building") {
+TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another building", "[heavy]") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     LostInHall lost(seed);
