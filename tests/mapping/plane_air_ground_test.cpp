@@ -17,7 +17,8 @@ TEST_CASE("Clouds of air and ground: what is placed is right to 5 cm, 0.3 degree
   CHECK(out.tally.wrong == 0);
 }
 
-TEST_CASE("Clouds of corridors, bare floors and pairs of walls: no direction that was not seen is made up") {
+TEST_CASE("Clouds of corridors, bare floors and pairs of walls: no direction that was not seen is made up",
+          "[heavy]") {
   using namespace sortie;
   constexpr std::uint32_t kSeed = 9500;
   CAPTURE(kSeed);
