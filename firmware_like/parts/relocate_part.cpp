@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a robot is on a kept map that knows nothing of it: searched while it is unplaced, a little a job.
+#include <string>
+
 #include "firmware_like/parts/locate_access.hpp"
 #include "firmware_like/parts/part.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/vehicle_builder.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/pose_algebra.hpp"
 #include "mapping/registration/relocaliser.hpp"
@@ -63,7 +67,14 @@ class RelocatePart final : public Part {
     if (access_->locator->is_unplaced()) {
       relocaliser_ = std::make_unique<mapping::Relocaliser>(
           config, search, access_->memory, access_->locator->registration_to_match(), builder.arena());
-      relocaliser_->take_map();
+      const bool taken = relocaliser_->take_map();
+      const std::uint64_t wanted = relocaliser_->map().wanted_tops();
+      if (!taken && wanted > 0)
+        throw InputError("--map " + builder.kept_map()->path +
+                             ": there is no room for it to be searched; "
+                             "cure: --set limits.tops=" +
+                             std::to_string(wanted),
+                         2);
     }
     task_ = builder.task<RelocateOutput>(builder.group("mapping", 10), "relocate",
                                          TaskDefaults{50'000, rt::Criticality::b},

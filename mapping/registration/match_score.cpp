@@ -5,23 +5,9 @@
 #include <cmath>
 
 namespace sortie::mapping {
-namespace {
-/// Squared distance of a point from a surfel in standard deviations; the point relative to the cell's centre.
-double squared_deviations(const Surfel& surfel, const rt::Vector3& at_m, double noise_m2) {
-  const rt::Vector3 off = at_m - surfel.mean();
-  double sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const double along = rt::dot(surfel.along(i), off);
-    sum += along * along / (surfel.variance(i) + noise_m2);
-  }
-  return sum;
-}
-}  // namespace
-
 MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose,
                        double sigma_m) {
   const rt::RotationMatrix r = rt::to_matrix(pose.q);
-  const double step = layer.cell_m() / kSurfelSteps;
   MatchScore score;
   if (sample.empty()) return score;
   std::uint32_t known = 0;
@@ -33,8 +19,7 @@ MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sa
     const Surfel* const surfel = layer.surfel_at(place.cell);
     if (surfel == nullptr) continue;
     ++known;
-    const rt::Vector3 at{step * place.at[0], step * place.at[1], step * place.at[2]};
-    const double d2 = squared_deviations(*surfel, at, sigma_m * sigma_m);
+    const double d2 = squared_deviations(*surfel, layer.from_centre_m(place), sigma_m * sigma_m);
     if (d2 < 9.0) ++matched;
     score.value += 1.0 / (1.0 + d2 * d2 / 9.0);
   }

@@ -55,6 +55,7 @@ rt::Vector3 PlaceMap::position_m(const PlaceCell& cell) const {
 
 bool PlaceMap::build(const SurfelLayer& layer) {
   for (std::int32_t& tops : tops_) tops = 0;
+  wanted_tops_ = 0;
   SurfelCell last;
   bool some = false;
   for (const std::uint64_t key : layer.keys()) {
@@ -84,6 +85,7 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   copy_all(kOn);
   std::uint64_t all = 1;
   for (int i = 0; i < 3; ++i) all *= static_cast<std::uint64_t>(tops_of(size_[i]));
+  wanted_tops_ = all;
   if (all > most_tops_) return false;
   for (int i = 0; i < 3; ++i) tops_[i] = tops_of(size_[i]);
   return true;

@@ -42,6 +42,8 @@ class PlaceMap {
   /// Along an axis.
   std::int32_t tops(int axis) const { return tops_[axis]; }
   std::int32_t tops() const { return tops_[0] * tops_[1] * tops_[2]; }
+  /// What the surfaces that were built last need, whether or not there was room for them; 0: there are none.
+  std::uint64_t wanted_tops() const { return wanted_tops_; }
   /// The sensor of a pose.
   rt::Vector3 position_m(const PlaceCell& cell) const;
 
@@ -63,6 +65,7 @@ class PlaceMap {
   }
 
   std::uint32_t most_tops_;
+  std::uint64_t wanted_tops_{};
   double voxel_m_{};
   rt::Vector3 origin_m_;    ///< corner of the first voxel of the map
   SurfelCell first_;        ///< its cell

@@ -8,7 +8,7 @@
 
 namespace sortie::mapping {
 
-/// Chooses returns of a sample, at most out.size(), spread over all directions: in each of 64 sectors about
+/// Chooses returns of a sample, at most out.size(), spread over all directions: in each of 31 sectors about
 /// the upright first those next to the horizon, above and below, then the lowest and the highest, then the
 /// others. Returns nearer than 0.6 m or farther than `reach_m` are left out. Out: turned by `q_level_sensor`,
 /// m. How many. What it chooses depends on the sample's order, which is by chance and the same for the same

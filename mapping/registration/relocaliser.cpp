@@ -128,19 +128,19 @@ bool Relocaliser::run_retries(std::uint64_t& units) {
 Match Relocaliser::look_about(Place& place) {
   Match match = registration_->match_from(place.pose, prior_at(place.pose), size_);
   registration_->match_about(match, prior_at(place.pose));
-  place.pose = match.pose;
-  place.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
-  explain(place);
+  keep(match, place);
   return match;
 }
 
-Match Relocaliser::match_place(Place& place, std::size_t returns) {
+void Relocaliser::match_place(Place& place, std::size_t returns) {
   registration_->take_sample(sample());
-  const Match match = registration_->match_from(place.pose, prior_at(place.pose), returns);
+  keep(registration_->match_from(place.pose, prior_at(place.pose), returns), place);
+}
+
+void Relocaliser::keep(const Match& match, Place& place) {
   place.pose = match.pose;
   place.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
   explain(place);
-  return match;
 }
 
 /// By explained returns, most first; one that ended where a better one did is left out.

@@ -65,8 +65,9 @@ class Relocaliser {
   Relocaliser(const RelocateConfig& config, const PlaceSearchConfig& search, const RegistrationMemory& memory,
               ScanRegistration& registration, rt::Arena& arena);
 
-  /// Takes the registration's map as it is. Set-up only. False: there is none.
-  bool take_map() { return map_.build(registration_->layer(0)); }
+  /// Takes the registration's map as it is. Set-up only. False: there is none, or it has more blocks than
+  /// PlaceSearchConfig::tops.
+  [[nodiscard]] bool take_map() { return map_.build(registration_->layer(0)); }
   bool has_map() const { return !map_.empty(); }
 
   /// Begins with a sample. `q_level_sensor`: the scan's attitude; its turn about the upright means nothing.
@@ -105,7 +106,8 @@ class Relocaliser {
   bool run_tries(std::uint64_t& units);
   bool run_retries(std::uint64_t& units);
   bool pay_match(std::size_t returns, std::uint64_t& units);
-  Match match_place(Place& place, std::size_t returns);
+  void match_place(Place& place, std::size_t returns);
+  void keep(const Match& match, Place& place);
   Match look_about(Place& place);
   void explain(Place& place);
   void order();

@@ -24,7 +24,7 @@ void Relocaliser::archive(rt::Archive& archive) {
     }
     check_pose(archive, {{}, q_level_sensor_});
     for (const Place& place : places_) check_pose(archive, place.pose);
-    if (step_ != Step::idle) take_map();
+    if (step_ != Step::idle && !take_map()) archive.fail(Status::malformed, "a search without a map");
   }
   if (step_ == Step::idle) return;
   archive.value(search_);

@@ -22,15 +22,7 @@ bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, double sigma_m, 
   const Surfel* const surfel = layer.surfel_at(place.cell);
   if (surfel == nullptr) return false;
   known = true;
-  const double step = layer.cell_m() / kSurfelSteps;
-  const rt::Vector3 off =
-      rt::Vector3{step * place.at[0], step * place.at[1], step * place.at[2]} - surfel->mean();
-  double sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const double along = rt::dot(surfel->along(i), off);
-    sum += along * along / (surfel->variance(i) + sigma_m * sigma_m);
-  }
-  return sum < kNear2;
+  return squared_deviations(*surfel, layer.from_centre_m(place), sigma_m * sigma_m) < kNear2;
 }
 
 /// The map has seen something within two metres or so.

@@ -16,31 +16,10 @@ constexpr double kAboutMove = 0.15;
 constexpr double kOfSpread = 1.0 / 3.0;
 constexpr double kNoiseMargin = 5.0;  ///< what holds a direction, against what noise could make of nothing
 constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less is a reason to look elsewhere
-constexpr double kOpenTurn = 0.17;    ///< rad: what is left open is no place
 constexpr double kSaysNothing = 5.0;  ///< m: a prior that is no better
 
 unsigned bits_of(std::uint32_t cells) {
   return static_cast<unsigned>(std::countr_zero(std::bit_ceil(cells)));
-}
-
-/// Whether something that the scan does not hold is left to a prior that does not hold it either, to so many
-/// m and rad: then the start is as good as the result.
-bool left_open(const WeakDirections& weak, const PosePrior& prior, double move_m, double turn_rad) {
-  const auto loose = [&prior](const rt::Vector3& v, int at, double sigma) {
-    const double x[3] = {v.x, v.y, v.z};
-    double sum = 0.0;
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) sum += x[i] * prior.information[at + i][at + k] * x[k];
-    }
-    return sum * sigma * sigma < 1.0;
-  };
-  for (std::uint32_t i = 0; i < weak.moves; ++i) {
-    if (loose(weak.move[i], 3, move_m)) return true;
-  }
-  for (std::uint32_t i = 0; i < weak.turns; ++i) {
-    if (loose(weak.turn[i], 0, turn_rad)) return true;
-  }
-  return false;
 }
 
 /// Whether the prior leaves metres open: there is no odometry.
@@ -199,7 +178,7 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
   take(descend(start, prior, {0, 0, config_.steps}, size_, match));
   if (!good()) take(descend(start, prior, {2, 2, config_.steps}, size_, match));
   weigh(match);  // descending left the weak directions of the last start that was tried
-  if (!good() || left_open(match.weak, prior, 0.5 * config_.cell_m, kOpenTurn)) {
+  if (!good()) {
     recover(match, start, other, prior);
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
     weigh(match);

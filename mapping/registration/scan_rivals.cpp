@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/registration/pose_algebra.hpp"
 #include "mapping/registration/scan_registration.hpp"
 #include "rt/math.hpp"
 
@@ -28,11 +29,6 @@ rt::Vector3 least_held(const NormalEquations& equations) {
   return {-along.y, along.x, 0.0};
 }
 
-bool is_other(const RigidPose& a, const RigidPose& b) {
-  return rt::norm(a.p - b.p) > kRivalMove ||
-         rt::norm(rt::log_rotation(a.q * rt::conjugate(b.q))) > kRivalTurn;
-}
-
 /// How well a sample lies on the surfaces that it meets, across them alone: where its rings lie on the rings
 /// of another scan says nothing of the surface.
 struct SurfaceFit {
@@ -43,7 +39,6 @@ struct SurfaceFit {
 SurfaceFit surface_fit(const SurfelLayer& layer, std::span<const SamplePoint> sample, const RigidPose& pose,
                        double sigma_m) {
   const rt::RotationMatrix r = rt::to_matrix(pose.q);
-  const double step = layer.cell_m() / kSurfelSteps;
   SurfaceFit fit;
   SurfelPlace place;
   for (const SamplePoint& point : sample) {
@@ -52,8 +47,7 @@ SurfaceFit surface_fit(const SurfelLayer& layer, std::span<const SamplePoint> sa
     const Surfel* const surfel = layer.surfel_at(place.cell);
     if (surfel == nullptr) continue;
     ++fit.known;
-    const rt::Vector3 at{step * place.at[0], step * place.at[1], step * place.at[2]};
-    const double off = rt::dot(surfel->normal(), at - surfel->mean());
+    const double off = rt::dot(surfel->normal(), layer.from_centre_m(place) - surfel->mean());
     if (off * off < kSurfaceDeviations2 * (surfel->variance(0) + sigma_m * sigma_m)) ++fit.matched;
   }
   return fit;
@@ -93,11 +87,11 @@ void ScanRegistration::look_for_rivals(Match& match, const PosePrior& prior) {
     if (value[i] > value[best] * (best == 0 ? kBeforeAll : 1.0)) best = i;
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (!is_other(ends[i], ends[best])) continue;
+    if (!are_apart(ends[i], ends[best], kRivalMove, kRivalTurn)) continue;
     match.ambiguous = match.ambiguous || value[i] > kRival * value[best] || fits_as_well(fit[i], fit[best]);
   }
   if (best != 0) {
-    match.other_start = match.other_start || is_other(ends[best], match.pose);
+    match.other_start = match.other_start || are_apart(ends[best], match.pose, kRivalMove, kRivalTurn);
     match.pose = descend(ends[best], prior, {0, 0, config_.steps}, size_, match);
   }
   match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);

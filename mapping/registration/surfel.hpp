@@ -56,6 +56,18 @@ struct Surfel {
 };
 static_assert(sizeof(Surfel) == 64);
 
+/// Squared distance of a point from a surfel in standard deviations, with noise added to each; the point
+/// relative to the cell's centre.
+inline double squared_deviations(const Surfel& surfel, const rt::Vector3& at_m, double noise_m2) {
+  const rt::Vector3 off = at_m - surfel.mean();
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double along = rt::dot(surfel.along(i), off);
+    sum += along * along / (surfel.variance(i) + noise_m2);
+  }
+  return sum;
+}
+
 /// The Gaussian of some sums in cells of an edge, m. At least one point. `planar`: the points stand for walls
 /// that go upwards through the whole cell.
 Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar = false);

@@ -102,6 +102,11 @@ class SurfelLayer {
     const SurfelIndex index = find(cell);
     return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
   }
+  /// A place in its cell, from the cell's centre.
+  rt::Vector3 from_centre_m(const SurfelPlace& place) const {
+    const double step = cell_m_ / kSurfelSteps;
+    return {step * place.at[0], step * place.at[1], step * place.at[2]};
+  }
   rt::Vector3 centre_m(const SurfelCell& cell) const {
     return {(cell.at[0] + 0.5) * cell_m_, (cell.at[1] + 0.5) * cell_m_, (cell.at[2] + 0.5) * cell_m_};
   }

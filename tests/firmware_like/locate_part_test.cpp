@@ -3,81 +3,21 @@
 // alone.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "drivers/wire.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/scene_parts.hpp"
-#include "mapping/registration/surfel_map.hpp"
 #include "tests/firmware_like/keyframes_rig.hpp"
-#include "tests/firmware_like/run_support.hpp"
+#include "tests/firmware_like/located_rig.hpp"
 
 namespace sortie::testing {
 namespace {
-
-firmware::LiveRunOutcome run_located(double seconds, const std::string& log, std::vector<std::string> more,
-                                     const std::string& map = "") {
-  watch_heap();
-  firmware::LiveRunOptions options;
-  options.scene = "ugv_hall";
-  options.overrides = std::move(more);
-  options.overrides.insert(options.overrides.end(), {"hil.lidar_rows=16", "hil.lidar_columns=180",
-                                                     "limits.voxels=65536", "tasks.map.budget_us=20000"});
-  options.seconds = seconds;
-  options.virtual_time = true;
-  options.record = log;
-  options.map = map;
-  options.record_fields = true;
-  options.lcm_url = "none";
-  firmware::LiveRunOutcome run =
-      firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
-  static_cast<void>(toolchain::judge(run));
-  return run;
-}
-
-std::uint64_t counted(const firmware::LiveRunOutcome& run, const std::string& name) {
-  return run.results.counters.at(name);
-}
-
-double error_of(const firmware::Results& results, const std::string& name) { return results.errors.at(name); }
 
 bool same(const firmware::Trajectory& a, const firmware::Trajectory& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
     return x.stamp_ns == y.stamp_ns && std::equal(x.p, x.p + 3, y.p) && std::equal(x.q, x.q + 4, y.q);
   });
-}
-
-/// A drive of 8 s with map, recorded once a program.
-struct LocatedHall {
-  TempFolder folder;
-  std::string log = folder.file("located.lcm");
-  firmware::LiveRunOutcome run = run_located(8, log, {"tasks.locate.enabled=true"});
-};
-const LocatedHall& located_hall() {
-  static const LocatedHall recorded;
-  return recorded;
-}
-
-std::vector<std::uint8_t> map_bytes(const firmware::Runtime& runtime) {
-  const mapping::ScanRegistration* map = runtime.vehicle().surfels();
-  REQUIRE(map != nullptr);
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
-  REQUIRE(mapping::write_surfel_map(*map, bytes) == Status::ok);
-  return bytes;
-}
-
-/// Writes the map at the end of a log; gives its bytes.
-std::vector<std::uint8_t> keep_map(const std::string& log, const std::string& path) {
-  std::vector<std::uint8_t> bytes = map_bytes(*replay_log(log, {}).runtime);
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  return bytes;
-}
-
-std::string refusal_of(const std::string& log, const firmware::ReplayOptions& options) {
-  return message_of<firmware::ProfileError>([&] { static_cast<void>(replay_log(log, options)); });
 }
 
 /// The log of a lidar alone, with the truth that judges it. `pose` may give each scan one.
@@ -187,8 +127,8 @@ TEST_CASE("a lidar's log without poses and without odometry gives a trajectory")
   const firmware::ReplayOutcome outcome = replay_lidar(log);
   CHECK(outcome.estimate.empty());
   CHECK(outcome.located.size() >= located_hall().run.located.size() - 1);
-  // A scan that alone leaves its pose open is refused.
-  CHECK(20 * (counter(outcome, "locate_accepted") + 1) > 19 * counter(outcome, "locate_in"));
+  // Without odometry one that hardly anything speaks against is refused as well.
+  CHECK(counter(outcome, "locate_accepted") + 2 >= counter(outcome, "locate_in"));
   // A sweep takes a tenth of a second, and nothing is there to straighten it.
   CHECK(error_of(outcome.results, "located_ate_max_m") < 0.15);
   CHECK(error_of(outcome.results, "located_distance_m") > 2.0);
@@ -244,116 +184,6 @@ TEST_CASE("a log with it is indexed, and a replay from a keyframe ends in the sa
       }
     }
   }
-}
-
-TEST_CASE("a run begins with the map of another, and its log replays with that map alone") {
-  const TempFolder folder;
-  const std::string map = folder.file("hall.surfels");
-  const std::string other = folder.file("other.surfels");
-  const std::vector<std::uint8_t> bytes = keep_map(located_hall().log, map);
-  {
-    std::vector<std::uint8_t> of_less = bytes;  // any other file
-    of_less.push_back(0);
-    std::ofstream(other, std::ios::binary)
-        .write(reinterpret_cast<const char*>(of_less.data()), static_cast<std::streamsize>(of_less.size()));
-  }
-  const std::vector<std::string> wanted = {"tasks.locate.enabled=true"};
-  for (const bool start_on_map : {false, true}) {
-    INFO("start_on_map " << start_on_map);
-    const std::string log = folder.file(start_on_map ? "placed.lcm" : "unplaced.lcm");
-    auto keys = wanted;
-    if (start_on_map) keys.emplace_back("locate.start_on_map=true");
-    const firmware::LiveRunOutcome run = run_located(4, log, keys, map);
-    CHECK(counted(run, "locate_in") > 30);
-    CHECK(counted(run, "locate_first") == 0);
-    CHECK(counted(run, start_on_map ? "locate_accepted" : "locate_unplaced_on_map") ==
-          counted(run, "locate_in"));
-    CHECK(run.failures.empty());
-    if (rt::posix::kHeapTrapAvailable) CHECK(counted(run, "heap_calls") == 0);
-    if (start_on_map) {
-      CHECK(run.located.size() == counted(run, "locate_in"));
-      CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
-    } else {
-      CHECK(run.located.empty());  // of no scan is anything known
-      CHECK(run.results.errors.count("located_ate_rmse_m") == 0);
-      CHECK(map_bytes(*run.runtime) == bytes);
-    }
-    firmware::ReplayOptions options;
-    const std::string without = refusal_of(log, options);
-    CHECK(mentions(without, "begins with the map hall.surfels (digest "));
-    CHECK(mentions(without, "--map FILE"));
-    options.map = other;
-    CHECK(mentions(refusal_of(log, options), "begins with the map hall.surfels (digest "));
-    CHECK(mentions(refusal_of(log, options), "is another one"));
-    options.map = map;
-    const firmware::ReplayOutcome again = replay_log(log, options);
-    CHECK(complaint_of(again).empty());
-    CHECK(again.comparable);
-    CHECK(again.results.digest == run.results.digest);
-    CHECK(map_bytes(*again.runtime) == map_bytes(*run.runtime));
-  }
-}
-
-TEST_CASE("a robot that is told nothing finds its place on the map of another run, and replays to the bit") {
-  const TempFolder folder;
-  const std::string map = folder.file("hall.surfels");
-  const std::string log = folder.file("found.lcm");
-  keep_map(located_hall().log, map);
-  // Jobs of few units: a search takes several of them while the robot drives on.
-  const std::vector<std::string> wanted = {"tasks.locate.enabled=true", "tasks.relocate.enabled=true",
-                                           "relocate.units=1000000", "tasks.relocate.budget_us=10000",
-                                           "relocate.second_look_m=0.2"};
-  const firmware::LiveRunOutcome run = run_located(9, log, wanted, map);
-  CHECK(run.failures.empty());
-  CHECK(counted(run, "relocate_placed") >= 2);  // from two places
-  CHECK(counted(run, "relocate_first_looks") == 1);
-  CHECK(counted(run, "relocate_disagreed") == 0);
-  CHECK(counted(run, "relocate_not_confirmed") == 0);
-  CHECK(counted(run, "locate_unplaced_on_map") >= 2);
-  CHECK(counted(run, "locate_accepted") + counted(run, "locate_unplaced_on_map") ==
-        counted(run, "locate_in"));
-  CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
-  if (rt::posix::kHeapTrapAvailable) CHECK(counted(run, "heap_calls") == 0);
-  firmware::ReplayOptions options;
-  options.map = map;
-  const firmware::ReplayOutcome again = replay_log(log, options);
-  CHECK(complaint_of(again).empty());
-  CHECK(again.results.digest == run.results.digest);
-  // Nothing is searched where the robot makes its map itself.
-  const firmware::LiveRunOutcome own = run_located(2, "", wanted);
-  CHECK(counted(own, "relocate_begun") == 0);
-}
-
-TEST_CASE("a map that does not fit the scene is refused with the key to set") {
-  const TempFolder folder;
-  const std::string map = folder.file("hall.surfels");
-  const std::vector<std::uint8_t> bytes = keep_map(located_hall().log, map);
-  const auto why = [&](std::vector<std::string> keys, const std::string& file) {
-    std::string said;
-    try {
-      static_cast<void>(run_located(1, "", std::move(keys), file));
-    } catch (const std::exception& error) {
-      said = error.what();
-    }
-    INFO(said);
-    CHECK(mentions(said, file));
-    return said;
-  };
-  const std::string on = "tasks.locate.enabled=true";
-  CHECK(mentions(why({on, "locate.cell_m=0.4"}, map), "cure: --set locate.cell_m=0.5"));
-  CHECK(mentions(why({on, "locate.min_points=8"}, map), "cure: --set locate.min_points=5"));
-  CHECK(mentions(why({on, "limits.surfels=300"}, map), "cure: --set limits.surfels="));
-  CHECK(mentions(why({on, "locate.window_cells=16"}, map), "cure: --set locate.window_cells="));
-  CHECK(mentions(why({on, "locate.window_cells_up=8"}, map), "cure: --set locate.window_cells_up="));
-  CHECK(mentions(why({}, map), "has no part that uses a map of surfaces"));
-  CHECK(mentions(why({on}, folder.file("none.surfels")), "sortie export surfels"));
-  CHECK(mentions(why({on}, located_hall().log), "is no map of surfaces"));
-  std::filesystem::resize_file(map, bytes.size() - 9);
-  CHECK(mentions(why({on}, map), "cut off"));
-  const std::string uneven = message_of<firmware::ProfileError>([&] {
-    static_cast<void>(run_located(1, "", {on, "locate.window_cells=100"}));
-  });
-  CHECK(mentions(uneven, "a power of two: 64 or 128"));
 }
 
 TEST_CASE("a scene that does not ask for it has neither its task nor its memory") {

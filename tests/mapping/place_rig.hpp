@@ -2,6 +2,8 @@
 // A relocaliser on a map of a made-up building, with memory of its own.
 #pragma once
 
+#include <catch2/catch.hpp>
+
 #include <memory>
 #include <vector>
 
@@ -53,7 +55,7 @@ struct PlaceRig {
         }
       }
     }
-    part.take_map();
+    REQUIRE(part.take_map());
   }
   /// One search from a scan; in jobs of `budget` units.
   const mapping::Relocated& find(const std::vector<rt::ScanPoint>& scan, const rt::Quaternion& q_level_sensor,
