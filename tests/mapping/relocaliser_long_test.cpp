@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Nine thousand places that are not there, and robots lost on a large site.
+// Places that are not there, and robots lost on a large site. A claim of 0 of 3,000 takes
+// SORTIE_PLACE_TRIALS=3000 and an hour a case (docs/results/registration.md has what such runs gave); the
+// long run tries a part of them.
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
@@ -8,7 +10,7 @@
 namespace {
 using namespace sortie;
 
-/// Of the whole numbers below; SORTIE_PLACE_TRIALS gives another one for a quick look.
+/// The number below, or SORTIE_PLACE_TRIALS.
 int trials_or(int usual) {
   const char* const wanted = std::getenv("SORTIE_PLACE_TRIALS");
   return wanted != nullptr ? std::atoi(wanted) : usual;
@@ -21,7 +23,7 @@ std::uint64_t seed_or(std::uint64_t usual) {
 void check_none(testing::FalsePlace kind) {
   testing::PlaceRig rig(testing::kHallMemory);
   REQUIRE(rig.arena.refused() == 0);
-  const testing::PlaceTally tally = testing::false_places(rig, kind, seed_or(500'000), trials_or(3000));
+  const testing::PlaceTally tally = testing::false_places(rig, kind, seed_or(500'000), trials_or(200));
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
                 << tally.nothing << " few " << tally.few);
   CHECK(tally.wrong == 0);
@@ -30,7 +32,7 @@ void check_none(testing::FalsePlace kind) {
 testing::PlaceTally on_site(double share_moved) {
   testing::PlaceRig rig(testing::kSiteMemory);
   REQUIRE(rig.arena.refused() == 0);
-  testing::PlaceTally tally = testing::lost_on_site(rig, seed_or(700'000), trials_or(500), share_moved);
+  testing::PlaceTally tally = testing::lost_on_site(rig, seed_or(700'000), trials_or(50), share_moved);
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
                 << tally.nothing << " few " << tally.few << "; units median " << tally.units_at(0.5)
                 << " p95 " << tally.units_at(0.95) << " most " << tally.units.back());
@@ -42,7 +44,7 @@ testing::PlaceTally on_site(double share_moved) {
 TEST_CASE("Of robots that look twice, in rooms that look the same, hardly one is placed at the wrong end") {
   testing::PlaceRig rig(testing::kHallMemory);
   REQUIRE(rig.arena.refused() == 0);
-  const int trials = trials_or(3000);
+  const int trials = trials_or(300);
   const testing::PlaceTally tally = testing::symmetric_twice(rig, seed_or(900'000), trials);
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
                 << tally.nothing << " few " << tally.few);
@@ -52,20 +54,18 @@ TEST_CASE("Of robots that look twice, in rooms that look the same, hardly one is
 TEST_CASE("One look alone, in rooms that look the same from both ends, errs in few of a hundred") {
   testing::PlaceRig rig(testing::kHallMemory);
   REQUIRE(rig.arena.refused() == 0);
-  const int trials = trials_or(300);
+  const int trials = trials_or(100);
   const testing::PlaceTally tally =
       testing::false_places(rig, testing::FalsePlace::symmetric, seed_or(500'000), trials);
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous);
   CHECK(tally.wrong <= 0.05 * trials);  // why part `relocate` looks twice
 }
 
-TEST_CASE("Of 3,000 robots in the mirror image of their building none is placed") {
+TEST_CASE("Of robots in the mirror image of their building none is placed") {
   check_none(testing::FalsePlace::mirrored);
 }
 
-TEST_CASE("Of 3,000 robots in another building none is placed") {
-  check_none(testing::FalsePlace::other_building);
-}
+TEST_CASE("Of robots in another building none is placed") { check_none(testing::FalsePlace::other_building); }
 
 TEST_CASE("On two storeys of 100 x 25 m almost all lost robots are placed") {
   const testing::PlaceTally tally = on_site(0.0);
