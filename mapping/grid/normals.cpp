@@ -223,7 +223,8 @@ NormalsStep Normals::update(RollingGrid& grid) {
   if (status_ != Status::ok) return step;
   for (std::uint32_t i = 0; i < done_; ++i) memory_.work[memory_.queue[i]].turned = 0;
   // What was solved leaves the queue; `done_` of it stayed for those who ask what turned.
-  std::copy(memory_.queue.begin() + done_, memory_.queue.begin() + queued_, memory_.queue.begin());
+  const auto waiting = memory_.queue.subspan(done_, queued_ - done_);
+  std::copy(waiting.begin(), waiting.end(), memory_.queue.begin());
   queued_ -= done_;
   done_ = 0;
   const std::span<const BlockChange> changes = grid.changes();

@@ -13,9 +13,10 @@ constexpr std::size_t kLeastReturns = 100;
 constexpr std::size_t kLeastReturnsInPlane = 40;  ///< of one row: a wall 1 m off fills half of what it sees
 constexpr std::uint32_t kRays = 128;
 constexpr std::uint32_t kMostRaySteps = 64;
-constexpr double kFastMargin = 7.0;     ///< what holds a direction, against that noise: without odometry
-constexpr double kFar2 = 22.46;         ///< 99.9 % of chi-square with 6 degrees of freedom
-constexpr double kFarInPlane2 = 16.27;  ///< with 3
+constexpr double kFastMargin = 2.0;         ///< what holds a direction, against noise, without odometry
+constexpr double kFastMarginInPlane = 7.0;  ///< there a cell needs no neighbour to hold
+constexpr double kFar2 = 22.46;             ///< 99.9 % of chi-square with 6 degrees of freedom
+constexpr double kFarInPlane2 = 16.27;      ///< with 3
 
 /// `share` of a motion goes on.
 RigidPose gone_on(const RigidPose& from, const RigidPose& to, double share) {
@@ -48,7 +49,7 @@ void set_covariance(const PosePrior& prior, double (&covariance)[6][6]) {
 
 /// Every direction is held by far more than noise could make of nothing.
 bool held_fast(const NormalEquations& equations) {
-  const WeakDirections weak = weak_directions(equations, kFastMargin);
+  const WeakDirections weak = weak_directions(equations, equations.planar ? kFastMarginInPlane : kFastMargin);
   return weak.moves + weak.turns == 0;
 }
 

@@ -154,7 +154,8 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
 /// The equations at the pose, and what they do not hold.
 void ScanRegistration::weigh(Match& match) {
   match.equations =
-      step_.equations(layers_[0], sample(), match.pose, {0.25 * config_.cell_m, config_.sigma_m, true});
+      step_.equations(layers_[0], sample(), match.pose,
+                      {0.25 * config_.cell_m, config_.sigma_m, true, match.alone && !config_.planar});
   match.weak = weak_directions(match.equations, kNoiseMargin);
 }
 
@@ -173,6 +174,7 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
   };
   // The coarse layers reach farther, and are led astray where the map is thin: only where a good start did
   // not do.
+  match.alone = says_nothing(prior);
   match.pose = start;
   match.score = match_score(layers_[0], sample(), start, config_.sigma_m);
   take(descend(start, prior, {0, 0, config_.steps}, size_, match));
@@ -183,7 +185,7 @@ Match ScanRegistration::match(const RigidPose& start, const RigidPose& other, co
     match.score = match_score(layers_[0], sample(), match.pose, config_.sigma_m);
     weigh(match);
   }
-  if (says_nothing(prior)) look_for_rivals(match, prior);
+  if (match.alone) look_for_rivals(match, prior);
   match_about(match, prior);
   return match;
 }

@@ -25,6 +25,7 @@ struct Match {
   WeakDirections weak;        ///< of these
   double spread[6][6]{};      ///< of where starts about the pose ended that did as well: (turn, move)
   std::uint32_t steps{};      ///< spent, each of at most the sample's returns
+  bool alone{};               ///< the prior leaves metres open
   bool recovered{};           ///< other starts were tried
   bool other_start{};         ///< the pose comes from another start than the given one
   bool ambiguous{};           ///< another pose, well apart, did as well

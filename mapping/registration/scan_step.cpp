@@ -17,6 +17,8 @@ constexpr double kBent = 0.03;
 /// one, or of the cell's edge squared.
 constexpr double kLine = 4.0;
 constexpr double kThinLine = 0.0036;
+constexpr double kSameNormal = 0.95;  ///< cosine between two cells of one surface
+constexpr double kSamePlane = 0.2;    ///< sine of the way from one to the other out of its plane
 
 double square(double v) { return v * v; }
 
@@ -44,6 +46,34 @@ void add_held(const Surfel& surfel, const rt::Vector3& x, double weight, double 
     }
   }
 }
+
+/// Not a line.
+bool is_surface(const Surfel& surfel, double cell_m) {
+  return surfel.variance(1) >= kLine * surfel.variance(0) && surfel.variance(1) >= kThinLine * square(cell_m);
+}
+
+/// Whether the surface of a cell goes on into a neighbour: both lie in the plane of the other. Rows and
+/// columns of a lidar that cross an edge, and few returns far off, make a flat surfel where no surface is,
+/// and make it again wherever the robot goes: to it, standing still fits best.
+bool goes_on(const SurfelLayer& layer, const SurfelCell& cell, const Surfel& surfel) {
+  for (int i = 0; i < 27; ++i) {
+    if (i == 13) continue;  // the cell itself
+    const std::int32_t by[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+    const Surfel* const other =
+        layer.surfel_at({{cell.at[0] + by[0], cell.at[1] + by[1], cell.at[2] + by[2]}});
+    if (other == nullptr || !is_surface(*other, layer.cell_m()) ||
+        std::abs(rt::dot(surfel.normal(), other->normal())) < kSameNormal)
+      continue;
+    const rt::Vector3 between =
+        layer.cell_m() * rt::Vector3{1.0 * by[0], 1.0 * by[1], 1.0 * by[2]} + other->mean() - surfel.mean();
+    const double off = kSamePlane * rt::norm(between);
+    if (std::abs(rt::dot(surfel.normal(), between)) < off &&
+        std::abs(rt::dot(other->normal(), between)) < off)
+      return true;
+  }
+  return false;
+}
+
 /// Takes out what is known of the unknowns that are held.
 void keep_free_ones(NormalEquations& out) {
   for (int row = 0; row < 6; ++row) {
@@ -90,9 +120,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
   for (const CellSums& cell : memory_.cells.first(used)) {
     const Surfel& surfel = layer.surfel(cell.surfel);
     const double variance = surfel.variance(0);
-    if (variance > extended || surfel.variance(1) < kLine * variance ||
-        surfel.variance(1) < kThinLine * square(layer.cell_m()))
-      continue;
+    if (variance > extended || !is_surface(surfel, layer.cell_m())) continue;
     const auto n = static_cast<double>(cell.sums.count);
     const rt::Vector3 mean =
         (step / n) * rt::Vector3{static_cast<double>(cell.sums.sum[0]), static_cast<double>(cell.sums.sum[1]),
@@ -111,7 +139,8 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
       for (int column = row; column < 6; ++column) out.h[row][column] += wj * j[column];
       out.g[row] += wj * residual;
     }
-    if (rule.noise) add_held(surfel, layer.centre_m(cell.cell) + surfel.mean() - pose.p, weight, noise, out);
+    if (rule.noise && (!rule.confirmed || goes_on(layer, cell.cell, surfel)))
+      add_held(surfel, layer.centre_m(cell.cell) + surfel.mean() - pose.p, weight, noise, out);
     out.squares += weight * square(residual);
     ++out.rows;
   }

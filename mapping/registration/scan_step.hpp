@@ -39,7 +39,8 @@ struct PosePrior {
 struct StepRule {
   double scale_m{0.1};  ///< of Geman-McClure: residuals beyond it hardly count
   double sigma_m{0.02};
-  bool noise{false};  ///< NormalEquations::held and noise are wanted: 108 sums more a cell
+  bool noise{false};      ///< NormalEquations::held and noise are wanted: 108 sums more a cell
+  bool confirmed{false};  ///< of cells alone whose surface goes on in a neighbour
 };
 
 /// A scan's sums in one cell, on their way.

@@ -14,7 +14,7 @@
 namespace sortie::testing {
 
 /// The clock of the run; tasks let it pass. A replay has a clock of its own.
-inline rt::Nanoseconds invented_ns = 0;
+inline thread_local rt::Nanoseconds invented_ns = 0;
 
 /// Groups `work` (tasks steer, refine of criticality B with units, extra of criticality C), `plan` and
 /// `shown`. `plan` reads `work`; nobody reads `shown`.

@@ -5,7 +5,8 @@
 
 #include "tests/mapping/alone_trials.hpp"
 
-TEST_CASE("Of thousands of scans of a lidar alone hardly one is accepted that is off") {
+TEST_CASE(
+    "Of thousands of scans of a lidar alone none is accepted that is off in a hall, and few in a corridor") {
   using namespace sortie::testing;
   constexpr std::uint64_t kSeed = 7'000;
   constexpr int kDrives = 30;
@@ -18,8 +19,9 @@ TEST_CASE("Of thousands of scans of a lidar alone hardly one is accepted that is
       std::printf("| %s | %.1f | %d | %d | %d | %.3f | %.4f |\n", name_of(place), speed_m, tally.scans,
                   tally.accepted, tally.wrong, tally.worst_m, tally.worst_rad);
       CAPTURE(name_of(place), speed_m, kSeed);
-      // Known to fail in a bare corridor, and once where scans hardly overlap: docs/registration.md.
-      if (place != AlonePlace::bare_corridor) CHECK(tally.wrong <= (speed_m > 1.0 ? 1 : 0));
+      // Known to fail in corridors, where standing still fits as well as any motion: docs/registration.md.
+      const bool in_corridor = place == AlonePlace::corridor || place == AlonePlace::bare_corridor;
+      CHECK(tally.wrong <= (in_corridor ? 0.05 * tally.scans : 0.0));
     }
   }
 }
