@@ -109,23 +109,19 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
     begin(odometry);
     return located_;
   }
-  const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
-  // What was told is not what a scan saw: all starts are tried.
-  const double usual = anchor_ == Anchor::told ? kNeverUsual : usual_share_;
-  Match match = registration_.match(prior.at, other, prior, usual);
-  look_along_rays(match);
-  if (!clear() && !match.recovered) {  // it looked well, and cannot be
-    const std::uint32_t spent = match.steps;
-    match = registration_.match(prior.at, other, prior, kNeverUsual);
-    match.steps += spent;
-    look_along_rays(match);
+  Match match = match_to_map(prior, odometry);
+  LocateVerdict verdict = judge(match, prior, odometry);
+  bool jumped = false;
+  if (verdict != LocateVerdict::accepted && found_elsewhere(odometry, prior, match)) {
+    jumped = jumped_.agrees(match.pose, odometry.T_odom_sensor);
+    verdict = jumped ? LocateVerdict::accepted : LocateVerdict::far_from_prior;
   }
   located_.share = match.score.matched;
   located_.known = match.score.known;
   located_.steps = match.steps;
-  LocateVerdict verdict = judge(match, prior, odometry);
-  const bool accepted = verdict == LocateVerdict::accepted &&
-                        match_covariance(match.equations, match.weak, prior, match.spread, covariance);
+  const bool accepted =
+      verdict == LocateVerdict::accepted &&
+      match_covariance(match.equations, match.weak, jumped ? going_on() : prior, match.spread, covariance);
   if (verdict == LocateVerdict::accepted && !accepted) verdict = LocateVerdict::unheld;
   describe(match.weak, covariance, accepted ? match.pose.q : prior.at.q);
   if (!accepted && verdict != LocateVerdict::new_place) return refuse(verdict, odometry);
@@ -137,10 +133,46 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
   }
   if (accepted) {
     usual_share_ = match.score.matched;
-    if (match.other_start) ++located_.counts.recovered;
+    jumped_.clear();
+    if (match.other_start || jumped) ++located_.counts.recovered;
   }
   conclude(verdict);
   return located_;
+}
+
+Match Locator::match_to_map(const PosePrior& prior, const OdometryHint& odometry) {
+  const RigidPose other = tied_ && odometry.known ? prior.at : newest_;
+  // What was told is not what a scan saw: all starts are tried.
+  const double usual = anchor_ == Anchor::told ? kNeverUsual : usual_share_;
+  Match match = registration_.match(prior.at, other, prior, usual);
+  look_along_rays(match);
+  if (!clear() && !match.recovered) {  // it looked well, and cannot be
+    const std::uint32_t spent = match.steps;
+    match = registration_.match(prior.at, other, prior, kNeverUsual);
+    match.steps += spent;
+    look_along_rays(match);
+  }
+  return match;
+}
+
+/// Whether a scan that the odometry's place does not explain is well placed where the robot was before: then
+/// `match` is of that place, and the odometry may have jumped.
+bool Locator::found_elsewhere(const OdometryHint& odometry, const PosePrior& told, Match& match) {
+  if (anchor_ != Anchor::held || !tied_ || !odometry.known) return false;
+  const bool in_reach = !are_apart(told.at, newest_, config_.recovery_move_m, config_.recovery_turn_rad);
+  if (in_reach) return judge(match, told, odometry) == LocateVerdict::far_from_prior;
+  const PosePrior prior = going_on();
+  const OdometryHint none;
+  Match other = registration_.match(prior.at, newest_, prior, usual_share_);
+  look_along_rays(other);
+  other.steps += match.steps;
+  if (judge(other, prior, none) != LocateVerdict::accepted) {
+    look_along_rays(match);
+    match.steps = other.steps;
+    return false;
+  }
+  match = other;
+  return true;
 }
 
 void Locator::look_along_rays(const Match& match) {
@@ -179,6 +211,12 @@ PosePrior Locator::expect(const OdometryHint& odometry) const {
     set_information(prior, 10.0, 10.0);
     return prior;
   }
+  return going_on();
+}
+
+/// The last motion for as long again; nothing is known of it.
+PosePrior Locator::going_on() const {
+  PosePrior prior;
   const auto last = static_cast<double>(newest_ns_ - before_ns_);
   const auto now = static_cast<double>(located_.stamp_ns - newest_ns_);
   prior.at = gone_on(before_, newest_, last > 0.0 && now > 0.0 ? std::min(now / last, kLongestGap) : 0.0);

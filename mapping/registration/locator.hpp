@@ -9,6 +9,7 @@
 #include "mapping/registration/scan_registration.hpp"
 #include "mapping/registration/seen_space.hpp"
 #include "mapping/registration/surfel_map.hpp"
+#include "mapping/registration/tie_watch.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::mapping {
@@ -47,7 +48,7 @@ struct LocateCounts {
   std::uint64_t unheld{};
   std::uint64_t new_place{};
   std::uint64_t unplaced_on_map{};
-  std::uint64_t recovered{};  ///< of the accepted: found from another start
+  std::uint64_t recovered{};  ///< of the accepted: found from another start, or where the odometry jumped to
   SORTIE_FIELDS(in, first, accepted, few_returns, little_share, crossed, ambiguous, far_from_prior, unheld,
                 new_place, unplaced_on_map, recovered)
 };
@@ -134,6 +135,9 @@ class Locator {
   void begin(const OdometryHint& odometry);
   bool has_map() const { return anchor_ != Anchor::none; }
   PosePrior expect(const OdometryHint& odometry) const;
+  PosePrior going_on() const;
+  Match match_to_map(const PosePrior& prior, const OdometryHint& odometry);
+  bool found_elsewhere(const OdometryHint& odometry, const PosePrior& told, Match& match);
   LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
   const Located& refuse(LocateVerdict verdict, const OdometryHint& odometry);
   void accept(const RigidPose& pose, const OdometryHint& odometry);
@@ -175,6 +179,7 @@ class Locator {
   rt::Nanoseconds newest_ns_{};
   rt::Nanoseconds before_ns_{kNever};
   double usual_share_{};
+  TieWatch jumped_;
 };
 
 }  // namespace sortie::mapping
