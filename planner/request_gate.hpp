@@ -98,11 +98,11 @@ struct RequestCounters {
 
 /// What one robot allows.
 struct RequestRules {
-  std::int32_t postures{};        ///< of the flippers, that a request may ask for
-  rt::Nanoseconds most_age_ns{};  ///< from receipt until it is taken; 0: not judged
+  std::int32_t postures{};         ///< of the flippers, that a request may ask for
+  rt::Nanoseconds most_wait_ns{};  ///< from receipt until it is taken; 0: not judged
 
   bool is_too_old(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) const {
-    return most_age_ns != 0 && now_ns - stamp_ns > most_age_ns;
+    return most_wait_ns != 0 && now_ns - stamp_ns > most_wait_ns;
   }
 };
 

@@ -33,7 +33,8 @@ class StreamBase {
   std::uint32_t batch() const { return batch_; }
   /// Samples that wait now.
   virtual std::uint32_t waiting() const = 0;
-  /// Samples refused because the ring was full; stays at 4,294,967,295. Any thread.
+  /// Samples refused because the ring was full, or because no log could hold them; stays at 4,294,967,295.
+  /// Any thread.
   std::uint32_t refused() const { return refused_.value(); }
   /// Most samples that ever waited at a release.
   std::uint32_t high_water() const { return high_water_.load(std::memory_order_relaxed); }

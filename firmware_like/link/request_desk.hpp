@@ -94,7 +94,7 @@ class RequestDesk<drivers::SetParameter> : public RequestReception<ParameterDesk
   explicit RequestDesk(Runtime& runtime) : runtime_(runtime) {}
 
   /// True when requests are taken; the script's changes always are.
-  bool wanted() const { return runtime_.parameter_access().remote; }
+  bool wanted() const { return runtime_.request_access().remote; }
   /// True when there is anything to change.
   bool counts() const { return !runtime_.parts().parameters().all.empty(); }
   /// Judges the bytes of a message and hands the change in.

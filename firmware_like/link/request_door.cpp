@@ -27,7 +27,7 @@ std::string computer_name() {
 }  // namespace
 
 std::string RequestDoor::open(const std::string& url) {
-  const ParameterAccess& access = runtime_.parameter_access();
+  const RequestAccess& access = runtime_.request_access();
   std::string what;
   std::string section;
   bool moves = false;
@@ -92,7 +92,7 @@ void RequestDoor::drain(drivers::LcmReceiver& receiver, rt::Nanoseconds now_ns) 
         key(),
         session_,
         now_ns,
-        {received.stamp_ns, utc_now(), key_ ? runtime_.parameter_access().most_age_ns : 0}};
+        {received.stamp_ns, utc_now(), key_ ? runtime_.request_access().most_clock_offset_ns : 0}};
     for_each_desk([&](auto& desk) {
       if (received.message.channel == std::decay_t<decltype(desk)>::Kind::kTopic.channel)
         desk.take(received.message.payload, context);

@@ -109,6 +109,7 @@ void FlightPart::put_pose(rt::PoseEstimate& pose) {
 void FlightPart::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
   planner::UavPilotConfig config = read_pilot_config(builder);
   rotor_count_ = config.control.model.rotors;
+  request_rules_ = {0, config.max_command_age_ns};
   config.plans = builder.wants("path", false);
   pilot_ = std::make_unique<planner::UavPilot>(config);
   if (pilot_->status() != Status::ok)

@@ -24,9 +24,7 @@ class FlightPart final : public Part {
 
   void finish(VehicleBuilder& builder) override;
   void poll_devices(const Devices& devices, rt::Nanoseconds now_ns) override;
-  RequestEntry<rt::FlyRequest> fly_requests() override {
-    return {request_port_, {0, planner::kMostFlyRequestAge_ns}};
-  }
+  RequestEntry<rt::FlyRequest> fly_requests() override { return {request_port_, request_rules_}; }
   drivers::ScanSink* scan_sink() override {
     return rt::kBuilt<"sensed_map"> && sensing_ ? sensing_->scan_sink() : nullptr;
   }
@@ -55,6 +53,7 @@ class FlightPart final : public Part {
   rt::Stream<rt::UavFix>* fixes_{};
   rt::Stream<rt::FlyRequest>* requests_{};
   InputPort<rt::FlyRequest>* request_port_{};
+  planner::RequestRules request_rules_;
   // Algorithms; null where the scene leaves them out.
   std::unique_ptr<estimators::UavEstimator> estimator_;
   std::unique_ptr<planner::UavPilot> pilot_;

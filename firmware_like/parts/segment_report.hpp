@@ -10,7 +10,7 @@
 namespace sortie::firmware {
 
 /// Gathers the events of every labelling and puts out a list when a scan's labelling is done. In no digest
-/// and no part of the state: a replay makes none. Memory: one list, and sums of all segments where features
+/// and no part of the state: a replay sends none. Memory: one list, and sums of all segments where features
 /// are asked for. Cost: O(segments); with features one visit a voxel.
 class SegmentReport {
  public:

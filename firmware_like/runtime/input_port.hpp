@@ -29,7 +29,7 @@ namespace sortie::firmware {
 class SampleSink {
  public:
   virtual ~SampleSink() = default;
-  /// `stamp_ns`: receipt on the run's clock. The bytes are an LCM message.
+  /// `stamp_ns`: receipt on the run's clock; of a scan its own stamp. The bytes are an LCM message.
   virtual void sample(const std::string& channel, rt::Nanoseconds stamp_ns,
                       std::span<const std::uint8_t> message) = 0;
 };

@@ -27,13 +27,13 @@ struct RuntimeStart {
   const KeptMap* map{};  ///< that the run begins with (kept_map.hpp), or null; read by the constructor alone
 };
 
-/// Who may change parameters from outside: [parameters] of the profile.
-struct ParameterAccess {
-  bool remote{};                  ///< requests over LCM are taken
-  std::string secret_file;        ///< only from those who know the secret
-  bool without_secret{};          ///< from everybody, where there is no secret
-  rt::Nanoseconds most_age_ns{};  ///< and whose clock is so near; 0: not judged
-  std::string robot;              ///< the name that the run answers by; empty: the computer's
+/// Who may change parameters, drive and fly from outside: [parameters] of the profile.
+struct RequestAccess {
+  bool remote{};                           ///< requests over LCM are taken
+  std::string secret_file;                 ///< only from those who know the secret
+  bool without_secret{};                   ///< from everybody, where there is no secret
+  rt::Nanoseconds most_clock_offset_ns{};  ///< and whose clock is no farther from ours; 0: not judged
+  std::string robot;                       ///< the name that the run answers by; empty: the computer's
 };
 
 /// A sealed executive with its vehicle. The vehicle is built twice: once to measure its memory, once into a
@@ -55,7 +55,7 @@ class Runtime {
   const VehicleBuilder& parts() const { return *builder_; }
   /// Changes that a run makes by itself, in order of time; each is known to be in range.
   const std::vector<ScriptLine>& script() const { return script_; }
-  const ParameterAccess& parameter_access() const { return access_; }
+  const RequestAccess& request_access() const { return access_; }
   const InitialPose& initial_pose() const { return builder_->initial_pose(); }
   /// How the scene wants its live runs treated.
   const rt::posix::LiveOptions& live_settings() const { return live_settings_; }
@@ -96,7 +96,7 @@ class Runtime {
   std::vector<DeclaredChain> chains_;
   BusCheck bus_;
   std::vector<ScriptLine> script_;
-  ParameterAccess access_;
+  RequestAccess access_;
   std::byte* mapping_{};
   std::size_t memory_bytes_{};
   std::unique_ptr<rt::Arena> arena_;

@@ -19,7 +19,7 @@ void Runtime::read_parameter_keys() {
         profile_.flag("parameters.without_secret", false,
                       "on a bench: takes requests from anybody; else there are none without");
   } else {
-    access_.most_age_ns = std::llround(
+    access_.most_clock_offset_ns = std::llround(
         1e6 * profile_.number("parameters.max_request_age_ms",
                               {2000, 0, 1e6, "ms", "requests of a clock further away are refused; 0: any"}));
   }

@@ -99,8 +99,9 @@ rt::TaskSpec VehicleBuilder::task_spec(const std::string& name, const TaskDefaul
 }
 
 rt::StaleRule VehicleBuilder::stale_rule(const std::string& name) {
-  const double ms = profile_.number("stale." + name + "_ms",
-                                    {0, 0, 1e6, "ms", "older than this is stale, and counted; 0: never"});
+  const double ms =
+      profile_.number("stale." + name + "_ms",
+                      {0, 0, 1e6, "ms", "silent for longer than this is stale, and counted; 0: never"});
   rt::StaleRule rule;
   rule.after_ticks =
       static_cast<std::uint32_t>(std::ceil(ms * 1e6 / static_cast<double>(executive_.base_tick_ns())));

@@ -116,8 +116,8 @@ class VehicleBuilder {
     return input;
   }
 
-  /// A stream of samples from outside; `channel` is its name in the log. A stream that is there already is
-  /// given again: all its readers are of one group.
+  /// A stream of samples or of requests from outside; `channel` is its name in the log. A stream that is
+  /// there already is given again: all its readers are of one group.
   template <rt::Described T>
   std::pair<rt::Stream<T>*, InputPort<T>*> stream(rt::GroupId reader, const std::string& channel,
                                                   std::uint32_t capacity, std::uint32_t batch) {

@@ -13,7 +13,8 @@ void Locator::archive(rt::Archive& archive) {
       .state(registration_, seen_, located_, anchor_, told_move_m_, told_turn_rad_, tied_, newest_, before_,
              newest_ns_, before_ns_, usual_share_, jumped_);
   if (!archive.is_reading()) return;
-  for (const RigidPose& pose : {located_.T_map_odom, located_.T_map_sensor, newest_, before_, jumped_.T_map_odom()})
+  for (const RigidPose& pose :
+       {located_.T_map_odom, located_.T_map_sensor, newest_, before_, jumped_.T_map_odom()})
     check_pose(archive, pose);
   constexpr rt::Nanoseconds kFar = rt::Nanoseconds{1} << 61;  // differences of such stamps do not overflow
   for (const rt::Nanoseconds stamp : {located_.stamp_ns, newest_ns_, before_ns_}) {
