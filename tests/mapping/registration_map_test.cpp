@@ -182,6 +182,10 @@ TEST_CASE("What a kept map needs is named, and enough") {
   CHECK(std::count(faults.begin(), faults.end(), SurfelMapFault::room) >= 1);
   CHECK(std::count(faults.begin(), faults.end(), SurfelMapFault::window) >= 1);
   CHECK(std::count(faults.begin(), faults.end(), SurfelMapFault::height) >= 1);
+  // Half of that window would hold the map, and lose parts of it as the robot goes.
+  memory.window_cells /= 2;
+  testing::OwnedLocator tight({}, memory);
+  CHECK(tight.part.load(bytes).fault == SurfelMapFault::window);
 }
 
 TEST_CASE("On a kept map a robot is unplaced until it is told where it is, and a scan has said so") {

@@ -95,7 +95,8 @@ def main():
         print(f"{fault[0]}: {how} ({seconds:.0f} s)", flush=True)
     if options.page:
         head = ["# Planted faults", "", "`tests/mutants/plant.py --page` plants each of these in turn and sees it caught by what the short test run builds and runs;",
-                "seconds are those of building and running that part alone.", "", "| fault | file | caught by | s |", "|---|---|---|---:|"]
+                "seconds are those of building and running that part alone. Faults of one line in every folder, a damaged log that counts as whole among",
+                "them, are in [faults of one line](mutants.md).", "", "| fault | file | caught by | s |", "|---|---|---|---:|"]
         pathlib.Path(options.page).write_text("\n".join([*head, *rows, ""]))
     print(f"{len(rows) - missed} caught, {missed} not")
     return 1 if missed or not rows else 0
