@@ -81,7 +81,8 @@ TEST_CASE("a run begins with the map of another, and its log replays with that m
   }
 }
 
-TEST_CASE("a robot that is told nothing finds its place on the map of another run, and replays to the bit") {
+TEST_CASE("a robot that is told nothing finds its place on the map of another run, and replays to the bit",
+          "[heavy]") {
   const TempFolder folder;
   const std::string map = folder.file("hall.surfels");
   const std::string log = folder.file("found.lcm");

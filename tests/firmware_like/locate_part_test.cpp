@@ -162,7 +162,8 @@ TEST_CASE("poses that come with scans are the odometry, unless a scene will not 
   CHECK(rt::norm(rt::to_vector(unposed.runtime->vehicle().located_task()->value().p_map_body_m)) < 10.0);
 }
 
-TEST_CASE("a log with it is indexed, and a replay from a keyframe ends in the same state as the whole one") {
+TEST_CASE("a log with it is indexed, and a replay from a keyframe ends in the same state as the whole one",
+          "[heavy]") {
   const TempFolder folder;
   const std::string alone = folder.file("lidar.lcm");
   keep_lidar(located_hall().log, alone);

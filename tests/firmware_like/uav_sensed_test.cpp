@@ -4,7 +4,7 @@
 
 namespace sortie::testing {
 
-TEST_CASE("A map of what the lidar saw is the same in a replay and from a keyframe") {
+TEST_CASE("A map of what the lidar saw is the same in a replay and from a keyframe", "[heavy]") {
   const auto counters = fly_sensed_room(5, {"2.0", "4.0"});
   CHECK(counters.at("bench_collisions") == 0);
   CHECK(counters.at("occupancy_used") > 1000);

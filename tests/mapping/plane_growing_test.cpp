@@ -61,7 +61,8 @@ const mapping::Plane* found(const mapping::PlaneSet& set, const mapping::Plane& 
 }  // namespace
 
 TEST_CASE(
-    "Every wall of a hall that is some cells large becomes one plane, where it is and as large as it is") {
+    "Every wall of a hall that is some cells large becomes one plane, where it is and as large as it is",
+    "[heavy]") {
   constexpr std::uint32_t kSeed = 31;
   CAPTURE(kSeed);
   std::uint32_t large = 0;

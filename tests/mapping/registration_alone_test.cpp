@@ -4,7 +4,8 @@
 
 #include "tests/mapping/alone_trials.hpp"
 
-TEST_CASE("A lidar alone that moves up to 1.5 m from scan to scan is placed rightly, or not at all") {
+TEST_CASE("A lidar alone that moves up to 1.5 m from scan to scan is placed rightly, or not at all",
+          "[heavy]") {
   using namespace sortie::testing;
   int placed = 0;
   for (const AlonePlace place : kAlonePlaces) {

@@ -57,7 +57,7 @@ mapping::OdometryHint wheels(const RigidPose& at, double longer) {
 }
 }  // namespace
 
-TEST_CASE("Between posts that stand every 1.5 m a robot at 5 m/s does not seem to stand still") {
+TEST_CASE("Between posts that stand every 1.5 m a robot at 5 m/s does not seem to stand still", "[heavy]") {
   testing::RegistrationWorld road;
   road.boxes.push_back({{0, 0, 5}, {200, 200, 5}, 0});
   for (int i = -30; i <= 60; ++i) {
@@ -96,7 +96,8 @@ TEST_CASE("A lidar alone that turns and drives already at its first scan is foll
   }
 }
 
-TEST_CASE("A narrow field of view that turns once is where it began when it sees its first view again") {
+TEST_CASE("A narrow field of view that turns once is where it began when it sees its first view again",
+          "[heavy]") {
   for (const std::uint64_t seed : {6, 7, 8}) {
     Follower robot(seed);
     robot.lidar = {60, 87, -0.5, 0.5, 1.52, 0.01, 20.0};  // 87 x 58 degrees
@@ -129,7 +130,8 @@ TEST_CASE("A scan whose stamp is half a period off is placed where its returns a
   CHECK(robot.worst_m < 0.03);
 }
 
-TEST_CASE("Odometry that begins anew in the middle of a drive places no scan wrongly, and is tied anew") {
+TEST_CASE("Odometry that begins anew in the middle of a drive places no scan wrongly, and is tied anew",
+          "[heavy]") {
   // Where the odometry stands when it begins anew: near by, and far from any start that is tried.
   for (const RigidPose& anew : {on_floor(0, 0, 0), on_floor(30, -12, 2.0)}) {
     Follower robot(8);
@@ -154,7 +156,7 @@ TEST_CASE("Odometry that begins anew in the middle of a drive places no scan wro
   }
 }
 
-TEST_CASE("Odometry that jumps again and again ties nothing") {
+TEST_CASE("Odometry that jumps again and again ties nothing", "[heavy]") {
   Follower robot(9);
   const testing::RegistrationWorld room = testing::small_room(robot.draws);
   for (int i = 0; i < 60; ++i) {

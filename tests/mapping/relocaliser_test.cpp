@@ -75,7 +75,7 @@ TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another
   }
 }
 
-TEST_CASE("Budgets of any size and any order of the returns give the same bits") {
+TEST_CASE("Budgets of any size and any order of the returns give the same bits", "[heavy]") {
   LostInHall lost(100);
   const std::uint64_t whole = digest(lost.rig.find(lost.scan, lost.robot.q_level_sensor));
   CHECK(lost.rig.part.result().verdict == RelocateVerdict::placed);
@@ -91,7 +91,7 @@ TEST_CASE("Budgets of any size and any order of the returns give the same bits")
   CHECK(digest(shuffled.rig.find(shuffled.scan, shuffled.robot.q_level_sensor)) == whole);
 }
 
-TEST_CASE("A search that was written and read back goes on to the same bits") {
+TEST_CASE("A search that was written and read back goes on to the same bits", "[heavy]") {
   LostInHall lost(100);
   const std::uint64_t whole = digest(lost.rig.find(lost.scan, lost.robot.q_level_sensor));
   LostInHall half(100);
