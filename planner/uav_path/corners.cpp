@@ -45,7 +45,8 @@ Status Corners::take(const FlightMap&, const FineSearch& fine) {
   for (std::uint32_t slot = fine.first(); slot != kNoNode; slot = fine.before(slot)) {
     if (!append(fine.voxel(slot))) return Status::full;
   }
-  std::reverse(memory_.points.begin(), memory_.points.begin() + count_);
+  const auto known = memory_.points.first(count_);
+  std::reverse(known.begin(), known.end());
   return Status::ok;
 }
 
@@ -168,7 +169,8 @@ void Corners::resample(const FlightMap& map, std::uint64_t& units) {
   if (2 * corners + kResampled > points.size()) return;
   // The corners move to the end of the memory, and come back one by one with new points between.
   const auto tail = static_cast<std::uint32_t>(points.size()) - corners;
-  std::copy_backward(points.begin(), points.begin() + corners, points.end());
+  const auto first = points.first(corners);
+  std::copy_backward(first.begin(), first.end(), points.end());
   const float step = std::max(
       1.0f, last_length_ / static_cast<float>(kResampled - corners / 2 > 64 ? kResampled - corners / 2 : 64));
   count_ = 0;
