@@ -71,8 +71,8 @@ struct ReceptionCounters {
   std::uint64_t malformed{};      ///< no request, or a damaged one
   std::uint64_t bad_tag{};        ///< from somebody who does not know the secret
   std::uint64_t wrong_session{};  ///< meant for another run
-  std::uint64_t
-      wrong_time{};  ///< of a clock that is far from the run's; a parameter change also: waited too long here
+  /// Of a clock that is far from the run's; a parameter change also: waited too long here.
+  std::uint64_t wrong_time{};
 };
 
 /// The front of a desk; `Counters`: ReceptionCounters and more. A refusal happens before anything is

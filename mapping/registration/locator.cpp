@@ -109,11 +109,11 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
   }
   Match match = match_to_map(prior, odometry);
   LocateVerdict verdict = judge(match, prior, odometry);
-  bool jumped = false;
-  if (verdict != LocateVerdict::accepted && found_elsewhere(odometry, prior, match)) {
-    jumped = jumped_.agrees(match.pose, odometry.T_odom_sensor);
-    verdict = jumped ? LocateVerdict::accepted : LocateVerdict::far_from_prior;
-  }
+  const bool elsewhere = anchor_ == Anchor::held && tied_ && odometry.known &&
+                         (verdict == LocateVerdict::far_from_prior ||
+                          (verdict != LocateVerdict::accepted && found_where_it_was(prior.at, match)));
+  const bool jumped = elsewhere && jumped_.agrees(match.pose, odometry.T_odom_sensor);
+  if (elsewhere) verdict = jumped ? LocateVerdict::accepted : LocateVerdict::far_from_prior;
   located_.share = match.score.matched;
   located_.known = match.score.known;
   located_.steps = match.steps;

@@ -137,7 +137,7 @@ class Locator {
   PosePrior expect(const OdometryHint& odometry) const;
   PosePrior going_on() const;
   Match match_to_map(const PosePrior& prior, const OdometryHint& odometry);
-  bool found_elsewhere(const OdometryHint& odometry, const PosePrior& told, Match& match);
+  bool found_where_it_was(const RigidPose& told, Match& match);
   LocateVerdict judge(const Match& match, const PosePrior& prior, const OdometryHint& odometry) const;
   const Located& refuse(LocateVerdict verdict, const OdometryHint& odometry);
   void accept(const RigidPose& pose, const OdometryHint& odometry);

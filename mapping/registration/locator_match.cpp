@@ -26,12 +26,10 @@ Match Locator::match_to_map(const PosePrior& prior, const OdometryHint& odometry
   return match;
 }
 
-/// Whether a scan that the odometry's place does not explain is well placed where the robot was before: then
-/// `match` is of that place, and the odometry may have jumped.
-bool Locator::found_elsewhere(const OdometryHint& odometry, const PosePrior& told, Match& match) {
-  if (anchor_ != Anchor::held || !tied_ || !odometry.known) return false;
-  const bool in_reach = !are_apart(told.at, newest_, config_.recovery_move_m, config_.recovery_turn_rad);
-  if (in_reach) return judge(match, told, odometry) == LocateVerdict::far_from_prior;
+/// Whether a scan that does not fit where the odometry has it, too far off for any start there, fits where
+/// the robot was last: then `match` is of that place, and the odometry may have jumped. A second match.
+bool Locator::found_where_it_was(const RigidPose& told, Match& match) {
+  if (!are_apart(told, newest_, config_.recovery_move_m, config_.recovery_turn_rad)) return false;
   const PosePrior prior = going_on();
   const OdometryHint none;
   Match other = registration_.match(prior.at, newest_, prior, usual_share_);

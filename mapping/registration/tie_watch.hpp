@@ -11,8 +11,8 @@
 
 namespace sortie::mapping {
 
-/// Scans in a row that agree on another T_map_odom. A place that looks like another one, or a robot that
-/// seems to stand still, does not go on agreeing with the odometry's way.
+/// Scans that agree on another T_map_odom, until one is accepted. A place that looks like another one, or a
+/// robot that seems to stand still, does not go on agreeing with the odometry's way.
 class TieWatch {
  public:
   void clear() { scans_ = 0; }
