@@ -82,6 +82,10 @@ class PlaneRegistration {
   const PlaneRegistrationResult& result() const { return result_; }
   /// Pairs of the best place, as indices into the sets that were given.
   const PlanePairs& pairs() const { return best_pairs_; }
+  /// Places that were fitted, apart from each other, and one of them: most evidence first, whatever the
+  /// verdict.
+  std::uint32_t places() const { return fitted_count_; }
+  const PlanePose& place(std::uint32_t k) const { return fitted_[order_[k]].fit.T_target_source; }
   /// The first plane that begin() refused; the target's are counted from 1000.
   std::uint32_t bad_plane() const { return bad_plane_; }
 

@@ -94,9 +94,11 @@ inline bool mark_faces(const Building& in, const mapping::Plane& p, std::vector<
 /// A scene of grown planes, and how much of it both sets have.
 struct AirGroundScene {
   PlaneScene scene;
-  std::uint32_t common{};   ///< faces that both have a plane of
-  bool three_directions{};  ///< in the normals of these
-  double others{};          ///< share of both sets' planes that are of no such face
+  std::vector<SeenPoint> air;     ///< in the source's frame
+  std::vector<SeenPoint> ground;  ///< in the target's
+  std::uint32_t common{};         ///< faces that both have a plane of
+  bool three_directions{};        ///< in the normals of these
+  double others{};                ///< share of both sets' planes that are of no such face
 };
 
 inline void count_common(const Building& in, AirGroundScene& out) {
@@ -132,19 +134,25 @@ inline void count_common(const Building& in, AirGroundScene& out) {
 }
 
 /// Planes of both clouds. The air's frame has any yaw, gravity to 0.5 degrees, and a scale of 0.9 to 1.1.
-inline AirGroundScene scene_of(const Building& in, double air_to, double ground_from, WorldRandom& random) {
+/// `above`: the building that the air sees.
+inline AirGroundScene scene_of(const Building& in, const Building& above, double air_to, double ground_from,
+                               WorldRandom& random) {
   AirGroundScene out;
   out.scene.truth = random_pose(random, 30, random.between(0.9, 1.1));
   const double roll = 0.0087 * random.normal();
   const rt::Quaternion tilt = rt::exp_rotation({roll, 0.0087 * random.normal(), 0});
   out.scene.truth.q_target_source = out.scene.truth.q_target_source * tilt;
-  std::vector<SeenPoint> air = air_cloud(in, 0.05, air_to, random);
+  out.air = air_cloud(above, 0.05, air_to, random);
   const mapping::PlanePose back = mapping::inverse(out.scene.truth);
-  for (SeenPoint& p : air) p = {mapping::transform(back, p.at_m), mapping::transform(back, p.from_m)};
-  out.scene.source = grown(air, camera_growing());
-  out.scene.target = grown(ground_cloud(in, ground_from, 0.95, random), laser_growing());
+  for (SeenPoint& p : out.air) p = {mapping::transform(back, p.at_m), mapping::transform(back, p.from_m)};
+  out.scene.source = grown(out.air, camera_growing());
+  out.ground = ground_cloud(in, ground_from, 0.95, random);
+  out.scene.target = grown(out.ground, laser_growing());
   count_common(in, out);
   return out;
+}
+inline AirGroundScene scene_of(const Building& in, double air_to, double ground_from, WorldRandom& random) {
+  return scene_of(in, in, air_to, ground_from, random);
 }
 
 /// What became of scenes, and the errors of those that were placed: in part, those of what was observed.

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Settings of the registration of two clouds, and what it says of a place.
+#pragma once
+
+#include <cstdint>
+
+#include "mapping/registration/plane_registration_config.hpp"
+#include "mapping/registration/sight_score.hpp"
+#include "rt/describe.hpp"
+#include "rt/keys.hpp"
+
+namespace sortie::mapping {
+
+/// What became of it.
+enum class CloudVerdict : std::uint8_t {
+  none,       ///< not begun
+  working,    ///< units ran out; run() goes on
+  placed,     ///< in all directions
+  refused,    ///< see CloudRefusal
+  ambiguous,  ///< another place explains as much
+};
+
+/// Why.
+enum class CloudRefusal : std::uint8_t {
+  none,
+  no_place,  ///< planes lead nowhere
+  little,    ///< too few cells lie on surfaces
+  crossed,   ///< lines of sight go through surfaces
+  scale,     ///< farther from the estimate's than that allows
+  unheld,    ///< a direction, or an axis, that too little holds
+  rival,     ///< another place is nearly as good
+  turn,  ///< no yaw is known, and planes alone do not place it there: a hall may look the same from both ends
+  mirrored,  ///< the mirror image is: another wing, another building
+};
+
+/// The names as they are shown.
+const char* to_string(CloudVerdict verdict);
+const char* to_string(CloudRefusal refusal);
+
+/// A place, and what speaks for it. Good to use where the verdict is `placed`.
+struct CloudResult {
+  CloudVerdict verdict{CloudVerdict::none};
+  CloudRefusal refusal{CloudRefusal::none};
+  PlanePose T_target_source;  ///< of the best place, also where it is refused
+  double sigma_m{};           ///< of the middle of the source, in the direction held least
+  double sigma_rad{};
+  std::uint32_t cells{};    ///< of both clouds
+  std::uint32_t on{};       ///< of them on surfaces of the other cloud
+  std::uint32_t through{};  ///< of them seen through surfaces of the other cloud
+  double
+      lead{};  ///< what speaks for this place and not for another, over what speaks for the other; the least
+  PlanePose T_rival;        ///< that place
+  bool rival_mirrored{};    ///< it is one of the source's mirror image
+  std::uint32_t places{};   ///< that were looked at from near
+  std::uint32_t dropped{};  ///< other places that there was no room for: then it is ambiguous
+  std::uint32_t fits{};
+  std::uint32_t looks{};  ///< poses at which all cells were looked at
+  std::uint64_t units{};  ///< of work done
+  SORTIE_FIELDS(verdict, refusal, T_target_source, sigma_m, sigma_rad, cells, on, through, lead, T_rival,
+                rival_mirrored, places, dropped, fits, looks, units)
+
+  bool placed() const { return verdict == CloudVerdict::placed; }
+};
+
+/// When a place is believed. Give it a yaw (a compass to some degrees is enough): without one only what
+/// planes alone place is placed, at the same place.
+struct CloudRegistrationConfig {
+  PlaneRegistrationConfig planes;
+  SightGates gates;
+  std::uint32_t starts{6};         ///< of the planes' places, most evidence first, that are looked at
+  std::uint32_t turned_starts{2};  ///< the same of each turn and each mirror image
+  std::uint32_t least_on{40};      ///< cells on surfaces of the other cloud
+  double most_through{0.015};      ///< of the cells, through surfaces of the other cloud
+  double most_sigma_m{0.05};
+  double most_sigma_rad{0.005};
+  double least_lead{1.5};  ///< CloudResult::lead
+
+  SORTIE_KEYS(c, key) {
+    key("starts", c.starts, {1, 8, "places", "that planes lead to and that are looked at", rt::kKnob});
+    key("most_through", c.most_through, {0, 1, "", "of the cells, that may be seen through surfaces"});
+    key("most_sigma_m", c.most_sigma_m, {0.001, 1, "m", "of the position, where it is held least"});
+    key("least_lead", c.least_lead, {1, 100, "", "what speaks for a place over what speaks for another"});
+  }
+};
+
+}  // namespace sortie::mapping

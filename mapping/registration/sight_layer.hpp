@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A cloud as cells with a surface each, and from where each of them was seen: what clouds of different
+// sensors are compared by.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "mapping/registration/surfel_layer.hpp"
+#include "rt/arena.hpp"
+#include "rt/rotation.hpp"
+
+namespace sortie::mapping {
+
+/// Cells and their memory. The defaults fit a laser's cloud; a camera's, with noise of 1 % of the range,
+/// wants cells of 0.6 m, 12 points and 0.12 m.
+struct SightConfig {
+  double cell_m{0.4};
+  std::uint32_t min_points{8};  ///< that make a surface
+  double most_thickness_m{
+      0.05};                    ///< standard deviation across a surface; a cell that is thicker is left out,
+  double most_flatness{0.25};   ///< and one whose variance across is more than this part of the next one
+  std::uint32_t cells{16'384};  ///< room, whether flat or not
+  std::uint32_t window_cells{128};    ///< along x and along y, a power of two: a cloud is no wider
+  std::uint32_t window_cells_up{32};  ///< along z
+  std::uint32_t points{4096};         ///< most of one insert()
+};
+
+/// A flat cell, in the frame of its cloud.
+struct SightCell {
+  rt::Vector3 mean_m;
+  rt::Vector3 normal;  ///< to the side that it was seen from
+  rt::Vector3 from_m;  ///< where the sensor was that saw it last
+  double sigma_m{};    ///< of the mean, across the surface
+};
+
+/// A vector's mirror image about the plane through the origin that is square to `axis` (unit).
+constexpr rt::Vector3 mirrored(const rt::Vector3& v, const rt::Vector3& axis) {
+  return v - (2.0 * rt::dot(axis, v)) * axis;
+}
+/// A cell's; its normal still points to the side that was seen.
+constexpr SightCell mirrored(const SightCell& cell, const rt::Vector3& axis) {
+  return {mirrored(cell.mean_m, axis), mirrored(cell.normal, axis), mirrored(cell.from_m, axis),
+          cell.sigma_m};
+}
+
+/// Points go in view by view; then prepare() makes the cells. All memory comes from an arena: 250 bytes a
+/// cell, 4 an entry of the window, 32 a point. The same cells whatever the order of a view's points.
+class SightLayer {
+ public:
+  SightLayer(const SightConfig& config, rt::Arena& arena);
+
+  /// Points of the cloud's frame that were seen from one place; at most SightConfig::points. full: more;
+  /// not_finite: `from_m`; then none of them is taken. Points that are not finite are left out. A look-up a
+  /// point, twice.
+  Status insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m);
+  /// Makes cells() of all points so far: a sort and a pass over all cells.
+  void prepare();
+  void clear();
+
+  /// Flat cells, by rising key of their places; as of the last prepare().
+  std::span<const SightCell> cells() const { return flat_.first(count_); }
+  /// The flat cell that a place lies in, or null. A look-up.
+  const SightCell* at(const rt::Vector3& p_m) const {
+    SurfelPlace place;
+    if (!layer_.place(p_m.x, p_m.y, p_m.z, place)) return nullptr;
+    const SurfelIndex surfel = layer_.find(place.cell);
+    if (surfel == kNoSurfel || flat_of_[surfel] >= count_) return nullptr;
+    return &flat_[flat_of_[surfel]];
+  }
+  double cell_m() const { return config_.cell_m; }
+  const SurfelLayerCounts& counts() const { return layer_.counts(); }
+
+ private:
+  static SurfelLayer make_layer(const SightConfig& config, rt::Arena& arena);
+
+  SightConfig config_;
+  SurfelLayer layer_;
+  std::span<rt::Vector3> from_;       ///< of each surfel
+  std::span<std::uint32_t> flat_of_;  ///< of each surfel: its place in flat_, or count_ and more
+  std::span<SightCell> flat_;
+  std::span<std::uint64_t> scratch_;
+  std::uint32_t count_{};
+  std::uint32_t views_{};
+};
+
+}  // namespace sortie::mapping
