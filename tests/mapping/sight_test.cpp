@@ -154,7 +154,8 @@ TEST_CASE("What a look counts is what asking every cell of the other cloud count
   CHECK((on > 200 && off > 50 && through > 10));
 }
 
-TEST_CASE("A fit finds pose and scale from 15 cm and 2 degrees off, and knows what it does not hold") {
+TEST_CASE("A fit finds pose and scale from 15 cm and 2 degrees off, and knows what it does not hold",
+          "[heavy]") {
   constexpr std::uint32_t kSeed = 400;
   CAPTURE(kSeed);
   for (std::uint32_t i = 0; i < 5; ++i) {
@@ -189,7 +190,7 @@ TEST_CASE("A fit finds pose and scale from 15 cm and 2 degrees off, and knows wh
   CHECK(mapping::fit_sights({}, owned.layer, {}, {}, {}, 6, 1).pairs == 0);
 }
 
-TEST_CASE("Shifts that cells vote for have the true one among them") {
+TEST_CASE("Shifts that cells vote for have the true one among them", "[heavy]") {
   constexpr std::uint32_t kSeed = 500;
   CAPTURE(kSeed);
   const auto votes = std::make_unique<mapping::SightVotes>();
