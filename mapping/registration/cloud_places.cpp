@@ -9,8 +9,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr int kFitSteps = 6;  ///< of a fit
-constexpr int kQuickSteps = 5;
+constexpr int kQuickSteps = 5;             ///< of a fit, fewer than kFitSteps
 constexpr std::uint32_t kQuickStride = 3;  ///< of the cells of a quick one
 constexpr std::uint32_t kRounds = 2;       ///< of looking about a start
 constexpr double kAbout_m[8] = {-1.6, -1.2, -0.8, -0.4, 0.4, 0.8, 1.2, 1.6};

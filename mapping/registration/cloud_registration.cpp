@@ -7,10 +7,9 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr double kOfWall = 0.9;               ///< least part of a squared normal that is level
-constexpr std::uint64_t kUnitsLook = 30;      ///< a cell, in both its looks
-constexpr std::uint64_t kUnitsFit = 8;        ///< a cell and a step
-constexpr std::uint64_t kMostStepsOfFit = 6;  ///< cloud_places.cpp has them
+constexpr double kOfWall = 0.9;           ///< least part of a squared normal that is level
+constexpr std::uint64_t kUnitsLook = 30;  ///< a cell, in both its looks
+constexpr std::uint64_t kUnitsFit = 8;    ///< a cell and a step
 }  // namespace
 
 CloudRegistration::CloudRegistration(const CloudRegistrationConfig& config)
@@ -71,7 +70,7 @@ std::uint64_t CloudRegistration::next_cost() const {
     case Stage::vote:
       return 2 * SightVotes::kUnits;
     case Stage::fit:
-      return kUnitsFit * kMostStepsOfFit * source_count_ + 1;
+      return kUnitsFit * kFitSteps * source_count_ + 1;
     default:
       return kUnitsLook * result_.cells + 1;
   }

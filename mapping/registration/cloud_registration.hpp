@@ -21,7 +21,8 @@ namespace sortie::mapping {
 /// A hall may look the same from another place, and less of it may be seen in common there. So the best place
 /// is turned by quarters and halves, and mirrored; shifts at which many cells may lie on surfaces are looked
 /// at, too. The best place counts where few lines of sight go through surfaces, every direction is held, and
-/// every other place that little speaks against explains clearly less.
+/// every other place that little speaks against explains clearly less. Without a yaw planes alone must place
+/// it there as well.
 ///
 /// Each fit and each look costs a fixed number of units; what a budget leaves is kept for the next one. 4 MB;
 /// no heap; stack below 80 kB.
@@ -47,6 +48,7 @@ class CloudRegistration {
  private:
   enum class Stage : std::uint8_t { done, planes, vote, fit, look, hold };
   static constexpr std::uint32_t kWords = kMostCells / 64;
+  static constexpr int kFitSteps = 6;  ///< most of a fit: what every one is charged with
   static constexpr std::uint32_t kMostPlaces = 24;
   /// The places that planes lead to; then those of the best one turned by quarters, and of its mirror image.
   static constexpr std::uint32_t kFirstMirror = 5;

@@ -9,6 +9,11 @@
 
 namespace sortie::mapping {
 
+/// A vector's mirror image about the plane through the origin that is square to `axis` (unit).
+constexpr rt::Vector3 mirrored(const rt::Vector3& v, const rt::Vector3& axis) {
+  return v - (2.0 * rt::dot(axis, v)) * axis;
+}
+
 /// x_target = scale * R(q_target_source) * x_source + p_target_source_m.
 struct PlanePose {
   rt::Quaternion q_target_source;

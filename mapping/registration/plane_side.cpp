@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/plane_side.hpp"
 
+#include "mapping/registration/plane_pose.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -66,14 +68,13 @@ void PlaneSide::take_normals() {
 void PlaneSide::mirror(const PlaneSide& other, const rt::Vector3& axis) {
   size_ = other.size_;
   families_ = 0;
-  const auto image = [&axis](const rt::Vector3& v) { return v - (2.0 * rt::dot(axis, v)) * axis; };
   for (std::uint32_t i = 0; i < size_; ++i) {
     const Plane& from = other.plane_[i];
     Plane& to = plane_[i];
     to = from;
-    to.normal = image(from.normal);
-    to.axis_u = image(from.axis_u);
-    to.centroid_m = other.middle_ + image(from.centroid_m - other.middle_);
+    to.normal = mirrored(from.normal, axis);
+    to.axis_u = mirrored(from.axis_u, axis);
+    to.centroid_m = other.middle_ + mirrored(from.centroid_m - other.middle_, axis);
     to.offset_m = rt::dot(to.normal, to.centroid_m);
     to.least_m[1] = -from.most_m[1];  // v, their vector product, turns round
     to.most_m[1] = -from.least_m[1];

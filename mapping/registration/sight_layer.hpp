@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "mapping/registration/plane_pose.hpp"
 #include "mapping/registration/surfel_layer.hpp"
 #include "rt/arena.hpp"
 #include "rt/rotation.hpp"
@@ -34,10 +35,6 @@ struct SightCell {
   double sigma_m{};    ///< of the mean, across the surface
 };
 
-/// A vector's mirror image about the plane through the origin that is square to `axis` (unit).
-constexpr rt::Vector3 mirrored(const rt::Vector3& v, const rt::Vector3& axis) {
-  return v - (2.0 * rt::dot(axis, v)) * axis;
-}
 /// A cell's; its normal still points to the side that was seen.
 constexpr SightCell mirrored(const SightCell& cell, const rt::Vector3& axis) {
   return {mirrored(cell.mean_m, axis), mirrored(cell.normal, axis), mirrored(cell.from_m, axis),
@@ -45,7 +42,7 @@ constexpr SightCell mirrored(const SightCell& cell, const rt::Vector3& axis) {
 }
 
 /// Points go in view by view; then prepare() makes the cells. All memory comes from an arena: 250 bytes a
-/// cell, 4 an entry of the window, 32 a point. The same cells whatever the order of a view's points.
+/// cell, 4 an entry of the window, 8 a point. The same cells whatever the order of a view's points.
 class SightLayer {
  public:
   SightLayer(const SightConfig& config, rt::Arena& arena);

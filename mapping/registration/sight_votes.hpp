@@ -15,7 +15,7 @@ namespace sortie::mapping {
 inline constexpr std::uint32_t kMostSightPeaks = 8;
 
 /// Cells that face along a direction, counted by their place along it; then at each shift the cells that both
-/// clouds have at the same places: no pose with that shift has more of them on surfaces. 12 kB, no heap.
+/// clouds have at the same places, which is about the most that can lie on surfaces there. 12 kB, no heap.
 class SightVotes {
  public:
   /// Work of find(): of each direction, in units of 5 ns.

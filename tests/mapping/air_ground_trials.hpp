@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdio>
 #include <map>
 #include <memory>
 
@@ -186,6 +187,29 @@ struct AirGroundRuns {
   AirGroundTally known;     ///< all of those with something known
 };
 
+/// Where five faces are in common in three directions, by the share of other planes; the last: elsewhere.
+inline int bin_of(const AirGroundScene& scene) {
+  if (scene.common < 5 || !scene.three_directions) return 4;
+  int bin = 0;
+  while (scene.others >= AirGroundRuns::kOthers[bin]) ++bin;
+  return bin;
+}
+
+/// A row of a table.
+inline void print_row(const char* name, const AirGroundTally& t, std::uint32_t seed) {
+  constexpr double kDeg = 57.29577951308232;
+  std::printf("| %s | %u | %u | %u | %u | %u | %.1f, %.1f, %.1f | %.3f, %.3f, %.3f | %.3f, %.3f | %u |\n",
+              name, t.scenes, t.tally.close, t.tally.near, t.tally.refused, t.tally.wrong,
+              1e3 * quantile(t.position_m, 0.5), 1e3 * quantile(t.position_m, 0.95),
+              1e3 * quantile(t.position_m, 1.0), kDeg * quantile(t.angle_rad, 0.5),
+              kDeg * quantile(t.angle_rad, 0.95), kDeg * quantile(t.angle_rad, 1.0),
+              100 * quantile(t.scale, 0.95), 100 * quantile(t.scale, 1.0), seed);
+}
+/// Names of bins, without and with something known.
+inline constexpr const char* kBinNames[2][5] = {
+    {"nothing known, < 45 % other planes", "45 to 55 %", "55 to 65 %", "> 65 %", "too few faces in common"},
+    {"3 m and 6 deg known, < 45 %", "45 to 55 %", "55 to 65 %", "> 65 %", "too few faces in common"}};
+
 /// The air sees the first 80 % of a building, the ground the last 80 %.
 inline AirGroundRuns air_ground_trials(std::uint32_t seed, std::uint32_t trials) {
   const auto registration = std::make_unique<mapping::PlaneRegistration>(mapping::PlaneRegistrationConfig{});
@@ -194,14 +218,12 @@ inline AirGroundRuns air_ground_trials(std::uint32_t seed, std::uint32_t trials)
     WorldRandom random(seed + i);
     const Building building = random_building(random);
     const AirGroundScene scene = scene_of(building, 0.8, 0.2, random);
-    const bool enough = scene.common >= 5 && scene.three_directions;
-    int bin = enough ? 0 : 4;
-    while (enough && scene.others >= AirGroundRuns::kOthers[bin]) ++bin;
+    const int bin = bin_of(scene);
     for (int known = 0; known < 2; ++known) {
       const mapping::PlaneEstimate estimate = gps(scene.scene, known == 1, 0.05, random);
       const mapping::PlaneRegistrationResult result = registered(*registration, scene.scene, estimate);
       out.of[known][bin].add(scene, result);
-      if (known == 1 && enough) out.known.add(scene, result);
+      if (known == 1 && bin < 4) out.known.add(scene, result);
     }
   }
   return out;

@@ -13,28 +13,15 @@ std::uint32_t trials_of_clouds() {
   return given == nullptr ? 60u : static_cast<std::uint32_t>(std::atoi(given));
 }
 
-void print_cloud_row(const char* name, const sortie::tests::AirGroundTally& t, std::uint32_t seed) {
-  using sortie::tests::quantile;
-  constexpr double kDeg = 57.29577951308232;
-  std::printf("| %s | %u | %u | %u | %u | %u | %.1f, %.1f, %.1f | %.3f, %.3f, %.3f | %.3f, %.3f | %u |\n",
-              name, t.scenes, t.tally.close, t.tally.near, t.tally.refused, t.tally.wrong,
-              1e3 * quantile(t.position_m, 0.5), 1e3 * quantile(t.position_m, 0.95),
-              1e3 * quantile(t.position_m, 1.0), kDeg * quantile(t.angle_rad, 0.5),
-              kDeg * quantile(t.angle_rad, 0.95), kDeg * quantile(t.angle_rad, 1.0),
-              100 * quantile(t.scale, 0.95), 100 * quantile(t.scale, 1.0), seed);
-}
 }  // namespace
 
 TEST_CASE("Of many pairs of clouds none is placed wrongly by cells and lines of sight") {
   using namespace sortie;
   constexpr std::uint32_t kSeed = 60000;
   CAPTURE(kSeed);
-  const char* const names[2][5] = {
-      {"nothing known, < 45 % other planes", "45 to 55 %", "55 to 65 %", "> 65 %", "too few faces in common"},
-      {"3 m and 6 deg known, < 45 %", "45 to 55 %", "55 to 65 %", "> 65 %", "too few faces in common"}};
   for (int known = 0; known < 2; ++known) {
     const tests::CloudRuns runs = tests::cloud_trials(0, known == 1, kSeed, trials_of_clouds());
-    for (int k = 0; k < 5; ++k) print_cloud_row(names[known][k], runs.of[k], kSeed);
+    for (int k = 0; k < 5; ++k) tests::print_row(tests::kBinNames[known][k], runs.of[k], kSeed);
     std::printf("units of work: median %.1f M, p95 %.1f M, most %.1f M\n",
                 1e-6 * tests::quantile(runs.units, 0.5), 1e-6 * tests::quantile(runs.units, 0.95),
                 1e-6 * tests::quantile(runs.units, 1.0));
@@ -53,7 +40,7 @@ TEST_CASE("Of many false pairs of clouds none is placed wrongly") {
       const tests::CloudRuns runs = tests::cloud_trials(kind, known, kSeed, trials_of_clouds());
       std::printf("%s\n", known ? "3 m and 6 deg known:" : "nothing known:");
       for (const tests::AirGroundTally& tally : runs.of) {
-        if (tally.scenes > 0) print_cloud_row(names[kind], tally, kSeed);
+        if (tally.scenes > 0) tests::print_row(names[kind], tally, kSeed);
       }
       CHECK(runs.wrong() == 0);
     }

@@ -99,14 +99,6 @@ inline AirGroundScene cloud_scene(int kind, WorldRandom& random) {
   return scene_of(in, above, 0.8, 0.2, random);
 }
 
-/// Where five faces are in common in three directions, by the share of other planes; the last: elsewhere.
-inline int bin_of(const AirGroundScene& scene) {
-  if (scene.common < 5 || !scene.three_directions) return 4;
-  int bin = 0;
-  while (scene.others >= AirGroundRuns::kOthers[bin]) ++bin;
-  return bin;
-}
-
 /// What became of a scene. `nowhere`: any place is wrong.
 inline void judge(AirGroundTally& tally, const AirGroundScene& scene, const mapping::CloudResult& result,
                   bool nowhere) {
@@ -118,13 +110,7 @@ inline void judge(AirGroundTally& tally, const AirGroundScene& scene, const mapp
   const PoseError e = pose_error(scene.scene, result.T_target_source);
   tally.position_m.push_back(e.position_m), tally.angle_rad.push_back(e.angle_rad);
   tally.scale.push_back(e.scale);
-  constexpr double kDeg = 1.0 / 57.29577951308232;
-  if (nowhere || e.position_m > 0.1 || e.angle_rad > 1.0 * kDeg)
-    ++tally.tally.wrong;
-  else if (e.position_m > 0.05 || e.angle_rad > 0.3 * kDeg || e.scale > 0.005)
-    ++tally.tally.near;
-  else
-    ++tally.tally.close;
+  tally.tally.count(e, nowhere);
 }
 
 /// Tallies of scenes of a kind, by bin_of(); `known`: to 3 m and 6 degrees.

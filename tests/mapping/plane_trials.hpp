@@ -85,6 +85,11 @@ struct PlaneTally {
       e.position_m = observed_error_m(scene, result.fit);
       e.scale = 0.0;
     }
+    count(e, nowhere);
+  }
+
+  /// `nowhere`: any place is wrong.
+  void count(const PoseError& e, bool nowhere) {
     if (nowhere || e.position_m > 0.1 || e.angle_rad > 0.0175)
       ++wrong;
     else if (e.position_m > 0.05 || e.angle_rad > 0.3 / 57.29577951308232 || e.scale > 0.005)
