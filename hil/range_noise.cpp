@@ -84,9 +84,10 @@ double RangeNoise::chance_of_return(const RangeHit& hit) const {
 }
 
 RangeReading RangeNoise::fire(const RayCaster& caster, const RayCaster::Aim& aim,
-                              const Vec3& direction_sensor) {
+                              const Vec3& direction_sensor, RangeHit* met) {
   const Draws draws = draw();
   const RangeHit hit = caster.cast(aim, direction_sensor, max_range_m_);
+  if (met != nullptr) *met = hit;
   if (!hit || !(config_.divergence_rad > 0.0)) return measure(hit, draws, hit.range_m, false);
   const RangeHit edge =
       caster.cast(aim, beside(direction_sensor, config_.divergence_rad, draws.around), max_range_m_);

@@ -76,8 +76,9 @@ class RangeNoise {
   rt::Nanoseconds stamp_error_ns();
 
   /// Fires one ray and measures it. `direction_sensor` has length 1. Cost: a cast, with divergence two; 50 ns
-  /// of draws.
-  RangeReading fire(const RayCaster& caster, const RayCaster::Aim& aim, const Vec3& direction_sensor);
+  /// of draws. `met`, if there is one, receives what the beam's axis met.
+  RangeReading fire(const RayCaster& caster, const RayCaster::Aim& aim, const Vec3& direction_sensor,
+                    RangeHit* met = nullptr);
   /// The ray of a sensor that nobody knows the place of: draws like any ray, and returns nothing.
   RangeReading fire_nowhere();
 

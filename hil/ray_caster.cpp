@@ -17,12 +17,13 @@ bool rotates(const Quat& q) {
 bool usable(const Motion& motion) { return finite(motion.p_world_body_m) && rotates(motion.q_world_body); }
 
 RangeHit to_range(const Hit& hit, const Vec3& direction) {
-  return {hit.range_m, std::fabs(dot(hit.normal, direction)), hit.solid, hit.reflectivity};
+  return {hit.range_m, std::fabs(dot(hit.normal, direction)), hit.solid, hit.reflectivity, hit.normal};
 }
 
 RangeHit to_range(const ShellHit& hit, const Vec3& direction) {
   return {hit.range_m, std::fabs(dot(hit.normal, direction)),
-          RangeHit::kOwnBody - static_cast<std::int32_t>(hit.part), RayCaster::kShellReflectivity};
+          RangeHit::kOwnBody - static_cast<std::int32_t>(hit.part), RayCaster::kShellReflectivity,
+          hit.normal};
 }
 
 }  // namespace

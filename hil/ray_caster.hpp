@@ -47,6 +47,7 @@ struct RangeHit {
   double cos_incidence{};  ///< |cos| of the angle between ray and normal; 0 when the ray starts inside
   std::int32_t solid{Hit::kNothing};  ///< index in the world, Hit::kGround, Hit::kNothing, or an own part
   std::uint16_t reflectivity{};
+  Vec3 normal;  ///< outward: in the world, of an own part in the body; zero when the ray starts inside
 
   explicit operator bool() const { return solid != Hit::kNothing; }
   bool own() const { return solid <= kOwnBody; }
@@ -80,6 +81,9 @@ class RayCaster {
   RangeHit cast(const Aim& aim, const Vec3& direction_sensor, double max_range_m) const;
   /// The same answer by asking every solid and every part: the twin for tests. Not of a recorded place.
   RangeHit cast_brute_force(const Aim& aim, const Vec3& direction_sensor, double max_range_m) const;
+
+  /// The built world; null where the place is a recorded one.
+  const World* world() const { return world_; }
 
  private:
   const World* world_{};  // this or the place

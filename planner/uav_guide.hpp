@@ -71,6 +71,8 @@ class UavGuide {
   /// while a search or a check is under way: the map that it sees stands still. Cost: 3 ns a voxel of the
   /// map, and the change.
   void sense(const mapping::OccupancyView& view);
+  /// Somebody else has said what is in voxels of the map.
+  void changed() { refreshing_ = true; }
   const GuideCounts& counts() const { return counts_; }
 
   /// Takes notice of what is asked and of boxes that have come up by now.

@@ -34,17 +34,6 @@ Status UavPilot::set_reach(double m) {
   return Status::ok;
 }
 
-Status UavPilot::set_mission(std::span<const UavGoal> goals) {
-  if (goals.size() > kMostGoals) return Status::full;
-  for (const UavGoal& goal : goals) {
-    if (!rt::is_finite(goal.p_m) || !std::isfinite(goal.yaw_rad)) return Status::not_finite;
-    if (rt::norm(goal.p_m) > kFarthestGoal_m || goal.wait_ns < 0) return Status::out_of_range;
-  }
-  std::copy(goals.begin(), goals.end(), mission_.begin());
-  goals_ = static_cast<std::uint32_t>(goals.size());
-  return Status::ok;
-}
-
 Status UavPilot::request(const rt::FlyRequest& request, rt::Nanoseconds now_ns) {
   const Status status = gate_.take(request, {0, config_.max_command_age_ns}, now_ns);
   if (status != Status::ok) return status;
@@ -75,6 +64,7 @@ Status UavPilot::request(const rt::FlyRequest& request, rt::Nanoseconds now_ns) 
 
 void UavPilot::begin_goal(const UavGoal& goal) {
   goal_ = goal;
+  looking_ = false;
   has_goal_ = true;
   counted_ = false;
   const bool stands =
@@ -83,17 +73,6 @@ void UavPilot::begin_goal(const UavGoal& goal) {
     step_ = PilotStep::waiting;
   } else if (step_ != PilotStep::take_off) {
     rest();
-  }
-}
-
-// The next goal of the mission, when nobody else is in control.
-void UavPilot::choose_goal(rt::Nanoseconds now_ns) {
-  if (held_ || has_goal_ || now_ns - start_ns_ < config_.start_wait_ns) return;
-  if (step_ == PilotStep::landing || step_ == PilotStep::landed || step_ == PilotStep::stopped) return;
-  if (next_goal_ < goals_) {
-    begin_goal(mission_[next_goal_]);
-  } else if (config_.lands && step_ == PilotStep::arrived) {
-    control_.land();
   }
 }
 
@@ -187,12 +166,18 @@ void UavPilot::stay(const rt::UavState& state, rt::Nanoseconds now_ns) {
   if (!has_goal_) return;
   if (!counted_ && rt::norm(rt::to_vector(state.p_world_m) - goal_.p_m) < reach_m_) {
     counted_ = true;
-    ++output_.reached;
+    if (!looking_) ++output_.reached;
     since_ns_ = now_ns;
   }
   if (!counted_ || now_ns - since_ns_ < goal_.wait_ns) return;
   has_goal_ = false;
-  if (!remote_) ++next_goal_;
+  if (looking_) {
+    ready_ = placed_ && next_look_ == 0;
+    next_look_ = placed_ ? 0 : (next_look_ + 1) % look_count_;
+    if (next_look_ == 0) ++rounds_;
+  } else if (!remote_) {
+    ++next_goal_;
+  }
 }
 
 void UavPilot::decide(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns) {
@@ -205,7 +190,7 @@ void UavPilot::decide(const rt::UavState& state, const UavWay* way, rt::Nanoseco
       break;
     case PilotStep::resting:
       if (!rests() || state.verdict != rt::UavVerdict::good) break;
-      if (config_.plans) {
+      if (config_.plans && !looking_) {
         ask();
       } else {
         points_[0] = control_.reference().p_m;
@@ -245,7 +230,7 @@ void UavPilot::update(const rt::UavState& state, const UavWay* way, rt::Nanoseco
     start_ns_ = now_ns;
   }
   output_.stamp_ns = now_ns;
-  choose_goal(now_ns);
+  choose_goal(state, now_ns);
   forced();
   decide(state, way, now_ns);
   if (step_ == PilotStep::stopped || step_ == PilotStep::waiting) {
@@ -285,11 +270,13 @@ void UavPilot::put_out(const rt::UavState& state, rt::Nanoseconds now_ns) {
 
 void UavPilot::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "uav pilot")
-      .fixed(config_, mission_, goals_)
-      .by_hand(next_goal_, point_count_, leg_)
-      .state(control_, reach_m_, gate_, step_, started_, has_goal_, remote_, held_, goal_, target_m_, points_,
-             whole_, counted_, seen_replanned_, start_ns_, since_ns_, output_);
+      .fixed(config_, mission_, goals_, looks_, look_count_)
+      .by_hand(next_goal_, next_look_, point_count_, leg_)
+      .state(control_, reach_m_, gate_, step_, started_, has_goal_, remote_, held_, looking_, rounds_,
+             base_m_, placed_, ready_, p_own_map_m_, q_own_map_, goal_, target_m_, points_, whole_, counted_,
+             seen_replanned_, start_ns_, since_ns_, output_);
   archive.bounded(next_goal_, goals_);
+  archive.bounded(next_look_, look_count_ > 0 ? look_count_ - 1 : 0);
   archive.bounded(point_count_, UavWay::kMostPoints);
   archive.bounded(leg_, UavWay::kMostPoints);
 }

@@ -41,6 +41,7 @@ struct UavPilotConfig {
   double reach_m{0.05};  ///< so near to a goal counts as there
   rt::Nanoseconds start_wait_ns{};
   rt::Nanoseconds ask_again_ns{rt::kNanosecondsPerSecond};
+  std::uint32_t look_rounds{10};                              ///< then a vehicle that seeks its place lands
   bool lands{};                                               ///< after the mission's last goal
   rt::Nanoseconds max_command_age_ns{kMostFlyRequestAge_ns};  ///< a request that waited longer is refused
 
@@ -51,6 +52,8 @@ struct UavPilotConfig {
         [](auto& pilot, double value) { return pilot.set_reach(value); });
     key("ask_again_s", c.ask_again_ns, {0.1, 1000, rt::kSInNs, "after there was no way to a goal"});
     key("mission.start_s", c.start_wait_ns, {0, 3600, rt::kSInNs, "the vehicle stands this long"});
+    key("mission.look_rounds", c.look_rounds,
+        {1, 1000, "", "of mission.looks without its place found; then it lands where it is"});
     key("mission.land", c.lands, {"after the last goal it lands where it is"});
   }
 };
@@ -119,6 +122,7 @@ struct UavPilotOutput {
 class UavPilot {
  public:
   static constexpr std::uint32_t kMostGoals = 64;
+  static constexpr std::uint32_t kMostLooks = 16;
   static constexpr std::uint32_t kRotorsEnabled = 1u;
 
   /// Designs the controller: some ms.
@@ -128,6 +132,17 @@ class UavPilot {
 
   /// Set-up. full beyond kMostGoals; not_finite; out_of_range.
   [[nodiscard]] Status set_mission(std::span<const UavGoal> goals);
+
+  /// Set-up, for a vehicle that has to find its place before its mission: what it does meanwhile, over and
+  /// over. Heights over the place that it took off from, and yaws; x and y count nothing: it has no map yet,
+  /// and flies straight up and down alone. From the first of them the mission begins. Errors as
+  /// set_mission(); full beyond kMostLooks.
+  [[nodiscard]] Status set_looks(std::span<const UavGoal> looks);
+  /// The mission's goals are in a frame that lies in the vehicle's own so: x_own = R(q) x + p. From now on
+  /// they are flown to. not_finite; then nothing changes. Requests stay in the own frame.
+  Status place(const rt::Vector3& p_own_map_m, const rt::Quaternion& q_own_map);
+  /// It looks for its place, and has not been told it.
+  bool wants_place() const { return look_count_ > 0 && !placed_; }
 
   /// From the next update on. out_of_range: not above 0.
   Status set_reach(double m);
@@ -147,7 +162,9 @@ class UavPilot {
   void archive(rt::Archive& archive);
 
  private:
-  void choose_goal(rt::Nanoseconds now_ns);
+  void choose_goal(const rt::UavState& state, rt::Nanoseconds now_ns);
+  void choose_look(const rt::UavState& state);
+  UavGoal on_own(const UavGoal& goal) const;
   void begin_goal(const UavGoal& goal);
   void forced();
   void decide(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
@@ -167,6 +184,8 @@ class UavPilot {
   double reach_m_;
   std::array<UavGoal, kMostGoals> mission_{};
   std::uint32_t goals_{};
+  std::array<UavGoal, kMostLooks> looks_{};
+  std::uint32_t look_count_{};
   RequestGate gate_;
   PilotStep step_{PilotStep::waiting};
   bool started_{};
@@ -174,6 +193,14 @@ class UavPilot {
   bool remote_{};
   bool held_{};  ///< by request: the mission does not go on
   std::uint32_t next_goal_{};
+  std::uint32_t next_look_{};
+  std::uint32_t rounds_{};  ///< of looks
+  bool looking_{};          ///< the goal is a look
+  rt::Vector3 base_m_;      ///< where it stood before it took off
+  bool placed_{};
+  bool ready_{};  ///< placed, and back at the first look
+  rt::Vector3 p_own_map_m_;
+  rt::Quaternion q_own_map_;
   UavGoal goal_;
   rt::Vector3 target_m_;  ///< end of the present leg
   std::array<rt::Vector3, UavWay::kMostPoints> points_{};

@@ -107,7 +107,7 @@ std::unique_ptr<Runtime> make_runtime(const LogFile& log, const VehicleRegistry&
     map = read_kept_map(options.map);
     start.map = &*map;
     // A log that was recorded with a map says which; for others it is a what-if.
-    if (!profile.has("locate.map_digest")) profile = load(map->overrides(options.overrides));
+    if (!profile.has(map->table + ".map_digest")) profile = load(map->overrides(options.overrides));
   }
   start.epoch_ns = header.epoch_ns;
   start.has_initial = true;

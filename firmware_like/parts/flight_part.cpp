@@ -9,26 +9,10 @@
 
 namespace sortie::firmware {
 
-namespace {
-
-// What another run found out; what it did not stays as the map has it.
-void put_known(const GuideConfig& config, planner::FlightMap& map) {
-  std::size_t index = 0;
-  if (config.known.empty()) return;
-  for (std::int32_t z = 0; z < config.map.nz; ++z) {
-    for (std::int32_t y = 0; y < config.map.ny; ++y) {
-      for (std::int32_t x = 0; x < config.map.nx; ++x) {
-        const CellState state = config.known[index++];
-        if (state != CellState::unknown)
-          static_cast<void>(map.set_blocked({x, y, z}, state == CellState::blocked));  // it lies inside
-      }
-    }
-  }
-}
-
-}  // namespace
-
 FlightPart::FlightPart(VehicleBuilder& builder) : control_(builder.group("control", 200)) {
+  // Without a map of another robot to be placed on its own frame is the mission's.
+  const bool wants_join = builder.wants("join", false);
+  seeks_ = rt::kBuilt<"join"> && wants_join && builder.kept_map("join") != nullptr;
   // What is asked for and not built was refused before.
   const bool wants_pilot = builder.wants("pilot");
   const bool flies = rt::kBuilt<"pilot"> && wants_pilot;
@@ -50,6 +34,11 @@ void FlightPart::finish(VehicleBuilder& builder) {
   add_device_frames(builder, imu, "can.imu_hz", 200, "how often the IMU sends");
   add_device_frames(builder, fix, "can.fix_hz", 20, "how often a fix of the place comes");
   if (outlet_ == nullptr) return;
+  if (rt::kBuilt<"join"> && seeks_) {
+    const auto* place = builder.find<rt::Task<JoinOutput>>();
+    place_input_ = builder.input(control_, place, 1);
+    if (rt::kBuilt<"path"> && guide_) place_for_way_ = builder.input(way_group_, place, 1);
+  }
   const std::size_t frames = (rotor_count_ + 2) / 3;  // three rotors each
   add_own_frames(builder, {rotors, frames}, builder.period_ns(control_));
   builder.chain({"imu_to_rotors", {"IMU", "state", "pose", "pilot"}});
@@ -116,6 +105,12 @@ void FlightPart::make_pilot(VehicleBuilder& builder, rt::GroupId group) {
     builder.profile().fail("airframe.mass_kg", "no stable controller could be designed for this vehicle");
   if (pilot_->set_mission(read_uav_mission(builder)) != Status::ok)
     builder.profile().fail("mission.goals", "every goal must lie within 8 km of the origin");
+  const std::vector<planner::UavGoal> looks = read_uav_looks(builder);
+  if (rt::kBuilt<"join"> && seeks_) {
+    if (looks.empty())
+      builder.profile().fail("mission.looks", "a vehicle that seeks its place needs some: heights and yaws");
+    static_cast<void>(pilot_->set_looks(looks));  // in range, as read
+  }
   live_keys<planner::UavPilotConfig>(builder, group, "flight", *pilot_);
 }
 
@@ -130,6 +125,7 @@ void FlightPart::add_pilot(VehicleBuilder& builder, rt::GroupId group) {
           for (const rt::FlyRequest& request : *requests_)
             static_cast<void>(pilot_->request(request, context.release_ns));
         }
+        if (rt::kBuilt<"join"> && pilot_->wants_place()) take_place();
         const planner::UavWay* way = way_input_ != nullptr ? way_input_->latest() : nullptr;
         pilot_->update(estimator_->state(), way, context.release_ns);
         output = pilot_->output();
@@ -202,8 +198,17 @@ void FlightPart::add_path(VehicleBuilder& builder, rt::GroupId control) {
   rt::Arena& arena = builder.arena();
   const std::uint32_t bricks = planner::FlightMap::bricks_for(config.map);
   map_ = make_flight_map(builder, config.map);
-  put_known(config, *map_);
-  if (!config.sensed && config.map.unknown_is_blocked) clear_start(builder, config);
+  if (rt::kBuilt<"join"> && seeks_) {
+    if (config.known.empty())
+      builder.profile().fail("flight_map.source",
+                             "a vehicle that seeks its place flies by a map of the other robot: choose "
+                             "\"stored\", as `sortie export flight_map` writes it");
+    known_ = std::move(config.known);
+    config.known.clear();
+    carried_.emplace(known_, *map_);
+  }
+  planner::put_known(config.known, *map_);
+  if (!seeks_ && !config.sensed && config.map.unknown_is_blocked) clear_start(builder, config);
   const planner::CoarseMemory coarse{arena.make_array<planner::PathNode>("path parts", config.parts),
                                      arena.make_array<std::uint32_t>("path parts", config.parts),
                                      arena.make_array<std::uint32_t>("path parts", bricks)};
@@ -219,13 +224,13 @@ void FlightPart::add_path(VehicleBuilder& builder, rt::GroupId control) {
   guide_ = std::make_unique<planner::UavGuide>(*map_, *path_, boxes_);
   if (guide_->status() != Status::ok)
     builder.profile().fail("airframe.radius_m", "the vehicle is too large for voxels of this size");
-  const rt::GroupId group = builder.group(config.sensed ? "mapping" : "planning", 10);
+  const rt::GroupId group = way_group_ = builder.group(config.sensed ? "mapping" : "planning", 10);
   question_input_ = builder.input(group, pilot_task_, 1);
   if (rt::kBuilt<"sensed_map"> && config.sensed) {
     planner::FlightMapConfig hope = config.map;
     hope.unknown_is_blocked = false;
     hope_ = make_flight_map(builder, hope);
-    put_known(config, *hope_);
+    planner::put_known(config.known, *hope_);
     guide_->expect(*hope_, config.cells);
     add_sensing(builder, group, config.map, config.bubble_m);
   }
@@ -234,12 +239,41 @@ void FlightPart::add_path(VehicleBuilder& builder, rt::GroupId control) {
       [this](rt::JobContext& context, planner::UavWay& output) {
         const planner::UavPilotOutput* pilot = question_input_->latest();
         if (rt::kBuilt<"sensed_map"> && sensing_) guide_->sense(sensing_->map().view());
+        // Questions wait until the other robot's map is there.
+        if (rt::kBuilt<"join"> && carried_ && carries_map(context)) pilot = nullptr;
         guide_->look(pilot != nullptr ? &pilot->question : nullptr, context.release_ns);
         while (guide_->works() && context.spend(planner::UavGuide::kSlice)) guide_->step();
         output = guide_->way();
       });
-  builder.remembers(task, *guide_);
+  if (rt::kBuilt<"join"> && carried_) {
+    builder.remembers(task, *carried_, *guide_);
+  } else {
+    builder.remembers(task, *guide_);
+  }
   way_input_ = builder.input(control, task, 1);
+}
+
+// The pilot's goals are on the other robot's map.
+void FlightPart::take_place() {
+  const JoinOutput* place = place_input_ != nullptr ? place_input_->latest() : nullptr;
+  if (place == nullptr || !place->placed) return;
+  const rt::Quaternion q_own_map = rt::conjugate(rt::to_quaternion(place->q_map_own));
+  // Finite, as any place.
+  static_cast<void>(
+      pilot_->place(-1.0 * rt::rotate(q_own_map, rt::to_vector(place->p_map_own_m)), q_own_map));
+}
+
+// True as long as what the other robot knows is not all in this vehicle's map.
+bool FlightPart::carries_map(rt::JobContext& context) {
+  if (!carried_->has_begun()) {
+    const JoinOutput* place = place_for_way_ != nullptr ? place_for_way_->latest() : nullptr;
+    if (place == nullptr || !place->placed) return true;
+    carried_->begin(rt::to_vector(place->p_map_own_m), rt::to_quaternion(place->q_map_own));
+  }
+  if (!carried_->works()) return false;
+  while (carried_->works() && context.spend(planner::UavGuide::kSlice)) carried_->step();
+  guide_->changed();
+  return carried_->works();
 }
 
 void FlightPart::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {

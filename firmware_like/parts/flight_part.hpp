@@ -4,14 +4,17 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "estimators/uav_state/uav_estimator.hpp"
+#include "firmware_like/parts/join_output.hpp"
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/uav_config.hpp"
 #include "firmware_like/parts/uav_sensing.hpp"
 #include "firmware_like/runtime/owned_part.hpp"
 #include "planner/uav_guide.hpp"
+#include "planner/uav_path/carried_map.hpp"
 #include "planner/uav_pilot.hpp"
 
 namespace sortie::firmware {
@@ -41,6 +44,8 @@ class FlightPart final : public Part {
   void clear_start(const VehicleBuilder& builder, const GuideConfig& config);
   void add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
                    double bubble_m);
+  bool carries_map(rt::JobContext& context);
+  void take_place();
   std::unique_ptr<planner::FlightMap> make_flight_map(VehicleBuilder& builder,
                                                       const planner::FlightMapConfig& size);
   void add_pilot_counters(VehicleBuilder& builder);
@@ -58,6 +63,10 @@ class FlightPart final : public Part {
   std::unique_ptr<estimators::UavEstimator> estimator_;
   std::unique_ptr<planner::UavPilot> pilot_;
   std::vector<planner::KnownBox> boxes_;
+  bool seeks_{};                           // its place on another robot's map, before its mission
+  std::vector<planner::CellState> known_;  // of that map; empty: nothing
+  std::optional<planner::CarriedMap> carried_;
+  rt::GroupId way_group_;
   std::unique_ptr<planner::FlightMap> map_;
   std::unique_ptr<planner::FlightMap> hope_;     // only where the map is sensed
   OwnedPart<UavSensing, "sensed_map"> sensing_;  // the same
@@ -68,6 +77,8 @@ class FlightPart final : public Part {
   rt::Task<planner::UavPilotOutput>* pilot_task_{};
   rt::Input<planner::UavPilotOutput>* question_input_{};
   rt::Input<planner::UavWay>* way_input_{};
+  rt::Input<JoinOutput>* place_input_{};    // of the pilot; null unless it seeks
+  rt::Input<JoinOutput>* place_for_way_{};  // of the path
   rt::CommandOutlet<rt::RotorCommand>* outlet_{};
   double distance_m_{};
   rt::Vector3 last_m_;

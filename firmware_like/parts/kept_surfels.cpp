@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/parts/kept_surfels.hpp"
 
-#include "firmware_like/runtime/kept_map.hpp"
+#include "firmware_like/parts/named_map.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/text_format.hpp"
 
@@ -75,20 +75,8 @@ template <class T>
 }  // namespace
 
 void load_kept_map(VehicleBuilder& builder, mapping::Locator& locator) {
-  Profile& profile = builder.profile();
-  const std::string name =
-      profile.text("locate.map", "", "the map of surfaces that the run begins with; --map FILE writes it");
-  const std::string digest = profile.text("locate.map_digest", "", "its digest; --map FILE writes it");
-  const KeptMap* map = builder.kept_map();
-  if (map == nullptr) {
-    if (!name.empty() || !digest.empty())
-      profile.fail("locate.map",
-                   "begins with the map " + name + " (digest " + digest + "); give it with --map FILE");
-    return;
-  }
-  if (map->digest != digest)
-    profile.fail("locate.map", "begins with the map " + name + " (digest " + digest + "), and --map " +
-                                   map->path + " is another one (digest " + map->digest + ")");
+  const KeptMap* map = named_map(builder, "locate");
+  if (map == nullptr) return;
   if (builder.arena().refused() != 0) return;  // its memory is still being measured
   const SurfelMapResult result = locator.load(map->bytes);
   if (result.fault != SurfelMapFault::none) refuse(*map, result, locator.registration().config());

@@ -70,7 +70,7 @@ class RelocatePart final : public Part {
       const bool taken = relocaliser_->take_map();
       const std::uint64_t wanted = relocaliser_->map().wanted_tops();
       if (!taken && wanted > 0)
-        throw InputError("--map " + builder.kept_map()->path +
+        throw InputError("--map " + builder.kept_map("locate")->path +
                              ": there is no room for it to be searched; "
                              "cure: --set limits.tops=" +
                              std::to_string(wanted),

@@ -8,10 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "planner/uav_path/carried_map.hpp"
+
 namespace sortie::firmware {
 
-/// What is known of a cell.
-enum class CellState : std::uint8_t { unknown, free, blocked };
+using planner::CellState;
 
 /// Runs of cells of one kind, x fastest, then y, then z: 'u', 'f' or 'b' and how many follow each other, as
 /// in "u120f14b2". The shortest such text. Cost: O(cells). Set-up only.

@@ -65,6 +65,25 @@ std::vector<planner::UavGoal> read_uav_mission(VehicleBuilder& builder) {
   return goals;
 }
 
+std::vector<planner::UavGoal> read_uav_looks(VehicleBuilder& builder) {
+  using Kind = ColumnSpec::Kind;
+  const std::vector<ColumnSpec> columns = {
+      {"z_m", Kind::number, {1, 0.3, 50, "m"}, true},
+      {"yaw_deg", Kind::number, {0, -360, 360, "deg"}},
+      {"wait_s", Kind::number, {0, 0, 3600, "s"}},
+  };
+  std::vector<planner::UavGoal> looks;
+  for (const ProfileRow& row : builder.profile().rows(
+           "mission.looks", columns, planner::UavPilot::kMostLooks,
+           "heights over the start and headings, round and round, until part join has found "
+           "the vehicle's place")) {
+    looks.push_back({{0, 0, row.numbers.at("z_m")},
+                     kDegree * row.numbers.at("yaw_deg"),
+                     milliseconds(1e3 * row.numbers.at("wait_s"))});
+  }
+  return looks;
+}
+
 namespace {
 
 // Voxels are cells of an occupancy map: its corner lies on a corner of a cell.

@@ -37,6 +37,7 @@ struct GuideConfig {
 planner::UavPilotConfig read_pilot_config(VehicleBuilder& builder);
 estimators::UavEstimatorConfig read_uav_estimator_config(VehicleBuilder& builder);
 std::vector<planner::UavGoal> read_uav_mission(VehicleBuilder& builder);
+std::vector<planner::UavGoal> read_uav_looks(VehicleBuilder& builder);
 GuideConfig read_guide_config(VehicleBuilder& builder);
 /// Of [flight_map] its voxels and what chances mean alone, as a map has them that is sensed or stored.
 GuideConfig read_flight_voxels(Profile& profile);

@@ -152,6 +152,10 @@ const mapping::ScanRegistration* Robot::surfels() const {
   return first([](const Part& part) { return part.surfels(); });
 }
 
+const mapping::SensedCloud* Robot::cloud() const {
+  return first([](const Part& part) { return part.cloud(); });
+}
+
 UnitTrial Robot::try_units() const {
   for (const std::unique_ptr<Part>& part : parts_) {
     if (UnitTrial trial = part->try_units(); !trial.task.empty()) return trial;

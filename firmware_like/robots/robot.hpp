@@ -31,6 +31,7 @@ class Robot final : public Vehicle, public UnitTryer {
   void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
   std::optional<mapping::OccupancyView> occupancy() const override;
   const mapping::ScanRegistration* surfels() const override;
+  const mapping::SensedCloud* cloud() const override;
   UnitTrial try_units() const override;
 
  private:

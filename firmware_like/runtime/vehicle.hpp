@@ -18,6 +18,7 @@ class SslPort;
 
 namespace sortie::mapping {
 class ScanRegistration;
+struct SensedCloud;
 }  // namespace sortie::mapping
 
 namespace sortie::firmware {
@@ -86,6 +87,8 @@ class Vehicle {
   virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
   /// The map of surfaces as it is when no job runs; null without one.
   virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
+  /// The cloud as it is when no job runs; null without one.
+  virtual const mapping::SensedCloud* cloud() const { return nullptr; }
 };
 
 }  // namespace sortie::firmware

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "firmware_like/runtime/kept_map.hpp"
+
 namespace sortie::firmware {
 
 const char* VehicleBuilder::keep(const std::string& name) {
@@ -14,6 +16,12 @@ const char* VehicleBuilder::keep(const std::string& name) {
 
 void VehicleBuilder::check() const {
   if (executive_.error() != nullptr) profile_.fail("scene", executive_.error());
+}
+
+const KeptMap* VehicleBuilder::kept_map(const std::string& table) {
+  if (kept_map_ == nullptr || kept_map_->table != table) return nullptr;
+  map_asked_ = true;
+  return kept_map_;
 }
 
 bool VehicleBuilder::archive_memory(const rt::TaskBase& task, rt::Archive& archive) const {

@@ -58,11 +58,9 @@ class VehicleBuilder {
   Profile& profile() { return profile_; }
   rt::Arena& arena() { return executive_.arena(); }
   const InitialPose& initial_pose() const { return initial_; }
-  /// The map that the run begins with, or null; it lives while the vehicle is made. Whoever asks uses it.
-  const KeptMap* kept_map() {
-    map_asked_ = true;
-    return kept_map_;
-  }
+  /// The map that the run begins with, if it is one for `table` (KeptMap::table), or null; it lives while the
+  /// vehicle is made. Whoever gets it uses it.
+  const KeptMap* kept_map(const std::string& table);
   /// False: a map was given, and nothing in the scene asked for one.
   bool uses_kept_map() const { return kept_map_ == nullptr || map_asked_; }
 

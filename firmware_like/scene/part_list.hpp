@@ -46,6 +46,8 @@
   part(ssl, "a solid-state lidar is asked for rays", "ugv", "", "no") \
   option(ray_scheduler, "rays are planned over a map of what is known", "ugv", "ssl", "yes", \
          "ssl.policy", "scheduled", "ssl.policy=grid", true) \
+  part(cloud, "cells of what it saw, for another robot to be placed on", "", "", "no") \
+  part(join, "the vehicle finds its place on another robot's cloud", "", "cloud", "no") \
   option(pilot, "the vehicle is flown", "uav", "", "yes", "tasks.pilot.enabled", "", \
          "tasks.pilot.enabled=false", true) \
   option(path, "ways around what is in the way", "uav", "pilot", "no", "tasks.path.enabled", "", \

@@ -40,10 +40,13 @@ UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, dr
       fixes_(config.fixes, config.seed),
       imu_faults_(config.imu_faults, config.seed, kImuStream),
       command_faults_(config.command_faults, config.seed, kCommandStream),
-      scans_(config.lidar.rate_hz != 0 ? scans : nullptr),
+      scans_(config.lidar.rate_hz != 0 || config.camera.rate_hz != 0 ? scans : nullptr),
       lidar_(config.lidar, config.lidar_faults, config.seed, config.start_ns),
+      camera_(config.camera, config.camera_faults, config.seed, config.start_ns),
       imu_period_ns_(checked_period(config.imu.rate_hz)),
       now_ns_(config.start_ns) {
+  if (config.lidar.rate_hz != 0 && config.camera.rate_hz != 0)
+    throw std::runtime_error("hil: one sensor delivers scans: lidar or camera");
   if (config.lose_at_s >= 0.0 && config.lost_rotor >= config.airframe.rotors)
     throw std::runtime_error("hil lost_rotor: there is no such rotor");
   for (const TimedSolid& timed : config_.solids) {
@@ -88,7 +91,7 @@ void UavVehicle::step_once() {
   const rt::Nanoseconds since_ns = now_ns_ - config_.start_ns;
   most_tilt_rad_ = std::max(most_tilt_rad_, plant_.tilt_rad());
   look_for_collisions(since_ns);
-  if (scans_ != nullptr) fire_lidar(before, since_ns);
+  if (scans_ != nullptr) fire_sensor(before, since_ns);
   if (since_ns % imu_period_ns_ == 0) send_imu(since_ns);
   send_fixes();
 }
@@ -105,7 +108,7 @@ void UavVehicle::build_world(rt::Nanoseconds since_ns) {
   if (world_->finalize() != Status::ok) throw std::runtime_error("hil: too many large boxes");
 }
 
-void UavVehicle::fire_lidar(const MultirotorState& before, rt::Nanoseconds since_ns) {
+void UavVehicle::fire_sensor(const MultirotorState& before, rt::Nanoseconds since_ns) {
   std::size_t there = 0;
   for (const TimedSolid& timed : config_.solids) there += timed.from_ns <= since_ns ? 1 : 0;
   if (there != built_) build_world(since_ns);
@@ -122,6 +125,7 @@ void UavVehicle::fire_lidar(const MultirotorState& before, rt::Nanoseconds since
   step.before = motion(before, now_ns_ - kStepNs);
   step.after = motion(plant_.state(), now_ns_);
   lidar_.advance(RayCaster(*world_), step, *scans_);
+  camera_.advance(RayCaster(*world_), step, *scans_);
 }
 
 void UavVehicle::take_commands() {
@@ -166,8 +170,18 @@ void UavVehicle::send_imu(rt::Nanoseconds since_ns) {
   if (drivers::encode_imu(sample, counter, frames) == Status::ok) send(frames, fault.duplicate);
 }
 
+MultirotorState UavVehicle::in_own_frame(MultirotorState state) const {
+  const Vec3& m = config_.frame_m;
+  if (m.x == 0.0 && m.y == 0.0 && m.z == 0.0 && config_.frame_yaw_rad == 0.0) return state;
+  const Quat back = from_yaw_pitch_roll(-config_.frame_yaw_rad, 0, 0);
+  state.p_world_m = rotate(back, state.p_world_m - m);
+  state.v_world_m_s = rotate(back, state.v_world_m_s);
+  state.q_world_body = back * state.q_world_body;
+  return state;
+}
+
 void UavVehicle::send_fixes() {
-  fixes_.observe(now_ns_, plant_.state());
+  fixes_.observe(now_ns_, in_own_frame(plant_.state()));
   rt::UavFix fix;
   while (fixes_.take(now_ns_, fix)) {
     drivers::CanFrame frames[2];
@@ -211,7 +225,7 @@ void UavVehicle::send(std::span<const drivers::CanFrame> frames, bool twice) {
 }
 
 rt::TruthSample UavVehicle::truth() const {
-  const MultirotorState& state = plant_.state();
+  const MultirotorState state = in_own_frame(plant_.state());
   Motion motion;
   motion.stamp_ns = now_ns_;
   motion.p_world_body_m = state.p_world_m;

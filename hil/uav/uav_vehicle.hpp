@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drivers/can_codec.hpp"
+#include "hil/depth_camera.hpp"
 #include "hil/fault_injection.hpp"
 #include "hil/imu_model.hpp"
 #include "hil/lidar_model.hpp"
@@ -30,6 +31,9 @@ struct UavVehicleConfig {
   rt::Nanoseconds start_ns{0};  ///< plant time before the first step
   MultirotorConfig airframe = neo11_plant();
   Vec3 start_m;
+  /// Where the frame of its fixes lies in the world: what the vehicle says of places, and truth(), is in it.
+  Vec3 frame_m;
+  double frame_yaw_rad{};
   double start_yaw_rad{};
   double propeller_radius_m{0.14};
   ImuConfig imu{};
@@ -45,6 +49,8 @@ struct UavVehicleConfig {
   std::vector<TimedSolid> solids;
   LidarConfig lidar{.rate_hz = 0};  ///< sees the solids, not the vehicle itself
   FaultConfig lidar_faults{};
+  DepthCameraConfig camera{.rate_hz = 0};  ///< in place of the lidar: not both
+  FaultConfig camera_faults{};
   rt::Nanoseconds command_timeout_ns{100 * rt::kNanosecondsPerMillisecond};  ///< then the rotors stop
   drivers::CanCodecConfig can{};
 };
@@ -74,15 +80,16 @@ class UavVehicle {
   static constexpr int kMaxFramesPerStep = 64;
   static constexpr int kRimPoints = 12;
 
-  /// `port` is the vehicle's own node on the bus and outlives it, as `scans` does, where its lidar delivers;
+  /// `port` is the vehicle's own node on the bus and outlives it, as `scans` does, where its sensor delivers;
   /// null: nobody takes scans. Throws std::runtime_error naming the
-  /// setting if the config is not usable.
+  /// setting if the config is not usable, as one with lidar and camera is not.
   UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, drivers::ScanSink* scans = nullptr);
 
   /// Advances plant time in steps of 1 ms to the last whole one not after `now_ns`. Status as
   /// UgvPlant::step. About 3 us a step, and 10 ns a solid.
   Status step(rt::Nanoseconds now_ns);
 
+  /// In the frame of its fixes.
   rt::TruthSample truth() const;
   const MultirotorPlant& plant() const { return plant_; }
   rt::Nanoseconds now_ns() const { return now_ns_; }
@@ -94,16 +101,18 @@ class UavVehicle {
   const UavVehicleCounters& counters() const { return counters_; }
   const FaultCounters& imu_faults() const { return imu_faults_.counters(); }
   const LidarCounters& lidar() const { return lidar_.counters(); }
+  const LidarCounters& camera() const { return camera_.counters(); }
   std::uint64_t fixes_lost() const { return fixes_.lost(); }
 
  private:
+  MultirotorState in_own_frame(MultirotorState state) const;
   void step_once();
   void take_commands();
   void send_imu(rt::Nanoseconds since_ns);
   void send_fixes();
   void look_for_collisions(rt::Nanoseconds since_ns);
   void build_world(rt::Nanoseconds since_ns);
-  void fire_lidar(const MultirotorState& before, rt::Nanoseconds since_ns);
+  void fire_sensor(const MultirotorState& before, rt::Nanoseconds since_ns);
   void send(std::span<const drivers::CanFrame> frames, bool twice);
 
   UavVehicleConfig config_;
@@ -114,9 +123,10 @@ class UavVehicle {
   FaultInjector imu_faults_;
   FaultInjector command_faults_;
   drivers::ScanSink* scans_;
-  std::unique_ptr<World> world_;  ///< what the lidar sees; only where somebody takes scans
+  std::unique_ptr<World> world_;  ///< what the sensor sees; only where somebody takes scans
   std::size_t built_{};           ///< solids that are in it
   LidarModel lidar_;
+  DepthCamera camera_;
   rt::Nanoseconds imu_period_ns_;
   rt::Nanoseconds now_ns_;
   rt::Nanoseconds heard_ns_{};

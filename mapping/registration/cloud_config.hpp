@@ -79,6 +79,8 @@ struct CloudRegistrationConfig {
     key("starts", c.starts, {1, 8, "places", "that planes lead to and that are looked at", rt::kKnob});
     key("most_through", c.most_through, {0, 1, "", "of the cells, that may be seen through surfaces"});
     key("most_sigma_m", c.most_sigma_m, {0.001, 1, "m", "of the position, where it is held least"});
+    key("most_sigma_deg", c.most_sigma_rad,
+        {0.01, 10, rt::kDegInRad, "of the turn, about the axis that is held least"});
     key("least_lead", c.least_lead, {1, 100, "", "what speaks for a place over what speaks for another"});
   }
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/sight_layer.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -8,10 +9,16 @@
 namespace sortie::mapping {
 namespace {
 constexpr std::uint32_t kMemoryPoints = kMostSurfelPoints / 2;
+constexpr std::int32_t kPlaneLimit = 1 << 19;  // of PlaneCell::at
 constexpr std::uint32_t kNotFlat = std::numeric_limits<std::uint32_t>::max();
 
 unsigned window_bits(std::uint32_t cells) {
   return static_cast<unsigned>(std::bit_width(std::bit_ceil(cells)) - 1);
+}
+
+/// The normal on the side of a place.
+rt::Vector3 turned_to(const rt::Vector3& normal, const rt::Vector3& away) {
+  return rt::dot(normal, away) < 0.0 ? -1.0 * normal : normal;
 }
 }  // namespace
 
@@ -32,6 +39,9 @@ SightLayer::SightLayer(const SightConfig& config, rt::Arena& arena)
     : config_(config),
       layer_(make_layer(config, arena)),
       from_(arena.make_array<rt::Vector3>("sight_places", config.cells)),
+      seen_(arena.make_array<std::uint32_t>("sight_places", config.cells)),
+      last_(arena.make_array<std::uint32_t>("sight_places", config.cells)),
+      seen_key_(arena.make_array<std::uint64_t>("sight_places", config.cells)),
       flat_of_(arena.make_array<std::uint32_t>("sight_cells", config.cells)),
       flat_(arena.make_array<SightCell>("sight_cells", config.cells)),
       scratch_(arena.make_array<std::uint64_t>("sight_scratch", config.points)) {}
@@ -39,12 +49,24 @@ SightLayer::SightLayer(const SightConfig& config, rt::Arena& arena)
 Status SightLayer::insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m) {
   if (!rt::is_finite(from_m)) return Status::not_finite;
   if (points_m.size() > scratch_.size()) return Status::full;
-  layer_.insert(points_m, ++views_, scratch_);
+  const bool same =
+      views_ > 0 && from_m.x == view_from_m_.x && from_m.y == view_from_m_.y && from_m.z == view_from_m_.z;
+  if (!same) ++views_;
+  view_from_m_ = from_m;
+  layer_.insert(points_m, ++inserts_, scratch_);
   SurfelPlace place;
   for (const rt::Vector3& p : points_m) {
     if (!layer_.place(p.x, p.y, p.z, place)) continue;
     const SurfelIndex surfel = layer_.find(place.cell);
-    if (surfel != kNoSurfel) from_[surfel] = from_m;
+    if (surfel == kNoSurfel) continue;
+    from_[surfel] = from_m;
+    if (seen_key_[surfel] != place.cell.key()) {  // a cell that is new in this room
+      seen_key_[surfel] = place.cell.key();
+      seen_[surfel] = 0;
+      flat_of_[surfel] = kNotFlat;
+    }
+    if (seen_[surfel] == 0 || last_[surfel] != views_) ++seen_[surfel];
+    last_[surfel] = views_;
   }
   return Status::ok;
 }
@@ -54,7 +76,7 @@ void SightLayer::prepare() {
   for (const SurfelIndex index : layer_.by_key()) {
     flat_of_[index] = kNotFlat;
     const SurfelRecord record = layer_.record(index);
-    if (record.sums.count < config_.min_points) continue;
+    if (record.sums.count < config_.min_points || seen_[index] < config_.min_views) continue;
     // Of all its points: the layer's own is up to a tenth of them behind.
     const Surfel surfel = surfel_of(record.sums, config_.cell_m);
     const double across = surfel.variance(0);
@@ -64,17 +86,67 @@ void SightLayer::prepare() {
     SightCell cell;
     cell.mean_m = layer_.centre_m(SurfelCell::from_key(record.key)) + surfel.mean();
     cell.from_m = from_[index];
-    const rt::Vector3 n = surfel.normal();
-    cell.normal = rt::dot(n, cell.from_m - cell.mean_m) < 0.0 ? -1.0 * n : n;
+    cell.normal = turned_to(surfel.normal(), cell.from_m - cell.mean_m);
     cell.sigma_m = std::sqrt(across / record.sums.count);
     flat_of_[index] = count_;
     flat_[count_++] = cell;
   }
 }
 
+bool SightLayer::plane_cell(SurfelIndex index, PlaneCell& out) const {
+  const SurfelRecord record = layer_.record(index);
+  const SurfelCell at = SurfelCell::from_key(record.key);
+  for (int i = 0; i < 3; ++i) {
+    if (at.at[i] < -kPlaneLimit || at.at[i] >= kPlaneLimit) return false;
+    out.at[i] = at.at[i];
+  }
+  const Surfel surfel = surfel_of(record.sums, config_.cell_m);
+  const rt::Vector3 normal = turned_to(surfel.normal(), from_[index] - (layer_.centre_m(at) + surfel.mean()));
+  const double parts[3] = {normal.x, normal.y, normal.z};
+  for (int i = 0; i < 3; ++i) {
+    out.mean_m[i] = surfel.mean_m[i];
+    out.normal[i] = static_cast<float>(parts[i]);
+    out.variance_m2[i] = surfel.variance_m2[i];
+  }
+  out.count = record.sums.count;
+  return true;
+}
+
+Status SightLayer::put(const SightRecord& record) {
+  if (!rt::is_finite(record.from_m) || record.views == 0) return Status::malformed;
+  const Status status = layer_.put(record.surfel);
+  if (status != Status::ok) return status;
+  const SurfelIndex index = layer_.find(SurfelCell::from_key(record.surfel.key));
+  from_[index] = record.from_m;
+  seen_[index] = record.views;
+  seen_key_[index] = record.surfel.key;
+  last_[index] = 0;
+  count_ = 0;
+  return Status::ok;
+}
+
+void SightLayer::archive(rt::Archive& archive) {
+  if (archive.is_reading()) count_ = 0;
+  rt::Members(archive, *this, "sight layer")
+      .fixed(config_)
+      .scratch(flat_of_, flat_, scratch_, count_)
+      .by_hand(from_, seen_, last_, seen_key_)
+      .state(layer_, inserts_, views_, view_from_m_);
+  for (const SurfelIndex index : layer_.by_key()) {
+    archive.value(from_[index]);
+    archive.value(seen_[index]);
+    archive.value(last_[index]);
+    seen_key_[index] = layer_.record(index).key;
+    if (!rt::is_finite(from_[index])) archive.fail(Status::malformed, "a cell that was seen from nowhere");
+  }
+  if (archive.is_reading() && archive.status() != Status::ok) clear();
+}
+
 void SightLayer::clear() {
   layer_.clear();
+  std::fill(seen_key_.begin(), seen_key_.end(), SurfelLayer::kUnused);
   count_ = 0;
+  inserts_ = 0;
   views_ = 0;
 }
 

@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <span>
 
+#include "mapping/registration/plane_cell.hpp"
 #include "mapping/registration/plane_pose.hpp"
 #include "mapping/registration/surfel_layer.hpp"
+#include "rt/archive.hpp"
 #include "rt/arena.hpp"
+#include "rt/describe.hpp"
 #include "rt/rotation.hpp"
 
 namespace sortie::mapping {
@@ -18,6 +21,7 @@ namespace sortie::mapping {
 struct SightConfig {
   double cell_m{0.4};
   std::uint32_t min_points{8};  ///< that make a surface
+  std::uint32_t min_views{1};   ///< that saw it, from wherever; a camera's mismatches do not repeat
   double most_thickness_m{
       0.05};                    ///< standard deviation across a surface; a cell that is thicker is left out,
   double most_flatness{0.25};   ///< and one whose variance across is more than this part of the next one
@@ -41,13 +45,22 @@ constexpr SightCell mirrored(const SightCell& cell, const rt::Vector3& axis) {
           cell.sigma_m};
 }
 
-/// Points go in view by view; then prepare() makes the cells. All memory comes from an arena: 250 bytes a
+/// A cell as it is kept. 164 bytes in canonical form.
+struct SightRecord {
+  SurfelRecord surfel;
+  rt::Vector3 from_m;     ///< where the sensor was that saw it last, in the cloud's frame
+  std::uint32_t views{};  ///< that saw it; at least one
+  SORTIE_FIELDS(surfel, from_m, views)
+};
+
+/// Points go in view by view; then prepare() makes the cells. All memory comes from an arena: 260 bytes a
 /// cell, 4 an entry of the window, 8 a point. The same cells whatever the order of a view's points.
 class SightLayer {
  public:
   SightLayer(const SightConfig& config, rt::Arena& arena);
 
-  /// Points of the cloud's frame that were seen from one place; at most SightConfig::points. full: more;
+  /// Points of the cloud's frame that were seen from one place; at most SightConfig::points. Points from the
+  /// very place of the insert before are of the same view. full: more;
   /// not_finite: `from_m`; then none of them is taken. Points that are not finite are left out. A look-up a
   /// point, twice.
   Status insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m);
@@ -66,19 +79,51 @@ class SightLayer {
     return &flat_[flat_of_[surfel]];
   }
   double cell_m() const { return config_.cell_m; }
+  const SightConfig& config() const { return config_; }
+  /// Cells with points, flat or not.
+  std::size_t size() const { return layer_.size(); }
   const SurfelLayerCounts& counts() const { return layer_.counts(); }
+
+  /// The cells with points, by rising key. A sort; lives until the layer changes.
+  std::span<const SurfelIndex> by_key() const { return layer_.by_key(); }
+  SightRecord record(SurfelIndex index) const { return {layer_.record(index), from_[index], seen_[index]}; }
+  /// Adds a cell that was kept; what it was kept in gives them by rising key, after a clear(). Then cells()
+  /// is empty until prepare(). malformed: it cannot be one (fault_of(), `from_m` is not finite, or nobody saw
+  /// it); full: no room; out_of_range: another one has its place in the window. A look-up.
+  Status put(const SightRecord& record);
+
+  /// Gives `take` each cell with points by rising key, as PlaneGrowing takes it: of all its points, the
+  /// normal to the side that it was seen from. Left out: cells beyond the reach of PlaneCell::at, 2^19 edges.
+  /// `take` must not change the layer. A sort, and 1 us a cell.
+  template <class F>
+  void for_each_plane_cell(F&& take) const {
+    PlaneCell cell;
+    for (const SurfelIndex index : by_key()) {
+      if (plane_cell(index, cell)) take(cell);
+    }
+  }
+
+  /// State to bytes and back. cells() are not among it: after reading they are none until prepare(). Bytes of
+  /// something else leave no cell.
+  void archive(rt::Archive& archive);
 
  private:
   static SurfelLayer make_layer(const SightConfig& config, rt::Arena& arena);
+  bool plane_cell(SurfelIndex index, PlaneCell& out) const;
 
   SightConfig config_;
   SurfelLayer layer_;
-  std::span<rt::Vector3> from_;       ///< of each surfel
-  std::span<std::uint32_t> flat_of_;  ///< of each surfel: its place in flat_, or count_ and more
+  std::span<rt::Vector3> from_;        ///< of each surfel
+  std::span<std::uint32_t> seen_;      ///< of each surfel: views that saw it
+  std::span<std::uint32_t> last_;      ///< of each surfel: number of the newest of them
+  std::span<std::uint64_t> seen_key_;  ///< of each surfel: of the cell that these are of
+  std::span<std::uint32_t> flat_of_;   ///< of each surfel: its place in flat_, or count_ and more
   std::span<SightCell> flat_;
   std::span<std::uint64_t> scratch_;
   std::uint32_t count_{};
+  std::uint32_t inserts_{};
   std::uint32_t views_{};
+  rt::Vector3 view_from_m_;  ///< of the newest
 };
 
 }  // namespace sortie::mapping

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 
+#include "mapping/registration/cloud_sensor.hpp"
 #include "tests/mapping/air_ground_world.hpp"
 #include "tests/mapping/plane_points.hpp"
 #include "tests/mapping/plane_trials.hpp"
@@ -35,27 +36,6 @@ inline std::vector<mapping::PlaneCell> signed_cells(const std::vector<SeenPoint>
     for (float& part : cell.normal) part = -part;
   }
   return cells;
-}
-
-/// Settings for a laser's cells.
-inline mapping::PlaneGrowingConfig laser_growing() {
-  mapping::PlaneGrowingConfig config;
-  config.signed_normals = true;
-  return config;
-}
-
-/// Settings for a camera's cells: as large as 1 % of the usual range needs, to tell flat from thick.
-inline mapping::PlaneGrowingConfig camera_growing() {
-  mapping::PlaneGrowingConfig config;
-  config.cell_m = 0.6;
-  config.most_angle_rad = 0.21;
-  config.most_offset_m = 0.1;
-  config.most_thickness_m = 0.12;
-  config.most_flatness = 0.25;
-  config.min_points = 12;
-  config.most_weight = 64;
-  config.signed_normals = true;
-  return config;
 }
 
 inline mapping::PlaneSet grown(const std::vector<SeenPoint>& cloud,
@@ -146,9 +126,9 @@ inline AirGroundScene scene_of(const Building& in, const Building& above, double
   out.air = air_cloud(above, 0.05, air_to, random);
   const mapping::PlanePose back = mapping::inverse(out.scene.truth);
   for (SeenPoint& p : out.air) p = {mapping::transform(back, p.at_m), mapping::transform(back, p.from_m)};
-  out.scene.source = grown(out.air, camera_growing());
+  out.scene.source = grown(out.air, mapping::growing_config(mapping::CloudSensor::camera));
   out.ground = ground_cloud(in, ground_from, 0.95, random);
-  out.scene.target = grown(out.ground, laser_growing());
+  out.scene.target = grown(out.ground, mapping::growing_config(mapping::CloudSensor::laser));
   count_common(in, out);
   return out;
 }

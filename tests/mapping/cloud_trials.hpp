@@ -14,7 +14,12 @@ namespace sortie::tests {
 /// A layer with memory of its own.
 struct OwnedSight {
   explicit OwnedSight(const mapping::SightConfig& config)
-      : memory(std::size_t{1} << 25), arena(memory), layer(config, arena) {}
+      : memory(bytes_of(config)), arena(memory), layer(config, arena) {}
+  static std::size_t bytes_of(const mapping::SightConfig& config) {
+    rt::Arena measured({});
+    const mapping::SightLayer none(config, measured);
+    return static_cast<std::size_t>(measured.needed_bytes());
+  }
   void fill(const std::vector<SeenPoint>& cloud, std::uint32_t most = mapping::SightConfig{}.points) {
     layer.clear();
     std::vector<rt::Vector3> view;
@@ -34,15 +39,6 @@ struct OwnedSight {
   bool full{};
 };
 
-/// Settings for a camera's cells.
-inline mapping::SightConfig camera_sight() {
-  mapping::SightConfig config;
-  config.cell_m = 0.6;
-  config.min_points = 12;
-  config.most_thickness_m = 0.12;
-  return config;
-}
-
 /// Layers and registration, used for one scene after the other.
 struct CloudRig {
   explicit CloudRig(const mapping::CloudRegistrationConfig& config = {})
@@ -58,8 +54,8 @@ struct CloudRig {
     return registration->result();
   }
 
-  OwnedSight air{camera_sight()};
-  OwnedSight ground{mapping::SightConfig{}};
+  OwnedSight air{mapping::sight_config(mapping::CloudSensor::camera)};
+  OwnedSight ground{mapping::sight_config(mapping::CloudSensor::laser)};
   std::unique_ptr<mapping::CloudRegistration> registration;
 };
 

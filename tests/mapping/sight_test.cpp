@@ -75,6 +75,27 @@ mapping::SightCount counted_by_hand(std::span<const mapping::SightCell> cells,
 }
 }  // namespace
 
+TEST_CASE("A cell counts where enough views saw it, and pieces of one view are one") {
+  mapping::SightConfig config;
+  config.min_views = 3;
+  tests::OwnedSight owned(config);
+  tests::WorldRandom random(17);
+  std::vector<SeenPoint> cloud;
+  add_sight_wall(cloud, 3.0, {0, 0, 1}, random);
+  owned.fill(cloud, 100);  // 48 pieces of one view
+  CHECK(owned.layer.cells().empty());
+  add_sight_wall(cloud, 3.0, {0.1, 0, 1}, random);
+  owned.fill(cloud, 100);
+  CHECK(owned.layer.cells().empty());
+  add_sight_wall(cloud, 3.0, {0, 0, 1}, random);  // back again: another view
+  owned.fill(cloud, 100);
+  CHECK(owned.layer.cells().size() > 40);
+  for (const mapping::SurfelIndex index : owned.layer.by_key()) CHECK(owned.layer.record(index).views == 3);
+  owned.layer.clear();
+  owned.layer.prepare();
+  CHECK(owned.layer.cells().empty());
+}
+
 TEST_CASE(
     "Cells lie on the wall, face where it was seen from, and do not depend on the order of a view's points") {
   tests::WorldRandom random(1);
@@ -130,7 +151,8 @@ TEST_CASE("What a look counts is what asking every cell of the other cloud count
   for (std::uint32_t i = 0; i < 1; ++i) {
     tests::WorldRandom random(kSeed + i);
     const tests::AirGroundScene scene = tests::cloud_scene(0, random);
-    tests::OwnedSight air(tests::camera_sight()), ground{mapping::SightConfig{}};
+    tests::OwnedSight air(mapping::sight_config(mapping::CloudSensor::camera));
+    tests::OwnedSight ground{mapping::SightConfig{}};
     air.fill(scene.air), ground.fill(scene.ground);
     for (int k = 0; k < 3; ++k) {
       mapping::PlanePose pose = scene.scene.truth;
@@ -161,7 +183,8 @@ TEST_CASE("A fit finds pose and scale from 15 cm and 2 degrees off, and knows wh
   for (std::uint32_t i = 0; i < 5; ++i) {
     tests::WorldRandom random(kSeed + i);
     const tests::AirGroundScene scene = tests::cloud_scene(0, random);
-    tests::OwnedSight air(tests::camera_sight()), ground{mapping::SightConfig{}};
+    tests::OwnedSight air(mapping::sight_config(mapping::CloudSensor::camera));
+    tests::OwnedSight ground{mapping::SightConfig{}};
     air.fill(scene.air), ground.fill(scene.ground);
     const mapping::PlanePose& truth = scene.scene.truth;
     const Vector3 middle = mapping::transform(truth, tests::middle_of(scene.scene.source));
@@ -198,7 +221,8 @@ TEST_CASE("Shifts that cells vote for have the true one among them", "[heavy]") 
   for (std::uint32_t i = 0; i < 8; ++i) {
     tests::WorldRandom random(kSeed + i);
     const tests::AirGroundScene scene = tests::cloud_scene(0, random);
-    tests::OwnedSight air(tests::camera_sight()), ground{mapping::SightConfig{}};
+    tests::OwnedSight air(mapping::sight_config(mapping::CloudSensor::camera));
+    tests::OwnedSight ground{mapping::SightConfig{}};
     air.fill(scene.air), ground.fill(scene.ground);
     mapping::PlanePose off = scene.scene.truth;
     const Vector3 by{random.between(-9, 9), random.between(-9, 9), 0};

@@ -2,6 +2,8 @@
 #include "toolchain/commands/export_maps.hpp"
 
 #include "firmware_like/scene/input_error.hpp"
+#include "mapping/registration/cloud_file.hpp"
+#include "mapping/registration/cloud_match.hpp"
 #include "mapping/registration/surfel_map.hpp"
 #include "toolchain/export/ply.hpp"
 
@@ -26,6 +28,19 @@ void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& l
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
   if (mapping::write_surfel_map(*map, bytes) != Status::ok)
     throw InputError(log + ": its map of surfaces cannot be written", 3);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void export_cloud(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out) {
+  const mapping::SensedCloud* cloud = outcome.runtime->vehicle().cloud();
+  if (cloud == nullptr)
+    throw InputError(log +
+                         ": this scene makes no cloud; choose one with part cloud, or add --set "
+                         "tasks.cloud.enabled=true",
+                     2);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::cloud_bytes(*cloud->layer)));
+  if (mapping::write_cloud(*cloud->layer, cloud->sensor, bytes) != Status::ok)
+    throw InputError(log + ": its cloud cannot be written", 3);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 

@@ -15,4 +15,7 @@ void export_ply(const firmware::ReplayOutcome& outcome, const std::string& log, 
 /// The map of surfaces of part locate, for `run --map`. Throws InputError where the scene makes none.
 void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
 
+/// The cloud of part cloud, for `run --map` of another robot. Throws InputError where the scene makes none.
+void export_cloud(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
+
 }  // namespace sortie::toolchain

@@ -54,7 +54,6 @@ void read_weather(firmware::Profile& profile, hil::UavVehicleConfig& config) {
                      profile.number("hil.wind_z_m_s", {0, -30, 30, "m/s", wind})};
 }
 
-// The lidar sits where the vehicle believes it to be.
 void read_uav_lidar(firmware::Profile& profile, hil::UavVehicleConfig& config) {
   hil::LidarConfig& lidar = config.lidar;
   const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
@@ -75,11 +74,46 @@ void read_uav_lidar(firmware::Profile& profile, hil::UavVehicleConfig& config) {
   lidar.max_range_m =
       number("hil.lidar.max_range_m", lidar.max_range_m, 1, 1000, "m", "farther returns are not reported");
   config.lidar_faults.drop = number("hil.lidar.drop", 0, 0, 1, "", "share of scans that are not delivered");
-  if (lidar.rate_hz == 0) return;
+}
+
+// In place of the lidar.
+void read_uav_camera(firmware::Profile& profile, hil::UavVehicleConfig& config) {
+  hil::DepthCameraConfig& camera = config.camera;
+  const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                const char* meaning) {
+    return static_cast<std::uint32_t>(profile.integer(path, {fallback, low, high, unit, meaning}));
+  };
+  camera.rate_hz =
+      whole("hil.camera_hz", 0, 0, hil::DepthCamera::kMaxRate_hz, "Hz", "frames of depth a second; 0: none");
+  camera.columns =
+      whole("hil.camera_columns", camera.columns, 2, hil::DepthCamera::kMaxColumns, "", "pixels of a row");
+  camera.rows = whole("hil.camera_rows", camera.rows, 2, hil::DepthCamera::kMaxRows, "", "rows of pixels");
+  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
+                                 const char* meaning) {
+    return profile.number(path, {fallback, low, high, unit, meaning});
+  };
+  const char* view = "angle between the outer edges of the picture";
+  camera.width_rad = firmware::kDegree * number("hil.camera_width_deg", 70, 5, 150, "deg", view);
+  camera.height_rad = firmware::kDegree * number("hil.camera_height_deg", 50, 5, 150, "deg", view);
+  camera.max_range_m =
+      number("hil.camera_max_range_m", camera.max_range_m, 1, 1000, "m", "farther points are not reported");
+  camera.noise.sigma_share = number("hil.camera_sigma_share", camera.noise.sigma_share, 0, 0.1, "",
+                                    "noise of a range, as a share of it");
+  camera.texture = number("hil.camera_texture", camera.texture, 0, 1, "",
+                          "share of faces with texture; others have no depth");
+  camera.clumps = number("hil.camera_clumps", camera.clumps, 0, 1, "",
+                         "share of points in clumps far before what is there");
+  config.camera_faults.drop =
+      number("hil.camera_drop", 0, 0, 1, "", "share of frames that are not delivered");
+}
+
+// The sensor sits where the vehicle believes it to be.
+void read_uav_mount(firmware::Profile& profile, hil::UavVehicleConfig& config) {
+  if (config.lidar.rate_hz == 0 && config.camera.rate_hz == 0) return;
   const firmware::SensorMount mount = firmware::read_lidar_mount(profile);
   for (int i = 0; i < 3; ++i) {
-    lidar.mount_m[i] = mount.place_m[i];
-    lidar.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];
+    config.lidar.mount_m[i] = config.camera.mount_m[i] = mount.place_m[i];
+    config.lidar.mount_ypr_rad[i] = config.camera.mount_ypr_rad[i] = mount.yaw_pitch_roll_rad[i];
   }
 }
 
@@ -107,6 +141,11 @@ hil::UavVehicleConfig read_simulated_uav(firmware::Profile& profile) {
                     number("hil.start_y_m", 0, -1000, 1000, "m", start), 0};
   config.start_yaw_rad =
       firmware::kDegree * number("hil.start_yaw_deg", 0, -360, 360, "deg", "heading at the start");
+  const char* frame = "where the frame of its fixes lies in the world";
+  config.frame_m = {number("hil.frame_x_m", 0, -1000, 1000, "m", frame),
+                    number("hil.frame_y_m", 0, -1000, 1000, "m", frame),
+                    number("hil.frame_z_m", 0, -1000, 1000, "m", frame)};
+  config.frame_yaw_rad = firmware::kDegree * number("hil.frame_yaw_deg", 0, -360, 360, "deg", frame);
   config.lose_at_s = number("hil.lose_rotor_at_s", -1, -1, 1e6, "s", "a propeller comes off; -1: none does");
   config.lost_rotor =
       static_cast<std::uint32_t>(profile.integer("hil.lost_rotor", {0, 0, 7, "", "which, counted from 0"}));
@@ -116,6 +155,8 @@ hil::UavVehicleConfig read_simulated_uav(firmware::Profile& profile) {
   read_fixes(profile, config);
   read_weather(profile, config);
   read_uav_lidar(profile, config);
+  read_uav_camera(profile, config);
+  read_uav_mount(profile, config);
   for (const firmware::WorldBox& box : firmware::read_world_boxes(profile)) {
     hil::BoxShape shape;
     shape.center_x_m = 0.5 * (box.lowest_m[0] + box.highest_m[0]);
@@ -163,6 +204,11 @@ class SimulatedUav final : public firmware::SimulatedRobot {
       counters["bench_lidar_scans"] = plant_.lidar().scans;
       counters["bench_lidar_refused"] = plant_.lidar().refused;
       counters["bench_lidar_points"] = plant_.lidar().points;
+    }
+    if (plant_.camera().rays != 0) {
+      counters["bench_camera_frames"] = plant_.camera().scans;
+      counters["bench_camera_refused"] = plant_.camera().refused;
+      counters["bench_camera_points"] = plant_.camera().points;
     }
     counters["bench_collisions"] = seen.collisions;
     counters["bench_collision_ms"] = seen.collision_steps;

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/registration/cloud_file.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "rt/digest.hpp"
+
+namespace sortie::mapping {
+namespace {
+
+using Fault = CloudFileFault;
+
+constexpr std::size_t kCloudHead = rt::canonical_size<CloudFileHead>();
+constexpr std::size_t kCloudRecord = rt::canonical_size<SightRecord>();
+constexpr std::size_t kCloudCheck = 8;
+static_assert(kCloudHead == 56 && kCloudRecord == 164);
+
+// Where they stand in the head.
+constexpr std::uint64_t kVersionByte = 8;
+constexpr std::uint64_t kSensorByte = 16;
+constexpr std::uint64_t kSettingsByte = 20;
+constexpr std::uint64_t kCellsByte = 52;
+
+CloudFileHead cloud_head_of(const SightLayer& layer, CloudSensor sensor) {
+  CloudFileHead head;
+  head.sensor = static_cast<std::uint32_t>(sensor);
+  head.cell_m = layer.config().cell_m;
+  head.min_points = layer.config().min_points;
+  head.min_views = layer.config().min_views;
+  head.most_thickness_m = layer.config().most_thickness_m;
+  head.most_flatness = layer.config().most_flatness;
+  head.cells = static_cast<std::uint32_t>(layer.size());
+  return head;
+}
+
+std::uint64_t cloud_bytes_of(const CloudFileHead& head) {
+  return kCloudHead + std::uint64_t{kCloudRecord} * head.cells + kCloudCheck;
+}
+
+bool knows_sensor(const CloudFileHead& head) {
+  return head.sensor <= static_cast<std::uint32_t>(CloudSensor::camera);
+}
+
+/// False for what is not a number, too.
+bool has_settings(const CloudFileHead& head) {
+  return head.cell_m >= 0.01 && head.cell_m <= 100.0 && head.min_points >= 1 &&
+         head.min_points <= kMostSurfelPoints && head.min_views >= 1 && head.min_views <= 1000 &&
+         head.most_thickness_m > 0.0 && head.most_thickness_m <= 100.0 && head.most_flatness > 0.0 &&
+         head.most_flatness <= 1.0;
+}
+
+/// The window that holds some cells, each in a place of its own.
+class CloudWindow {
+ public:
+  void take(std::uint64_t key) {
+    const SurfelCell cell = SurfelCell::from_key(key);
+    for (int i = 0; i < 3; ++i) {
+      low_[i] = std::min(low_[i], cell.at[i]);
+      high_[i] = std::max(high_[i], cell.at[i]);
+    }
+  }
+  std::uint32_t cells() const { return std::max(side(0), side(1)); }
+  std::uint32_t cells_up() const { return side(2); }
+  bool is_wide() const { return std::uint64_t{cells()} * cells() * cells_up() > kMostCloudWindow; }
+
+ private:
+  std::uint32_t side(int axis) const {
+    if (low_[axis] > high_[axis]) return 2;
+    return std::bit_ceil(std::max(2u, static_cast<std::uint32_t>(high_[axis] - low_[axis] + 1)));
+  }
+
+  std::int32_t low_[3]{SurfelCell::kLimit, SurfelCell::kLimit, SurfelCell::kLimit};
+  std::int32_t high_[3]{-SurfelCell::kLimit, -SurfelCell::kLimit, -SurfelCell::kLimit};
+};
+
+class CloudReader {
+ public:
+  explicit CloudReader(std::span<const std::uint8_t> bytes)
+      : bytes_(bytes), archive_(rt::Archive::reading(bytes)) {}
+
+  CloudFileResult look() {
+    if (has_form() && has_right_head()) look_at_records();
+    return result_;
+  }
+
+  CloudFileResult load(SightLayer& layer) {
+    layer.clear();
+    look();
+    if (result_.fault != Fault::none || !fits(layer)) return result_;
+    rt::Archive records = rt::Archive::reading(bytes_.subspan(kCloudHead));
+    for (std::uint32_t i = 0; i < result_.head.cells; ++i) {
+      SightRecord one;
+      const std::uint64_t byte = kCloudHead + records.bytes();
+      records.value(one);
+      const Status status = layer.put(one);
+      if (status == Status::ok) continue;
+      if (status == Status::out_of_range)
+        refuse(Fault::window, byte, "the cloud is wider than the layer's window");
+      else
+        refuse(Fault::record, byte, "a cell that the layer does not take");
+      layer.clear();
+      break;
+    }
+    return result_;
+  }
+
+ private:
+  bool refuse(Fault fault, std::uint64_t byte, const char* why) {
+    result_.fault = fault;
+    result_.byte = byte;
+    result_.why = why;
+    return false;
+  }
+
+  bool has_form() {
+    CloudFileHead& head = result_.head;
+    archive_.value(head);
+    if (head.magic != CloudFileHead::kMagic)
+      return refuse(Fault::no_cloud, 0, "these are no bytes of a cloud");
+    if (archive_.status() != Status::ok) return refuse(Fault::length, bytes_.size(), "the head is cut off");
+    if (head.version != CloudFileHead::kVersion || head.steps != static_cast<std::uint32_t>(kSurfelSteps))
+      return refuse(Fault::version, kVersionByte, "another version of the format");
+    if (head.cells > kMostCloudCells)
+      return refuse(Fault::cells, kCellsByte, "more cells than a cloud may have");
+    if (cloud_bytes_of(head) != bytes_.size())
+      return refuse(Fault::length, bytes_.size(), "not as long as its number of cells says");
+    const std::size_t body = bytes_.size() - kCloudCheck;
+    rt::Archive tail = rt::Archive::reading(bytes_.subspan(body));
+    std::uint64_t check = 0;
+    tail.value(check);
+    if (check != rt::digest_bytes(bytes_.data(), body))
+      return refuse(Fault::checksum, body, "the bytes are damaged");
+    return true;
+  }
+
+  bool has_right_head() {
+    if (!knows_sensor(result_.head)) return refuse(Fault::sensor, kSensorByte, "a sensor that is not known");
+    if (!has_settings(result_.head))
+      return refuse(Fault::settings, kSettingsByte, "a setting that is out of its range");
+    return true;
+  }
+
+  bool look_at_records() {
+    const CloudFileHead& head = result_.head;
+    CloudWindow window;
+    std::uint64_t last = 0;
+    for (std::uint32_t i = 0; i < head.cells; ++i) {
+      SightRecord one;
+      const std::uint64_t byte = archive_.bytes();
+      archive_.value(one);
+      const char* const why = fault_of(one.surfel, head.cell_m);
+      if (why != nullptr) return refuse(Fault::record, byte, why);
+      if (!rt::is_finite(one.from_m)) return refuse(Fault::record, byte, "a cell that was seen from nowhere");
+      if (one.views == 0) return refuse(Fault::record, byte, "a cell that nobody saw");
+      if (i > 0 && one.surfel.key <= last)
+        return refuse(Fault::order, byte, "a cell that is there twice, or out of order");
+      last = one.surfel.key;
+      window.take(last);
+      if (window.is_wide()) return refuse(Fault::window, byte, "the cloud is wider than any window");
+    }
+    result_.sensor = static_cast<CloudSensor>(head.sensor);
+    result_.config.cell_m = head.cell_m;
+    result_.config.min_points = head.min_points;
+    result_.config.min_views = head.min_views;
+    result_.config.most_thickness_m = head.most_thickness_m;
+    result_.config.most_flatness = head.most_flatness;
+    result_.config.cells = head.cells;
+    result_.config.window_cells = window.cells();
+    result_.config.window_cells_up = window.cells_up();
+    return true;
+  }
+
+  bool fits(const SightLayer& layer) {
+    const SightConfig& own = layer.config();
+    const SightConfig& kept = result_.config;
+    if (!(own.cell_m == kept.cell_m))
+      return refuse(Fault::cell, kSettingsByte, "the cells are of another size than the layer's");
+    if (own.min_points != kept.min_points || own.min_views != kept.min_views)
+      return refuse(Fault::min_points, kSettingsByte,
+                    "the layer wants another number of points of a surface");
+    if (!(own.most_thickness_m == kept.most_thickness_m && own.most_flatness == kept.most_flatness))
+      return refuse(Fault::flat, kSettingsByte, "other cells are flat to the layer");
+    if (own.cells < kept.cells)
+      return refuse(Fault::room, kCellsByte, "more cells than the layer has room for");
+    return true;
+  }
+
+  std::span<const std::uint8_t> bytes_;
+  rt::Archive archive_;
+  CloudFileResult result_;
+};
+
+}  // namespace
+
+std::uint64_t cloud_bytes(const SightLayer& layer) {
+  return kCloudHead + std::uint64_t{kCloudRecord} * layer.size() + kCloudCheck;
+}
+
+Status write_cloud(const SightLayer& layer, CloudSensor sensor, std::span<std::uint8_t> out) {
+  CloudFileHead head = cloud_head_of(layer, sensor);
+  if (!knows_sensor(head) || !has_settings(head) || layer.size() > kMostCloudCells)
+    return Status::out_of_range;
+  const std::span<const SurfelIndex> cells = layer.by_key();
+  CloudWindow window;
+  for (const SurfelIndex index : cells) window.take(layer.record(index).surfel.key);
+  if (window.is_wide()) return Status::out_of_range;
+  if (out.size() < cloud_bytes(layer)) return Status::full;
+  rt::Archive archive = rt::Archive::writing(out);
+  archive.value(head);
+  for (const SurfelIndex index : cells) {
+    SightRecord one = layer.record(index);
+    archive.value(one);
+  }
+  std::uint64_t check = rt::digest_bytes(out.data(), static_cast<std::size_t>(archive.bytes()));
+  archive.value(check);
+  return archive.status();
+}
+
+CloudFileResult read_cloud_head(std::span<const std::uint8_t> bytes) { return CloudReader(bytes).look(); }
+
+CloudFileResult load_cloud(std::span<const std::uint8_t> bytes, SightLayer& layer) {
+  return CloudReader(bytes).load(layer);
+}
+
+}  // namespace sortie::mapping

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A vehicle's own cloud on a kept one: planes are grown over the cells of both, then the clouds are
+// registered, a budget at a time.
+#pragma once
+
+#include <optional>
+
+#include "mapping/registration/cloud_registration.hpp"
+#include "mapping/registration/cloud_sensor.hpp"
+#include "mapping/registration/plane_growing.hpp"
+#include "rt/archive.hpp"
+
+namespace sortie::mapping {
+
+/// A cloud, and by what its cells were seen.
+struct SensedCloud {
+  SightLayer* layer{};
+  CloudSensor sensor{CloudSensor::laser};
+};
+
+/// From begin() until the end of its run() the own cloud has to stay as it is; the kept one for ever. The
+/// result depends on both clouds and the estimate alone, not on how budgets cut the work. Memory: that of
+/// CloudRegistration, and of an arena 150 bytes a cell of the larger cloud and 0.8 MB. No heap; stack below
+/// 80 kB.
+class CloudMatch {
+ public:
+  /// Set-up: prepares the kept cloud and grows its planes: 2 us a cell.
+  CloudMatch(const CloudRegistrationConfig& config, const SensedCloud& own, const SensedCloud& kept,
+             rt::Arena& arena);
+
+  /// Starts anew. `estimate`: T_kept_own as it is known.
+  void begin(const PlaneEstimate& estimate);
+  /// Works on for at most `units` (of about 5 ns), and takes what it used off. True when there is nothing
+  /// left to do. The longest step is paid by what budgets left: making the own cloud's cells, up to 300 units
+  /// each.
+  bool run(std::uint64_t& units);
+  bool works() const { return stage_ != Stage::idle; }
+
+  /// Of the last that ended.
+  const CloudResult& result() const { return result_; }
+  const PlaneSet& own_planes() const { return own_planes_; }
+  const PlaneSet& kept_planes() const { return kept_planes_; }
+
+  /// State to bytes and back, where the own cloud is as it was: reading repeats the work that was done.
+  void archive(rt::Archive& archive);
+
+ private:
+  enum class Stage : std::uint8_t { idle, cells, grow, match };
+  static constexpr std::uint64_t kUnitsPerCell = 300;
+  static constexpr std::uint64_t kUnitsPerGrowing = 100;  ///< half a microsecond
+
+  void set_cells(const SensedCloud& cloud);
+  bool step(std::uint64_t& units);
+  bool grow(std::uint64_t& units);
+
+  SensedCloud own_;
+  SensedCloud kept_;
+  PlaneGrowingMemory memory_;
+  std::optional<PlaneGrowing> growing_;
+  CloudRegistration registration_;
+  PlaneSet own_planes_;
+  PlaneSet kept_planes_;
+  Stage stage_{Stage::idle};
+  UnitCredit credit_;
+  PlaneEstimate estimate_;
+  std::uint64_t spent_{};  ///< since begin()
+  CloudResult result_;
+};
+
+}  // namespace sortie::mapping
