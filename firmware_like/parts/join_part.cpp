@@ -29,7 +29,7 @@ struct JoinPartConfig {
 
   SORTIE_KEYS(c, key) {
     key("units", c.units, {10'000, 1e9, "units", "of work a job; 4,000,000 are about 20 ms"});
-    key("views", c.views, {1, 10'000, "views", "of a cloud before it is matched", rt::kKnob});
+    key("views", c.views, {1, 10'000, "views", "of a cloud before it is matched"});
     key("more_views", c.more_views,
         {0, 10'000, "views", "that are added to one that was refused; 0: another one is gathered"});
     key("clouds", c.clouds, {1, 8, "clouds", "one after the other, that have to agree"});

@@ -116,8 +116,9 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, 
   vehicle_ = factory->second(*builder_);
   if (!builder_->uses_kept_map())
     throw ProfileError("--map " + start.map->path + ": scene " + profile_.name() +
-                       " has no part that uses such a map; leave out --map, or add --set tasks." +
-                       start.map->table + ".enabled=true");
+                       " has no part that uses a " +
+                       (start.map->table == "join" ? "cloud" : "map of surfaces") +
+                       "; leave out --map, or add --set tasks." + start.map->table + ".enabled=true");
   read_parameter_keys();
   if (executive_->seal() != Status::ok) profile_.fail("scene", executive_->error());
   schedule_ = check_schedule(profile_, *executive_);

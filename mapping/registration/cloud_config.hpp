@@ -76,7 +76,7 @@ struct CloudRegistrationConfig {
   double least_lead{1.5};  ///< CloudResult::lead
 
   SORTIE_KEYS(c, key) {
-    key("starts", c.starts, {1, 8, "places", "that planes lead to and that are looked at", rt::kKnob});
+    key("starts", c.starts, {1, 8, "places", "that planes lead to and that are looked at"});
     key("most_through", c.most_through, {0, 1, "", "of the cells, that may be seen through surfaces"});
     key("most_sigma_m", c.most_sigma_m, {0.001, 1, "m", "of the position, where it is held least"});
     key("most_sigma_deg", c.most_sigma_rad,
