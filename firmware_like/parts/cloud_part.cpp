@@ -2,12 +2,10 @@
 // The cloud that the vehicle's lidar or camera makes: cells, each with where it was seen from. Another robot
 // is placed on it, or it on another robot's.
 #include <algorithm>
-#include <bit>
 
 #include "firmware_like/parts/cloud_access.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/locate_access.hpp"
-#include "firmware_like/parts/ugv_map_config.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/pose_algebra.hpp"
 
@@ -61,11 +59,14 @@ class CloudPart final : public Part {
             {"laser", "camera"}) == "camera";
     access_.cloud.sensor = camera ? mapping::CloudSensor::camera : mapping::CloudSensor::laser;
     mapping::SightConfig sight = mapping::sight_config(access_.cloud.sensor);
-    read_room(profile, sight);
+    profile.read("cloud", sight);
+    profile.check_power_of_two("cloud.window_cells", sight.window_cells);
+    profile.check_power_of_two("cloud.window_cells_up", sight.window_cells_up);
     sweeps_ = builder.find<LidarSweeps>();
     if (sweeps_ == nullptr) {
       refuse_second_reader(builder);
-      own_ = std::make_unique<LidarSweeps>(builder, group, read_sweeps(profile, config_));
+      own_ = std::make_unique<LidarSweeps>(builder, group,
+                                           read_sweeps(profile, config_.min_range_m, config_.max_range_m));
       sweeps_ = own_.get();
     } else {
       sweeps_->share(builder, config_.min_range_m, config_.max_range_m);
@@ -102,39 +103,6 @@ class CloudPart final : public Part {
   }
 
  private:
-  static void read_room(Profile& profile, mapping::SightConfig& sight) {
-    const auto whole = [&profile](const char* path, std::uint32_t usual, double low, double high,
-                                  const char* unit, const char* meaning) {
-      return static_cast<std::uint32_t>(
-          profile.integer(path, {static_cast<double>(usual), low, high, unit, meaning}));
-    };
-    sight.cells =
-        whole("limits.cloud_cells", sight.cells, 64, 1 << 20, "cells", "room for the cloud, 250 bytes each");
-    sight.min_points = whole("cloud.min_points", sight.min_points, 1, 10'000, "points",
-                             "of a cell that has a surface; more for a camera of more pixels");
-    sight.min_views =
-        whole("cloud.min_views", sight.min_views, 1, 1000, "views", "that have to have seen it");
-    const auto power_of_two = [&](const char* path, std::uint32_t usual, const char* meaning) {
-      const std::uint32_t cells = whole(path, usual, 8, 4096, "cells", meaning);
-      if (!std::has_single_bit(cells))
-        profile.fail(path, "must be a power of two: " + std::to_string(std::bit_floor(cells)) + " or " +
-                               std::to_string(std::bit_ceil(cells)));
-      return cells;
-    };
-    sight.window_cells = power_of_two("cloud.window_cells", sight.window_cells,
-                                      "most along x and along y; 4 bytes for each in it");
-    sight.window_cells_up = power_of_two("cloud.window_cells_up", sight.window_cells_up, "most along z");
-  }
-
-  static LidarSweepsConfig read_sweeps(Profile& profile, const CloudPartConfig& config) {
-    ScanLimits limits;
-    profile.read("limits", limits);
-    LidarSweepsConfig sweeps{read_sweep_config(profile), limits.buffers, limits.points};
-    sweeps.sweep.min_range_m = config.min_range_m;
-    sweeps.sweep.max_range_m = config.max_range_m;
-    return sweeps;
-  }
-
   // A multirotor with a sensed map has a reader of its own.
   static void refuse_second_reader(VehicleBuilder& builder) {
     const auto& ports = builder.ports();

@@ -4,7 +4,18 @@
 #include <algorithm>
 #include <tuple>
 
+#include "firmware_like/parts/ugv_map_config.hpp"
+
 namespace sortie::firmware {
+
+LidarSweepsConfig read_sweeps(Profile& profile, double min_range_m, double max_range_m) {
+  ScanLimits limits;
+  profile.read("limits", limits);
+  LidarSweepsConfig sweeps{read_sweep_config(profile), limits.buffers, limits.points};
+  sweeps.sweep.min_range_m = min_range_m;
+  sweeps.sweep.max_range_m = max_range_m;
+  return sweeps;
+}
 
 LidarSweeps::LidarSweeps(VehicleBuilder& builder, rt::GroupId group, const LidarSweepsConfig& config)
     : poses_(poses_since_last_job(builder, group)),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ground robot's lidar scans as its mapping tasks see them: each straightened and placed once, whoever
+// The vehicle's scans as its mapping tasks see them: each straightened and placed once, whoever
 // asks.
 #pragma once
 
@@ -28,6 +28,10 @@ struct LidarSweepsConfig {
   std::uint32_t buffers{};
   std::uint32_t points{};  ///< of one scan
 };
+
+/// Reads [lidar], [outline], [limits] and the keys of [map] that say how sweeps are straightened, for a part
+/// that wants returns of these ranges. Throws ProfileError.
+LidarSweepsConfig read_sweeps(Profile& profile, double min_range_m, double max_range_m);
 
 /// A scan as of one moment.
 struct PlacedScan {

@@ -2,12 +2,10 @@
 // Where the robot is on a map of surfaces that it makes of its lidar's scans. The odometry hangs on that map
 // by one transform and stays smooth.
 #include <algorithm>
-#include <bit>
 
 #include "firmware_like/parts/kept_surfels.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/locate_access.hpp"
-#include "firmware_like/parts/ugv_map_config.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
 #include "mapping/registration/pose_algebra.hpp"
@@ -61,7 +59,8 @@ class LocatePart final : public Part {
       builder.profile().fail("locate.max_range_m", "must be above locate.min_range_m");
     sweeps_ = builder.find<LidarSweeps>();
     if (sweeps_ == nullptr) {
-      own_ = std::make_unique<LidarSweeps>(builder, group, read_sweeps(builder.profile(), config));
+      own_ = std::make_unique<LidarSweeps>(
+          builder, group, read_sweeps(builder.profile(), config.min_range_m, config.max_range_m));
       sweeps_ = own_.get();
     } else {
       sweeps_->share(builder, config.min_range_m, config.max_range_m);
@@ -102,23 +101,9 @@ class LocatePart final : public Part {
   static mapping::RegistrationMemory read_memory(Profile& profile) {
     mapping::RegistrationMemory memory;
     profile.read("locate", memory);
-    const auto power_of_two = [&profile](const char* key, std::uint32_t cells) {
-      if (!std::has_single_bit(cells))
-        profile.fail(key, "must be a power of two: " + std::to_string(std::bit_floor(cells)) + " or " +
-                              std::to_string(std::bit_ceil(cells)));
-    };
-    power_of_two("locate.window_cells", memory.window_cells);
-    power_of_two("locate.window_cells_up", memory.window_cells_up);
+    profile.check_power_of_two("locate.window_cells", memory.window_cells);
+    profile.check_power_of_two("locate.window_cells_up", memory.window_cells_up);
     return memory;
-  }
-
-  static LidarSweepsConfig read_sweeps(Profile& profile, const mapping::RegistrationConfig& config) {
-    ScanLimits limits;
-    profile.read("limits", limits);
-    LidarSweepsConfig sweeps{read_sweep_config(profile), limits.buffers, limits.points};
-    sweeps.sweep.min_range_m = config.min_range_m;
-    sweeps.sweep.max_range_m = config.max_range_m;
-    return sweeps;
   }
 
   void add_task(VehicleBuilder& builder, rt::GroupId group) {

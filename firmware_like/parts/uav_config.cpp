@@ -184,8 +184,7 @@ GuideConfig read_guide_config(VehicleBuilder& builder) {
       config.boxes.push_back({rt::to_vector(box.lowest_m), rt::to_vector(box.highest_m), box.from_ns});
   }
   profile.read("limits", config);
-  if ((config.voxels & (config.voxels - 1)) != 0)
-    profile.fail("limits.path_voxels", "must be a power of two");
+  profile.check_power_of_two("limits.path_voxels", config.voxels);
   if (planner::FlightMap::bricks_for(config.map) == 0)
     profile.fail("flight_map.length_m", "no side may have more than 1024 voxels");
   return config;

@@ -2,6 +2,7 @@
 #include "firmware_like/scene/profile.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -96,6 +97,12 @@ std::string Profile::place(const std::string& path) const {
 
 void Profile::fail(const std::string& path, const std::string& why) const {
   throw ProfileError(place(path) + ": " + why);
+}
+
+void Profile::check_power_of_two(const std::string& path, std::uint32_t value) const {
+  if (!std::has_single_bit(value))
+    fail(path, "must be a power of two: " + std::to_string(std::bit_floor(value)) + " or " +
+                   std::to_string(std::bit_ceil(value)));
 }
 
 bool Profile::has(const std::string& path) const { return static_cast<bool>(tree_->root.at_path(path)); }

@@ -147,6 +147,8 @@ class Profile {
   void refuse_unknown_keys(const std::string& below = "", const std::string& except = "") const;
   /// ProfileError at a key's line, for checks that span several keys.
   [[noreturn]] void fail(const std::string& path, const std::string& why) const;
+  /// fail() with the nearest two unless `value`, which `path` was read into, is one.
+  void check_power_of_two(const std::string& path, std::uint32_t value) const;
 
   const std::string& name() const { return name_; }
   const std::string& vehicle() const { return vehicle_; }

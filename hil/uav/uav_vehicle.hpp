@@ -31,10 +31,10 @@ struct UavVehicleConfig {
   rt::Nanoseconds start_ns{0};  ///< plant time before the first step
   MultirotorConfig airframe = neo11_plant();
   Vec3 start_m;
+  double start_yaw_rad{};
   /// Where the frame of its fixes lies in the world: what the vehicle says of places, and truth(), is in it.
   Vec3 frame_m;
   double frame_yaw_rad{};
-  double start_yaw_rad{};
   double propeller_radius_m{0.14};
   ImuConfig imu{};
   PoseSourceConfig fixes{};

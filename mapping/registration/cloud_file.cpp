@@ -14,20 +14,19 @@ using Fault = CloudFileFault;
 constexpr std::size_t kCloudHead = rt::canonical_size<CloudFileHead>();
 constexpr std::size_t kCloudRecord = rt::canonical_size<SightRecord>();
 constexpr std::size_t kCloudCheck = 8;
-static_assert(kCloudHead == 56 && kCloudRecord == 164);
+static_assert(kCloudHead == 52 && kCloudRecord == 160);
 
 // Where they stand in the head.
 constexpr std::uint64_t kVersionByte = 8;
 constexpr std::uint64_t kSensorByte = 16;
 constexpr std::uint64_t kSettingsByte = 20;
-constexpr std::uint64_t kCellsByte = 52;
+constexpr std::uint64_t kCellsByte = 48;
 
 CloudFileHead cloud_head_of(const SightLayer& layer, CloudSensor sensor) {
   CloudFileHead head;
   head.sensor = static_cast<std::uint32_t>(sensor);
   head.cell_m = layer.config().cell_m;
   head.min_points = layer.config().min_points;
-  head.min_views = layer.config().min_views;
   head.most_thickness_m = layer.config().most_thickness_m;
   head.most_flatness = layer.config().most_flatness;
   head.cells = static_cast<std::uint32_t>(layer.size());
@@ -45,9 +44,8 @@ bool knows_sensor(const CloudFileHead& head) {
 /// False for what is not a number, too.
 bool has_settings(const CloudFileHead& head) {
   return head.cell_m >= 0.01 && head.cell_m <= 100.0 && head.min_points >= 1 &&
-         head.min_points <= kMostSurfelPoints && head.min_views >= 1 && head.min_views <= 1000 &&
-         head.most_thickness_m > 0.0 && head.most_thickness_m <= 100.0 && head.most_flatness > 0.0 &&
-         head.most_flatness <= 1.0;
+         head.min_points <= kMostSurfelPoints && head.most_thickness_m > 0.0 &&
+         head.most_thickness_m <= 100.0 && head.most_flatness > 0.0 && head.most_flatness <= 1.0;
 }
 
 /// The window that holds some cells, each in a place of its own.
@@ -152,7 +150,6 @@ class CloudReader {
       const char* const why = fault_of(one.surfel, head.cell_m);
       if (why != nullptr) return refuse(Fault::record, byte, why);
       if (!rt::is_finite(one.from_m)) return refuse(Fault::record, byte, "a cell that was seen from nowhere");
-      if (one.views == 0) return refuse(Fault::record, byte, "a cell that nobody saw");
       if (i > 0 && one.surfel.key <= last)
         return refuse(Fault::order, byte, "a cell that is there twice, or out of order");
       last = one.surfel.key;
@@ -162,7 +159,6 @@ class CloudReader {
     result_.sensor = static_cast<CloudSensor>(head.sensor);
     result_.config.cell_m = head.cell_m;
     result_.config.min_points = head.min_points;
-    result_.config.min_views = head.min_views;
     result_.config.most_thickness_m = head.most_thickness_m;
     result_.config.most_flatness = head.most_flatness;
     result_.config.cells = head.cells;
@@ -176,7 +172,7 @@ class CloudReader {
     const SightConfig& kept = result_.config;
     if (!(own.cell_m == kept.cell_m))
       return refuse(Fault::cell, kSettingsByte, "the cells are of another size than the layer's");
-    if (own.min_points != kept.min_points || own.min_views != kept.min_views)
+    if (own.min_points != kept.min_points)
       return refuse(Fault::min_points, kSettingsByte,
                     "the layer wants another number of points of a surface");
     if (!(own.most_thickness_m == kept.most_thickness_m && own.most_flatness == kept.most_flatness))

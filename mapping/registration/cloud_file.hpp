@@ -11,12 +11,12 @@
 
 namespace sortie::mapping {
 
-/// Cells that a file may have: 172 MB.
+/// Cells that a file may have: 168 MB.
 inline constexpr std::uint32_t kMostCloudCells = 1u << 20;
 /// Entries of the smallest window about a cloud, 4 bytes each: 256 x 256 x 256 cells, say.
 inline constexpr std::uint64_t kMostCloudWindow = std::uint64_t{1} << 24;
 
-/// What stands before the cells. 56 bytes.
+/// What stands before the cells. 52 bytes.
 struct CloudFileHead {
   static constexpr std::uint64_t kMagic = 0x3144554f4c434f53;  ///< "SOCLOUD1"
   static constexpr std::uint32_t kVersion = 1;
@@ -26,12 +26,10 @@ struct CloudFileHead {
   std::uint32_t sensor{};             ///< CloudSensor
   double cell_m{};                    ///< edge, [0.01, 100]
   std::uint32_t min_points{};         ///< that make a surface, [1, kMostSurfelPoints]
-  std::uint32_t min_views{};          ///< that have to have seen it, [1, 1000]
   double most_thickness_m{};          ///< of a flat cell, standard deviation, (0, 100]
   double most_flatness{};             ///< of its least variance over its second one, (0, 1]
   std::uint32_t cells{};              ///< at most kMostCloudCells
-  SORTIE_FIELDS(magic, version, steps, sensor, cell_m, min_points, min_views, most_thickness_m, most_flatness,
-                cells)
+  SORTIE_FIELDS(magic, version, steps, sensor, cell_m, min_points, most_thickness_m, most_flatness, cells)
 };
 
 /// Why a cloud cannot be taken.
@@ -48,7 +46,7 @@ enum class CloudFileFault : std::uint8_t {
   order,       ///< one that is there twice, or out of order
   window,      ///< wider than any window (kMostCloudWindow), or than the layer's
   cell,        ///< other cells than the layer's
-  min_points,  ///< other cells have a surface: by points, or by views
+  min_points,  ///< other cells have a surface
   flat,        ///< other cells are flat
   room,        ///< more cells than the layer has room for
 };

@@ -22,7 +22,6 @@ inline SightConfig sight_config(CloudSensor sensor) {
   if (sensor == CloudSensor::laser) return config;
   config.cell_m = 0.6;
   config.min_points = 12;
-  config.min_views = 2;
   config.most_thickness_m = 0.12;
   return config;
 }

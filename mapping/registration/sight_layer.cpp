@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/sight_layer.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -39,9 +38,6 @@ SightLayer::SightLayer(const SightConfig& config, rt::Arena& arena)
     : config_(config),
       layer_(make_layer(config, arena)),
       from_(arena.make_array<rt::Vector3>("sight_places", config.cells)),
-      seen_(arena.make_array<std::uint32_t>("sight_places", config.cells)),
-      last_(arena.make_array<std::uint32_t>("sight_places", config.cells)),
-      seen_key_(arena.make_array<std::uint64_t>("sight_places", config.cells)),
       flat_of_(arena.make_array<std::uint32_t>("sight_cells", config.cells)),
       flat_(arena.make_array<SightCell>("sight_cells", config.cells)),
       scratch_(arena.make_array<std::uint64_t>("sight_scratch", config.points)) {}
@@ -49,24 +45,12 @@ SightLayer::SightLayer(const SightConfig& config, rt::Arena& arena)
 Status SightLayer::insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m) {
   if (!rt::is_finite(from_m)) return Status::not_finite;
   if (points_m.size() > scratch_.size()) return Status::full;
-  const bool same =
-      views_ > 0 && from_m.x == view_from_m_.x && from_m.y == view_from_m_.y && from_m.z == view_from_m_.z;
-  if (!same) ++views_;
-  view_from_m_ = from_m;
-  layer_.insert(points_m, ++inserts_, scratch_);
+  layer_.insert(points_m, ++views_, scratch_);
   SurfelPlace place;
   for (const rt::Vector3& p : points_m) {
     if (!layer_.place(p.x, p.y, p.z, place)) continue;
     const SurfelIndex surfel = layer_.find(place.cell);
-    if (surfel == kNoSurfel) continue;
-    from_[surfel] = from_m;
-    if (seen_key_[surfel] != place.cell.key()) {  // a cell that is new in this room
-      seen_key_[surfel] = place.cell.key();
-      seen_[surfel] = 0;
-      flat_of_[surfel] = kNotFlat;
-    }
-    if (seen_[surfel] == 0 || last_[surfel] != views_) ++seen_[surfel];
-    last_[surfel] = views_;
+    if (surfel != kNoSurfel) from_[surfel] = from_m;
   }
   return Status::ok;
 }
@@ -76,7 +60,7 @@ void SightLayer::prepare() {
   for (const SurfelIndex index : layer_.by_key()) {
     flat_of_[index] = kNotFlat;
     const SurfelRecord record = layer_.record(index);
-    if (record.sums.count < config_.min_points || seen_[index] < config_.min_views) continue;
+    if (record.sums.count < config_.min_points) continue;
     // Of all its points: the layer's own is up to a tenth of them behind.
     const Surfel surfel = surfel_of(record.sums, config_.cell_m);
     const double across = surfel.variance(0);
@@ -113,14 +97,10 @@ bool SightLayer::plane_cell(SurfelIndex index, PlaneCell& out) const {
 }
 
 Status SightLayer::put(const SightRecord& record) {
-  if (!rt::is_finite(record.from_m) || record.views == 0) return Status::malformed;
+  if (!rt::is_finite(record.from_m)) return Status::malformed;
   const Status status = layer_.put(record.surfel);
   if (status != Status::ok) return status;
-  const SurfelIndex index = layer_.find(SurfelCell::from_key(record.surfel.key));
-  from_[index] = record.from_m;
-  seen_[index] = record.views;
-  seen_key_[index] = record.surfel.key;
-  last_[index] = 0;
+  from_[layer_.find(SurfelCell::from_key(record.surfel.key))] = record.from_m;
   count_ = 0;
   return Status::ok;
 }
@@ -130,13 +110,10 @@ void SightLayer::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "sight layer")
       .fixed(config_)
       .scratch(flat_of_, flat_, scratch_, count_)
-      .by_hand(from_, seen_, last_, seen_key_)
-      .state(layer_, inserts_, views_, view_from_m_);
+      .by_hand(from_)
+      .state(layer_, views_);
   for (const SurfelIndex index : layer_.by_key()) {
     archive.value(from_[index]);
-    archive.value(seen_[index]);
-    archive.value(last_[index]);
-    seen_key_[index] = layer_.record(index).key;
     if (!rt::is_finite(from_[index])) archive.fail(Status::malformed, "a cell that was seen from nowhere");
   }
   if (archive.is_reading() && archive.status() != Status::ok) clear();
@@ -144,9 +121,7 @@ void SightLayer::archive(rt::Archive& archive) {
 
 void SightLayer::clear() {
   layer_.clear();
-  std::fill(seen_key_.begin(), seen_key_.end(), SurfelLayer::kUnused);
   count_ = 0;
-  inserts_ = 0;
   views_ = 0;
 }
 

@@ -12,6 +12,7 @@
 #include "rt/archive.hpp"
 #include "rt/arena.hpp"
 #include "rt/describe.hpp"
+#include "rt/keys.hpp"
 #include "rt/rotation.hpp"
 
 namespace sortie::mapping {
@@ -21,7 +22,6 @@ namespace sortie::mapping {
 struct SightConfig {
   double cell_m{0.4};
   std::uint32_t min_points{8};  ///< that make a surface
-  std::uint32_t min_views{1};   ///< that saw it, from wherever; a camera's mismatches do not repeat
   double most_thickness_m{
       0.05};                    ///< standard deviation across a surface; a cell that is thicker is left out,
   double most_flatness{0.25};   ///< and one whose variance across is more than this part of the next one
@@ -29,6 +29,15 @@ struct SightConfig {
   std::uint32_t window_cells{128};    ///< along x and along y, a power of two: a cloud is no wider
   std::uint32_t window_cells_up{32};  ///< along z
   std::uint32_t points{4096};         ///< most of one insert()
+
+  SORTIE_KEYS(c, key) {
+    key("limits.cloud_cells", c.cells, {64, 1 << 20, "cells", "room for the cloud, 250 bytes each"});
+    key("min_points", c.min_points,
+        {1, 10'000, "points", "of a cell that has a surface; more for a camera of more pixels"});
+    key("window_cells", c.window_cells,
+        {8, 4096, "cells", "most along x and along y, a power of two; 4 bytes for each in it"});
+    key("window_cells_up", c.window_cells_up, {8, 4096, "cells", "most along z, a power of two"});
+  }
 };
 
 /// A flat cell, in the frame of its cloud.
@@ -45,22 +54,20 @@ constexpr SightCell mirrored(const SightCell& cell, const rt::Vector3& axis) {
           cell.sigma_m};
 }
 
-/// A cell as it is kept. 164 bytes in canonical form.
+/// A cell as it is kept. 160 bytes in canonical form.
 struct SightRecord {
   SurfelRecord surfel;
-  rt::Vector3 from_m;     ///< where the sensor was that saw it last, in the cloud's frame
-  std::uint32_t views{};  ///< that saw it; at least one
-  SORTIE_FIELDS(surfel, from_m, views)
+  rt::Vector3 from_m;  ///< where the sensor was that saw it last, in the cloud's frame
+  SORTIE_FIELDS(surfel, from_m)
 };
 
-/// Points go in view by view; then prepare() makes the cells. All memory comes from an arena: 260 bytes a
+/// Points go in view by view; then prepare() makes the cells. All memory comes from an arena: 250 bytes a
 /// cell, 4 an entry of the window, 8 a point. The same cells whatever the order of a view's points.
 class SightLayer {
  public:
   SightLayer(const SightConfig& config, rt::Arena& arena);
 
-  /// Points of the cloud's frame that were seen from one place; at most SightConfig::points. Points from the
-  /// very place of the insert before are of the same view. full: more;
+  /// Points of the cloud's frame that were seen from one place; at most SightConfig::points. full: more;
   /// not_finite: `from_m`; then none of them is taken. Points that are not finite are left out. A look-up a
   /// point, twice.
   Status insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m);
@@ -70,7 +77,7 @@ class SightLayer {
 
   /// Flat cells, by rising key of their places; as of the last prepare().
   std::span<const SightCell> cells() const { return flat_.first(count_); }
-  /// The flat cell that a place lies in, or null. A look-up.
+  /// The flat cell that a place lies in, or null; after a prepare(), until the next insert(). A look-up.
   const SightCell* at(const rt::Vector3& p_m) const {
     SurfelPlace place;
     if (!layer_.place(p_m.x, p_m.y, p_m.z, place)) return nullptr;
@@ -86,10 +93,10 @@ class SightLayer {
 
   /// The cells with points, by rising key. A sort; lives until the layer changes.
   std::span<const SurfelIndex> by_key() const { return layer_.by_key(); }
-  SightRecord record(SurfelIndex index) const { return {layer_.record(index), from_[index], seen_[index]}; }
+  SightRecord record(SurfelIndex index) const { return {layer_.record(index), from_[index]}; }
   /// Adds a cell that was kept; what it was kept in gives them by rising key, after a clear(). Then cells()
-  /// is empty until prepare(). malformed: it cannot be one (fault_of(), `from_m` is not finite, or nobody saw
-  /// it); full: no room; out_of_range: another one has its place in the window. A look-up.
+  /// is empty until prepare(). malformed: it cannot be one (fault_of(), or `from_m` is not finite); full: no
+  /// room; out_of_range: another one has its place in the window. A look-up.
   Status put(const SightRecord& record);
 
   /// Gives `take` each cell with points by rising key, as PlaneGrowing takes it: of all its points, the
@@ -113,17 +120,12 @@ class SightLayer {
 
   SightConfig config_;
   SurfelLayer layer_;
-  std::span<rt::Vector3> from_;        ///< of each surfel
-  std::span<std::uint32_t> seen_;      ///< of each surfel: views that saw it
-  std::span<std::uint32_t> last_;      ///< of each surfel: number of the newest of them
-  std::span<std::uint64_t> seen_key_;  ///< of each surfel: of the cell that these are of
-  std::span<std::uint32_t> flat_of_;   ///< of each surfel: its place in flat_, or count_ and more
+  std::span<rt::Vector3> from_;       ///< of each surfel
+  std::span<std::uint32_t> flat_of_;  ///< of each surfel: its place in flat_, or count_ and more
   std::span<SightCell> flat_;
   std::span<std::uint64_t> scratch_;
   std::uint32_t count_{};
-  std::uint32_t inserts_{};
   std::uint32_t views_{};
-  rt::Vector3 view_from_m_;  ///< of the newest
 };
 
 }  // namespace sortie::mapping

@@ -46,7 +46,7 @@ inline std::vector<std::uint8_t> keep_cloud(double seconds, const std::string& p
   return write_cloud_of(
       run_depot(depot_options(
           seconds, {"hil.camera_hz=0", "hil.lidar_hz=5", "hil.lidar_rows=32", "cloud.sensor=\"laser\"",
-                    "cloud.min_points=8", "cloud.min_views=1", "cloud.max_range_m=20", "lidar.pitch_deg=0"})),
+                    "cloud.min_points=8", "cloud.max_range_m=20", "lidar.pitch_deg=0"})),
       path);
 }
 

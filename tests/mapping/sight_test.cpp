@@ -75,27 +75,6 @@ mapping::SightCount counted_by_hand(std::span<const mapping::SightCell> cells,
 }
 }  // namespace
 
-TEST_CASE("A cell counts where enough views saw it, and pieces of one view are one") {
-  mapping::SightConfig config;
-  config.min_views = 3;
-  tests::OwnedSight owned(config);
-  tests::WorldRandom random(17);
-  std::vector<SeenPoint> cloud;
-  add_sight_wall(cloud, 3.0, {0, 0, 1}, random);
-  owned.fill(cloud, 100);  // 48 pieces of one view
-  CHECK(owned.layer.cells().empty());
-  add_sight_wall(cloud, 3.0, {0.1, 0, 1}, random);
-  owned.fill(cloud, 100);
-  CHECK(owned.layer.cells().empty());
-  add_sight_wall(cloud, 3.0, {0, 0, 1}, random);  // back again: another view
-  owned.fill(cloud, 100);
-  CHECK(owned.layer.cells().size() > 40);
-  for (const mapping::SurfelIndex index : owned.layer.by_key()) CHECK(owned.layer.record(index).views == 3);
-  owned.layer.clear();
-  owned.layer.prepare();
-  CHECK(owned.layer.cells().empty());
-}
-
 TEST_CASE(
     "Cells lie on the wall, face where it was seen from, and do not depend on the order of a view's points") {
   tests::WorldRandom random(1);
