@@ -104,11 +104,12 @@ quick = {
     "spy": ["--lcm-url", URL, "--seconds", "0.2"], "set": to_live, "drive": ["halt", *to_live], "fly": ["hover", *to_live],
     "scenes": [], "doctor": ["--seconds", "0"],
     "bench rt": ["--only", "executive", "--rounds", "1", "--slice", "0.05"], "bench plant": ["--only", "metrics", "--scene", "straight"],
-    "bench rays": ["--only", "nothing"], "bench mapping": ["--only", "nothing"], "bench uav": ["--only", "plant"],
+    "bench rays": ["--only", "nothing"], "bench mapping": ["--only", "nothing"],
+    "bench registration": ["--only", "nothing"], "bench uav": ["--only", "plant"],
     "bench odometry": ["--scene", "ugv_ramp", "--rounds", "1"], "bench stability": ["--only", "planner"],
     "bench campaign": ["--only", "stamps", "--seed", "5", "--count", "20"], "bench wcet": ["a.lcm"], "bench all": ["--only", "nothing"],
 }
-NEEDS_MORE = {"fly": "a robot that flies", "bench rays": "minutes", "bench mapping": "minutes", "bench all": "an hour"}
+NEEDS_MORE = {"fly": "a robot that flies", "bench rays": "minutes", "bench mapping": "minutes", "bench registration": "minutes", "bench all": "an hour"}
 commands = names_in(run("--help").stdout)
 commands += ["bench " + name for name in names_in(run("bench", "--help").stdout)]
 check(len(commands) >= 17, f"commands in the help: {commands}")

@@ -88,34 +88,6 @@ rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
                      ": write task@tick or task.byte@tick with a task of this scene, e.g. odometry@1200");
 }
 
-std::unique_ptr<Runtime> make_runtime(const LogFile& log, const VehicleRegistry& vehicles,
-                                      const ReplayOptions& options) {
-  const drivers::LogHeader& header = log.header();
-  if (options.scene.empty() && header.scene_toml.empty()) {
-    throw ProfileError(log.path() +
-                       " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
-  }
-  if (options.scene.empty()) refuse_unknown_vehicle(log, vehicles);
-  const auto load = [&](const std::vector<std::string>& overrides) {
-    return options.scene.empty() ? Profile(header.scene_toml, log.path() + " (profile)", overrides)
-                                 : load_scene(options.scene, overrides);
-  };
-  Profile profile = load(options.overrides);
-  RuntimeStart start;
-  std::optional<KeptMap> map;
-  if (!options.map.empty()) {
-    map = read_kept_map(options.map);
-    start.map = &*map;
-    // A log that was recorded with a map says which; for others it is a what-if.
-    if (!profile.has(map->table + ".map_digest")) profile = load(map->overrides(options.overrides));
-  }
-  start.epoch_ns = header.epoch_ns;
-  start.has_initial = true;
-  for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];
-  for (int i = 0; i < 4; ++i) start.initial.q_world_body[i] = header.initial_q[i];
-  return std::make_unique<Runtime>(std::move(profile), vehicles, start);
-}
-
 // What was true in the log is true of its replay.
 std::unique_ptr<LogRecorder> open_recorder(const LogFile& log, Runtime& runtime, const std::string& path) {
   RecorderOptions recording;
@@ -240,13 +212,41 @@ void add_warnings(ReplayOutcome& outcome, const LogFile& log, const LogFeed& fee
 
 }  // namespace
 
+std::unique_ptr<Runtime> make_replay_runtime(const LogFile& log, const VehicleRegistry& vehicles,
+                                             const ReplayOptions& options) {
+  const drivers::LogHeader& header = log.header();
+  if (options.scene.empty() && header.scene_toml.empty()) {
+    throw ProfileError(log.path() +
+                       " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
+  }
+  if (options.scene.empty()) refuse_unknown_vehicle(log, vehicles);
+  const auto load = [&](const std::vector<std::string>& overrides) {
+    return options.scene.empty() ? Profile(header.scene_toml, log.path() + " (profile)", overrides)
+                                 : load_scene(options.scene, overrides);
+  };
+  Profile profile = load(options.overrides);
+  RuntimeStart start;
+  std::optional<KeptMap> map;
+  if (!options.map.empty()) {
+    map = read_kept_map(options.map);
+    start.map = &*map;
+    // A log that was recorded with a map says which; for others it is a what-if.
+    if (!profile.has(map->table + ".map_digest")) profile = load(map->overrides(options.overrides));
+  }
+  start.epoch_ns = header.epoch_ns;
+  start.has_initial = true;
+  for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];
+  for (int i = 0; i < 4; ++i) start.initial.q_world_body[i] = header.initial_q[i];
+  return std::make_unique<Runtime>(std::move(profile), vehicles, start);
+}
+
 ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options) {
   const drivers::LogHeader& header = log.header();
   // Read first: what cannot be used is told before the replay, not after it.
   std::unique_ptr<TruthLog> truth;
   if (!options.truth.empty()) truth = std::make_unique<TruthLog>(log, options.truth);
   ReplayOutcome outcome;
-  outcome.runtime = make_runtime(log, vehicles, options);
+  outcome.runtime = make_replay_runtime(log, vehicles, options);
   Runtime& runtime = *outcome.runtime;
   rt::Executive& executive = runtime.executive();
   judge_comparable(outcome, log, options);

@@ -65,6 +65,11 @@ struct ReplayOutcome {
   std::unique_ptr<Runtime> runtime;  ///< as the replay left it: the map is still there
 };
 
+/// The runtime that a replay runs, with its map, as it is before the first job. Throws InputError,
+/// ProfileError.
+std::unique_ptr<Runtime> make_replay_runtime(const LogFile& log, const VehicleRegistry& vehicles,
+                                             const ReplayOptions& options);
+
 /// Replays a log. Throws InputError, ProfileError.
 ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const ReplayOptions& options);
 

@@ -8,9 +8,8 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr std::size_t kLeastSample = 100;   ///< of a sample
-constexpr std::size_t kLeastSearched = 48;  ///< of them, within reach and spread over directions
-constexpr double kPlaceMove = 0.5;          ///< m and rad: two places are two
+constexpr std::size_t kLeastSample = 100;  ///< of a sample
+constexpr double kPlaceMove = 0.5;         ///< m and rad: two places are two
 constexpr double kPlaceTurn = 0.17;
 }  // namespace
 
@@ -51,7 +50,8 @@ void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternio
   const std::size_t few =
       choose_place_returns(this->sample(), q_level_sensor_, search_.config().reach_m, wanted);
   result_.searched = static_cast<std::uint32_t>(few);
-  if (size_ < kLeastSample || few < kLeastSearched) return conclude(RelocateVerdict::few_returns);
+  if (size_ < kLeastSample || few < PlaceSearchConfig::kLeastReturns)
+    return conclude(RelocateVerdict::few_returns);
   search_.begin(wanted.first(few));
   step_ = Step::search;
 }

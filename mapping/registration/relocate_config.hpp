@@ -10,6 +10,7 @@ namespace sortie::mapping {
 
 /// The coarse search.
 struct PlaceSearchConfig {
+  static constexpr std::uint32_t kLeastReturns = 48;  ///< with fewer nothing is searched
   static constexpr std::uint32_t kMostReturns = 124;
   static constexpr std::uint32_t kMostCandidates = 96;
   std::uint32_t returns{124};
@@ -22,7 +23,7 @@ struct PlaceSearchConfig {
   std::uint32_t tops{1024};
 
   SORTIE_KEYS(c, key) {
-    key("returns", c.returns, {32, kMostReturns, "returns", "of a scan that are searched with"});
+    key("returns", c.returns, {kLeastReturns, kMostReturns, "returns", "of a scan that are searched with"});
     key("candidates", c.candidates, {2, 64, "places", "well apart, that are then matched"});
     key("reach_m", c.reach_m, {2, 60, "m", "farther returns are not searched with"});
     key("least_hits", c.least_hits,

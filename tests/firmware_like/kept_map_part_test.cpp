@@ -4,28 +4,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "firmware_like/runtime/runtime.hpp"
-#include "mapping/registration/surfel_map.hpp"
-#include "tests/firmware_like/located_rig.hpp"
+#include "tests/firmware_like/kept_map_rig.hpp"
 
 namespace sortie::testing {
 namespace {
-
-std::vector<std::uint8_t> map_bytes(const firmware::Runtime& runtime) {
-  const mapping::ScanRegistration* map = runtime.vehicle().surfels();
-  REQUIRE(map != nullptr);
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
-  REQUIRE(mapping::write_surfel_map(*map, bytes) == Status::ok);
-  return bytes;
-}
-
-/// Writes the map at the end of a log; gives its bytes.
-std::vector<std::uint8_t> keep_map(const std::string& log, const std::string& path) {
-  std::vector<std::uint8_t> bytes = map_bytes(*replay_log(log, {}).runtime);
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  return bytes;
-}
 
 std::string refusal_of(const std::string& log, const firmware::ReplayOptions& options) {
   return message_of<firmware::ProfileError>([&] { static_cast<void>(replay_log(log, options)); });

@@ -6,12 +6,13 @@
 
 namespace sortie::toolchain {
 
-PeerFront rt_front();         ///< the real-time ground beside cyclictest and boost
-PeerFront plant_front();      ///< the tracked plant beside ODE
-PeerFront mapping_front();    ///< the local map beside PCL
-PeerFront uav_front();        ///< the multirotor beside Lee's controller and others
-PeerFront stability_front();  ///< stiff and extreme cases beside the naive method
-PeerFront campaign_front();   ///< hostile random sequences for every module
+PeerFront rt_front();            ///< the real-time ground beside cyclictest and boost
+PeerFront plant_front();         ///< the tracked plant beside ODE
+PeerFront mapping_front();       ///< the local map beside PCL
+PeerFront registration_front();  ///< the registration of scans and clouds beside PCL's
+PeerFront uav_front();           ///< the multirotor beside Lee's controller and others
+PeerFront stability_front();     ///< stiff and extreme cases beside the naive method
+PeerFront campaign_front();      ///< hostile random sequences for every module
 
 /// Marks the cells of the local map's sweep that no other beats: each stream and policy has its front.
 void mark_mapping_fronts(firmware::Json& result);
@@ -23,6 +24,6 @@ std::vector<BenchPicture> plant_pictures(const firmware::Json& result);
 /// Error of segments over run time, a picture a stream.
 std::vector<BenchPicture> mapping_pictures(const firmware::Json& result);
 /// Whatever the program drew.
-std::vector<BenchPicture> uav_pictures(const firmware::Json& result);
+std::vector<BenchPicture> drawn_pictures(const firmware::Json& result);
 
 }  // namespace sortie::toolchain

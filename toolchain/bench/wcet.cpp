@@ -67,6 +67,7 @@ ChildCommand counted_command(const WcetOptions& options, const std::string& jobs
   if (!options.scene.empty()) child.arguments.insert(child.arguments.end(), {"--scene", options.scene});
   for (const std::string& pair : options.overrides)
     child.arguments.insert(child.arguments.end(), {"--set", pair});
+  if (!options.map.empty()) child.arguments.insert(child.arguments.end(), {"--map", options.map});
   if (!options.fault.empty()) child.arguments.insert(child.arguments.end(), {"--fault", options.fault});
   // An environment of its own: what the user's holds moves the stack.
   child.alone = true;

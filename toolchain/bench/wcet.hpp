@@ -17,6 +17,7 @@ struct WcetOptions {
   std::string log;
   std::string scene;  ///< empty: the profile that stands in the log
   std::vector<std::string> overrides;
+  std::string map;    ///< that the replay begins with, or empty
   std::string fault;  ///< "task@tick": 1000 turns of an empty loop there; proves that a gate can fail
 };
 

@@ -61,6 +61,7 @@ void replay_counted(const firmware::VehicleRegistry& vehicles, const WcetOptions
   firmware::ReplayOptions replaying;
   replaying.scene = options.scene;
   replaying.overrides = options.overrides;
+  replaying.map = options.map;
   replaying.before_run = [&marks, &options](firmware::Runtime& runtime) {
     rt::Executive& executive = runtime.executive();
     if (!options.fault.empty()) plant(marks, executive, options.fault);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `sortie bench rt`, `plant`, `mapping`, `uav`, `stability`, `campaign`: one command a benchmark that has a
-// program of its own.
+// `sortie bench rt`, `plant`, `mapping`, `registration`, `uav`, `stability`, `campaign`: one command a
+// benchmark that has a program of its own.
 #include <unistd.h>
 
 #include <filesystem>

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "firmware_like/live/live_run.hpp"
+#include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/wcet_report.hpp"
@@ -40,6 +41,7 @@ struct Drive {
     firmware::LiveRunOptions run;
     run.scene = options.count.scene;
     run.overrides = options.count.overrides;
+    run.map = options.count.map;
     run.seconds = options.seconds;
     run.virtual_time = true;
     run.lcm_url = "none";
@@ -118,6 +120,7 @@ void add_bench_wcet(firmware::Command& bench, CommandContext& context) {
       ->in_range(0.01, 1e5)
       ->excludes(log)
       ->capture_default_str();
+  add_map_option(*command, options->count.map);
   command->add_option("--set", options->count.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command

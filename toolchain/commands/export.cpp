@@ -282,7 +282,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       ->type_name("SCENE");
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");
-  add_map_option(*command, options->replay);
+  add_map_option(*command, options->replay.map);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command->callback(

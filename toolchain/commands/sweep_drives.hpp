@@ -13,6 +13,7 @@ namespace sortie::toolchain {
 struct DriveRequest {
   std::vector<std::string> scenes;
   std::vector<std::string> overrides;
+  std::string map;  ///< that they begin with, or empty
   double seconds{10};
   std::uint32_t seeds{1};  ///< drives of each scene; more than one: with hil.seed = 1, 2, ...
 };

@@ -31,7 +31,7 @@ Sweep run_sweep(const firmware::LogFile& log, const firmware::VehicleRegistry& v
   for (std::size_t i = 0; i < works.size(); ++i) {
     works[i].take_times(sweep.duration_s, sweep.cells[i]);
     if (options.instructions)
-      works[i].count_instructions(log, options.replay.scene, sweep.duration_s, sweep.cells[i]);
+      works[i].count_instructions(log, options.replay, sweep.duration_s, sweep.cells[i]);
     maps.push_back(works[i].map());
   }
   judge_sweep(maps, sweep);

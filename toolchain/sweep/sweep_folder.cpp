@@ -15,7 +15,7 @@ namespace sortie::toolchain {
 
 namespace {
 
-constexpr int kPlanFormat = 2;
+constexpr int kPlanFormat = 3;
 
 std::string whole_file(const std::string& path, const std::string& cure) {
   std::ifstream in(path, std::ios::binary);
@@ -62,6 +62,7 @@ PlannedLog log_from_json(const firmware::Json& json) {
 SweepOptions sweep_options(const SweepRequest& request) {
   SweepOptions options;
   options.replay.scene = request.scene;
+  options.replay.map = request.map;
   options.replay.overrides = request.overrides;
   options.evaluation.align = parse_alignment(request.align);
   options.evaluation.calibrate_s = request.calibrate_s;

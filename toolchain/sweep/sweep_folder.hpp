@@ -19,6 +19,7 @@ namespace sortie::toolchain {
 struct SweepRequest {
   std::vector<std::string> logs;
   std::string scene;
+  std::string map;  ///< that each cell begins with, or empty
   std::vector<std::string> overrides;
   std::vector<std::string> knobs;  ///< "key=v1,v2" each, or "knobs" alone: each knob of a scene alone
   std::vector<std::string> tasks;
@@ -32,6 +33,7 @@ struct SweepRequest {
   static void fields(Self& self, Visitor&& visit) {
     visit("logs", self.logs);
     visit("scene", self.scene);
+    visit("map", self.map);
     visit("set", self.overrides);
     visit("sweep", self.knobs);
     visit("tasks", self.tasks);

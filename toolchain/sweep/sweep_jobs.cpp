@@ -148,8 +148,7 @@ void run_sweep_cell(const std::string& folder, std::size_t cell, const firmware:
   for (std::uint32_t i = 0; i < planned.plan.sweep.repeat; ++i)
     result.duration_s = work.replay_once(log, vehicles, options.replay, options.evaluation, result.cell);
   work.take_times(result.duration_s, result.cell);
-  if (plan.request.instructions)
-    work.count_instructions(log, options.replay.scene, result.duration_s, result.cell);
+  if (plan.request.instructions) work.count_instructions(log, options.replay, result.duration_s, result.cell);
   result.map = work.map();
   write_cell(folder, cell, plan.key(cell), result);
 }

@@ -10,7 +10,8 @@ namespace sortie::toolchain {
 
 namespace {
 
-// Knobs of the map are judged by the map, those of the attitude by the inclination, all others by the way.
+// Knobs of the map are judged by the map, those of the attitude by the inclination, those of the place on a
+// map by the located way, all others by the odometry's.
 std::string choose_error(const Sweep& sweep) {
   std::map<std::string, double> known;
   for (const SweepCell& cell : sweep.cells) known.insert(cell.errors.begin(), cell.errors.end());
@@ -26,6 +27,9 @@ std::string choose_error(const Sweep& sweep) {
   for (const std::string& key : sweep.keys) {
     if (key.rfind("map.", 0) == 0 || key == "limits.voxels") order.push_back("map_disagreement");
     if (key.rfind("attitude.", 0) == 0) order.push_back("inclination_rmse_deg");
+    for (const char* table : {"locate.", "relocate.", "tasks.locate.", "tasks.relocate."}) {
+      if (key.rfind(table, 0) == 0) order.push_back("located_ate_rmse_m");
+    }
   }
   for (const char* name : {"ate_rmse_m", "inclination_rmse_deg", "map_disagreement"}) order.push_back(name);
   for (const std::string& name : order) {

@@ -17,17 +17,12 @@ std::unique_ptr<firmware::Runtime> build(const firmware::LogFile& log,
                                          const firmware::VehicleRegistry& vehicles,
                                          const SweepOptions& options,
                                          const std::vector<std::string>& overrides) {
-  const drivers::LogHeader& header = log.header();
-  if (options.replay.scene.empty() && header.scene_toml.empty()) {
-    throw firmware::ProfileError(
-        log.path() + " was imported and names no scene; add --scene NAME (`sortie scenes` lists them)");
-  }
+  firmware::ReplayOptions replay;
+  replay.scene = options.replay.scene;
+  replay.map = options.replay.map;
+  replay.overrides = overrides;
   try {
-    firmware::Profile profile =
-        options.replay.scene.empty()
-            ? firmware::Profile(header.scene_toml, log.path() + " (profile)", overrides)
-            : firmware::load_scene(options.replay.scene, overrides);
-    return std::make_unique<firmware::Runtime>(std::move(profile), vehicles, firmware::RuntimeStart{});
+    return firmware::make_replay_runtime(log, vehicles, replay);
   } catch (const firmware::ProfileError& error) {
     throw firmware::ProfileError("with " + cell_title(overrides) + ": " + error.what());
   }

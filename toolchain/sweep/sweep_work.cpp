@@ -51,10 +51,10 @@ double SweepWork::replay_once(const firmware::LogFile& log, const firmware::Vehi
   return outcome.results.duration_s;
 }
 
-void SweepWork::count_instructions(const firmware::LogFile& log, const std::string& scene, double duration_s,
-                                   SweepCell& cell) const {
+void SweepWork::count_instructions(const firmware::LogFile& log, const firmware::ReplayOptions& options,
+                                   double duration_s, SweepCell& cell) const {
   std::uint64_t sum = 0;
-  for (const WcetTask& task : measure_wcet({log.path(), scene, overrides_, ""}).tasks) {
+  for (const WcetTask& task : measure_wcet({log.path(), options.scene, overrides_, options.map, ""}).tasks) {
     if (std::find(tasks_.begin(), tasks_.end(), task.name) == tasks_.end()) continue;
     for (const CountedJob& job : task.jobs) sum += job.instructions;
   }

@@ -27,8 +27,8 @@ class SweepWork {
                      SweepCell& cell);
   /// Counts the instructions of the tasks over the whole log. Throws CountRefused
   /// (toolchain/bench/wcet.hpp).
-  void count_instructions(const firmware::LogFile& log, const std::string& scene, double duration_s,
-                          SweepCell& cell) const;
+  void count_instructions(const firmware::LogFile& log, const firmware::ReplayOptions& options,
+                          double duration_s, SweepCell& cell) const;
   /// Writes the run times of all replays so far into the cell.
   void take_times(double duration_s, SweepCell& cell) const;
   /// The map that the first replay left; nothing where the vehicle has none.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The whole step beside PCL's registrations: the same map, returns and starts.
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/matched_step.hpp"
 #include "tests/bench/registration/pcl_peers.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
-#include "tests/bench/registration/scan_sets.hpp"
-#include "tests/bench/report/figures.hpp"
 
 namespace sortie::bench {
 namespace {
@@ -15,26 +15,45 @@ constexpr std::uint32_t kReturns = 2048;
 constexpr int kScansOfHall = 10;
 
 struct PeerRounds {
-  Rounds ms, error_mm, error_deg, map_ms;
+  Rounds ms, mm, deg, map_ms;
   int right{};
 
   void add(const PoseError& error, double step_ms) {
     ms.add(step_ms);
-    error_mm.add(1e3 * error.move_m);
-    error_deg.add(error.turn_deg);
+    mm.add(1e3 * error.move_m);
+    deg.add(error.turn_deg);
     right += error.within(0.02, 0.2) ? 1 : 0;
   }
 };
 
-void print(const char* set, const char* who, const PeerRounds& theirs, const PeerRounds& ours) {
-  std::printf(
-      "| %s | %s | %zu | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f | %.0f %% | %.1f | %.0f | %.3f | %.2f |\n",
-      set, who, theirs.ms.size(), theirs.ms.median(), theirs.ms.quantile(0.99), theirs.ms.high(),
-      theirs.ms.median() / ours.ms.median(), theirs.ms.quantile(0.99) / ours.ms.quantile(0.99),
-      theirs.ms.high() / theirs.ms.median(), 100.0 * theirs.right / static_cast<double>(theirs.ms.size()),
-      theirs.error_mm.median(), theirs.error_mm.quantile(0.99), theirs.error_deg.median(),
-      theirs.map_ms.median());
-  std::fflush(stdout);
+Json row(const std::string& set, const std::string& who, const PeerRounds& theirs) {
+  return {set,
+          who,
+          theirs.ms.size(),
+          decimals(theirs.ms.median(), 2),
+          decimals(theirs.ms.quantile(0.99), 2),
+          decimals(theirs.ms.high(), 2),
+          decimals(theirs.ms.high() / theirs.ms.median(), 1),
+          decimals(100.0 * theirs.right / static_cast<double>(theirs.ms.size()), 0) + " %",
+          decimals(theirs.mm.median(), 1),
+          decimals(theirs.mm.quantile(0.99), 0),
+          decimals(theirs.deg.median(), 3),
+          decimals(theirs.map_ms.median(), 2)};
+}
+
+Figure step_figure(const std::string& set, const PeerRounds& ours, int peer, const PeerRounds& theirs) {
+  Figure figure;
+  figure.group = "peers";
+  figure.what = "whole step, " + set;
+  figure.unit = "ms";
+  figure.n = ours.ms.size();
+  figure.ours = spread(ours.ms);
+  figure.peer = kPclPeerNames[peer];
+  figure.theirs = spread(theirs.ms);
+  const Rounds share = ratio(ours.ms, theirs.ms);
+  figure.ratio = spread(share);
+  if (peer == kVoxelGicp) set_goal(figure, "a quarter at most", share.median() <= 0.25);
+  return figure;
 }
 
 std::vector<rt::Vector3> points_of(const std::vector<PlacedScan>& scans) {
@@ -48,10 +67,10 @@ std::vector<rt::Vector3> points_of(const std::vector<PlacedScan>& scans) {
   return points;
 }
 
-void compare(const char* name, const std::vector<MapAndScans>& sets) {
+void compare(Report& report, Json& rows, const std::string& name, const std::vector<MapAndScans>& sets) {
   mapping::RegistrationConfig config;
   config.returns = kReturns;
-  PeerRounds ours;
+  PeerRounds ours, alone;
   PeerRounds theirs[kPclPeers];
   for (const MapAndScans& set : sets) {
     const auto map = map_of(set, config);
@@ -59,8 +78,10 @@ void compare(const char* name, const std::vector<MapAndScans>& sets) {
     if (has_pcl_registration()) peers = std::make_unique<PclPeers>(points_of(set.map));
     for (std::size_t i = 0; i < set.scans.size(); ++i) {
       const PlacedScan& scan = set.scans[i];
-      const MatchedStep step = matched_step(*map, scan.points, set.starts[i], 0.0);
-      ours.add(pose_error(step.match.pose, scan.pose), step.ms);
+      for (const Known known : {Known::alone, Known::odometry}) {
+        const MatchedStep step = matched_step(*map, scan.points, set.starts[i], known);
+        (known == Known::alone ? alone : ours).add(pose_error(step.match.pose, scan.pose), step.ms);
+      }
       for (int peer = 0; peers != nullptr && peer < kPclPeers; ++peer) {
         const PclResult result = peers->align(peer, map->registration.sample(), set.starts[i]);
         theirs[peer].add(pose_error(result.pose, scan.pose), result.ms);
@@ -73,39 +94,49 @@ void compare(const char* name, const std::vector<MapAndScans>& sets) {
       const double begin = step_cpu_ms();
       map->registration.insert(scan.pose);
       ours.map_ms.add(step_cpu_ms() - begin);
+      alone.map_ms.add(ours.map_ms.values().back());
     }
   }
-  print(name, "ours", ours, ours);
-  for (int peer = 0; has_pcl_registration() && peer < kPclPeers; ++peer)
-    print(name, kPclPeerNames[peer], theirs[peer], ours);
+  rows.push_back(row(name, "ours", ours));
+  rows.push_back(row(name, "ours, no odometry", alone));
+  for (int peer = 0; has_pcl_registration() && peer < kPclPeers; ++peer) {
+    rows.push_back(row(name, kPclPeerNames[peer], theirs[peer]));
+    report.add(step_figure(name, ours, peer, theirs[peer]));
+  }
 }
 
 }  // namespace
 
-void registration_beside_peers(const RegistrationSettings& settings) {
-  std::printf(
-      "\nStep: from %u returns to the pose; ours with covariance and the look along the rays. Map: keeping "
-      "it up with a scan "
-      "(ours), making what the peer knows of it (theirs).\n\n"
-      "| set, start off by | who | n | step ms median | p99 | max | median of ours | p99 of ours | max of "
-      "own "
-      "median | within 2 cm, 0.2 deg | mm median | mm p99 | deg median | map ms |\n"
-      "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
-      kReturns);
-  const int halls = std::max(1, (settings.cases > 0 ? settings.cases : 100) / kScansOfHall);
+void measure_registration_peers(const RegistrationSettings& settings, Report& report) {
+  const int halls = std::max(1, settings.cases_or(100) / kScansOfHall);
   const StartError near{0.2, 5 * M_PI / 180, false};
   const StartError far{0.5, 15 * M_PI / 180, false};
-  compare("halls, 0.2 m 5 deg", hall_set(halls, kScansOfHall, near, settings.seed));
-  compare("halls, 0.5 m 15 deg", hall_set(halls, kScansOfHall, far, settings.seed));
+  Json rows = Json::array();
+  compare(report, rows, "halls, 0.2 m 5 deg off", hall_set(halls, kScansOfHall, near, settings.seed));
+  compare(report, rows, "halls, 0.5 m 15 deg off", hall_set(halls, kScansOfHall, far, settings.seed));
   const auto recorded = recorded_set(settings.data, near, settings.seed);
   if (recorded.empty()) {
-    std::puts("\nskipped: the recorded drive is not there");
+    report.skip("the recorded drive", "lidar_os64 is not in " + settings.data);
   } else {
-    compare("recorded, 0.2 m 5 deg", recorded);
-    compare("recorded, 0.5 m 15 deg", recorded_set(settings.data, far, settings.seed));
+    compare(report, rows, "recorded drive, 0.2 m 5 deg off", recorded);
+    compare(report, rows, "recorded drive, 0.5 m 15 deg off",
+            recorded_set(settings.data, far, settings.seed));
   }
+  report.add_table("peers",
+                   {"start", "who", "n", "step ms median", "p99", "max", "max of own median",
+                    "within 2 cm, 0.2 deg", "mm median", "mm p99", "deg median", "map ms"},
+                   rows);
+  report.note(
+      "peers",
+      "Step: from the returns to the pose; ours has the covariance and the look along the rays in it, with "
+      "odometry that is good to 2 m and 2 rad, or with none: then other poses are tried that may do as well. "
+      "It keeps " +
+          std::to_string(kReturns) +
+          " returns itself, which are then the peers'. Map: ours, a scan that goes into it; theirs, "
+          "what they know of it (trees, normals, covariances, cells), made before their clock starts. "
+          "On the recorded drive errors below 2 cm are those of its reference.");
   if (!has_pcl_registration())
-    std::puts("\nskipped: PCL was not there when this was built; apt-get install libpcl-dev");
+    report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
 }
 
 }  // namespace sortie::bench

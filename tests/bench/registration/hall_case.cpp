@@ -27,13 +27,13 @@ bool is_clear(const testing::RegistrationWorld& world, const rt::Vector3& p) {
 
 }  // namespace
 
-PlacedScan Hall::scan(testing::Draws& draws) const {
+PlacedScan Hall::scan(testing::Draws& draws, const testing::TestLidar& lidar) const {
   mapping::RigidPose pose;
   do {
     pose.p = {draws.uniform(-2, 2), draws.uniform(-2, 2), draws.uniform(0.4, 0.8)};
   } while (!is_clear(world_, pose.p));
   pose.q = rt::exp_rotation({draws.uniform(-0.1, 0.1), draws.uniform(-0.1, 0.1), draws.uniform(-3, 3)});
-  return {testing::TestLidar{}.scan(world_, pose.p, pose.q, draws), pose};
+  return {lidar.scan(world_, pose.p, pose.q, draws), pose};
 }
 
 mapping::RigidPose start_beside(const mapping::RigidPose& pose, const StartError& error,
@@ -48,10 +48,10 @@ mapping::RigidPose start_beside(const mapping::RigidPose& pose, const StartError
           rt::normalised(rt::exp_rotation(error.turn_rad * axis) * pose.q)};
 }
 
-mapping::PosePrior loose_prior(const mapping::RigidPose& at) {
+mapping::PosePrior loose_prior(const mapping::RigidPose& at, Known known) {
   mapping::PosePrior prior;
   prior.at = at;
-  for (int i = 0; i < 6; ++i) prior.information[i][i] = 0.01;
+  for (int i = 0; i < 6; ++i) prior.information[i][i] = known == Known::odometry ? 0.25 : 0.01;
   return prior;
 }
 

@@ -22,8 +22,8 @@ struct PlacedScan {
 class Hall {
  public:
   explicit Hall(testing::Draws& draws) : world_(testing::random_hall(draws)) {}
-  /// 32 rows, 360 columns, 1 cm of noise, within 2 m of the middle, any heading, leaning up to 0.1 rad.
-  PlacedScan scan(testing::Draws& draws) const;
+  /// Within 2 m of the middle, any heading, leaning up to 0.1 rad.
+  PlacedScan scan(testing::Draws& draws, const testing::TestLidar& lidar = {}) const;
 
  private:
   testing::RegistrationWorld world_;
@@ -50,8 +50,10 @@ struct StartError {
 mapping::RigidPose start_beside(const mapping::RigidPose& pose, const StartError& error,
                                 testing::Draws& draws);
 
-/// A prior that says hardly more than that the robot is somewhere here: 10 m, 10 rad.
-mapping::PosePrior loose_prior(const mapping::RigidPose& at);
+/// What is known of a start beside it: `odometry` that is good to 2 m and 2 rad, or, alone, that the robot is
+/// somewhere here, 10 m and 10 rad. Alone, the registration looks for other poses that do as well.
+enum class Known { odometry, alone };
+mapping::PosePrior loose_prior(const mapping::RigidPose& at, Known known);
 
 /// Distance of a pose from the truth.
 struct PoseError {

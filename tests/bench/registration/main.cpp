@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// sortie-bench-registration: registration of scans beside PCL's, its error over run time, its basin, and what
-// it says of places that are false; tables in Markdown. --only PART (peers, sweep, basin, places, counts,
-// corridor),
-// --cases N, --seed N, --out DIR for the plots, --data DIR, --each yes for a line a case that went wrong.
-#include <cstdio>
+// sortie-bench-registration: the registration of scans, planes and clouds beside PCL's, its error over run
+// time, its basin, and what it says of places that are false. Prints one JSON object; `sortie bench
+// registration` runs it and shows the tables.
+#include <iostream>
 #include <stdexcept>
 
 #include "tests/bench/registration/registration_parts.hpp"
@@ -14,12 +13,15 @@ namespace {
 
 struct RegistrationPart {
   const char* name;
-  void (*measure)(const RegistrationSettings&);
+  void (*measure)(const RegistrationSettings&, Report&);
 };
 constexpr RegistrationPart kRegistrationParts[] = {
-    {"peers", registration_beside_peers}, {"sweep", registration_sweep},
-    {"counts", registration_counts},      {"basin", registration_basin},
-    {"places", registration_places},      {"corridor", registration_corridor}};
+    {"peers", measure_registration_peers},       {"sweep", measure_registration_sweep},
+    {"fields", measure_registration_fields},     {"counts", measure_registration_counts},
+    {"basin", measure_registration_basin},       {"places", measure_registration_places},
+    {"walk", measure_registration_walk},         {"lost", measure_registration_lost},
+    {"corridor", measure_registration_corridor}, {"planes", measure_registration_planes},
+    {"clouds", measure_registration_clouds}};
 
 int run(int argc, char** argv) {
   RegistrationSettings settings;
@@ -34,26 +36,30 @@ int run(int argc, char** argv) {
       settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
     else if (option == "--only" && value != nullptr)
       only = value;
-    else if (option == "--out" && value != nullptr)
-      settings.out = value;
     else if (option == "--data" && value != nullptr)
       settings.data = value;
-    else if (option == "--each" && value != nullptr)
-      settings.each = std::string(value) == "yes";
     else if (option == "--counted" && value != nullptr)
-      return registration_counted(std::string(value) == "lost");
+      return registration_counted(value);
     else
       throw std::invalid_argument("unknown option " + option);
   }
-  std::printf("load average %s, seed %llu\n", load_average().c_str(),
-              static_cast<unsigned long long>(settings.seed));
+  Report report;
+  Json& root = report.root();
+  root["load_before"] = load_average();
+  for (const char* list : {"figures", "tables", "skipped", "notes", "pictures"}) root[list] = Json::array();
+  root["settings"] = {{"cases", settings.cases}, {"seed", settings.seed}, {"only", only}};
   bool found = false;
   for (const RegistrationPart& part : kRegistrationParts) {
     if (!only.empty() && only != part.name) continue;
     found = true;
-    part.measure(settings);
+    std::cerr << "registering: " << part.name << std::endl;
+    part.measure(settings, report);
   }
-  if (!found) throw std::invalid_argument("--only takes peers, sweep, counts, basin, places or corridor");
+  if (!found)
+    throw std::invalid_argument(
+        "--only takes peers, sweep, fields, counts, basin, places, walk, lost, corridor, planes or clouds");
+  root["load_after"] = load_average();
+  std::cout << root.dump() << std::endl;
   return 0;
 }
 

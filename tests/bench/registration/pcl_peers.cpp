@@ -4,6 +4,8 @@
 #undef EIGEN_DONT_VECTORIZE
 #include "tests/bench/registration/pcl_peers.hpp"
 
+#include "tests/bench/registration/remade_peers.hpp"
+
 #ifdef SORTIE_PEER_PCL
 #include <pcl/features/normal_3d.h>
 #include <pcl/filters/voxel_grid.h>
@@ -20,11 +22,16 @@ using NormalCloud = pcl::PointCloud<pcl::PointNormal>;
 
 constexpr double kReach = 1.0;
 constexpr int kNeighbours = 20;
+constexpr double kKissVoxel_m = 0.5;
 
 double pcl_ms() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+rt::Vector3 vector_of(const Point& p) {
+  return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
 }
 
 Eigen::Matrix4f matrix_of(const mapping::RigidPose& pose) {
@@ -87,6 +94,8 @@ struct PclPeers::Inside {
   Gicp gicp;
   Prepared<pcl::NormalDistributionsTransform<Point, Point>> ndt;
   Prepared<pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal>> icp;
+  VoxelGicp voxel_gicp;
+  KissIcp kiss{kKissVoxel_m, 50.0};
   std::array<double, kPclPeers> prepared_ms{};
 };
 
@@ -117,7 +126,14 @@ PclPeers::PclPeers(std::span<const rt::Vector3> map_m) : inside_(std::make_uniqu
   inside_->icp.setMaximumIterations(50);
   inside_->icp.setTransformationEpsilon(1e-8);
   const double t4 = pcl_ms();
-  inside_->prepared_ms = {t2 - t1 + t1 - t0, t3 - t2 + t1 - t0, t4 - t3 + t1 - t0};
+  PeerPoints points;
+  for (const Point& p : *map) points.push_back(vector_of(p));
+  inside_->voxel_gicp.add(points);
+  const double t5 = pcl_ms();
+  inside_->kiss.add(points);
+  const double t6 = pcl_ms();
+  inside_->prepared_ms = {t2 - t0, t3 - t2 + t1 - t0, t4 - t3 + t1 - t0, t5 - t4 + t1 - t0,
+                          t6 - t5 + t1 - t0};
 }
 
 PclPeers::~PclPeers() = default;
@@ -136,6 +152,8 @@ PclResult PclPeers::align(int peer, std::span<const mapping::SamplePoint> sample
     q.z = p.z_m;
     normals->push_back(q);  // only the map's normals are used
   }
+  PeerPoints points;
+  for (const Point& p : *source) points.push_back(vector_of(p));
   const Eigen::Matrix4f guess = matrix_of(start);
   const double begin = pcl_ms();
   PclResult result;
@@ -144,9 +162,14 @@ PclResult PclPeers::align(int peer, std::span<const mapping::SamplePoint> sample
     registration.align(aligned, guess);
     result.pose = pose_of(registration.getFinalTransformation());
   };
-  if (peer == 0) run(inside_->gicp, source, Cloud{});
+  if (peer == kGicp) run(inside_->gicp, source, Cloud{});
   if (peer == 1) run(inside_->ndt, source, Cloud{});
-  if (peer == 2) run(inside_->icp, normals, NormalCloud{});
+  if (peer == kIcp) run(inside_->icp, normals, NormalCloud{});
+  if (peer == kVoxelGicp) result.pose = inside_->voxel_gicp.align(points, start);
+  if (peer == kKissIcp) {
+    const PeerPoints few = one_a_voxel(points, 1.5 * kKissVoxel_m);
+    result.pose = inside_->kiss.align(few, start, KissIcp::kFirstSigma_m);
+  }
   result.ms = pcl_ms() - begin;
   return result;
 }

@@ -12,8 +12,13 @@
 
 namespace sortie::bench {
 
-inline constexpr int kPclPeers = 3;
-inline constexpr const char* kPclPeerNames[kPclPeers] = {"PCL GICP", "PCL NDT", "PCL ICP, point to plane"};
+inline constexpr int kPclPeers = 5;
+inline constexpr int kGicp = 0;  ///< of these
+inline constexpr int kIcp = 2;
+inline constexpr int kVoxelGicp = 3;
+inline constexpr int kKissIcp = 4;
+inline constexpr const char* kPclPeerNames[kPclPeers] = {"PCL GICP", "PCL NDT", "PCL ICP, point to plane",
+                                                         "VGICP, made again", "KISS-ICP, made again"};
 
 /// What one made of a scan.
 struct PclResult {
@@ -26,7 +31,7 @@ bool has_pcl_registration();
 /// All of them, with what they know of the map made before the clock starts. Points are thinned to one a
 /// 0.1-m cube (VoxelGrid). GICP: correspondences to 1 m, 50 iterations; NDT: cells of 1 m, step 0.1, 35
 /// iterations; ICP: normals of 20 neighbours, correspondences to 1 m, 50 iterations. The rest is PCL's
-/// default.
+/// default. The last two: remade_peers.hpp, KISS-ICP with voxels of 0.5 m and its first threshold.
 class PclPeers {
  public:
   explicit PclPeers(std::span<const rt::Vector3> map_m);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Flights on the estimate, and on commands that come late.
-#include "tests/bench/uav/picture.hpp"
+#include "tests/bench/report/picture.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
 
 namespace sortie::bench {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/bench/uav/picture.hpp"
+#include "tests/bench/report/picture.hpp"
 #include "tests/bench/uav/pilot_cost.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/bench/uav/picture.hpp"
+#include "tests/bench/report/picture.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
 #include "tests/planner/path_rig.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
+#include "tests/bench/report/picture.hpp"
 #include "tests/bench/uav/lee.hpp"
-#include "tests/bench/uav/picture.hpp"
 #include "tests/bench/uav/pilot_cost.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
 

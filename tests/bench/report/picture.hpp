@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures for the report: curves with their axes, as JSON that `sortie bench uav` draws.
+// Pictures for the report: curves with their axes, as JSON that `sortie bench` draws.
 #pragma once
 
 #include <string>
@@ -15,7 +15,8 @@ struct Curve {  // NOLINT(bugprone-exception-escape): vectors' own moves
   std::vector<double> x;
   std::vector<double> y;
   std::vector<std::string> labels;  ///< beside each point; empty: none
-  std::string style;                ///< "", "dashed", "dots" or "grey"
+  std::string style;                ///< "", "dashed", "dots", "grey", or "default": black dots
+  int colour{-1};                   ///< its number; -1: the next one
 };
 
 /// A picture in `file` (without ending), belonging to a group of figures.
@@ -36,6 +37,7 @@ inline void add_picture(Report& report, const Picture& picture) {
   for (const Curve& curve : picture.curves) {
     Json line = {{"name", curve.name}, {"x", curve.x}, {"y", curve.y}, {"style", curve.style}};
     if (!curve.labels.empty()) line["labels"] = curve.labels;
+    if (curve.colour >= 0) line["colour"] = curve.colour;
     curves.push_back(line);
   }
   report.root()["pictures"].push_back({{"file", picture.file},
