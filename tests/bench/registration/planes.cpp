@@ -16,8 +16,9 @@ namespace sortie::bench {
 namespace {
 
 constexpr std::size_t kPoints = 290'000;
-constexpr std::size_t kView = 4096;  ///< points of a scan
-constexpr double kNear_m = 5.0;      ///< of the new scan
+constexpr std::uint32_t kCells = 65'536;  ///< more than there are
+constexpr std::size_t kView = 4096;       ///< points of a scan
+constexpr double kNear_m = 5.0;           ///< of the new scan
 constexpr rt::Vector3 kFrom{15, 10, 2};
 
 std::vector<rt::Vector3> cloud_of(const std::vector<mapping::Plane>& truth, tests::WorldRandom& random) {
@@ -86,9 +87,11 @@ void grow(GrowingRounds& rounds, std::uint64_t seed) {
   for (const rt::Vector3& p : cloud_of(hall.planes, random)) {
     if (rt::norm(p - about) < kNear_m && near.size() < kView) near.push_back(p);
   }
-  tests::OwnedSight sight(mapping::sight_config(mapping::CloudSensor::laser));
+  mapping::SightConfig room = mapping::sight_config(mapping::CloudSensor::laser);
+  room.cells = kCells;
+  tests::OwnedSight sight(room);
   const auto owned = std::make_unique<tests::OwnedGrowing>(
-      mapping::growing_config(mapping::CloudSensor::laser), 32'768, 2048);
+      mapping::growing_config(mapping::CloudSensor::laser), kCells, 2048);
   const auto insert = [&sight](const std::vector<rt::Vector3>& all) {
     for (std::size_t i = 0; i < all.size(); i += kView)
       (void)sight.layer.insert(std::span(all).subspan(i, std::min(kView, all.size() - i)), kFrom);
