@@ -23,7 +23,7 @@ void add_span_options(Command& command, ReplayOptions& options, bool has_index) 
 }
 
 void add_map_option(Command& command, std::string& map) {
-  command.add_option("--map", map, "The map of surfaces that the run began with")->type_name("FILE");
+  command.add_option("--map", map, "The kept map that the run began with")->type_name("FILE");
 }
 
 void add_threads_option(Command& command, ReplayOptions& options) {

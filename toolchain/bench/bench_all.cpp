@@ -85,7 +85,7 @@ const std::vector<BenchPart>& bench_parts() {
       {"stability", {"stability"}, "bench-stability.json"},
       {"rt", {"rt"}, "bench-rt.json", true},
       {"mapping", {"mapping", "--every", "35"}, "bench-local-map.json", true},
-      {"registration", {"registration", "--cases", "200"}, "bench-registration.json"},
+      {"registration", {"registration"}, "bench-registration.json"},
       {"odometry", {"odometry", "--quiet"}, "bench-odometry.json"},
       {"knobs",
        {"--sweep", "knobs", "--scene", "ugv_hall", "--scene", "ugv_stairs", "--scene", "uav_gusts",

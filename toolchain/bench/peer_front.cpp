@@ -10,6 +10,17 @@
 
 namespace sortie::toolchain {
 
+namespace {
+
+std::string heading_of(const PeerFront& front, const std::string& group) {
+  for (const auto& [name, heading] : front.headings) {
+    if (name == group) return heading;
+  }
+  return group;
+}
+
+}  // namespace
+
 const std::vector<PeerFront>& peer_fronts() {
   static const std::vector<PeerFront> fronts{rt_front(),           plant_front(), mapping_front(),
                                              registration_front(), uav_front(),   stability_front(),
@@ -58,7 +69,7 @@ std::string bench_page(const PeerFront& front, const firmware::Json& result, con
       groups.push_back(picture.group);
   }
   for (const std::string& group : groups) {
-    text += "\n## " + (front.heading != nullptr ? front.heading(group) : group) + "\n";
+    text += "\n## " + heading_of(front, group) + "\n";
     for (const BenchPicture& picture : pictures) {
       if (picture.group == group) text += "\n![" + picture.plot.title + "](" + picture.file + ")\n";
     }

@@ -58,8 +58,9 @@ struct PeerFront {
   std::string intro;  ///< of the page, behind "Written by `...`. "
   /// Lines below the machine's: settings, load.
   std::vector<std::string> (*conditions)(const firmware::Json&){};
-  std::string (*heading)(const std::string& group){};  ///< what a group is called on the page
-  std::string (*overview)(const firmware::Json&){};    ///< before the first group, as Markdown
+  /// Groups, and what the page calls them; others by their own names.
+  std::vector<std::pair<std::string, std::string>> headings{};
+  std::string (*overview)(const firmware::Json&){};  ///< before the first group, as Markdown
   std::vector<BenchPicture> (*pictures)(const firmware::Json&){};
   void (*print)(std::ostream&, const firmware::Json&, bool colour){};  ///< in place of print_bench()
   std::string (*page)(const firmware::Json&, const std::string&){};    ///< in place of bench_page()

@@ -11,17 +11,6 @@ std::vector<std::string> plant_conditions(const firmware::Json& result) {
   return {settings_line(result, std::to_string(settings.value("rounds", 0)) + " rounds")};
 }
 
-// What a group is about, before its tables.
-std::string heading(const std::string& group) {
-  if (group == "speed") return "Run time of a step";
-  if (group == "instructions") return "Instructions of a step";
-  if (group == "metrics") return "Where drives end: contact surface motion";
-  if (group == "belt") return "How belts turn";
-  if (group == "step size") return "Error against step size against run time";
-  if (group == "penetration") return "Penetration and residual";
-  return group;
-}
-
 std::string scene_list(const firmware::Json& result) {
   std::string text = "\n| scene | drive | friction |\n|---|---|---:|\n";
   for (const firmware::Json& scene : result.value("scenes", firmware::Json::array())) {
@@ -57,7 +46,12 @@ PeerFront plant_front() {
       "absolute times do not**. Figures are medians of the rounds, in brackets the range over the rounds; "
       "ratio is ours over theirs. The model: [plant](../plant.md).";
   front.conditions = plant_conditions;
-  front.heading = heading;
+  front.headings = {{"speed", "Run time of a step"},
+                    {"instructions", "Instructions of a step"},
+                    {"metrics", "Where drives end: contact surface motion"},
+                    {"belt", "How belts turn"},
+                    {"step size", "Error against step size against run time"},
+                    {"penetration", "Penetration and residual"}};
   front.overview = scene_list;
   front.pictures = plant_pictures;
   return front;

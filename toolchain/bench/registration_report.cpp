@@ -12,27 +12,6 @@ std::vector<std::string> registration_conditions(const firmware::Json& result) {
                                     (cases > 0 ? ", " + std::to_string(cases) + " cases a row" : ""))};
 }
 
-std::string registration_heading(const std::string& group) {
-  constexpr const char* kHeadings[][2] = {
-      {"peers", "Beside PCL"},
-      {"sweep, halls", "Error over run time: returns, steps and cell, halls"},
-      {"sweep, recorded drive", "Error over run time: returns, steps and cell, recorded drive"},
-      {"fields, halls", "Error over run time: field of view and rows, halls"},
-      {"fields, a sweep of the TRADR robot", "Error over run time: field of view and rows, recorded sweep"},
-      {"counts", "Instructions"},
-      {"basin", "Starts far off"},
-      {"places", "Scans of other halls"},
-      {"walk", "A recorded lidar alone"},
-      {"lost", "Lost on a kept map"},
-      {"corridor", "A corridor without ends"},
-      {"planes", "Planes"},
-      {"clouds", "Clouds from the air on the ground's"}};
-  for (const auto& heading : kHeadings) {
-    if (group == heading[0]) return heading[1];
-  }
-  return group;
-}
-
 }  // namespace
 
 PeerFront registration_front() {
@@ -63,7 +42,20 @@ PeerFront registration_front() {
       "[the robot's place on its own map](../registration.md); what was measured by tests: "
       "[registration](registration.md).";
   front.conditions = registration_conditions;
-  front.heading = registration_heading;
+  front.headings = {
+      {"peers", "Beside PCL"},
+      {"sweep, halls", "Error over run time: returns, steps and cell, halls"},
+      {"sweep, recorded drive", "Error over run time: returns, steps and cell, recorded drive"},
+      {"fields, halls", "Error over run time: field of view and rows, halls"},
+      {"fields, a sweep of the TRADR robot", "Error over run time: field of view and rows, recorded sweep"},
+      {"counts", "Instructions"},
+      {"basin", "Starts far off"},
+      {"places", "Scans of other halls"},
+      {"walk", "A recorded lidar alone"},
+      {"lost", "Lost on a kept map"},
+      {"corridor", "A corridor without ends"},
+      {"planes", "Planes"},
+      {"clouds", "Clouds from the air on the ground's"}};
   front.pictures = drawn_pictures;
   return front;
 }

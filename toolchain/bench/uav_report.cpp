@@ -11,28 +11,6 @@ std::vector<std::string> uav_conditions(const firmware::Json& result) {
                                     std::to_string(settings.value("fleet", 0)) + " drawn vehicles")};
 }
 
-// What a part is about, before its tables.
-std::string uav_heading(const std::string& group) {
-  constexpr const char* kHeadings[][2] = {
-      {"peers", "The same flights as Lee's controller"},
-      {"stress", "One stress at a time"},
-      {"moves", "Goals"},
-      {"lost rotor", "One rotor of six lost in hover, undeclared"},
-      {"fleet", "Vehicles that nobody tuned for"},
-      {"estimated", "On estimates"},
-      {"orders", "Error against run time: estimators"},
-      {"rates", "Error against run time: control rates, with the observer and without"},
-      {"plant", "Error against run time: the plant's integrator and step"},
-      {"gust", "A gust"},
-      {"way", "A planned way, flown"},
-      {"paths", "Ways through 1.6 million voxels"},
-      {"instructions", "Instructions of a control step"}};
-  for (const auto& heading : kHeadings) {
-    if (group == heading[0]) return heading[1];
-  }
-  return group;
-}
-
 }  // namespace
 
 PeerFront uav_front() {
@@ -57,7 +35,19 @@ PeerFront uav_front() {
       "Flights are simulated and repeat exactly; run times are CPU time of one core and depend on the "
       "machine: **their ratios travel**. What flies: [flight](../uav.md), [its way](../uav-path.md).";
   front.conditions = uav_conditions;
-  front.heading = uav_heading;
+  front.headings = {{"peers", "The same flights as Lee's controller"},
+                    {"stress", "One stress at a time"},
+                    {"moves", "Goals"},
+                    {"lost rotor", "One rotor of six lost in hover, undeclared"},
+                    {"fleet", "Vehicles that nobody tuned for"},
+                    {"estimated", "On estimates"},
+                    {"orders", "Error against run time: estimators"},
+                    {"rates", "Error against run time: control rates, with the observer and without"},
+                    {"plant", "Error against run time: the plant's integrator and step"},
+                    {"gust", "A gust"},
+                    {"way", "A planned way, flown"},
+                    {"paths", "Ways through 1.6 million voxels"},
+                    {"instructions", "Instructions of a control step"}};
   front.pictures = drawn_pictures;
   return front;
 }

@@ -5,8 +5,8 @@
 
 #include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/matched_step.hpp"
-#include "tests/bench/registration/pcl_peers.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/registration/scan_peers.hpp"
 
 namespace sortie::bench {
 namespace {
@@ -48,7 +48,7 @@ Figure step_figure(const std::string& set, const PeerRounds& ours, int peer, con
   figure.unit = "ms";
   figure.n = ours.ms.size();
   figure.ours = spread(ours.ms);
-  figure.peer = kPclPeerNames[peer];
+  figure.peer = kScanPeerNames[peer];
   figure.theirs = spread(theirs.ms);
   const Rounds share = ratio(ours.ms, theirs.ms);
   figure.ratio = spread(share);
@@ -71,23 +71,23 @@ void compare(Report& report, Json& rows, const std::string& name, const std::vec
   mapping::RegistrationConfig config;
   config.returns = kReturns;
   PeerRounds ours, alone;
-  PeerRounds theirs[kPclPeers];
+  PeerRounds theirs[kScanPeers];
   for (const MapAndScans& set : sets) {
     const auto map = map_of(set, config);
-    std::unique_ptr<PclPeers> peers;
-    if (has_pcl_registration()) peers = std::make_unique<PclPeers>(points_of(set.map));
+    std::unique_ptr<ScanPeers> peers;
+    if (has_pcl()) peers = std::make_unique<ScanPeers>(points_of(set.map));
     for (std::size_t i = 0; i < set.scans.size(); ++i) {
       const PlacedScan& scan = set.scans[i];
       for (const Known known : {Known::alone, Known::odometry}) {
         const MatchedStep step = matched_step(*map, scan.points, set.starts[i], known);
         (known == Known::alone ? alone : ours).add(pose_error(step.match.pose, scan.pose), step.ms);
       }
-      for (int peer = 0; peers != nullptr && peer < kPclPeers; ++peer) {
-        const PclResult result = peers->align(peer, map->registration.sample(), set.starts[i]);
+      for (int peer = 0; peers != nullptr && peer < kScanPeers; ++peer) {
+        const PeerResult result = peers->align(peer, map->registration.sample(), set.starts[i]);
         theirs[peer].add(pose_error(result.pose, scan.pose), result.ms);
       }
     }
-    for (int peer = 0; peers != nullptr && peer < kPclPeers; ++peer)
+    for (int peer = 0; peers != nullptr && peer < kScanPeers; ++peer)
       theirs[peer].map_ms.add(peers->prepared_ms()[static_cast<std::size_t>(peer)]);
     for (const PlacedScan& scan : set.scans) {  // last: it changes the map
       (void)map->registration.take(scan.points);
@@ -99,8 +99,8 @@ void compare(Report& report, Json& rows, const std::string& name, const std::vec
   }
   rows.push_back(row(name, "ours", ours));
   rows.push_back(row(name, "ours, no odometry", alone));
-  for (int peer = 0; has_pcl_registration() && peer < kPclPeers; ++peer) {
-    rows.push_back(row(name, kPclPeerNames[peer], theirs[peer]));
+  for (int peer = 0; has_pcl() && peer < kScanPeers; ++peer) {
+    rows.push_back(row(name, kScanPeerNames[peer], theirs[peer]));
     report.add(step_figure(name, ours, peer, theirs[peer]));
   }
 }
@@ -135,8 +135,7 @@ void measure_registration_peers(const RegistrationSettings& settings, Report& re
           " returns itself, which are then the peers'. Map: ours, a scan that goes into it; theirs, "
           "what they know of it (trees, normals, covariances, cells), made before their clock starts. "
           "On the recorded drive errors below 2 cm are those of its reference.");
-  if (!has_pcl_registration())
-    report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
+  if (!has_pcl()) report.skip("PCL", "not there when this was built; apt-get install libpcl-dev");
 }
 
 }  // namespace sortie::bench

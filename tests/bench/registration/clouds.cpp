@@ -99,13 +99,15 @@ void measure_registration_clouds(const RegistrationSettings& settings, Report& r
     if (times != 1.0) widen(scenes, times);
     for (const std::uint32_t starts : {1u, 2u, 4u, 6u, 8u}) cells.push_back(measure(scenes, {times, starts}));
   }
-  Picture picture;
-  picture.file = "bench-registration-clouds";
-  picture.group = "clouds";
-  picture.title = "Clouds from the air on the ground's: not placed, over run time";
-  picture.x = "run time of a registration, median, ms";
-  picture.y = "not placed, %";
-  picture.log_x = true;
+  const Picture picture{"bench-registration-clouds",
+                        "clouds",
+                        "Clouds from the air on the ground's: not placed, over run time",
+                        "run time of a registration, median, ms",
+                        "not placed, %",
+                        true,
+                        false,
+                        false,
+                        {}};
   add_front(report, picture,
             {"cells", "starts", "n", "placed", "near", "refused", "wrong", "mm 95 %", "M units median",
              "most", "ms median", "max"},

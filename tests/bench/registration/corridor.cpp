@@ -6,8 +6,8 @@
 #include "mapping/registration/pose_algebra.hpp"
 #include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
-#include "tests/bench/registration/pcl_peers.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/registration/scan_peers.hpp"
 #include "tests/bench/report/picture.hpp"
 
 namespace sortie::bench {
@@ -106,8 +106,8 @@ CorridorRun naive_run(const CorridorDrive& drive) {
       }
       const double moved = drive.odometry[i].p.x - drive.odometry[i - 1].p.x;
       const mapping::RigidPose start{pose.p + rt::rotate(pose.q, {moved, 0, 0}), pose.q};
-      PclPeers peers(map);
-      const PclResult matched = peers.align(kIcp, sample_of(drive.scans[i]), start);
+      ScanPeers peers(map);
+      const PeerResult matched = peers.align(kIcp, sample_of(drive.scans[i]), start);
       const double odometry_m = kOdometrySigma_m + kOdometrySigmaPerWay * kStep_m;
       const double of_match = 1 / (kFixedSigma_m * kFixedSigma_m);
       const double of_odometry = 1 / (odometry_m * odometry_m);
@@ -163,7 +163,7 @@ void measure_registration_corridor(const RegistrationSettings& settings, Report&
                   false,
                   {}};
   add_curves(picture, "locate", ours, 0);
-  if (has_pcl_registration()) {
+  if (has_pcl()) {
     const CorridorRun naive = naive_run(drive);
     rows.push_back(row("ICP, 5 mm", naive));
     add_curves(picture, "ICP with a fixed sigma of 5 mm", naive, 1);

@@ -48,17 +48,24 @@ void fields(Report& report, const char* name, const char* file, SetsOf&& sets_of
       for (const std::uint32_t returns : kReturns) cells.push_back(measure(field, rows, returns, sets));
     }
   }
-  Picture picture;
-  picture.file = std::string("bench-registration-") + file;
-  picture.group = std::string("fields, ") + name;
-  picture.title = std::string("Field of view and rows, ") + name;
-  picture.x = "run time of a step, median, ms";
-  picture.y = "95 % of errors are below, mm";
-  picture.log_x = picture.log_y = true;
+  const std::string group = std::string("fields, ") + name;
+  const Picture picture{std::string("bench-registration-") + file,
+                        group,
+                        std::string("Field of view and rows, ") + name,
+                        "run time of a step, median, ms",
+                        "95 % of errors are below, mm",
+                        true,
+                        true,
+                        false,
+                        {}};
   std::vector<std::string> columns{"field of view", "rows", "returns", "matched at most"};
   for (const char* const column : MatchedSteps::kColumns) columns.emplace_back(column);
   columns.emplace_back("not held in all directions");
   add_front(report, picture, columns, cells, FrontRows::all);
+  report.note(group,
+              "Starts 0.2 m and 5 degrees off. Where a scan does not hold a direction, the error along it is "
+              "that of the start: the last column says how often one was named. The recorded sweep is "
+              "matched with itself: every other column is the map, those between are the scan.");
 }
 
 }  // namespace
@@ -83,12 +90,6 @@ void measure_registration_fields(const RegistrationSettings& settings, Report& r
     report.skip("fields of a recorded sweep", "tradr_robot is not in " + settings.data);
   else
     fields(report, "a sweep of the TRADR robot", "fields-sweep", sweep);
-  for (const char* group : {"fields, halls", "fields, a sweep of the TRADR robot"})
-    report.note(
-        group,
-        "Starts 0.2 m and 5 degrees off. Where a scan does not hold a direction, the error along it is "
-        "that of the start: the last column says how often one was named. The recorded sweep is "
-        "matched with itself: every other column is the map, those between are the scan.");
 }
 
 }  // namespace sortie::bench

@@ -129,13 +129,15 @@ void measure_registration_lost(const RegistrationSettings& settings, Report& rep
                 decimals(knobs.ms.high(), 0)};
     cells.push_back(cell);
   }
-  Picture picture;
-  picture.file = "bench-registration-lost";
-  picture.group = "lost";
-  picture.title = "Robots lost on a kept map: not placed, over run time";
-  picture.x = "run time of a search, median, ms";
-  picture.y = "not placed, %";
-  picture.log_x = true;
+  const Picture picture{"bench-registration-lost",
+                        "lost",
+                        "Robots lost on a kept map: not placed, over run time",
+                        "run time of a search, median, ms",
+                        "not placed, %",
+                        true,
+                        false,
+                        false,
+                        {}};
   add_front(report, picture,
             {"returns", "candidates", "reach m", "first matched with", "n", "placed", "wrong",
              "M units median", "most", "ms median", "max"},

@@ -7,9 +7,9 @@
 
 #include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
-#include "tests/bench/registration/pcl_peers.hpp"
 #include "tests/bench/registration/pcl_planes.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/registration/scan_peers.hpp"
 #include "tests/mapping/cloud_trials.hpp"
 
 namespace sortie::bench {
@@ -120,7 +120,7 @@ void grow(GrowingRounds& rounds, std::uint64_t seed) {
   rounds.update_ms.add(update_ms);
   rounds.cells.add(static_cast<double>(before.size()));
   rounds.changed.add(static_cast<double>(of_scan.size()));
-  if (!has_pcl_registration()) return;
+  if (!has_pcl()) return;
   double ms = 0;
   rounds.pcl_found.add(share_found(hall.planes, pcl_planes(points, ms)));
   rounds.pcl_ms.add(ms);

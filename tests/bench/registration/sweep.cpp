@@ -42,13 +42,15 @@ void sweep(Report& report, const std::string& name, const std::string& file,
   }
   cells.push_back(measure({}, sets));
   cells.back().by_itself = true;
-  Picture picture;
-  picture.file = "bench-registration-" + file;
-  picture.group = "sweep, " + name;
-  picture.title = "Error over run time, " + name;
-  picture.x = "run time of a step, median, ms";
-  picture.y = "95 % of errors are below, mm";
-  picture.log_x = picture.log_y = true;
+  const Picture picture{"bench-registration-" + file,
+                        "sweep, " + name,
+                        "Error over run time, " + name,
+                        "run time of a step, median, ms",
+                        "95 % of errors are below, mm",
+                        true,
+                        true,
+                        false,
+                        {}};
   std::vector<std::string> columns{"cell m", "returns", "steps"};
   for (const char* const column : MatchedSteps::kColumns) columns.emplace_back(column);
   add_front(report, picture, columns, cells, FrontRows::front);

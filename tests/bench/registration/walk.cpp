@@ -7,9 +7,9 @@
 #include "mapping/registration/pose_algebra.hpp"
 #include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
-#include "tests/bench/registration/pcl_peers.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/remade_peers.hpp"
+#include "tests/bench/registration/scan_peers.hpp"
 #include "tests/bench/report/picture.hpp"
 #include "tests/mapping/recorded_scans.hpp"
 
@@ -149,7 +149,7 @@ void measure_registration_walk(const RegistrationSettings& settings, Report& rep
   });
   add("KISS-ICP, made again", [kiss = std::make_shared<KissIcp>(kKissVoxel_m, kRange_m)](
                                   const tests::RecordedScan& scan) { return kiss->follow(points_of(scan)); });
-  if (has_pcl_registration()) add("VGICP to the model, made again", voxel_gicp_follower());
+  if (has_pcl()) add("VGICP to the model, made again", voxel_gicp_follower());
   report.add_table("walk",
                    {"who", "pairs", "off by 10 cm or 1 deg", "mm median", "mm p99", "deg median", "deg p99",
                     "end, of the way", "ms a scan median", "p99", "max"},

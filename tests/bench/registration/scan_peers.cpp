@@ -2,7 +2,7 @@
 // PCL's libraries were built with Eigen's vectors: whoever shares clouds with them must use the same
 // alignment.
 #undef EIGEN_DONT_VECTORIZE
-#include "tests/bench/registration/pcl_peers.hpp"
+#include "tests/bench/registration/scan_peers.hpp"
 
 #include "tests/bench/registration/remade_peers.hpp"
 
@@ -90,18 +90,18 @@ NormalCloud::Ptr with_normals(const Cloud::Ptr& cloud) {
 }
 }  // namespace
 
-struct PclPeers::Inside {
+struct ScanPeers::Inside {
   Gicp gicp;
   Prepared<pcl::NormalDistributionsTransform<Point, Point>> ndt;
   Prepared<pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal>> icp;
   VoxelGicp voxel_gicp;
   KissIcp kiss{kKissVoxel_m, 50.0};
-  std::array<double, kPclPeers> prepared_ms{};
+  std::array<double, kScanPeers> prepared_ms{};
 };
 
-bool has_pcl_registration() { return true; }
+bool has_pcl() { return true; }
 
-PclPeers::PclPeers(std::span<const rt::Vector3> map_m) : inside_(std::make_unique<Inside>()) {
+ScanPeers::ScanPeers(std::span<const rt::Vector3> map_m) : inside_(std::make_unique<Inside>()) {
   const auto all = std::make_shared<Cloud>();
   for (const rt::Vector3& p : map_m)
     all->push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
@@ -136,12 +136,12 @@ PclPeers::PclPeers(std::span<const rt::Vector3> map_m) : inside_(std::make_uniqu
                           t6 - t5 + t1 - t0};
 }
 
-PclPeers::~PclPeers() = default;
+ScanPeers::~ScanPeers() = default;
 
-const std::array<double, kPclPeers>& PclPeers::prepared_ms() const { return inside_->prepared_ms; }
+const std::array<double, kScanPeers>& ScanPeers::prepared_ms() const { return inside_->prepared_ms; }
 
-PclResult PclPeers::align(int peer, std::span<const mapping::SamplePoint> sample,
-                          const mapping::RigidPose& start) {
+PeerResult ScanPeers::align(int peer, std::span<const mapping::SamplePoint> sample,
+                            const mapping::RigidPose& start) {
   const auto source = std::make_shared<Cloud>();
   const auto normals = std::make_shared<NormalCloud>();
   for (const mapping::SamplePoint& p : sample) {
@@ -156,7 +156,7 @@ PclResult PclPeers::align(int peer, std::span<const mapping::SamplePoint> sample
   for (const Point& p : *source) points.push_back(vector_of(p));
   const Eigen::Matrix4f guess = matrix_of(start);
   const double begin = pcl_ms();
-  PclResult result;
+  PeerResult result;
   const auto run = [&](auto& registration, const auto& cloud, auto aligned) {
     registration.setInputSource(cloud);
     registration.align(aligned, guess);
@@ -177,14 +177,14 @@ PclResult PclPeers::align(int peer, std::span<const mapping::SamplePoint> sample
 }  // namespace sortie::bench
 #else
 namespace sortie::bench {
-struct PclPeers::Inside {
-  std::array<double, kPclPeers> prepared_ms{};
+struct ScanPeers::Inside {
+  std::array<double, kScanPeers> prepared_ms{};
 };
-bool has_pcl_registration() { return false; }
-PclPeers::PclPeers(std::span<const rt::Vector3>) : inside_(std::make_unique<Inside>()) {}
-PclPeers::~PclPeers() = default;
-const std::array<double, kPclPeers>& PclPeers::prepared_ms() const { return inside_->prepared_ms; }
-PclResult PclPeers::align(int, std::span<const mapping::SamplePoint>, const mapping::RigidPose&) {
+bool has_pcl() { return false; }
+ScanPeers::ScanPeers(std::span<const rt::Vector3>) : inside_(std::make_unique<Inside>()) {}
+ScanPeers::~ScanPeers() = default;
+const std::array<double, kScanPeers>& ScanPeers::prepared_ms() const { return inside_->prepared_ms; }
+PeerResult ScanPeers::align(int, std::span<const mapping::SamplePoint>, const mapping::RigidPose&) {
   return {};
 }
 }  // namespace sortie::bench

@@ -12,36 +12,36 @@
 
 namespace sortie::bench {
 
-inline constexpr int kPclPeers = 5;
+inline constexpr int kScanPeers = 5;
 inline constexpr int kGicp = 0;  ///< of these
 inline constexpr int kIcp = 2;
 inline constexpr int kVoxelGicp = 3;
 inline constexpr int kKissIcp = 4;
-inline constexpr const char* kPclPeerNames[kPclPeers] = {"PCL GICP", "PCL NDT", "PCL ICP, point to plane",
-                                                         "VGICP, made again", "KISS-ICP, made again"};
+inline constexpr const char* kScanPeerNames[kScanPeers] = {"PCL GICP", "PCL NDT", "PCL ICP, point to plane",
+                                                           "VGICP, made again", "KISS-ICP, made again"};
 
 /// What one made of a scan.
-struct PclResult {
+struct PeerResult {
   mapping::RigidPose pose;
   double ms{};  ///< of the thread: source side (trees, covariances) and alignment
 };
 
-bool has_pcl_registration();
+bool has_pcl();
 
 /// All of them, with what they know of the map made before the clock starts. Points are thinned to one a
 /// 0.1-m cube (VoxelGrid). GICP: correspondences to 1 m, 50 iterations; NDT: cells of 1 m, step 0.1, 35
 /// iterations; ICP: normals of 20 neighbours, correspondences to 1 m, 50 iterations. The rest is PCL's
 /// default. The last two: remade_peers.hpp, KISS-ICP with voxels of 0.5 m and its first threshold.
-class PclPeers {
+class ScanPeers {
  public:
-  explicit PclPeers(std::span<const rt::Vector3> map_m);
-  ~PclPeers();
-  PclPeers(const PclPeers&) = delete;
-  PclPeers& operator=(const PclPeers&) = delete;
+  explicit ScanPeers(std::span<const rt::Vector3> map_m);
+  ~ScanPeers();
+  ScanPeers(const ScanPeers&) = delete;
+  ScanPeers& operator=(const ScanPeers&) = delete;
 
-  PclResult align(int peer, std::span<const mapping::SamplePoint> sample, const mapping::RigidPose& start);
+  PeerResult align(int peer, std::span<const mapping::SamplePoint> sample, const mapping::RigidPose& start);
   /// Thread CPU time of making what each knows of the map, thinning included, ms.
-  const std::array<double, kPclPeers>& prepared_ms() const;
+  const std::array<double, kScanPeers>& prepared_ms() const;
 
  private:
   struct Inside;
