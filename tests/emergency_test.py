@@ -78,12 +78,15 @@ def place():
     return pose["pos[0]"], pose["pos[1]"]
 
 
-def moves(start, way, what, seconds=15):
-    """Waits until it has come a bit further; `way`: 1 forwards, -1 backwards."""
+def moves(air, protocol, start, way, what, seconds=60):
+    """
+    Waits until it has come a bit further; `way`: 1 forwards, -1 backwards. Long, because a starved machine's drives stop
+    whenever their frames come late, and are set up again: the robot goes on in jerks.
+    """
     end_s = time.monotonic() + seconds
     while way * ((now := place())[0] - start[0]) < 0.05 and time.monotonic() < end_s:
         pass
-    check(way * (now[0] - start[0]) >= 0.05, what, start, now)
+    check(way * (now[0] - start[0]) >= 0.05, f"{protocol}: {what}", start, now, air.said[protocol])
 
 
 def emergency(air, protocol):
@@ -98,7 +101,7 @@ def emergency(air, protocol):
     # Somebody asks for speed, and goes on asking all the while.
     driver = subprocess.Popen([PROGRAM, "drive", "go", "--speed", "0.3", "--for", "60", *BRIEF], stdin=subprocess.DEVNULL,
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    moves(start, 1, f"{protocol}: go moves it")
+    moves(air, protocol, start, 1, "go moves it")
     moving = air.until(protocol, lambda said: said["state"]["speed_m_s"] > 0.1)
     check(moving["state"]["speed_m_s"] > 0.1, f"{protocol}: it drives before the emergency stop", moving)
     began = time.time()
@@ -129,7 +132,7 @@ def emergency(air, protocol):
 
     sortie("drive", "release", *SECRET, code=0, says=["taken; in control: the mission's rows"])
     motors_until(0, on, 0, f"{protocol}, released")
-    moves(stands, -1, f"{protocol}: after the release the mission goes on")
+    moves(air, protocol, stands, -1, "after the release the mission goes on")
     counters = end(process)
     for name in ("emergency_stops", "drive_stops_emergency"):
         check(counters[name] == 1, f"{protocol}: one emergency stop is counted", name, counters[name])
