@@ -54,7 +54,8 @@ struct JoinPartConfig {
 class JoinPart final : public Part {
  public:
   explicit JoinPart(VehicleBuilder& builder) : access_(builder.find<CloudAccess>()) {
-    mapping::CloudRegistrationConfig config;
+    mapping::CloudMatchConfig config;
+    builder.profile().read("join", config.registration);
     builder.profile().read("join", config);
     builder.profile().read("join", config_);
     kept_ = load_kept_cloud(builder);

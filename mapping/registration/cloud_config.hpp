@@ -31,6 +31,7 @@ enum class CloudRefusal : std::uint8_t {
   rival,     ///< another place is nearly as good
   turn,  ///< no yaw is known, and planes alone do not place it there: a hall may look the same from both ends
   mirrored,  ///< the mirror image is: another wing, another building
+  alone,     ///< cells of no other grid have it as their best place, too (CloudMatch)
 };
 
 /// The names as they are shown.
@@ -82,6 +83,19 @@ struct CloudRegistrationConfig {
     key("most_sigma_deg", c.most_sigma_rad,
         {0.01, 10, rt::kDegInRad, "of the turn, about the axis that is held least"});
     key("least_lead", c.least_lead, {1, 100, "", "what speaks for a place over what speaks for another"});
+  }
+};
+
+/// How often CloudMatch asks.
+struct CloudMatchConfig {
+  static constexpr std::uint32_t kMostGrids = 8;
+  CloudRegistrationConfig registration;
+  std::uint32_t grids{3};  ///< of cells twice as wide, that are asked as well
+
+  SORTIE_KEYS(c, key) {
+    key("wider_grids", c.grids,
+        {0, kMostGrids, "grids",
+         "of wider cells that are asked as well, until two agree; 0: none, and none need to"});
   }
 };
 

@@ -19,15 +19,23 @@ PlaneGrowingMemory growing_memory(std::size_t cells, rt::Arena& arena) {
           arena.make_array<PlaneRegion>("plane regions", kRegions)};
 }
 
+SightConfig twice_as_wide(SightConfig config) {
+  config.cell_m *= 2.0;
+  return config;
+}
+
 }  // namespace
 
-CloudMatch::CloudMatch(const CloudRegistrationConfig& config, const SensedCloud& own, const SensedCloud& kept,
+CloudMatch::CloudMatch(const CloudMatchConfig& config, const SensedCloud& own, const SensedCloud& kept,
                        rt::Arena& arena)
-    : own_(own),
+    : config_(config),
+      own_(own),
       kept_(kept),
+      wide_(twice_as_wide(finer().layer->config()), arena),
       memory_(growing_memory(std::max(own.layer->config().cells, kept.layer->config().cells), arena)),
-      registration_(config) {
+      registration_(config.registration) {
   if (arena.refused() != 0) return;  // its memory is still being measured
+  kept_.layer->prepare();
   set_cells(kept_);
   std::uint64_t units = std::numeric_limits<std::uint64_t>::max();
   static_cast<void>(growing_->run(units));
@@ -39,7 +47,6 @@ void CloudMatch::set_cells(const SensedCloud& cloud) {
   std::fill(memory_.cells.begin(), memory_.cells.end(), PlaneCellSlot{});
   std::fill(memory_.table.begin(), memory_.table.end(), 0u);
   std::fill(memory_.regions.begin(), memory_.regions.end(), PlaneRegion{});
-  cloud.layer->prepare();
   PlaneGrowingConfig config = growing_config(cloud.sensor);
   config.cell_m = cloud.layer->cell_m();
   config.min_points = std::max(config.min_points, cloud.layer->config().min_points);
@@ -53,6 +60,7 @@ void CloudMatch::begin(const PlaneEstimate& estimate) {
   estimate_ = estimate;
   credit_.clear();
   spent_ = 0;
+  grid_ = 0;
   stage_ = Stage::cells;
 }
 
@@ -68,29 +76,91 @@ bool CloudMatch::run(std::uint64_t& units) {
 bool CloudMatch::step(std::uint64_t& units) {
   switch (stage_) {
     case Stage::cells:
-      if (!credit_.pay(kUnitsPerCell * own_.layer->size(), units)) return false;
-      set_cells(own_);
+      if (!credit_.pay(kUnitsPerCell * (grid_ == 0 ? own_ : finer()).layer->size(), units)) return false;
+      make_cells();
       stage_ = Stage::grow;
       return true;
     case Stage::grow:
       if (!grow(units)) return false;
-      growing_->planes(own_planes_);
-      // Refused: then its result says "none".
-      stage_ =
-          registration_.begin(own_planes_, *own_.layer, kept_planes_, *kept_.layer, estimate_) == Status::ok
-              ? Stage::match
-              : Stage::idle;
-      if (stage_ == Stage::idle) result_ = registration_.result();
+      growing_->planes(grid_ == 0 ? own_planes_ : wide_planes_);
+      stage_ = Stage::match;
+      if (!begin_match()) end_match();  // its result says "none"
       return true;
     case Stage::match:
       if (!registration_.run(units)) return false;
-      result_ = registration_.result();
-      stage_ = Stage::idle;
+      end_match();
       return true;
     case Stage::idle:
       break;
   }
   return false;
+}
+
+void CloudMatch::make_cells() {
+  if (grid_ == 0) {
+    own_.layer->prepare();
+    set_cells(own_);
+    return;
+  }
+  // Grid after grid as different as may be: half a cell aside along each axis, then along one, two, one, ...
+  constexpr std::uint32_t kAside[CloudMatchConfig::kMostGrids] = {0, 7, 1, 6, 2, 5, 4, 3};
+  const auto first = [k = kAside[grid_ - 1]](int axis) { return -static_cast<std::int32_t>(k >> axis & 1u); };
+  moved_m_ = wide_.widen(*finer().layer, {first(0), first(1), first(2)});
+  set_cells({&wide_, finer().sensor});
+}
+
+/// Of the finer cloud's frame moved by moved_m_ `times`.
+PlanePose CloudMatch::moved(const PlanePose& pose, double times) const {
+  PlanePose out = pose;
+  const rt::Vector3 by = own_is_finer() ? -pose.scale * rt::rotate(pose.q_target_source, moved_m_) : moved_m_;
+  out.p_target_source_m = out.p_target_source_m + times * by;
+  return out;
+}
+
+bool CloudMatch::begin_match() {
+  if (grid_ == 0)
+    return registration_.begin(own_planes_, *own_.layer, kept_planes_, *kept_.layer, estimate_) == Status::ok;
+  PlaneEstimate estimate = estimate_;
+  estimate.T_target_source = moved(estimate.T_target_source, 1.0);
+  return (own_is_finer()
+              ? registration_.begin(wide_planes_, wide_, kept_planes_, *kept_.layer, estimate)
+              : registration_.begin(own_planes_, *own_.layer, wide_planes_, wide_, estimate)) == Status::ok;
+}
+
+/// One grid has answered: two that agree end it, or the last one.
+void CloudMatch::end_match() {
+  CloudResult& found = found_[grid_];
+  found = registration_.result();
+  if (grid_ == 0) {
+    middle_m_ = registration_.middle_m();
+  } else {
+    found.T_target_source = moved(found.T_target_source, -1.0);
+    found.T_rival = moved(found.T_rival, -1.0);
+    found.units += found_[grid_ - 1].units;
+  }
+  const CloudResult* best = grid_ > 0 || config_.grids > 0 ? nullptr : &found;
+  for (std::uint32_t k = 0; k < grid_; ++k) {
+    // Surer than they agree no two of them are.
+    if (!same_place(found_[k].T_target_source, found.T_target_source, middle_m_,
+                    config_.registration.most_sigma_m, 2.0 * config_.registration.most_sigma_rad))
+      continue;
+    for (const CloudResult* one : {&found_[k], &found}) {
+      if (one->placed() && (best == nullptr || one->sigma_m < best->sigma_m)) best = one;
+    }
+  }
+  // Clouds that nothing can be made of in their own cells are not asked about again.
+  const bool ends = best != nullptr || grid_ == config_.grids || found_[0].verdict == CloudVerdict::none;
+  if (!ends) {
+    ++grid_;
+    stage_ = Stage::cells;
+    return;
+  }
+  stage_ = Stage::idle;
+  result_ = best != nullptr ? *best : found_[0];
+  result_.units = found.units;
+  if (best != nullptr || !result_.placed()) return;
+  result_.verdict = CloudVerdict::refused;
+  result_.refusal = CloudRefusal::alone;
 }
 
 bool CloudMatch::grow(std::uint64_t& units) {
@@ -104,8 +174,9 @@ bool CloudMatch::grow(std::uint64_t& units) {
 
 void CloudMatch::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "cloud match")
-      .fixed(own_, kept_, memory_, kept_planes_)
-      .scratch(growing_, registration_, own_planes_, credit_)
+      .fixed(config_, own_, kept_, memory_, kept_planes_)
+      .scratch(wide_, growing_, registration_, own_planes_, wide_planes_, credit_, grid_, moved_m_, middle_m_,
+               found_)
       .by_hand(stage_)
       .state(estimate_, spent_, result_);
   bool working = works();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A vehicle's own cloud on a kept one: planes are grown over the cells of both, then the clouds are
-// registered, a budget at a time.
+// registered, a budget at a time, and the same with wider cells.
 #pragma once
 
 #include <optional>
@@ -18,25 +18,30 @@ struct SensedCloud {
   CloudSensor sensor{CloudSensor::laser};
 };
 
+/// Where a wall is cut by its cells decides which of them are flat, and so whether enough speaks for the
+/// right place. So the finer cloud (the kept one, where both are as fine) is asked again in cells twice as
+/// wide, on up to eight grids of them. A place counts when one grid places the cloud there and another has it
+/// as its best place, too, to `most_sigma_m` and twice `most_sigma_rad`; none is asked after that.
+///
 /// From begin() until the end of its run() the own cloud has to stay as it is; the kept one for ever. The
 /// result depends on both clouds and the estimate alone, not on how budgets cut the work. Memory: that of
-/// CloudRegistration, and of an arena 150 bytes a cell of the larger cloud and 0.8 MB. No heap; stack below
-/// 80 kB.
+/// CloudRegistration, and of an arena 150 bytes a cell of the larger cloud, 0.8 MB, and a layer like that of
+/// the finer cloud. No heap; stack below 80 kB.
 class CloudMatch {
  public:
   /// Set-up: prepares the kept cloud and grows its planes: 2 us a cell.
-  CloudMatch(const CloudRegistrationConfig& config, const SensedCloud& own, const SensedCloud& kept,
+  CloudMatch(const CloudMatchConfig& config, const SensedCloud& own, const SensedCloud& kept,
              rt::Arena& arena);
 
   /// Starts anew. `estimate`: T_kept_own as it is known.
   void begin(const PlaneEstimate& estimate);
   /// Works on for at most `units` (of about 5 ns), and takes what it used off. True when there is nothing
-  /// left to do. The longest step is paid by what budgets left: making the own cloud's cells, up to 300 units
-  /// each.
+  /// left to do. The longest step is paid by what budgets left: making a cloud's cells, up to 300 units each.
   bool run(std::uint64_t& units);
   bool works() const { return stage_ != Stage::idle; }
 
-  /// Of the last that ended.
+  /// Of the last that ended: of the grid that placed it, with the work of all; where none did, of the clouds'
+  /// own cells.
   const CloudResult& result() const { return result_; }
   const PlaneSet& own_planes() const { return own_planes_; }
   const PlaneSet& kept_planes() const { return kept_planes_; }
@@ -46,24 +51,38 @@ class CloudMatch {
 
  private:
   enum class Stage : std::uint8_t { idle, cells, grow, match };
+  static constexpr std::uint32_t kMostAsked = 1 + CloudMatchConfig::kMostGrids;
   static constexpr std::uint64_t kUnitsPerCell = 300;
   static constexpr std::uint64_t kUnitsPerGrowing = 100;  ///< half a microsecond
 
   void set_cells(const SensedCloud& cloud);
+  bool own_is_finer() const { return own_.layer->cell_m() < kept_.layer->cell_m(); }
+  const SensedCloud& finer() const { return own_is_finer() ? own_ : kept_; }
+  void make_cells();
+  bool begin_match();
+  void end_match();
+  PlanePose moved(const PlanePose& pose, double times) const;
   bool step(std::uint64_t& units);
   bool grow(std::uint64_t& units);
 
+  CloudMatchConfig config_;
   SensedCloud own_;
   SensedCloud kept_;
+  SightLayer wide_;  ///< the finer cloud in cells twice as wide
   PlaneGrowingMemory memory_;
   std::optional<PlaneGrowing> growing_;
   CloudRegistration registration_;
   PlaneSet own_planes_;
   PlaneSet kept_planes_;
+  PlaneSet wide_planes_;
   Stage stage_{Stage::idle};
   UnitCredit credit_;
   PlaneEstimate estimate_;
   std::uint64_t spent_{};  ///< since begin()
+  std::uint32_t grid_{};   ///< that is asked; 0: both clouds' own
+  rt::Vector3 moved_m_;    ///< from the finer cloud's frame to that of wide_
+  rt::Vector3 middle_m_;   ///< of the own cloud
+  CloudResult found_[kMostAsked];
   CloudResult result_;
 };
 

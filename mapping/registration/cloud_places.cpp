@@ -24,7 +24,7 @@ constexpr double kLeastUsual =
     0.008;  ///< lines of sight through surfaces over cells on them, where all is right
 constexpr double kMostUsual = 0.016;
 constexpr double kMostSigmas = 3.0;  ///< of the scale from the estimate's
-constexpr double kBasin_m = 0.15;
+constexpr double kBasin_m = 0.15;    ///< a fit of cells may go so far
 constexpr double kBasin_rad = 0.03;
 }  // namespace
 
@@ -112,7 +112,9 @@ void CloudRegistration::settle() {
 void CloudRegistration::keep_place() {
   for (std::uint32_t k = 0; k < place_count_; ++k) {
     Place& known = places_[k];
-    if (known.mirrored != here_.mirrored || !same_place(known.pose, here_.pose)) continue;
+    if (known.mirrored != here_.mirrored ||
+        !same_place(known.pose, here_.pose, middle_m_, kBasin_m, kBasin_rad))
+      continue;
     if (here_.value() > known.value()) known = here_;
     return;
   }
@@ -162,12 +164,6 @@ void CloudRegistration::hold() {
   judge();
 }
 
-bool CloudRegistration::same_place(const PlanePose& a, const PlanePose& b) const {
-  const rt::Vector3 apart = transform(a, middle_m_) - transform(b, middle_m_);
-  const rt::Vector3 turn = rt::log_rotation(a.q_target_source * rt::conjugate(b.q_target_source));
-  return rt::norm(apart) <= kBasin_m && rt::norm(turn) <= kBasin_rad;
-}
-
 /// A place that little speaks against. What the clouds have in common there may be less than at the best one,
 /// and how many lines of sight go through surfaces where all is right depends on the building: the best place
 /// says.
@@ -215,7 +211,8 @@ void CloudRegistration::judge() {
   } else if (!(result_.sigma_m < config_.most_sigma_m && result_.sigma_rad < config_.most_sigma_rad)) {
     result_.refusal = CloudRefusal::unheld;
   } else if (!estimate_.has_yaw() &&
-             !(planes_result_.placed() && same_place(planes_result_.fit.T_target_source, best.pose))) {
+             !(planes_result_.placed() &&
+               same_place(planes_result_.fit.T_target_source, best.pose, middle_m_, kBasin_m, kBasin_rad))) {
     result_.verdict = CloudVerdict::ambiguous;
     result_.refusal = CloudRefusal::turn;
   } else {

@@ -127,8 +127,8 @@ const char* to_string(CloudVerdict verdict) {
 }
 
 const char* to_string(CloudRefusal refusal) {
-  constexpr const char* kNames[] = {"none",   "no place", "little", "crossed", "scale",
-                                    "unheld", "rival",    "turn",   "mirrored"};
+  constexpr const char* kNames[] = {"none",   "no place", "little", "crossed",  "scale",
+                                    "unheld", "rival",    "turn",   "mirrored", "alone"};
   return kNames[static_cast<int>(refusal)];
 }
 

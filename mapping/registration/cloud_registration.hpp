@@ -42,6 +42,8 @@ class CloudRegistration {
   bool run(std::uint64_t& units);
 
   const CloudResult& result() const { return result_; }
+  /// Of the source's cells.
+  const rt::Vector3& middle_m() const { return middle_m_; }
   /// What the planes alone make of it.
   const PlaneRegistrationResult& planes() const { return planes_result_; }
 
@@ -82,7 +84,6 @@ class CloudRegistration {
   void judge();
   void look(const PlanePose& pose, Place& place);
   PlanePose shifted(const PlanePose& pose, std::uint32_t k, const double (&by_m)[8]) const;
-  bool same_place(const PlanePose& a, const PlanePose& b) const;
   bool contends(const Place& place) const;
   void compare(const Place& best, const Place& other, bool apart);
   bool in_mirror() const { return pass_ >= kFirstMirror; }

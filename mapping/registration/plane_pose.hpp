@@ -36,6 +36,14 @@ inline PlanePose inverse(const PlanePose& pose) {
   return back;
 }
 
+/// Whether two poses put a place of the source, `x_source_m`, that near to each other.
+inline bool same_place(const PlanePose& a, const PlanePose& b, const rt::Vector3& x_source_m, double most_m,
+                       double most_rad) {
+  const rt::Vector3 apart = transform(a, x_source_m) - transform(b, x_source_m);
+  const rt::Vector3 turn = rt::log_rotation(a.q_target_source * rt::conjugate(b.q_target_source));
+  return rt::norm(apart) <= most_m && rt::norm(turn) <= most_rad;
+}
+
 /// What is known from outside: GPS, odometry, an earlier match. What the planes cannot say keeps its values.
 struct PlaneEstimate {
   PlanePose T_target_source;

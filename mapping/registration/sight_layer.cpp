@@ -55,6 +55,25 @@ Status SightLayer::insert(std::span<const rt::Vector3> points_m, const rt::Vecto
   return Status::ok;
 }
 
+rt::Vector3 SightLayer::widen(const SightLayer& fine, const std::int32_t (&first)[3]) {
+  clear();
+  const rt::Vector3 moved = -fine.cell_m() * rt::Vector3{1.0 * first[0], 1.0 * first[1], 1.0 * first[2]};
+  for (const SurfelIndex index : fine.by_key()) {
+    const SurfelRecord record = fine.layer_.record(index);
+    SurfelCell cell = SurfelCell::from_key(record.key);
+    bool upper[3];
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t at = cell.at[i] - first[i];
+      upper[i] = at % 2 != 0;
+      cell.at[i] = at >> 1;  // rounds down
+    }
+    const SurfelIndex surfel = layer_.add(cell, widened(record.sums, upper));
+    if (surfel != kNoSurfel) from_[surfel] = fine.from_[index] + moved;
+  }
+  prepare();
+  return moved;
+}
+
 void SightLayer::prepare() {
   count_ = 0;
   for (const SurfelIndex index : layer_.by_key()) {

@@ -71,6 +71,11 @@ class SightLayer {
   /// not_finite: `from_m`; then none of them is taken. Points that are not finite are left out. A look-up a
   /// point, twice.
   Status insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m);
+  /// Becomes another cloud in cells twice as wide, with cells() made; this one's edge is twice the other's.
+  /// Each takes eight of the other's, from `first` of them on along each axis, -1 or 0: eight grids in all.
+  /// What there is no room for is left out. Returns what is added to a place of the other's frame to get to
+  /// this one's. Two sorts, and a pass over all cells.
+  rt::Vector3 widen(const SightLayer& fine, const std::int32_t (&first)[3]);
   /// Makes cells() of all points so far: a sort and a pass over all cells.
   void prepare();
   void clear();

@@ -15,6 +15,32 @@ void SurfelSums::fade() {
   count = half;
 }
 
+SurfelSums widened(SurfelSums sums, const bool (&upper)[3]) {
+  while (sums.count > kMostSurfelPoints / 8) sums.fade();
+  const auto n = static_cast<std::int64_t>(sums.count);
+  if (n == 0) return sums;
+  std::int64_t off[3];   // of this cell's middle from the wider one's, in this one's steps
+  std::int64_t from[3];  // sums from the wider one's middle
+  std::int64_t odd[3];   // half a step of the wider one that its sums have no room for
+  SurfelSums wide;
+  wide.count = sums.count;
+  for (int i = 0; i < 3; ++i) {
+    off[i] = upper[i] ? kSurfelSteps / 2 : -kSurfelSteps / 2;
+    from[i] = sums.sum[i] + n * off[i];
+    odd[i] = from[i] & 1;
+    wide.sum[i] = static_cast<std::int32_t>(from[i] >> 1);
+  }
+  constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+  for (int k = 0; k < 6; ++k) {
+    const auto [i, j] = kPairs[k];
+    const std::int64_t product =
+        sums.product[k] + off[i] * sums.sum[j] + off[j] * sums.sum[i] + n * off[i] * off[j];
+    // As if all points moved by what the sums lost: the covariance stays what it was.
+    wide.product[k] = (product - (odd[i] * from[j] + odd[j] * from[i]) / n) / 4;
+  }
+  return wide;
+}
+
 Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar) {
   const auto n = static_cast<std::int64_t>(sums.count);
   const double step = cell_m / kSurfelSteps;

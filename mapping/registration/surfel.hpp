@@ -30,11 +30,21 @@ struct SurfelSums {
     for (int i = 0; i < 3; ++i) sum[i] += at[i];
     ++count;
   }
+  void add(const SurfelSums& other) {
+    for (int i = 0; i < 6; ++i) product[i] += other.product[i];
+    for (int i = 0; i < 3; ++i) sum[i] += other.sum[i];
+    count += other.count;
+  }
   /// Half of everything: what is new counts more from now on. Of an odd number of points the sums keep their
   /// share, to the step, so that mean and covariance stay what they were.
   void fade();
 };
 static_assert(sizeof(SurfelSums) == 64);
+
+/// The same points in a cell twice as wide that this one is an eighth of; `upper`: its upper half, along each
+/// axis. Sums are rounded to the wider cell's steps. Of more points than an eighth of what it has room for
+/// every eighth keeps a share.
+SurfelSums widened(SurfelSums sums, const bool (&upper)[3]);
 
 /// The Gaussian of a cell, relative to its centre. 64 bytes.
 struct Surfel {

@@ -154,6 +154,21 @@ Status SurfelLayer::put(const SurfelRecord& record) {
   return Status::ok;
 }
 
+SurfelIndex SurfelLayer::add(const SurfelCell& cell, const SurfelSums& sums) {
+  SurfelIndex& place = memory_.window[entry(cell)];
+  if (place == kNoSurfel) {
+    if (free_ == 0) return kNoSurfel;
+    place = memory_.free[--free_];
+    memory_.keys[place] = cell.key();
+    memory_.sums[place] = {};
+    memory_.surfels[place] = {};
+    memory_.newest[place] = 0;
+  }
+  if (memory_.keys[place] != cell.key()) return kNoSurfel;
+  memory_.sums[place].add(sums);
+  return place;
+}
+
 void SurfelLayer::archive(rt::Archive& archive) {
   archive.expect(memory_.keys.size(), "another number of surfels than this layer's");
   if (archive.is_reading()) clear();

@@ -129,6 +129,10 @@ class SurfelLayer {
   /// Adds a surfel that was kept; what it was kept in gives them by rising key, after a clear(). malformed:
   /// it cannot be one (fault_of()); full: no room; out_of_range: another one has its place in the window.
   Status put(const SurfelRecord& record);
+  /// Adds sums to a cell, which is made where there is none; the cell's Gaussian stays as it is. kNoSurfel:
+  /// no room, or another one has its place in the window. The caller sees to it that a cell's points do not
+  /// become more than kMostSurfelPoints.
+  SurfelIndex add(const SurfelCell& cell, const SurfelSums& sums);
   /// Surfels by rising key, whatever their places in memory were: no answer depends on these.
   void archive(rt::Archive& archive);
 

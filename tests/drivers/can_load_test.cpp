@@ -99,7 +99,7 @@ std::vector<rt::Nanoseconds> load_watched(std::uint32_t bitrate, const std::vect
 
 std::vector<CanStream> random_streams(std::mt19937_64& rng, bool queues) {
   std::vector<CanStream> streams;
-  const std::size_t count = 2 + rng() % 7;
+  const std::size_t count = 2 + static_cast<std::size_t>(rng() % 7);
   for (std::size_t i = 0; i < count; ++i) {
     CanStream s = load_stream("s", static_cast<std::uint32_t>(0x100 + 16 * i + rng() % 16),
                               static_cast<std::uint8_t>(rng() % 9),

@@ -244,7 +244,7 @@ TEST_CASE("no bytes that come over the link are taken for an answer, nor keep th
   std::uint64_t damaged = 0;
   for (int i = 0; i < 500; ++i) {
     test::Datagram bytes = good;
-    const std::size_t place = head + random() % (8 + 2 * 16);
+    const std::size_t place = head + static_cast<std::size_t>(random() % (8 + 2 * 16));
     const auto flip = static_cast<std::uint8_t>(1 + random() % 255);
     bytes[place] = static_cast<std::uint8_t>(bytes[place] ^ flip);
     device.post(bytes);

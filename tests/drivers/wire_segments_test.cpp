@@ -109,7 +109,7 @@ TEST_CASE("damaged segments are refused and never lead outside") {
                                           good.begin() + static_cast<std::ptrdiff_t>(random() % good.size()));
       REQUIRE(decode(cut, *back, seq) != Status::ok);
       std::vector<std::uint8_t> bad = good;
-      bad[random() % bad.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
+      bad[static_cast<std::size_t>(random() % bad.size())] ^= static_cast<std::uint8_t>(1 + random() % 255);
       if (decode(bad, *back, seq) == Status::ok) REQUIRE((segment_bytes(*back, seq) == bad));
     }
   }

@@ -94,7 +94,7 @@ class StandingDrive {
         driven_ += 1;
         continue;
       }
-      double& second_ago = past[stood % past.size()];
+      double& second_ago = past[static_cast<std::size_t>(stood % past.size())];
       if (stood++ >= past.size())
         errors_.second =
             std::max(errors_.second, kDegrees * std::fabs(rt::wrap_angle((error - second_ago) / kDegrees)));

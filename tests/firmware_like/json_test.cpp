@@ -18,6 +18,8 @@ namespace {
 using Twin = nlohmann::ordered_json;
 using Random = std::mt19937_64;
 
+std::size_t below(Random& random, std::size_t n) { return static_cast<std::size_t>(random() % n); }
+
 constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
 
 /// One document, made twice.
@@ -38,7 +40,7 @@ std::string random_text(Random& random) {
                                                 "\x01",   "\x7f",   std::string(1, '\0'),
                                                 "\u00e4", "\u2028", "\xf0\x9f\x98\x80"};
   std::string text;
-  for (std::size_t n = random() % 6; n > 0; --n) text += kPieces[random() % kPieces.size()];
+  for (std::size_t n = below(random, 6); n > 0; --n) text += kPieces[below(random, kPieces.size())];
   return text;
 }
 
@@ -78,7 +80,7 @@ Pair random_document(Random& random, int depth) {
       return both(random_text(random));
     case 6: {
       Pair list{Json::array(), Twin::array()};
-      for (std::size_t n = random() % 5; n > 0; --n) {
+      for (std::size_t n = below(random, 5); n > 0; --n) {
         const Pair element = random_document(random, depth - 1);
         list.ours.push_back(element.ours);
         list.theirs.push_back(element.theirs);
@@ -89,7 +91,7 @@ Pair random_document(Random& random, int depth) {
       break;
   }
   Pair object{Json::object(), Twin::object()};
-  for (std::size_t n = random() % 5; n > 0; --n) {
+  for (std::size_t n = below(random, 5); n > 0; --n) {
     const std::string key = random_text(random);
     const Pair value = random_document(random, depth - 1);
     object.ours[key] = value.ours;
@@ -182,8 +184,8 @@ TEST_CASE("damaged texts are refused with the library's words") {
   Random random(seed);
   for (int i = 0; i < 2000; ++i) {
     std::string text = random_document(random, 4).theirs.dump();
-    for (std::size_t n = 1 + random() % 3; n > 0; --n) {
-      const std::size_t at = random() % text.size();
+    for (std::size_t n = 1 + below(random, 3); n > 0; --n) {
+      const std::size_t at = below(random, text.size());
       if (random() % 2 == 0) {
         text[at] = static_cast<char>(random());
       } else if (text.size() > 1) {

@@ -92,7 +92,7 @@ class SslTwin {
 void check_against_twin(const StandingRun& run, const std::string& scene, std::uint64_t units) {
   SslTwin twin(firmware::load_scene(scene, {}));
   REQUIRE(run.traffic.commands.size() == 29);
-  for (std::uint64_t job = 0; job < 29; ++job) {
+  for (std::size_t job = 0; job < 29; ++job) {
     CAPTURE(job);
     const rt::SslCommand expected = twin.job(job, run.traffic, units);
     const rt::SslCommand& sent = run.traffic.commands[job];

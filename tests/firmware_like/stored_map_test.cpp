@@ -72,7 +72,7 @@ TEST_CASE("Cells come back from their text, and no text of the same cells is sho
   bool same = true;
   bool shortest = true;
   for (int trial = 0; trial < 200; ++trial) {
-    std::vector<CellState> cells(random() % 3000);
+    std::vector<CellState> cells(static_cast<std::size_t>(random() % 3000));
     CellState state = CellState::unknown;
     std::size_t runs = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "mapping/registration/cloud_registration.hpp"
+#include "mapping/registration/cloud_match.hpp"
 #include "rt/arena.hpp"
 #include "tests/mapping/air_ground_trials.hpp"
 
@@ -57,6 +57,47 @@ struct CloudRig {
   OwnedSight air{mapping::sight_config(mapping::CloudSensor::camera)};
   OwnedSight ground{mapping::sight_config(mapping::CloudSensor::laser)};
   std::unique_ptr<mapping::CloudRegistration> registration;
+};
+
+/// The same as the robots have it: planes from the clouds' cells, and grids of wider ones.
+struct CloudMatchRig {
+  /// `times`: how much wider the cells of both are than usual.
+  explicit CloudMatchRig(const mapping::CloudMatchConfig& with = {}, double times = 1.0)
+      : config(with),
+        air(usual(mapping::CloudSensor::camera, times)),
+        ground(usual(mapping::CloudSensor::laser, times)) {}
+  static mapping::SightConfig usual(mapping::CloudSensor sensor, double times) {
+    mapping::SightConfig sight = mapping::sight_config(sensor);
+    sight.cell_m *= times;
+    return sight;
+  }
+  void begin(const AirGroundScene& scene, const mapping::PlaneEstimate& estimate) {
+    air.fill(scene.air);
+    ground.fill(scene.ground);
+    const mapping::SensedCloud own{&air.layer, mapping::CloudSensor::camera};
+    const mapping::SensedCloud kept{&ground.layer, mapping::CloudSensor::laser};
+    match.reset();
+    if (memory.empty()) {
+      rt::Arena measured({});
+      (void)std::make_unique<mapping::CloudMatch>(config, own, kept, measured);
+      memory.resize(static_cast<std::size_t>(measured.needed_bytes()));
+    }
+    rt::Arena arena(memory);
+    match = std::make_unique<mapping::CloudMatch>(config, own, kept, arena);
+    match->begin(estimate);
+  }
+  const mapping::CloudResult& run(const AirGroundScene& scene, const mapping::PlaneEstimate& estimate) {
+    begin(scene, estimate);
+    std::uint64_t units = std::uint64_t{1} << 60;
+    (void)match->run(units);
+    return match->result();
+  }
+
+  mapping::CloudMatchConfig config;
+  OwnedSight air;
+  OwnedSight ground;
+  std::vector<std::byte> memory;
+  std::unique_ptr<mapping::CloudMatch> match;
 };
 
 /// The mirror image of a building, in the same place.
@@ -127,8 +168,8 @@ struct CloudRuns {
 };
 
 inline CloudRuns cloud_trials(int kind, bool known, std::uint32_t seed, std::uint32_t trials,
-                              const mapping::CloudRegistrationConfig& config = {}) {
-  CloudRig rig(config);
+                              const mapping::CloudMatchConfig& config = {}) {
+  CloudMatchRig rig(config);
   CloudRuns out;
   for (std::uint32_t i = 0; i < trials; ++i) {
     WorldRandom random(seed + i);

@@ -210,7 +210,7 @@ TEST_CASE("Stamps that repeat, run backwards or leap do not move a locator") {
                                  3 * kTick_ns,         -9 * kTick_ns,       0,
                                  1'000'000 * kTick_ns, 1'000'001 * kTick_ns};
   testing::OwnedLocator owned({});
-  std::uint64_t in = 0;
+  std::size_t in = 0;
   for (const std::int64_t stamp : stamps) {
     const mapping::Located l = locate(owned, drive.scans[in], stamp);
     INFO("scan " << in << ", verdict " << mapping::to_string(l.verdict));
@@ -236,10 +236,10 @@ TEST_CASE("Odometry beyond reach, or none at all in its numbers, leaves no trace
   odd[4].T_odom_sensor.p.z = inf;
   odd[5].T_odom_sensor.q = {0, 0, 0, 0};
   for (std::size_t i = 0; i < odd.size(); ++i) {
-    for (const std::uint64_t when : {1, 2}) {
+    for (const std::size_t when : {1, 2}) {
       INFO("hint " << i << " with scan " << when);
       testing::OwnedLocator owned({});
-      for (std::uint64_t in = 1; in <= 4; ++in) {
+      for (std::size_t in = 1; in <= 4; ++in) {
         mapping::OdometryHint hint{true, drive.poses[in]};
         hint.sigma_move_m = 0.2;
         if (in == when) hint = odd[i];
@@ -256,7 +256,7 @@ TEST_CASE("Odometry beyond reach, or none at all in its numbers, leaves no trace
   }
   // Ten thousand kilometres out: no cell has a number there. Nothing is matched, and nothing breaks.
   testing::OwnedLocator owned({});
-  for (std::uint64_t in = 1; in <= 3; ++in) {
+  for (std::size_t in = 1; in <= 3; ++in) {
     mapping::OdometryHint hint{true, drive.poses[in]};
     hint.T_odom_sensor.p.x += 1e7;
     const mapping::Located l = locate(owned, drive.scans[in], static_cast<std::int64_t>(in) * kTick_ns, hint);

@@ -15,7 +15,7 @@ inline std::vector<std::uint8_t> guide_bytes(UavGuide& guide) {
   rt::Archive measure = rt::Archive::measuring();
   guide.archive(measure);
   REQUIRE(measure.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(measure.bytes());
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
   rt::Archive write = rt::Archive::writing(bytes);
   guide.archive(write);
   REQUIRE(write.status() == Status::ok);

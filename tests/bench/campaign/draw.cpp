@@ -74,7 +74,7 @@ std::int64_t hostile_step(hil::Random& random, std::int64_t period_ns) {
 std::vector<CampaignOp> draw_sequence(const CampaignModule& module, std::uint64_t seed,
                                       std::uint64_t number) {
   hil::Random random(seed, number);
-  std::vector<CampaignOp> ops(1 + random.bits() % module.longest);
+  std::vector<CampaignOp> ops(1 + static_cast<std::size_t>(random.bits() % module.longest));
   // A quarter of the sequences is calm: else nothing would get far into the state.
   constexpr double kShares[4] = {0.0, 0.02, 0.1, 0.5};
   const double hostile = kShares[random.bits() % 4];

@@ -107,7 +107,7 @@ CampaignOutcome run_ray_trial(std::span<const CampaignOp> ops) {
   config.size[2] = 16;
   config.roll_cells = 4;
   config.max_range_m = 6.0;
-  std::vector<std::int8_t> cells(mapping::OccupancyMap::memory_bytes(config));
+  std::vector<std::int8_t> cells(static_cast<std::size_t>(mapping::OccupancyMap::memory_bytes(config)));
   mapping::OccupancyMap map(config, cells);
   planner::RaySchedulerConfig rays;
   rays.sensor.columns = 16;
@@ -117,7 +117,7 @@ CampaignOutcome run_ray_trial(std::span<const CampaignOp> ops) {
   rays.positions = 3;
   rays.map_cells = 32 * 32 * 16;
   rays.table_lines = !ops.empty() && ops[0].value[6] > 0.0 ? 0 : 64;  // a table that fills up
-  std::vector<std::byte> memory(planner::RayScheduler::memory_bytes(rays));
+  std::vector<std::byte> memory(static_cast<std::size_t>(planner::RayScheduler::memory_bytes(rays)));
   const auto scheduler = std::make_unique<planner::RayScheduler>(rays, memory);
   trial.need(map.usable() && scheduler->usable(), "the settings are not usable");
   for (const CampaignOp& op : ops) {
