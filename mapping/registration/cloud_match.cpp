@@ -19,8 +19,11 @@ PlaneGrowingMemory growing_memory(std::size_t cells, rt::Arena& arena) {
           arena.make_array<PlaneRegion>("plane regions", kRegions)};
 }
 
-SightConfig twice_as_wide(SightConfig config) {
+/// Of a layer for `grids`, which no point is put into; where there are none it has next to no memory.
+SightConfig twice_as_wide(SightConfig config, std::uint32_t grids) {
   config.cell_m *= 2.0;
+  config.points = 1;
+  if (grids == 0) config.cells = config.window_cells = config.window_cells_up = 1;
   return config;
 }
 
@@ -31,7 +34,7 @@ CloudMatch::CloudMatch(const CloudMatchConfig& config, const SensedCloud& own, c
     : config_(config),
       own_(own),
       kept_(kept),
-      wide_(twice_as_wide(finer().layer->config()), arena),
+      wide_(twice_as_wide(finer().layer->config(), config.grids), arena),
       memory_(growing_memory(std::max(own.layer->config().cells, kept.layer->config().cells), arena)),
       registration_(config.registration) {
   if (arena.refused() != 0) return;  // its memory is still being measured

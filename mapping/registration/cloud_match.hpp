@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "mapping/registration/cloud_registration.hpp"
 #include "mapping/registration/cloud_sensor.hpp"
@@ -43,6 +44,9 @@ class CloudMatch {
   /// Of the last that ended: of the grid that placed it, with the work of all; where none did, of the clouds'
   /// own cells.
   const CloudResult& result() const { return result_; }
+  /// What each grid that was asked made of it, the clouds' own cells first, in the clouds' own frames; work
+  /// is summed up. No part of the state.
+  std::span<const CloudResult> answers() const { return {found_, grid_ + 1}; }
   const PlaneSet& own_planes() const { return own_planes_; }
   const PlaneSet& kept_planes() const { return kept_planes_; }
 

@@ -136,6 +136,37 @@ TEST_CASE("A place that one grid alone believes in is none") {
   CHECK(alone >= 2);
 }
 
+TEST_CASE("Each grid answers in the clouds' own frames, whichever cloud is the finer one") {
+  constexpr std::uint32_t kSeed = 9620;
+  CAPTURE(kSeed);
+  mapping::CloudMatchConfig config = with_grids(8);
+  config.registration.least_on = 1'000'000;  // none is placed, so that all are asked
+  tests::CloudMatchRig rig(config);
+  for (const bool swapped : {false, true}) {
+    rig.swapped = swapped;
+    std::uint32_t right = 0, answers = 0;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      tests::WorldRandom random(kSeed + i);
+      tests::AirGroundScene scene = tests::cloud_scene(0, random);
+      mapping::PlaneEstimate estimate = tests::gps(scene.scene, true, 0.05, random);
+      rt::Vector3 middle = tests::middle_of(scene.scene.source);
+      if (swapped) {
+        middle = mapping::transform(scene.scene.truth, middle);
+        scene.scene.truth = mapping::inverse(scene.scene.truth);
+        estimate.T_target_source = mapping::inverse(estimate.T_target_source);
+      }
+      CHECK_FALSE(rig.run(scene, estimate).placed());
+      REQUIRE(rig.match->answers().size() == 9);
+      for (const mapping::CloudResult& answer : rig.match->answers()) {
+        ++answers;
+        if (mapping::same_place(answer.T_target_source, scene.scene.truth, middle, 0.1, 0.02)) ++right;
+      }
+    }
+    CAPTURE(swapped);
+    CHECK(right * 10 >= answers * 8);
+  }
+}
+
 TEST_CASE("Two grids that are a hand's breadth apart do not agree") {
   // A hall with too few faces in common: both put the cloud 10 to 25 cm beside its place, along one wall, and
   // the wider cells are sure of it.

@@ -74,8 +74,9 @@ struct CloudMatchRig {
   void begin(const AirGroundScene& scene, const mapping::PlaneEstimate& estimate) {
     air.fill(scene.air);
     ground.fill(scene.ground);
-    const mapping::SensedCloud own{&air.layer, mapping::CloudSensor::camera};
-    const mapping::SensedCloud kept{&ground.layer, mapping::CloudSensor::laser};
+    mapping::SensedCloud own{&air.layer, mapping::CloudSensor::camera};
+    mapping::SensedCloud kept{&ground.layer, mapping::CloudSensor::laser};
+    if (swapped) std::swap(own, kept);
     match.reset();
     if (memory.empty()) {
       rt::Arena measured({});
@@ -96,6 +97,7 @@ struct CloudMatchRig {
   mapping::CloudMatchConfig config;
   OwnedSight air;
   OwnedSight ground;
+  bool swapped{};  ///< the ground's is the own cloud, and the estimate is of it
   std::vector<std::byte> memory;
   std::unique_ptr<mapping::CloudMatch> match;
 };
