@@ -99,7 +99,7 @@ void measure_registration_clouds(const RegistrationSettings& settings, Report& r
       "Random buildings with five faces in common in three directions; position known to 3 m, yaw to 6 "
       "degrees. Cells: times the usual 0.6 m of the air's and 0.4 m of the ground's. Grids: of cells twice "
       "as wide that are asked as well, until two agree. Starts: places that planes lead to and that are "
-      "looked at. Placed: to 5 cm, 0.3 degrees and 0.5 % of scale.");
+      "looked at. Numbers in the picture: grids. Placed: to 5 cm, 0.3 degrees and 0.5 % of scale.");
 }
 
 }  // namespace sortie::bench
