@@ -147,6 +147,8 @@ void CloudMatch::end_match() {
     if (!same_place(found_[k].T_target_source, found.T_target_source, middle_m_,
                     config_.registration.most_sigma_m, 2.0 * config_.registration.most_sigma_rad))
       continue;
+    // Where cells of a hall say what is turned by half, they do on every grid: only planes know better.
+    if (!estimate_.has_yaw() && !(found_[k].placed() && found.placed())) continue;
     for (const CloudResult* one : {&found_[k], &found}) {
       if (one->placed() && (best == nullptr || one->sigma_m < best->sigma_m)) best = one;
     }

@@ -22,7 +22,8 @@ struct SensedCloud {
 /// Where a wall is cut by its cells decides which of them are flat, and so whether enough speaks for the
 /// right place. So the finer cloud (the kept one, where both are as fine) is asked again in cells twice as
 /// wide, on up to eight grids of them. A place counts when one grid places the cloud there and another has it
-/// as its best place, too, to `most_sigma_m` and twice `most_sigma_rad`; none is asked after that.
+/// as its best place, too, to `most_sigma_m` and twice `most_sigma_rad`; none is asked after that. Without a
+/// yaw two have to place it there.
 ///
 /// From begin() until the end of its run() the own cloud has to stay as it is; the kept one for ever. The
 /// result depends on both clouds and the estimate alone, not on how budgets cut the work. Memory: that of

@@ -167,6 +167,17 @@ TEST_CASE("Each grid answers in the clouds' own frames, whichever cloud is the f
   }
 }
 
+TEST_CASE(
+    "Without a yaw two grids have to place a cloud: one is none in a hall that looks the same from both "
+    "ends") {
+  // Turned by half the cells of all grids have it; on the fourth grid planes have it there, too.
+  tests::WorldRandom random(62183);
+  const tests::AirGroundScene scene = tests::cloud_scene(1, random);
+  tests::CloudMatchRig rig;
+  CHECK_FALSE(rig.run(scene, tests::gps(scene.scene, false, 0.05, random)).placed());
+  CHECK(rig.match->answers().size() == 4);
+}
+
 TEST_CASE("Two grids that are a hand's breadth apart do not agree") {
   // A hall with too few faces in common: both put the cloud 10 to 25 cm beside its place, along one wall, and
   // the wider cells are sure of it.
