@@ -105,7 +105,7 @@ TEST_CASE("Wider grids place more clouds, and none wrongly", "[heavy]") {
   CAPTURE(kSeed);
   std::uint32_t placed[2]{}, wrong[2]{};
   for (const std::uint32_t grids : {0u, 3u}) {
-    const tests::CloudRuns out = tests::cloud_trials(0, true, kSeed, 16, with_grids(grids));
+    const tests::CloudRuns out = tests::cloud_trials(0, true, kSeed, 10, with_grids(grids));
     placed[grids / 3] = out.placed();
     wrong[grids / 3] = out.wrong();
   }
@@ -114,12 +114,12 @@ TEST_CASE("Wider grids place more clouds, and none wrongly", "[heavy]") {
   CHECK(wrong[0] + wrong[1] == 0);
 }
 
-TEST_CASE("A place that one grid alone believes in is none") {
+TEST_CASE("A place that one grid alone believes in is none", "[heavy]") {
   constexpr std::uint32_t kSeed = 9600;
   CAPTURE(kSeed);
   tests::CloudMatchRig one(gullible(0)), several(gullible(2));
   std::uint32_t believed = 0, alone = 0;
-  for (std::uint32_t i = 0; i < 8; ++i) {
+  for (std::uint32_t i = 0; i < 6; ++i) {
     tests::WorldRandom random(kSeed + i);
     const tests::AirGroundScene scene = tests::cloud_scene(3, random);
     const mapping::PlaneEstimate estimate = tests::gps(scene.scene, true, 0.05, random);
@@ -136,7 +136,7 @@ TEST_CASE("A place that one grid alone believes in is none") {
   CHECK(alone >= 2);
 }
 
-TEST_CASE("Each grid answers in the clouds' own frames, whichever cloud is the finer one") {
+TEST_CASE("Each grid answers in the clouds' own frames, whichever cloud is the finer one", "[heavy]") {
   constexpr std::uint32_t kSeed = 9620;
   CAPTURE(kSeed);
   mapping::CloudMatchConfig config = with_grids(8);
@@ -169,7 +169,8 @@ TEST_CASE("Each grid answers in the clouds' own frames, whichever cloud is the f
 
 TEST_CASE(
     "Without a yaw two grids have to place a cloud: one is none in a hall that looks the same from both "
-    "ends") {
+    "ends",
+    "[heavy]") {
   // Turned by half the cells of all grids have it; on the fourth grid planes have it there, too.
   tests::WorldRandom random(62183);
   const tests::AirGroundScene scene = tests::cloud_scene(1, random);
@@ -178,7 +179,7 @@ TEST_CASE(
   CHECK(rig.match->answers().size() == 4);
 }
 
-TEST_CASE("Two grids that are a hand's breadth apart do not agree") {
+TEST_CASE("Two grids that are a hand's breadth apart do not agree", "[heavy]") {
   // A hall with too few faces in common: both put the cloud 10 to 25 cm beside its place, along one wall, and
   // the wider cells are sure of it.
   tests::WorldRandom random(610060);
