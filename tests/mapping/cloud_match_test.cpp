@@ -201,7 +201,8 @@ TEST_CASE("Two grids that are a hand's breadth apart do not agree", "[heavy]") {
   CHECK_FALSE(result.placed());
 }
 
-TEST_CASE("A match of clouds has the same bits whatever its budgets, keeps to them, and takes no heap") {
+TEST_CASE("A match of clouds has the same bits whatever its budgets, keeps to them, and takes no heap",
+          "[heavy]") {
   tests::WorldRandom random(9700);
   const tests::AirGroundScene scene = tests::cloud_scene(3, random);
   const mapping::PlaneEstimate estimate = tests::gps(scene.scene, true, 0.05, random);
