@@ -78,7 +78,7 @@ def place():
     return pose["pos[0]"], pose["pos[1]"]
 
 
-def moves(air, protocol, start, way, what, seconds=30):
+def moves(air, protocol, start, way, what, seconds=15):
     """Waits until it has come a bit further; `way`: 1 forwards, -1 backwards."""
     end_s = time.monotonic() + seconds
     while way * ((now := place())[0] - start[0]) < 0.05 and time.monotonic() < end_s:

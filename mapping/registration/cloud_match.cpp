@@ -105,7 +105,8 @@ void CloudMatch::make_cells() {
     set_cells(own_);
     return;
   }
-  // Grid after grid as different as may be: half a cell aside along each axis, then along one, two, one, ...
+  // Grid after grid as different as may be: not aside, half a cell along each axis, then along one, two, one,
+  // ...
   constexpr std::uint32_t kAside[CloudMatchConfig::kMostGrids] = {0, 7, 1, 6, 2, 5, 4, 3};
   const auto first = [k = kAside[grid_ - 1]](int axis) { return -static_cast<std::int32_t>(k >> axis & 1u); };
   moved_m_ = wide_.widen(*finer().layer, {first(0), first(1), first(2)});
@@ -143,7 +144,7 @@ void CloudMatch::end_match() {
   }
   const CloudResult* best = grid_ > 0 || config_.grids > 0 ? nullptr : &found;
   for (std::uint32_t k = 0; k < grid_; ++k) {
-    // Surer than they agree no two of them are.
+    // No place is known better than two grids agree on it.
     if (!same_place(found_[k].T_target_source, found.T_target_source, middle_m_,
                     config_.registration.most_sigma_m, 2.0 * config_.registration.most_sigma_rad))
       continue;

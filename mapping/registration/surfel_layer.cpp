@@ -155,18 +155,10 @@ Status SurfelLayer::put(const SurfelRecord& record) {
 }
 
 SurfelIndex SurfelLayer::add(const SurfelCell& cell, const SurfelSums& sums) {
-  SurfelIndex& place = memory_.window[entry(cell)];
-  if (place == kNoSurfel) {
-    if (free_ == 0) return kNoSurfel;
-    place = memory_.free[--free_];
-    memory_.keys[place] = cell.key();
-    memory_.sums[place] = {};
-    memory_.surfels[place] = {};
-    memory_.newest[place] = 0;
-  }
-  if (memory_.keys[place] != cell.key()) return kNoSurfel;
-  memory_.sums[place].add(sums);
-  return place;
+  const SurfelIndex index = find(cell);
+  if (index == kNoSurfel) return put({cell.key(), sums, {}}) == Status::ok ? find(cell) : kNoSurfel;
+  memory_.sums[index].add(sums);
+  return index;
 }
 
 void SurfelLayer::archive(rt::Archive& archive) {
