@@ -34,13 +34,13 @@ std::vector<CellState> unpack_cells(std::string_view text, std::size_t count) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t letter = kLetters.find(text[at]);
     if (letter == std::string_view::npos) fail(at, "must be u, f or b, with a number of cells behind it");
-    std::size_t run = 0;
+    std::uint64_t run = 0;
     const char* const end = text.data() + text.size();
     const auto [next, error] = std::from_chars(text.data() + at + 1, end, run);
     if (error != std::errc{} || run == 0) fail(at + 1, "must be a number of cells, from 1 on");
     if (run > count - cells.size())
       fail(at + 1, "more cells than the map's " + std::to_string(count) + "; was it made for another size?");
-    cells.insert(cells.end(), run, static_cast<CellState>(letter));
+    cells.insert(cells.end(), static_cast<std::size_t>(run), static_cast<CellState>(letter));
     at = static_cast<std::size_t>(next - text.data());
   }
   if (cells.size() != count) {

@@ -99,7 +99,8 @@ bool skipped() {
 }
 }  // namespace
 
-TEST_CASE("On four real trials the mean errors are within 0.46 and 3.0 deg, and no worse than the peer's") {
+TEST_CASE("On four real trials the mean errors are within 0.46 and 3.0 deg, and no worse than the peer's",
+          "[heavy]") {
   if (skipped()) return;
   Errors mean;
   Errors peer_mean;

@@ -25,7 +25,7 @@ BusCheck bus_of(const char* scene, const std::vector<std::string>& overrides,
 
 }  // namespace
 
-TEST_CASE("bus check: every scene's bus has room, and every frame its bound") {
+TEST_CASE("bus check: every scene's bus has room, and every frame its bound", "[heavy]") {
   for (const BuiltInScene& scene : built_in_scenes()) {
     CAPTURE(scene.name);
     const BusCheck bus = bus_of(scene.name, {});

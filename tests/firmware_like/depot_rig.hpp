@@ -84,4 +84,30 @@ inline std::vector<std::string> displaced(std::vector<std::string> more) {
   return more;
 }
 
+/// The cloud of a ground robot that drives through the depot.
+inline void keep_ground_cloud(const std::string& path) {
+  firmware::LiveRunOptions options = depot_options(165, {"tasks.map.enabled=true"});
+  options.scene = "ugv_depot";
+  static_cast<void>(write_cloud_of(run_depot(options), path));
+}
+
+/// A vehicle that starts in a frame of its own looks for its place on a cloud, and flies by its map to its
+/// goals and home. False: it was not placed.
+inline bool flies_by_cloud(const std::string& map, std::uint32_t seed) {
+  INFO("seed " << seed);
+  firmware::LiveRunOptions options = depot_options(300, displaced({"hil.seed=" + std::to_string(seed)}));
+  options.map = map;
+  const firmware::LiveRunOutcome run = run_depot(options);
+  const auto& counters = run.results.counters;
+  CHECK(counters.at("bench_collisions") == 0);
+  if (counters.at("join_placed") == 0) return false;
+  CHECK(counters.at("goals_reached") == 2);
+  CHECK(counters.at("bench_landed") == 1);
+  // Home, in the depot's frame, lies here in its own.
+  const rt::Quaternion back = rt::from_yaw_pitch_roll(-4.0 * rt::kDegInRad.kept, 0, 0);
+  const rt::Vector3 home = rt::rotate(back, rt::Vector3{-1.3, 0.7, 0});
+  CHECK(std::hypot(run.truth.back().p[0] - home.x, run.truth.back().p[1] - home.y) < 0.3);
+  return true;
+}
+
 }  // namespace sortie::testing

@@ -15,7 +15,7 @@ std::string refusal_of(const std::string& log, const firmware::ReplayOptions& op
 
 }  // namespace
 
-TEST_CASE("a run begins with the map of another, and its log replays with that map alone") {
+TEST_CASE("a run begins with the map of another, and its log replays with that map alone", "[heavy]") {
   const TempFolder folder;
   const std::string map = folder.file("hall.surfels");
   const std::string other = folder.file("other.surfels");

@@ -120,7 +120,7 @@ TEST_CASE("with two scans a job both are located, each by its own returns") {
   CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
 }
 
-TEST_CASE("a lidar's log without poses and without odometry gives a trajectory") {
+TEST_CASE("a lidar's log without poses and without odometry gives a trajectory", "[heavy]") {
   const TempFolder folder;
   const std::string log = folder.file("lidar.lcm");
   keep_lidar(located_hall().log, log);

@@ -228,7 +228,8 @@ double wall_after_a_turn(std::vector<std::string> overrides) {
 
 }  // namespace
 
-TEST_CASE("walls are at most 2 cm thick after sweeps that turned at 0.5 rad/s, with the right stamps alone") {
+TEST_CASE("walls are at most 2 cm thick after sweeps that turned at 0.5 rad/s, with the right stamps alone",
+          "[heavy]") {
   CHECK(wall_after_a_turn({}) <= 0.02);
   // A clock that is off by half a sweep is seen at once.
   CHECK(wall_after_a_turn({"lidar.time_offset_ms=50"}) > 0.06);

@@ -38,7 +38,8 @@ mapping::CloudMatchConfig gullible(std::uint32_t grids) {
 }
 }  // namespace
 
-TEST_CASE("Cells twice as wide are those that the points would have made, on each of the eight grids") {
+TEST_CASE("Cells twice as wide are those that the points would have made, on each of the eight grids",
+          "[heavy]") {
   constexpr std::uint32_t kSeed = 9300;
   CAPTURE(kSeed);
   tests::WorldRandom random(kSeed);

@@ -27,14 +27,15 @@ TEST_CASE("Halls that look the same from both ends, mirror images and other buil
   CAPTURE(kSeed);
   for (int kind = 1; kind <= 3; ++kind) {
     for (const bool known : {false, true}) {
-      const tests::CloudRuns out = tests::cloud_trials(kind, known, kSeed, 3);
+      const tests::CloudRuns out = tests::cloud_trials(kind, known, kSeed, 1);
       CAPTURE(kind, known, out.placed(), out.wrong());
       CHECK(out.wrong() == 0);
     }
   }
 }
 
-TEST_CASE("A registration of clouds has the same bits whatever its budgets, and spends no more than them") {
+TEST_CASE("A registration of clouds has the same bits whatever its budgets, and spends no more than them",
+          "[heavy]") {
   tests::WorldRandom random(9001);
   const tests::AirGroundScene scene = tests::cloud_scene(0, random);
   const mapping::PlaneEstimate estimate = tests::gps(scene.scene, true, 0.05, random);

@@ -3,11 +3,11 @@
 // and after many moves of the grid.
 #include "mapping/grid/normals.hpp"
 
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "mapping/grid/plane_batch.hpp"
 #include "tests/mapping/random_worlds.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace {
 using namespace sortie;
@@ -65,11 +65,11 @@ void judge_normals(const tests::SmoothMap& map, const std::vector<tests::TwinVox
     for (const Eigen::Vector3d& p : positions) mean += p / static_cast<double>(positions.size());
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (const Eigen::Vector3d& p : positions) covariance += (p - mean) * (p - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-    const Eigen::Vector3d l = solver.eigenvalues();
+    const testing::Eigen3 solver = testing::eigen_of(covariance);
+    const Eigen::Vector3d l = solver.values;
     if (!((l[1] - l[0]) / l[2] > 0.05)) continue;
     const Eigen::Vector3d normal = Eigen::Vector3d(n.normal[0], n.normal[1], n.normal[2]).normalized();
-    const double sine = normal.cross(solver.eigenvectors().col(0)).norm();
+    const double sine = normal.cross(solver.vectors.col(0)).norm();
     verdict.worst_deg = std::max(verdict.worst_deg, std::asin(std::min(1.0, sine)) * kDegrees);
     ++verdict.judged;
   }
@@ -135,7 +135,7 @@ TEST_CASE("Sums for normals are those of a batch, and smooth segments those of b
   CHECK(restated > 20);
 }
 
-TEST_CASE("Normals are as good 10 km out as at the origin, and the grid moves without a trace") {
+TEST_CASE("Normals are as good 10 km out as at the origin, and the grid moves without a trace", "[heavy]") {
   mapping::RollingGridConfig config;
   config.radius_m = 4;
   config.half_height_m = 2;
@@ -222,8 +222,8 @@ TEST_CASE("Planes solved together are those of a double solver, wherever two of 
     REQUIRE(batch.size() == planes);
     batch.solve();
     for (unsigned n = 0; n < planes; ++n) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(all[n]);
-      const Eigen::Vector3d l = solver.eigenvalues() / all[n].trace();
+      const testing::Eigen3 solver = testing::eigen_of(all[n]);
+      const Eigen::Vector3d l = solver.values / all[n].trace();
       const double off = std::fabs(static_cast<double>(batch.curvature(n)) - l[0]);
       worst_of_balls = std::max(worst_of_balls, off);
       if (!((l[1] - l[0]) / l[2] > 0.05)) continue;
@@ -232,8 +232,8 @@ TEST_CASE("Planes solved together are those of a double solver, wherever two of 
                                    static_cast<double>(batch.normal(1, n)),
                                    static_cast<double>(batch.normal(2, n)));
       CHECK(std::fabs(normal.norm() - 1) < 1e-6);
-      worst_deg = std::max(
-          worst_deg, kDegrees * std::asin(std::min(1.0, normal.cross(solver.eigenvectors().col(0)).norm())));
+      worst_deg = std::max(worst_deg,
+                           kDegrees * std::asin(std::min(1.0, normal.cross(solver.vectors.col(0)).norm())));
       ++judged;
     }
   }

@@ -129,7 +129,7 @@ TEST_CASE("A walk does not pass a slanted wall, which Bresenham's line does") {
   CHECK(leaks > 50);
 }
 
-TEST_CASE("The map agrees with a twin in double over random rays, saturation and rolling") {
+TEST_CASE("The map agrees with a twin in double over random rays, saturation and rolling", "[heavy]") {
   OccupancyConfig config = small_occupancy();
   config.max_range_m = 4.5;  // some rays are longer: they end in nothing
   std::vector<std::int8_t> cells(static_cast<std::size_t>(OccupancyMap::memory_bytes(config)));

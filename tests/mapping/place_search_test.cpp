@@ -171,28 +171,6 @@ TEST_CASE("The search of a place finds what looking at every pose finds", "[heav
   }
 }
 
-TEST_CASE("Almost all returns hit at the pose of the search that is next to the true one", "[heavy]") {
-  const std::uint32_t seed = std::random_device{}();
-  INFO("seed " << seed);
-  testing::Draws draws(seed);
-  testing::PlaceRig rig(testing::kHallMemory);
-  double sum = 0.0;
-  constexpr int kTrials = 20;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const testing::PlaceWorld world = testing::random_place_hall(draws);
-    rig.make_map(world, draws, 1.7);
-    const testing::LostRobot robot(world, draws);
-    rig.find(testing::place_scan(testing::random_lidar(draws), world, robot.pose.p, robot.pose.q, draws),
-             robot.q_level_sensor);
-    std::uint32_t hits = 0;
-    for (const PlaceCandidate& one : rig.part.search().found()) {
-      if (rt::norm(rig.part.map().position_m(one.cell) - robot.pose.p) < 1.0) hits = std::max(hits, one.hits);
-    }
-    sum += hits / (2.0 * static_cast<double>(rig.part.search().returns()));
-  }
-  CHECK(sum / kTrials > 0.9);
-}
-
 TEST_CASE("A search without a map or without returns is done at once and finds nothing") {
   testing::PlaceRig rig(kSmall);
   CHECK_FALSE(rig.part.take_map());

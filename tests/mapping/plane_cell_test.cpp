@@ -2,11 +2,11 @@
 // Sums of cells in whole numbers, beside Eigen's moments in double.
 #include "mapping/registration/plane_cell.hpp"
 
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
+#include "tests/mapping/twins/decompositions.hpp"
 #include "tests/mapping/world_random.hpp"
 
 using namespace sortie;
@@ -47,12 +47,12 @@ TEST_CASE("Sums of a plane are exact: adding, shifting and taking away leave not
       weight += w;
     }
     mean /= weight;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(product / weight - mean * mean.transpose());
+    const testing::Eigen3 eigen = testing::eigen_of(product / weight - mean * mean.transpose());
     const mapping::PlaneMoments m = mapping::moments_of(sums, 0.4);
     const Eigen::Vector3d n(m.normal.x, m.normal.y, m.normal.z);
-    CHECK(n.cross(eigen.eigenvectors().col(0)).norm() < 1e-4);
+    CHECK(n.cross(eigen.vectors.col(0)).norm() < 1e-4);
     CHECK(m.mean_m.x == Approx(mean.x() - 0.2).margin(5e-4));
-    CHECK(m.variance_m2[2] == Approx(eigen.eigenvalues()[2]).epsilon(1e-3));
+    CHECK(m.variance_m2[2] == Approx(eigen.values[2]).epsilon(1e-3));
     mapping::PlaneSums far = sums;
     far.shift(d);
     const mapping::PlaneMoments there = mapping::moments_of(far, 0.4);

@@ -2,12 +2,12 @@
 // The weighted fit of pairs of planes against Eigen's singular values, exact scenes, and its own covariance.
 #include "mapping/registration/plane_fit.hpp"
 
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <numeric>
 
 #include "mapping/registration/plane_algebra.hpp"
 #include "tests/mapping/plane_scenes.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace {
 using namespace sortie;
@@ -100,16 +100,16 @@ TEST_CASE("Translation is the pseudo-inverse's where singular values are good, t
       n.row(k) = eigen(p.target[i].normal).transpose() / sigma;
       d[k] = (p.target[i].offset_m - p.source[i].offset_m) / sigma;
     }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(n, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const testing::Singular svd = testing::singular_of(n);
     Eigen::Vector3d t = Eigen::Vector3d::Zero();
     int rank = 0;
     bool close = false;  // so near the threshold that rounding decides
     for (int i = 0; i < 3; ++i) {
-      const double sigma = svd.singularValues()[i];
-      const Eigen::Vector3d v = svd.matrixV().col(i);
+      const double sigma = svd.values[i];
+      const Eigen::Vector3d v = svd.v.col(i);
       close = close || std::fabs(1 / sigma - 0.05) < 1e-6;
       if (1 / sigma < 0.05) {
-        t += svd.matrixU().col(i).dot(d) / sigma * v;
+        t += svd.u.col(i).dot(d) / sigma * v;
         ++rank;
       } else {
         t += eigen(given).dot(v) * v;
@@ -154,7 +154,7 @@ TEST_CASE("Scale is the fourth column of the same system") {
       n.row(k) << eigen(p.target[i].normal).transpose() / sigma, p.source[i].offset_m / sigma;
       d[k] = p.target[i].offset_m / sigma;
     }
-    const Eigen::Vector4d x = n.jacobiSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).solve(d);
+    const Eigen::Vector4d x = testing::least_squares(n, d);
     CHECK(f.T_target_source.scale == Approx(x[3]).margin(1e-6));
     CHECK((eigen(f.T_target_source.p_target_source_m) - x.head<3>()).norm() < 1e-4);
   }
@@ -254,7 +254,7 @@ TEST_CASE("The covariance is that of the errors: NEES of 1,000 fits, with and wi
       for (int i = 0; i < dimension; ++i) {
         for (int k = 0; k < dimension; ++k) c(i, k) = f.covariance[i][k];
       }
-      sum += e.dot(c.ldlt().solve(e));
+      sum += e.dot(testing::solved(c, e));
     }
     const double nees = sum / kTrials / dimension;
     CAPTURE(scaled);

@@ -2,7 +2,6 @@
 // Points on the planes of a hall, and the cells that they make: what planes are grown from.
 #pragma once
 
-#include <Eigen/Dense>
 #include <array>
 #include <cmath>
 #include <map>
@@ -10,6 +9,7 @@
 
 #include "mapping/registration/plane_growing.hpp"
 #include "tests/mapping/plane_scenes.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace sortie::tests {
 
@@ -56,13 +56,13 @@ inline std::vector<mapping::PlaneCell> cells_of(const std::vector<Eigen::Vector3
   std::vector<mapping::PlaneCell> cells;
   for (const auto& [at, s] : sums) {
     const Eigen::Vector3d mean = s.sum / s.n;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(s.product / s.n - mean * mean.transpose());
+    const testing::Eigen3 eigen = testing::eigen_of(s.product / s.n - mean * mean.transpose());
     mapping::PlaneCell cell;
     for (int i = 0; i < 3; ++i) {
       cell.at[i] = at[static_cast<std::size_t>(i)];
       cell.mean_m[i] = static_cast<float>(mean[i]);
-      cell.normal[i] = static_cast<float>(eigen.eigenvectors()(i, 0));
-      cell.variance_m2[i] = static_cast<float>(std::max(0.0, eigen.eigenvalues()[i]));
+      cell.normal[i] = static_cast<float>(eigen.vectors(i, 0));
+      cell.variance_m2[i] = static_cast<float>(std::max(0.0, eigen.values[i]));
     }
     cell.count = static_cast<std::uint32_t>(s.n);
     cells.push_back(cell);

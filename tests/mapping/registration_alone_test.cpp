@@ -22,7 +22,7 @@ TEST_CASE("A lidar alone that moves up to 1.5 m from scan to scan is placed righ
   CHECK(placed > 0);
 }
 
-TEST_CASE("In a bare corridor a lidar alone does not seem to stand still") {
+TEST_CASE("In a bare corridor a lidar alone does not seem to stand still", "[heavy]") {
   using namespace sortie::testing;
   // Corridors in which rows that cross the edge of wall and ceiling looked like surfaces.
   for (const std::uint64_t seed : {7001, 7005, 7006}) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Eigenvalues and eigenvectors of 3x3 matrices against Eigen's own.
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "mapping/registration/symmetric_eigen.hpp"
 #include "tests/mapping/registration_world.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace {
 using namespace sortie;
@@ -13,11 +13,11 @@ using namespace sortie;
 void judge_eigen(const Eigen::Matrix3d& m, double within = 2e-14) {
   const mapping::SymmetricEigen found =
       mapping::symmetric_eigen({m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)});
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> twin(m);
-  const double scale = std::max(twin.eigenvalues().cwiseAbs().maxCoeff(), 1e-300);
+  const testing::Eigen3 twin = testing::eigen_of(m);
+  const double scale = std::max(twin.values.cwiseAbs().maxCoeff(), 1e-300);
   Eigen::Matrix3d v;
   for (int i = 0; i < 3; ++i) {
-    CHECK(std::fabs(found.value[i] - twin.eigenvalues()[i]) <= within * scale);
+    CHECK(std::fabs(found.value[i] - twin.values[i]) <= within * scale);
     if (i > 0) CHECK(found.value[i - 1] <= found.value[i]);
     for (int j = 0; j < 3; ++j) v(j, i) = found.vector[i][j];
     const double first = v(2, i) != 0.0 ? v(2, i) : v(1, i) != 0.0 ? v(1, i) : v(0, i);

@@ -81,7 +81,7 @@ TEST_CASE("Between posts that stand every 1.5 m a robot at 5 m/s does not seem t
   }
 }
 
-TEST_CASE("A lidar alone that turns and drives already at its first scan is followed") {
+TEST_CASE("A lidar alone that turns and drives already at its first scan is followed", "[heavy]") {
   for (const std::uint64_t seed : {3, 4, 5}) {
     Follower robot(seed);
     const testing::RegistrationWorld room = testing::small_room(robot.draws);

@@ -2,12 +2,12 @@
 // The locator: the same for any order of returns, and never at a loss for a word.
 #include "mapping/registration/locator.hpp"
 
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "rt/digest.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "tests/mapping/registration_rig.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace {
 using namespace sortie;
@@ -74,11 +74,11 @@ void check_located(const mapping::Located& l, std::uint64_t scans) {
     CHECK(rt::is_finite(pose.p));
     CHECK(std::fabs(rt::squared_norm(pose.q) - 1.0) < 1e-9);
   }
-  Eigen::Matrix<double, 6, 6> c;
+  testing::Matrix6 c;
   for (int i = 0; i < 36; ++i) c(i / 6, i % 6) = l.covariance[i];
   CHECK(c.allFinite());
   CHECK((c - c.transpose()).norm() <= 1e-6 * c.norm());
-  CHECK(Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(c).eigenvalues()[0] >= -1e-9 * c.norm());
+  CHECK(testing::eigenvalues_of(c)[0] >= -1e-9 * c.norm());
   CHECK(l.weak_moves <= 3);
   CHECK(l.weak_turns <= 3);
   for (std::uint32_t i = 0; i < l.weak_moves; ++i) CHECK(std::isfinite(l.weak_move[i].sigma));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Lidars of one row: x, y and yaw are matched, and what the plane leaves out stays what it was told to be.
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "mapping/registration/pose_algebra.hpp"
 #include "rt/digest.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "tests/mapping/registration_rig.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace {
 using namespace sortie;
@@ -95,7 +95,7 @@ double squared_deviations(const mapping::Located& l, const RigidPose& truth) {
   }
   const rt::Vector3 turned = rt::log_rotation(rt::conjugate(truth.q) * l.T_map_sensor.q);
   const Eigen::Vector3d off(l.T_map_sensor.p.x - truth.p.x, l.T_map_sensor.p.y - truth.p.y, turned.z);
-  return off.dot(c.ldlt().solve(off));
+  return off.dot(testing::solved3(c, off));
 }
 }  // namespace
 

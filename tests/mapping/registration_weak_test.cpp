@@ -2,27 +2,27 @@
 // Weak directions of shapes whose null spaces are known.
 #include "mapping/registration/weak_directions.hpp"
 
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "tests/mapping/registration_world.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace {
 using namespace sortie;
-using WeakVector6 = Eigen::Matrix<double, 6, 1>;
-using WeakMatrix6 = Eigen::Matrix<double, 6, 6>;
 using Eigen::Vector3d;
+using testing::Matrix6;
+using testing::Vector6;
 
 /// Points with their normals, as seen from the sensor, and the motions that slide the shape along itself:
 /// (turn, move) each.
 struct WeakShape {
   const char* name;
   std::vector<std::pair<Vector3d, Vector3d>> points;
-  std::vector<WeakVector6> free;
+  std::vector<Vector6> free;
 };
 
-WeakVector6 motion(const Vector3d& turn, const Vector3d& move) {
-  WeakVector6 z;
+Vector6 motion(const Vector3d& turn, const Vector3d& move) {
+  Vector6 z;
   z << turn, move;
   return z;
 }
@@ -31,7 +31,7 @@ Vector3d drawn_unit(testing::Draws& draws) {
   return {v.x, v.y, v.z};
 }
 /// A turn about an axis through a point other than the sensor.
-WeakVector6 turn_about(const Vector3d& axis, const Vector3d& at) { return motion(axis, -axis.cross(at)); }
+Vector6 turn_about(const Vector3d& axis, const Vector3d& at) { return motion(axis, -axis.cross(at)); }
 
 void add_plane(WeakShape& shape, testing::Draws& draws, const Vector3d& normal, double away) {
   const Vector3d a = normal.unitOrthogonal(), b = normal.cross(a);
@@ -83,12 +83,12 @@ struct Span {
 Span span_of(const std::vector<Vector3d>& vectors) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const Vector3d& v : vectors) sum += v * v.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sum);
+  const testing::Eigen3 eigen = testing::eigen_of(sum);
   Span span;
   for (int i = 0; i < 3; ++i) {
-    if (eigen.eigenvalues()[i] < 1e-6) continue;
+    if (eigen.values[i] < 1e-6) continue;
     ++span.rank;
-    span.onto += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose();
+    span.onto += eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
   }
   return span;
 }
@@ -96,17 +96,17 @@ Span span_of(const std::vector<Vector3d>& vectors) {
 /// Equations of points on a shape whose normals are off by an angle, rad.
 mapping::NormalEquations equations_of(const WeakShape& shape, double scale, double noise_rad,
                                       testing::Draws& draws) {
-  WeakMatrix6 h = WeakMatrix6::Zero(), noise = WeakMatrix6::Zero();
-  WeakVector6 g = WeakVector6::Zero();
+  Matrix6 h = Matrix6::Zero(), noise = Matrix6::Zero();
+  Vector6 g = Vector6::Zero();
   for (const auto& [p, exact] : shape.points) {
     const Vector3d a = exact.unitOrthogonal(), b = exact.cross(a);
     const Vector3d n = (exact + noise_rad * draws.normal() * a + noise_rad * draws.normal() * b).normalized();
     const double weight = scale * draws.uniform(0.2, 1);
-    const WeakVector6 j = motion(p.cross(n), n);
+    const Vector6 j = motion(p.cross(n), n);
     h += weight * j * j.transpose();
     g += weight * 0.03 * draws.normal() * j;
     for (const Vector3d& t : {a, b}) {
-      const WeakVector6 k = motion(p.cross(t), t);
+      const Vector6 k = motion(p.cross(t), t);
       noise += weight * noise_rad * noise_rad * k * k.transpose();
     }
   }
@@ -121,8 +121,8 @@ mapping::NormalEquations equations_of(const WeakShape& shape, double scale, doub
   return out;
 }
 
-WeakMatrix6 matrix_of(const double (&m)[6][6]) {
-  WeakMatrix6 out;
+Matrix6 matrix_of(const double (&m)[6][6]) {
+  Matrix6 out;
   for (int i = 0; i < 6; ++i) {
     for (int k = 0; k < 6; ++k) out(i, k) = m[i][k];
   }
@@ -135,7 +135,7 @@ void judge_weak(const WeakShape& shape, double scale, double noise_rad, testing:
   mapping::NormalEquations equations = equations_of(shape, scale, noise_rad, draws);
   const mapping::WeakDirections weak = mapping::weak_directions(equations, 4.0);
   std::vector<Vector3d> turns, moves, found_turns, found_moves;
-  for (const WeakVector6& z : shape.free) {
+  for (const Vector6& z : shape.free) {
     turns.push_back(z.head<3>());
     moves.push_back(z.tail<3>());
   }
@@ -149,16 +149,16 @@ void judge_weak(const WeakShape& shape, double scale, double noise_rad, testing:
   CHECK((span_of(turns).onto - span_of(found_turns).onto).norm() < within);
   CHECK((span_of(moves).onto - span_of(found_moves).onto).norm() < within);
 
-  const WeakMatrix6 before = matrix_of(equations.h);
-  const WeakVector6 g_before(equations.g);
+  const Matrix6 before = matrix_of(equations.h);
+  const Vector6 g_before(equations.g);
   const std::uint32_t rows = weak.moves + weak.turns;
   mapping::let_go(weak, equations);
-  const WeakMatrix6 h = matrix_of(equations.h);
-  const WeakVector6 g(equations.g);
+  const Matrix6 h = matrix_of(equations.h);
+  const Vector6 g(equations.g);
   // Some rows stand for the same motion: of noisy ones the last keep up to a hundredth of what they had.
   const bool apart = noise_rad == 0.0 || rows == shape.free.size();
   for (std::uint32_t row = 0; row < rows; ++row) {
-    const WeakVector6 z(weak.along[row]);
+    const Vector6 z(weak.along[row]);
     const double rounding = 1e-9 * before.norm() * z.squaredNorm();
     CHECK(std::fabs(z.dot(h * z)) <= (apart ? rounding : rounding + 0.01 * z.dot(before * z)));
     if (apart) {
@@ -172,9 +172,9 @@ void judge_weak(const WeakShape& shape, double scale, double noise_rad, testing:
     CHECK((h - before).norm() < 1e-9 * before.norm());
     CHECK((g - g_before).norm() < 1e-9 * std::max(g_before.norm(), before.norm() * 0.03));
   }
-  const Eigen::SelfAdjointEigenSolver<WeakMatrix6> eigen(h);
-  CHECK(eigen.eigenvalues()[0] > -1e-9 * before.norm());
-  CHECK(eigen.eigenvalues()[static_cast<Eigen::Index>(shape.free.size())] > 1e-4 * scale);
+  const Vector6 values = testing::eigenvalues_of(h);
+  CHECK(values[0] > -1e-9 * before.norm());
+  CHECK(values[static_cast<Eigen::Index>(shape.free.size())] > 1e-4 * scale);
 }
 }  // namespace
 
@@ -189,7 +189,7 @@ TEST_CASE("The weak directions of a shape are those that slide it along itself, 
           run == 0 ? Eigen::Matrix3d::Identity()
                    : Eigen::AngleAxisd(draws.uniform(-3, 3), drawn_unit(draws)).toRotationMatrix();
       for (auto& [p, n] : shape.points) p = r * p, n = r * n;
-      for (WeakVector6& z : shape.free) z = motion(r * z.head<3>(), r * z.tail<3>());
+      for (Vector6& z : shape.free) z = motion(r * z.head<3>(), r * z.tail<3>());
       judge_weak(shape, std::pow(10.0, draws.uniform(2, 7)), 0.0, draws);
       judge_weak(shape, std::pow(10.0, draws.uniform(2, 7)), 0.003, draws);
     }

@@ -4,6 +4,7 @@
 // long run tries a part of them.
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <random>
 
 #include "tests/mapping/place_trials.hpp"
 
@@ -75,4 +76,26 @@ TEST_CASE("On two storeys of 100 x 25 m almost all lost robots are placed") {
 TEST_CASE("With a third of the things moved some are still placed, and none wrongly") {
   const testing::PlaceTally tally = on_site(0.3);
   CHECK(tally.right > 0.3 * static_cast<double>(tally.units.size()));
+}
+
+TEST_CASE("Almost all returns hit at the pose of the search that is next to the true one") {
+  const std::uint32_t seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  testing::PlaceRig rig(testing::kHallMemory);
+  double sum = 0.0;
+  constexpr int kTrials = 20;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const testing::PlaceWorld world = testing::random_place_hall(draws);
+    rig.make_map(world, draws, 1.7);
+    const testing::LostRobot robot(world, draws);
+    rig.find(testing::place_scan(testing::random_lidar(draws), world, robot.pose.p, robot.pose.q, draws),
+             robot.q_level_sensor);
+    std::uint32_t hits = 0;
+    for (const mapping::PlaceCandidate& one : rig.part.search().found()) {
+      if (rt::norm(rig.part.map().position_m(one.cell) - robot.pose.p) < 1.0) hits = std::max(hits, one.hits);
+    }
+    sum += hits / (2.0 * static_cast<double>(rig.part.search().returns()));
+  }
+  CHECK(sum / kTrials > 0.9);
 }

@@ -41,7 +41,16 @@ std::uint32_t voxels_without_segment(const tests::EuclideanMap& map) {
 }
 }  // namespace
 
-TEST_CASE("Wherever a budget stops the segmenter, it comes to the partition of brute force") {
+TEST_CASE("Wherever a budget stops the segmenter, it comes to the partition of brute force: some worlds") {
+  const tests::SliceVerdict verdict = tests::sliced_worlds(500, 25, 400);
+  CHECK(verdict.fault == "");
+  CHECK(verdict.steps == 10000);
+  CHECK(verdict.full > 10);
+  CHECK(verdict.interrupted > 100);
+  CHECK(verdict.resumed > 20);
+}
+
+TEST_CASE("Wherever a budget stops the segmenter, it comes to the partition of brute force", "[heavy]") {
   const tests::SliceVerdict verdict = tests::sliced_worlds(0, 200, 400);
   CHECK(verdict.fault == "");
   CHECK(verdict.steps == 80000);

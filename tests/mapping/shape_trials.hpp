@@ -3,7 +3,6 @@
 // errors are those that its covariance says.
 #pragma once
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "mapping/registration/match_covariance.hpp"
 #include "mapping/registration/pose_algebra.hpp"
 #include "tests/mapping/registration_rig.hpp"
+#include "tests/mapping/twins/decompositions.hpp"
 
 namespace sortie::testing {
 
@@ -123,11 +123,11 @@ struct SpanOf {
   explicit SpanOf(const std::vector<Eigen::Vector3d>& vectors) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const Eigen::Vector3d& v : vectors) sum += v * v.transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sum);
+    const Eigen3 eigen = eigen_of(sum);
     for (int i = 0; i < 3; ++i) {
-      if (eigen.eigenvalues()[i] < 1e-9) continue;
+      if (eigen.values[i] < 1e-9) continue;
       ++rank;
-      onto += eigen.eigenvectors().col(i) * eigen.eigenvectors().col(i).transpose();
+      onto += eigen.vectors.col(i) * eigen.vectors.col(i).transpose();
     }
   }
   /// Of `units`: how many lie in this span to 10 degrees.
@@ -137,9 +137,9 @@ struct SpanOf {
     }));
   }
   std::vector<Eigen::Vector3d> basis() const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(onto);
+    const Eigen3 eigen = eigen_of(onto);
     std::vector<Eigen::Vector3d> out;
-    for (int i = 3 - rank; i < 3; ++i) out.emplace_back(eigen.eigenvectors().col(i));
+    for (int i = 3 - rank; i < 3; ++i) out.emplace_back(eigen.vectors.col(i));
     return out;
   }
 };
@@ -211,14 +211,14 @@ inline void try_shape(ShapeKind kind, std::uint64_t seed, ShapeTally& tally) {
     ++tally.refused;
     return;
   }
-  Eigen::Matrix<double, 6, 6> covariance;
+  Matrix6 covariance;
   for (int i = 0; i < 6; ++i) {
     for (int k = 0; k < 6; ++k) covariance(i, k) = c[i][k];
   }
-  Eigen::Matrix<double, 6, 1> error;
+  Vector6 error;
   error << as_eigen(rt::log_rotation(match.pose.q * rt::conjugate(truth.q))),
       as_eigen(match.pose.p - truth.p);
-  tally.nees += error.dot(covariance.ldlt().solve(error));
+  tally.nees += error.dot(solved6(covariance, error));
 }
 
 }  // namespace sortie::testing

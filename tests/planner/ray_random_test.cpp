@@ -11,7 +11,7 @@ using namespace sortie::tests;
 
 }  // namespace
 
-TEST_CASE("Random rays: plans, budgets and certificates beside literal greedy") {
+TEST_CASE("Random rays: plans, budgets and certificates beside literal greedy", "[heavy]") {
   constexpr std::uint64_t kFirst = 1;
   constexpr std::uint64_t kLast = 3001;
   const RandomTally tally = judge_random_rays(kFirst, kLast);
@@ -46,7 +46,8 @@ TEST_CASE("Rays: a small sensor keeps its budget") {
 
 // What is known at a cell's corner, as part of the seed, goes into the heap with its three new directions.
 // Rays go along the diagonal of the window, as long as they can be, and their paths are not kept.
-TEST_CASE("Rays: no step is dearer than the dearest where a cell is refined whose corner is known") {
+TEST_CASE("Rays: no step is dearer than the dearest where a cell is refined whose corner is known",
+          "[heavy]") {
   mapping::OccupancyConfig cube;
   for (std::int32_t& size : cube.size) size = 20;
   RayMap map(cube);

@@ -265,7 +265,7 @@ TEST_CASE("batches of the ring keep order and have no race in any interleaving",
   }
 }
 
-TEST_CASE("elements made and used in place keep order and have no race in any interleaving") {
+TEST_CASE("elements made and used in place keep order and have no race in any interleaving", "[model]") {
   SORTIE_SKIP_WITHOUT_FIBRES();
   const Result two = in_place<SpscRing<WideElement, 2, Modelled>>(3, 2, kNearWrap, false);
   const Result four = in_place<SpscRing<WideElement, 4, Modelled>>(3, 2, 0, false);
