@@ -38,15 +38,19 @@ CloudMatch::CloudMatch(const CloudMatchConfig& config, const SensedCloud& own, c
       memory_(growing_memory(std::max(own.layer->config().cells, kept.layer->config().cells), arena)),
       registration_(config.registration) {
   if (arena.refused() != 0) return;  // its memory is still being measured
-  kept_.layer->prepare();
-  set_cells(kept_);
+  const std::span<const SurfelIndex> cells = kept_.layer->begin_cells();
+  kept_.layer->make_cells(cells);
+  if (!own_is_finer()) finest_ = cells;  // it stays as it is
+  clear_planes(kept_);
+  kept_.layer->for_each_plane_cell(
+      cells, [this](const PlaneCell& cell) { static_cast<void>(growing_->set_cell(cell)); });
   std::uint64_t units = std::numeric_limits<std::uint64_t>::max();
   static_cast<void>(growing_->run(units));
   growing_->planes(kept_planes_);
 }
 
 // In the memory of the cloud before.
-void CloudMatch::set_cells(const SensedCloud& cloud) {
+void CloudMatch::clear_planes(const SensedCloud& cloud) {
   std::fill(memory_.cells.begin(), memory_.cells.end(), PlaneCellSlot{});
   std::fill(memory_.table.begin(), memory_.table.end(), 0u);
   std::fill(memory_.regions.begin(), memory_.regions.end(), PlaneRegion{});
@@ -54,9 +58,12 @@ void CloudMatch::set_cells(const SensedCloud& cloud) {
   config.cell_m = cloud.layer->cell_m();
   config.min_points = std::max(config.min_points, cloud.layer->config().min_points);
   growing_.emplace(config, memory_);
+}
+
+void CloudMatch::set_cells(std::span<const SurfelIndex> some) {
   // There is room for all, and a layer's cells are cells.
-  cloud.layer->for_each_plane_cell(
-      [this](const PlaneCell& cell) { static_cast<void>(growing_->set_cell(cell)); });
+  made().for_each_plane_cell(some,
+                             [this](const PlaneCell& cell) { static_cast<void>(growing_->set_cell(cell)); });
 }
 
 void CloudMatch::begin(const PlaneEstimate& estimate) {
@@ -64,7 +71,8 @@ void CloudMatch::begin(const PlaneEstimate& estimate) {
   credit_.clear();
   spent_ = 0;
   grid_ = 0;
-  stage_ = Stage::cells;
+  next_ = 0;
+  stage_ = Stage::sort;
 }
 
 bool CloudMatch::run(std::uint64_t& units) {
@@ -78,9 +86,34 @@ bool CloudMatch::run(std::uint64_t& units) {
 // False: the units are spent.
 bool CloudMatch::step(std::uint64_t& units) {
   switch (stage_) {
+    case Stage::clear:
+      if (!credit_.pay(kUnitsPerCleared * wide_.config().cells, units)) return false;
+      wide_.clear();
+      moved_m_ = widen({});
+      cells_ = finest_;
+      stage_ = Stage::widen;
+      return true;
+    case Stage::widen:
+      if (!pass(kUnitsPerWidened, units, [this](auto some) { static_cast<void>(widen(some)); })) return false;
+      stage_ = Stage::sort;
+      return true;
+    case Stage::sort:
+      if (!credit_.pay(kUnitsPerSorted * made().size(), units)) return false;
+      cells_ = made().begin_cells();
+      if (grid_ == 0 && own_is_finer()) finest_ = cells_;
+      stage_ = Stage::cells;
+      return true;
     case Stage::cells:
-      if (!credit_.pay(kUnitsPerCell * (grid_ == 0 ? own_ : finer()).layer->size(), units)) return false;
-      make_cells();
+      if (!pass(kUnitsPerCell, units, [this](auto some) { made().make_cells(some); })) return false;
+      stage_ = Stage::memory;
+      return true;
+    case Stage::memory:
+      if (!credit_.pay(kUnitsPerCleared * memory_.cells.size(), units)) return false;
+      clear_planes(grid_ == 0 ? own_ : SensedCloud{&wide_, finer().sensor});
+      stage_ = Stage::planes;
+      return true;
+    case Stage::planes:
+      if (!pass(kUnitsPerCell, units, [this](auto some) { set_cells(some); })) return false;
       stage_ = Stage::grow;
       return true;
     case Stage::grow:
@@ -99,18 +132,26 @@ bool CloudMatch::step(std::uint64_t& units) {
   return false;
 }
 
-void CloudMatch::make_cells() {
-  if (grid_ == 0) {
-    own_.layer->prepare();
-    set_cells(own_);
-    return;
+/// Gives `take` cells_, some at a time. False: the units are spent.
+template <class F>
+bool CloudMatch::pass(std::uint64_t cost, std::uint64_t& units, F&& take) {
+  constexpr std::size_t kSlice = 16;
+  while (next_ < cells_.size()) {
+    const std::size_t count = std::min(kSlice, cells_.size() - next_);
+    if (!credit_.pay(cost * count, units)) return false;
+    take(cells_.subspan(next_, count));
+    next_ += count;
   }
+  next_ = 0;
+  return true;
+}
+
+rt::Vector3 CloudMatch::widen(std::span<const SurfelIndex> some) {
   // Grid after grid as different as may be: not aside, half a cell along each axis, then along one, two, one,
   // ...
   constexpr std::uint32_t kAside[CloudMatchConfig::kMostGrids] = {0, 7, 1, 6, 2, 5, 4, 3};
   const auto first = [k = kAside[grid_ - 1]](int axis) { return -static_cast<std::int32_t>(k >> axis & 1u); };
-  moved_m_ = wide_.widen(*finer().layer, {first(0), first(1), first(2)});
-  set_cells({&wide_, finer().sensor});
+  return wide_.widen(*finer().layer, some, {first(0), first(1), first(2)});
 }
 
 /// Of the finer cloud's frame moved by moved_m_ `times`.
@@ -158,7 +199,7 @@ void CloudMatch::end_match() {
   const bool ends = best != nullptr || grid_ == config_.grids || found_[0].verdict == CloudVerdict::none;
   if (!ends) {
     ++grid_;
-    stage_ = Stage::cells;
+    stage_ = Stage::clear;
     return;
   }
   stage_ = Stage::idle;
@@ -182,7 +223,7 @@ void CloudMatch::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "cloud match")
       .fixed(config_, own_, kept_, memory_, kept_planes_)
       .scratch(wide_, growing_, registration_, own_planes_, wide_planes_, credit_, grid_, moved_m_, middle_m_,
-               found_)
+               finest_, cells_, next_, found_)
       .by_hand(stage_)
       .state(estimate_, spent_, result_);
   bool working = works();

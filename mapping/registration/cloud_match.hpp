@@ -38,7 +38,8 @@ class CloudMatch {
   /// Starts anew. `estimate`: T_kept_own as it is known.
   void begin(const PlaneEstimate& estimate);
   /// Works on for at most `units` (of about 5 ns), and takes what it used off. True when there is nothing
-  /// left to do. The longest step is paid by what budgets left: making a cloud's cells, up to 300 units each.
+  /// left to do. The longest step is paid by what budgets left: a sort of a cloud's cells, or clearing their
+  /// memory, up to 20 units (0.1 us) a cell that there is, or is room for.
   bool run(std::uint64_t& units);
   bool works() const { return stage_ != Stage::idle; }
 
@@ -55,15 +56,22 @@ class CloudMatch {
   void archive(rt::Archive& archive);
 
  private:
-  enum class Stage : std::uint8_t { idle, cells, grow, match };
+  enum class Stage : std::uint8_t { idle, clear, widen, sort, cells, memory, planes, grow, match };
   static constexpr std::uint32_t kMostAsked = 1 + CloudMatchConfig::kMostGrids;
-  static constexpr std::uint64_t kUnitsPerCell = 300;
+  static constexpr std::uint64_t kUnitsPerSorted = 20;   ///< of a sort, a cell
+  static constexpr std::uint64_t kUnitsPerCleared = 10;  ///< a cell that there is room for
+  static constexpr std::uint64_t kUnitsPerWidened = 50;
+  static constexpr std::uint64_t kUnitsPerCell = 120;     ///< of each of two passes
   static constexpr std::uint64_t kUnitsPerGrowing = 100;  ///< half a microsecond
 
-  void set_cells(const SensedCloud& cloud);
+  void clear_planes(const SensedCloud& cloud);
+  void set_cells(std::span<const SurfelIndex> some);
   bool own_is_finer() const { return own_.layer->cell_m() < kept_.layer->cell_m(); }
   const SensedCloud& finer() const { return own_is_finer() ? own_ : kept_; }
-  void make_cells();
+  SightLayer& made() { return grid_ == 0 ? *own_.layer : wide_; }
+  template <class F>
+  bool pass(std::uint64_t cost, std::uint64_t& units, F&& take);
+  rt::Vector3 widen(std::span<const SurfelIndex> some);
   bool begin_match();
   void end_match();
   PlanePose moved(const PlanePose& pose, double times) const;
@@ -83,10 +91,13 @@ class CloudMatch {
   Stage stage_{Stage::idle};
   UnitCredit credit_;
   PlaneEstimate estimate_;
-  std::uint64_t spent_{};  ///< since begin()
-  std::uint32_t grid_{};   ///< that is asked; 0: both clouds' own
-  rt::Vector3 moved_m_;    ///< from the finer cloud's frame to that of wide_
-  rt::Vector3 middle_m_;   ///< of the own cloud
+  std::uint64_t spent_{};                ///< since begin()
+  std::uint32_t grid_{};                 ///< that is asked; 0: both clouds' own
+  std::span<const SurfelIndex> finest_;  ///< cells of the finer cloud, by key
+  std::span<const SurfelIndex> cells_;   ///< that a pass takes
+  std::size_t next_{};                   ///< of them
+  rt::Vector3 moved_m_;                  ///< from the finer cloud's frame to that of wide_
+  rt::Vector3 middle_m_;                 ///< of the own cloud
   CloudResult found_[kMostAsked];
   CloudResult result_;
 };

@@ -55,10 +55,10 @@ Status SightLayer::insert(std::span<const rt::Vector3> points_m, const rt::Vecto
   return Status::ok;
 }
 
-rt::Vector3 SightLayer::widen(const SightLayer& fine, const std::int32_t (&first)[3]) {
-  clear();
+rt::Vector3 SightLayer::widen(const SightLayer& fine, std::span<const SurfelIndex> some,
+                              const std::int32_t (&first)[3]) {
   const rt::Vector3 moved = -fine.cell_m() * rt::Vector3{1.0 * first[0], 1.0 * first[1], 1.0 * first[2]};
-  for (const SurfelIndex index : fine.by_key()) {
+  for (const SurfelIndex index : some) {
     const SurfelRecord record = fine.layer_.record(index);
     SurfelCell cell = SurfelCell::from_key(record.key);
     bool upper[3];
@@ -70,13 +70,16 @@ rt::Vector3 SightLayer::widen(const SightLayer& fine, const std::int32_t (&first
     const SurfelIndex surfel = layer_.add(cell, widened(record.sums, upper));
     if (surfel != kNoSurfel) from_[surfel] = fine.from_[index] + moved;
   }
-  prepare();
   return moved;
 }
 
-void SightLayer::prepare() {
+std::span<const SurfelIndex> SightLayer::begin_cells() {
   count_ = 0;
-  for (const SurfelIndex index : layer_.by_key()) {
+  return layer_.by_key();
+}
+
+void SightLayer::make_cells(std::span<const SurfelIndex> some) {
+  for (const SurfelIndex index : some) {
     flat_of_[index] = kNotFlat;
     const SurfelRecord record = layer_.record(index);
     if (record.sums.count < config_.min_points) continue;

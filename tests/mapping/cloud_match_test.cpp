@@ -54,7 +54,9 @@ TEST_CASE("Cells twice as wide are those that the points would have made, on eac
   REQUIRE_FALSE(fine.full);
   for (std::int32_t grid = 0; grid < 8; ++grid) {
     const std::int32_t first[3] = {-(grid & 1), -(grid >> 1 & 1), -(grid >> 2 & 1)};
-    const rt::Vector3 by = wide.layer.widen(fine.layer, first);
+    wide.layer.clear();
+    const rt::Vector3 by = wide.layer.widen(fine.layer, fine.layer.by_key(), first);
+    wide.layer.prepare();
     CHECK(rt::norm(by - rt::Vector3{-0.4 * first[0], -0.4 * first[1], -0.4 * first[2]}) < 1e-12);
     twin.fill(moved(cloud, by));
     CAPTURE(grid);
