@@ -38,8 +38,8 @@ class CloudMatch {
   /// Starts anew. `estimate`: T_kept_own as it is known.
   void begin(const PlaneEstimate& estimate);
   /// Works on for at most `units` (of about 5 ns), and takes what it used off. True when there is nothing
-  /// left to do. The longest step is paid by what budgets left: a sort of a cloud's cells, or clearing their
-  /// memory, up to 20 units (0.1 us) a cell that there is, or is room for.
+  /// left to do. A step is paid before, by what budgets left, too: sixteen cells, one of CloudRegistration's,
+  /// a sort of a cloud's cells (20 units each), or clearing what there is room for (10 units a cell).
   bool run(std::uint64_t& units);
   bool works() const { return stage_ != Stage::idle; }
 
