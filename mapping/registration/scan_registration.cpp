@@ -36,13 +36,7 @@ SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level,
   const unsigned bits_z = bits_of(memory.window_cells_up) - shift;
   // A quarter is flat, the rest is small.
   const std::uint32_t count = std::max(memory.surfels >> shift, kFewestSurfels);
-  const SurfelLayerMemory arrays{
-      arena.make_array<SurfelIndex>(kNames[level], std::size_t{1} << (2 * bits_xy + bits_z)),
-      arena.make_array<std::uint64_t>(kNames[level], count),
-      arena.make_array<SurfelSums>(kNames[level], count),
-      arena.make_array<Surfel>(kNames[level], count),
-      arena.make_array<SurfelIndex>(kNames[level], count),
-      arena.make_array<std::uint32_t>(kNames[level], count)};
+  const SurfelLayerMemory arrays = surfel_memory(arena, kNames[level], kNames[level], bits_xy, bits_z, count);
   return {config_.cell_m * (1 << level), bits_xy, bits_z,        config_.min_points,
           config_.memory_points,         arrays,  config_.planar};
 }

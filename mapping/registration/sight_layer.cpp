@@ -24,13 +24,8 @@ rt::Vector3 turned_to(const rt::Vector3& normal, const rt::Vector3& away) {
 SurfelLayer SightLayer::make_layer(const SightConfig& config, rt::Arena& arena) {
   const unsigned bits_xy = window_bits(config.window_cells);
   const unsigned bits_z = window_bits(config.window_cells_up);
-  const SurfelLayerMemory arrays{
-      arena.make_array<SurfelIndex>("sight_window", std::size_t{1} << (2 * bits_xy + bits_z)),
-      arena.make_array<std::uint64_t>("sight_surfels", config.cells),
-      arena.make_array<SurfelSums>("sight_surfels", config.cells),
-      arena.make_array<Surfel>("sight_surfels", config.cells),
-      arena.make_array<SurfelIndex>("sight_surfels", config.cells),
-      arena.make_array<std::uint32_t>("sight_surfels", config.cells)};
+  const SurfelLayerMemory arrays =
+      surfel_memory(arena, "sight_window", "sight_surfels", bits_xy, bits_z, config.cells);
   return {config.cell_m, bits_xy, bits_z, config.min_points, kMemoryPoints, arrays};
 }
 

@@ -5,6 +5,16 @@
 
 namespace sortie::mapping {
 
+SurfelLayerMemory surfel_memory(rt::Arena& arena, const char* window, const char* name, unsigned bits_xy,
+                                unsigned bits_z, std::size_t surfels) {
+  return {arena.make_array<SurfelIndex>(window, std::size_t{1} << (2 * bits_xy + bits_z)),
+          arena.make_array<std::uint64_t>(name, surfels),
+          arena.make_array<SurfelSums>(name, surfels),
+          arena.make_array<Surfel>(name, surfels),
+          arena.make_array<SurfelIndex>(name, surfels),
+          arena.make_array<std::uint32_t>(name, surfels)};
+}
+
 SurfelLayer::SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
                          std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar)
     : cell_m_(cell_m),

@@ -7,6 +7,7 @@
 
 #include "mapping/registration/surfel_record.hpp"
 #include "rt/archive.hpp"
+#include "rt/arena.hpp"
 #include "rt/describe.hpp"
 #include "rt/rotation.hpp"
 #include "rt/status.hpp"
@@ -49,6 +50,9 @@ struct SurfelLayerMemory {
   std::span<SurfelIndex> free;
   std::span<std::uint32_t> newest;  ///< number of the scan that touched it last
 };
+/// Arrays of an arena for `surfels` of them, reported under these names.
+SurfelLayerMemory surfel_memory(rt::Arena& arena, const char* window, const char* name, unsigned bits_xy,
+                                unsigned bits_z, std::size_t surfels);
 
 /// What became of the points. in = used + all others; the last two count surfels.
 struct SurfelLayerCounts {
