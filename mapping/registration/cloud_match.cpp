@@ -113,7 +113,7 @@ bool CloudMatch::step(std::uint64_t& units) {
       stage_ = Stage::planes;
       return true;
     case Stage::planes:
-      if (!pass(kUnitsPerCell, units, [this](auto some) { set_cells(some); })) return false;
+      if (!pass(kUnitsPerPlaneCell, units, [this](auto some) { set_cells(some); })) return false;
       stage_ = Stage::grow;
       return true;
     case Stage::grow:

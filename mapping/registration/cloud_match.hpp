@@ -39,7 +39,7 @@ class CloudMatch {
   void begin(const PlaneEstimate& estimate);
   /// Works on for at most `units` (of about 5 ns), and takes what it used off. True when there is nothing
   /// left to do. A step is paid before, by what budgets left, too: sixteen cells, one of CloudRegistration's,
-  /// a sort of a cloud's cells (20 units each), or clearing what there is room for (10 units a cell).
+  /// a sort of a cloud's cells (10 units each), or clearing what there is room for (5 units a cell).
   bool run(std::uint64_t& units);
   bool works() const { return stage_ != Stage::idle; }
 
@@ -58,10 +58,11 @@ class CloudMatch {
  private:
   enum class Stage : std::uint8_t { idle, clear, widen, sort, cells, memory, planes, grow, match };
   static constexpr std::uint32_t kMostAsked = 1 + CloudMatchConfig::kMostGrids;
-  static constexpr std::uint64_t kUnitsPerSorted = 20;   ///< of a sort, a cell
-  static constexpr std::uint64_t kUnitsPerCleared = 10;  ///< a cell that there is room for
-  static constexpr std::uint64_t kUnitsPerWidened = 50;
-  static constexpr std::uint64_t kUnitsPerCell = 120;     ///< of each of two passes
+  static constexpr std::uint64_t kUnitsPerCleared = 5;  ///< a cell that there is room for; then a cell:
+  static constexpr std::uint64_t kUnitsPerWidened = 25;
+  static constexpr std::uint64_t kUnitsPerSorted = 10;
+  static constexpr std::uint64_t kUnitsPerCell = 110;
+  static constexpr std::uint64_t kUnitsPerPlaneCell = 200;
   static constexpr std::uint64_t kUnitsPerGrowing = 100;  ///< half a microsecond
 
   void clear_planes(const SensedCloud& cloud);

@@ -74,7 +74,7 @@ class SightLayer {
   /// Adds cells of another cloud, whose edge is half of this one's; after a clear(), by rising key. Each
   /// takes eight of the other's, from `first` of them on along each axis, -1 or 0: eight grids in all. What
   /// there is no room for is left out. Returns what is added to a place of the other's frame to get to this
-  /// one's. A look-up a cell, 0.2 us.
+  /// one's. A look-up a cell, 0.1 us.
   rt::Vector3 widen(const SightLayer& fine, std::span<const SurfelIndex> some,
                     const std::int32_t (&first)[3]);
   /// Makes cells() of all points so far: a sort and a pass over all cells.

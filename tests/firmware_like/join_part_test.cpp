@@ -126,7 +126,7 @@ TEST_CASE("A vehicle finds its place on a ground robot's cloud from another fram
   const TempFolder folder;
   const std::string map = folder.file("depot.cloud");
   keep_ground_cloud(map);
-  CHECK(flies_by_cloud(map, 13));  // of others it is refused: join_flights_long_test.cpp
+  CHECK(flies_by_cloud(map, 13));  // two of its neighbours are refused: join_flights_long_test.cpp
 }
 
 }  // namespace sortie::testing

@@ -107,7 +107,7 @@ Alike goes_on_alike(std::uint32_t seed, std::uint32_t nodes, std::uint32_t units
 
 TEST_CASE("A local map goes on from stored bytes with the same ids, events, work and next bytes") {
   const std::uint32_t seed = std::random_device{}();
-  for (std::uint32_t i = 0; i < 6; ++i) {
+  for (std::uint32_t i = 0; i < 12; ++i) {
     INFO("seed " << seed + i);
     // Two maps at each tick after the one at which they took the state over, the ninth at the latest.
     CHECK(goes_on_alike<tests::EuclideanMap>(seed + i, 2048, 0).states >= 2 * 14);

@@ -11,6 +11,7 @@ namespace sortie::testing {
 struct PlaceTally {
   int right{}, wrong{}, ambiguous{}, nothing{}, few{};
   std::vector<double> units;
+  std::vector<rt::Vector3> wrong_m;  ///< on a site: by how much those that are wrong are off
 
   void add(const mapping::Relocated& found, bool is_right) {
     using mapping::RelocateVerdict;
@@ -116,7 +117,10 @@ inline PlaceTally lost_on_site(PlaceRig& rig, std::uint64_t seed, int trials, do
     LostRobot robot(now, draws);
     const auto scan = scan_where_known(rig, now, draws, share_moved > 0.0 ? 0.8 : 0.9, robot);
     const mapping::Relocated& found = rig.find(scan, robot.q_level_sensor);
-    tally.add(found, robot.is_right(found.T_map_sensor));
+    const bool right = robot.is_right(found.T_map_sensor);
+    tally.add(found, right);
+    if (found.verdict == mapping::RelocateVerdict::placed && !right)
+      tally.wrong_m.push_back(found.T_map_sensor.p - robot.pose.p);
   }
   return tally;
 }

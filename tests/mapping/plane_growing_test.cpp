@@ -107,7 +107,7 @@ TEST_CASE(
 TEST_CASE("Cells in any order, and work in pieces, give the same bits") {
   constexpr std::uint32_t kSeed = 41;
   CAPTURE(kSeed);
-  for (std::uint32_t i = 0; i < 2; ++i) {
+  for (std::uint32_t i = 0; i < 5; ++i) {
     tests::WorldRandom random(kSeed + i);
     const tests::HallMaker hall = some_hall(random);
     std::vector<mapping::PlaneCell> cells = some_cells(hall, random);

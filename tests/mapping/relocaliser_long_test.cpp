@@ -37,6 +37,8 @@ testing::PlaceTally on_site(double share_moved) {
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
                 << tally.nothing << " few " << tally.few << "; units median " << tally.units_at(0.5)
                 << " p95 " << tally.units_at(0.95) << " most " << tally.units.back());
+  for (const rt::Vector3& off : tally.wrong_m)
+    WARN("off by " << off.x << ", " << off.y << ", " << off.z << " m");
   CHECK(tally.wrong == 0);
   return tally;
 }

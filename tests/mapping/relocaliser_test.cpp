@@ -31,7 +31,7 @@ std::uint64_t digest(const mapping::Relocated& found) { return rt::digest_of(fou
 
 TEST_CASE("A robot is found in a hall that it has a map of", "[heavy]") {
   int right = 0;
-  constexpr int kTrials = 5;
+  constexpr int kTrials = 10;
   for (int trial = 0; trial < kTrials; ++trial) {
     CAPTURE(trial);
     LostInHall lost(100 + static_cast<std::uint64_t>(trial));
@@ -42,11 +42,11 @@ TEST_CASE("A robot is found in a hall that it has a map of", "[heavy]") {
     CHECK(found.counts.placed == 1);
     ++right;
   }
-  CHECK(right >= kTrials - 1);  // halls that look nearly the same from both ends are refused
+  CHECK(right >= kTrials - 3);  // halls that look nearly the same from both ends are refused
 }
 
 TEST_CASE("In a hall that looks the same from both ends a robot is not placed", "[heavy]") {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     testing::Draws draws(seed);
     const testing::PlaceWorld world = testing::symmetric(testing::random_place_hall(draws));
@@ -59,7 +59,7 @@ TEST_CASE("In a hall that looks the same from both ends a robot is not placed", 
 }
 
 TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another building", "[heavy]") {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     LostInHall lost(seed);
     testing::Draws draws(seed + 1000);
