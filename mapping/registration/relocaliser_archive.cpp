@@ -9,12 +9,14 @@ void Relocaliser::archive(rt::Archive& archive) {
   // has grown is no kept map.
   rt::Members(archive, *this, "relocaliser")
       .fixed(config_, registration_, map_)
-      .scratch(bits_)
+      .scratch(bits_, cubes_, weights_, weight_)
       .by_hand(search_, sample_)
-      .state(size_, q_level_sensor_, step_, at_, count_, places_, credit_, result_);
+      .state(size_, q_level_sensor_, step_, at_, count_, places_, level_, free_, explained_free_, heights_,
+             credit_, result_);
   if (archive.is_reading()) {
     bool fits = step_ <= Step::verdict && size_ <= sample_.size() &&
-                count_ <= PlaceSearchConfig::kMostCandidates && at_ <= count_ &&
+                count_ <= PlaceSearchConfig::kMostCandidates &&
+                at_ <= (step_ == Step::heights ? kHeights + 1 : count_) &&
                 result_.verdict <= RelocateVerdict::few_returns;
     for (const Place& place : places_) fits = fits && place.slot < PlaceSearchConfig::kMostCandidates;
     if (!fits) {
@@ -24,6 +26,8 @@ void Relocaliser::archive(rt::Archive& archive) {
     }
     check_pose(archive, {{}, q_level_sensor_});
     for (const Place& place : places_) check_pose(archive, place.pose);
+    check_pose(archive, level_);
+    check_pose(archive, free_);
     if (step_ != Step::idle && !take_map()) archive.fail(Status::malformed, "a search without a map");
   }
   if (step_ == Step::idle) return;
@@ -34,7 +38,11 @@ void Relocaliser::archive(rt::Archive& archive) {
     archive.value(point.z_m);
   }
   if (!archive.is_reading()) return;
+  weigh_returns();
   for (Place& place : std::span<Place>{places_}.first(step_ == Step::tries ? at_ : count_)) explain(place);
+  if (step_ == Step::tries) return;
+  for (Place& place : std::span<Place>{places_}.first(step_ == Step::retries ? at_ : count_))
+    look_along_rays(place);
 }
 
 }  // namespace sortie::mapping

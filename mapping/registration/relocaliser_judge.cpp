@@ -4,14 +4,15 @@
 #include <bit>
 
 #include "mapping/registration/match_covariance.hpp"
+#include "mapping/registration/place_rays.hpp"
 #include "mapping/registration/relocaliser.hpp"
 
 namespace sortie::mapping {
 namespace {
-constexpr std::uint32_t kJudgeRays = 256;
-constexpr std::uint32_t kJudgeRaySteps = 96;
-constexpr double kMostMove = 0.02;  ///< m and rad, standard deviations: of a place that is held
+constexpr double kMostMove = 0.015;  ///< m and rad, standard deviations: of a place that is held
 constexpr double kMostTurn = 0.006;
+constexpr double kHeightSigma = 0.03;  ///< m: of the heights that are tried
+constexpr double kMostHeight = 0.05;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
 
 /// Whether a point of the map's frame lies on the surface of its cell; `known`: there is one.
@@ -38,8 +39,8 @@ void Relocaliser::explain(Place& place) {
   const double sigma_m = registration_->config().sigma_m;
   std::uint64_t* const explained = explained_bits(place);
   std::uint64_t* const known = known_bits(place);
-  std::fill_n(explained, 2 * words(), std::uint64_t{0});
-  place.explained = place.seen = 0;
+  std::fill_n(explained, 3 * words(), std::uint64_t{0});
+  place.explained = place.seen = place.through = 0;
   const rt::RotationMatrix r = rt::to_matrix(place.pose.q);
   for (std::uint32_t i = 0; i < size_; ++i) {
     const rt::Vector3 p = r * sample_[i].at() + place.pose.p;
@@ -53,44 +54,103 @@ void Relocaliser::explain(Place& place) {
     explained[i / 64] |= bit;
     ++place.explained;
   }
-  place.through = rays_through_surfaces(fine, sample(), place.pose, kJudgeRays, kJudgeRaySteps);
 }
 
+/// After explain(): one ray in two for what it went through, each return that is not explained for what lies
+/// behind it.
+void Relocaliser::look_along_rays(Place& place) {
+  const SurfelLayer& fine = registration_->layer(0);
+  const std::uint64_t* const explained = explained_bits(place);
+  std::uint64_t* const known = known_bits(place);
+  std::uint64_t* const crossed = crossed_bits(place);
+  for (std::uint32_t i = 0; i < size_; ++i) {
+    const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+    const rt::Vector3 at = sample_[i].at();
+    if (((explained[i / 64] | known[i / 64]) & bit) == 0 && is_before_surface(fine, place.pose, at))
+      known[i / 64] |= bit;
+    if (i % 2 != 0 || !goes_through(fine, place.pose, at)) continue;
+    crossed[i / 64] |= bit;
+    ++place.through;
+  }
+}
+
+/// What `here` explains and the other place does not speaks for it where the map knows that place, or the
+/// rays of the other one went through surfaces; where that place has a gap in the map, a part of it.
 Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there) const {
+  struct Sums {
+    std::uint64_t here{}, denied{}, there{};
+  };
+  Sums sums[kWeighed + 1];
+  std::uint32_t crossed_here = 0, crossed_there = 0;
   const std::uint64_t* const a = explained_bits(here);
   const std::uint64_t* const b = explained_bits(there);
   const std::uint64_t* const known = known_bits(there);
-  Compared compared;
-  const auto count = [](std::uint64_t word) { return static_cast<std::uint32_t>(std::popcount(word)); };
   for (std::size_t i = 0; i < words(); ++i) {
-    compared.here += count(a[i] & ~b[i]);
-    compared.denied += count(a[i] & ~b[i] & known[i]);
-    compared.there += count(b[i] & ~a[i]);
+    const std::uint64_t crossed[2] = {crossed_bits(here)[i], crossed_bits(there)[i]};
+    crossed_here += static_cast<std::uint32_t>(std::popcount(crossed[0] & ~crossed[1]));
+    crossed_there += static_cast<std::uint32_t>(std::popcount(crossed[1] & ~crossed[0]));
+    for (std::uint64_t rest = a[i] ^ b[i]; rest != 0; rest &= rest - 1) {
+      const int at = std::countr_zero(rest);
+      const std::uint64_t bit = std::uint64_t{1} << at;
+      const Weights& weights = weights_[64 * i + static_cast<std::size_t>(at)];
+      const auto add = [&](std::uint64_t Sums::*sum) {
+        ++(sums[0].*sum);
+        for (std::size_t by = 0; by < kWeighed; ++by) sums[by + 1].*sum += weights.of[by];
+      };
+      add((a[i] & bit) != 0 ? &Sums::here : &Sums::there);
+      if ((a[i] & known[i] & bit) != 0) add(&Sums::denied);
+    }
+  }
+  Compared compared;
+  for (std::size_t by = 0; by <= kWeighed; ++by) {
+    const double all = by == 0 ? size_ : weight_[by - 1];
+    const auto share = [&](std::uint64_t sum) { return static_cast<double>(sum) / all; };
+    compared.by[by] = {share(sums[by].denied) + config_.of_gaps * share(sums[by].here - sums[by].denied) +
+                           crossed_there / rays(),
+                       share(sums[by].there) + crossed_here / rays()};
   }
   return compared;
 }
 
-/// No other place explains what this one does not, to speak of, and this one much that each other does not.
-/// What all of them explain, walls of a room that looks the same from both ends, says nothing; and where
-/// more is left unexplained than speaks for the place, its lead may be chance.
+/// Of the returns, the surfaces and the things, and rays that the place cannot explain. What the map has not
+/// seen does not count.
+void Relocaliser::unexplained(const Place& place, double (&out)[kWeighed + 1]) const {
+  std::uint64_t explained[kWeighed]{};
+  for (std::uint32_t i = 0; i < size_; ++i) {
+    if ((explained_bits(place)[i / 64] >> (i % 64) & 1) == 0) continue;
+    for (std::size_t by = 0; by < kWeighed; ++by) explained[by] += weights_[i].of[by];
+  }
+  const double seen = place.seen / static_cast<double>(size_);
+  for (std::size_t by = 0; by <= kWeighed; ++by) {
+    const double share = by == 0 ? place.explained / static_cast<double>(size_)
+                                 : static_cast<double>(explained[by - 1]) / weight_[by - 1];
+    out[by] = std::max(0.0, seen - share) + place.through / rays();
+  }
+}
+
+/// Things that were moved speak against all places alike, and against the right one too: what counts is how
+/// much more speaks for this place than for each other one, and than against this one; by the returns, of
+/// which one thing may have a third, by the surfaces that they lie on, and by the things. What all places
+/// explain, walls of a room that looks the same from both ends, says nothing.
 bool Relocaliser::leads(const Place& best) {
+  double without[kWeighed + 1];
+  unexplained(best, without);
   bool leads = true;
   result_.lead = 1.0;
-  result_.unexplained = (best.seen - best.explained) / static_cast<double>(size_);
+  result_.unexplained = *std::max_element(std::begin(without), std::end(without));
   for (std::uint32_t i = 0; i < count_; ++i) {
     if (places_[i].slot == best.slot) continue;
     const Compared compared = compare(best, places_[i]);
-    const double here = compared.here / static_cast<double>(size_);
-    const double denied = compared.denied / static_cast<double>(size_);
-    const double there = compared.there / static_cast<double>(size_);
-    if (here < result_.lead) {
-      result_.lead = here;
-      result_.rival = there;
-      result_.denied = denied;
+    for (std::size_t by = 0; by <= kWeighed; ++by) {
+      const Evidence& evidence = compared.by[by];
+      const double lead = evidence.speaks_for - evidence.against;
+      leads = leads && evidence.speaks_for >= config_.over_rival * evidence.against &&
+              lead >= config_.least_lead + config_.over_unexplained * without[by];
+      if (lead >= result_.lead) continue;
+      result_.lead = lead;
+      result_.denied = evidence.speaks_for;
+      result_.rival = evidence.against;
     }
-    // What lies where the other place has no surface at all may lie in a gap of the map.
-    leads = leads && here >= config_.least_lead && denied >= config_.least_denied &&
-            denied >= config_.over_rival * there && here >= config_.over_unexplained * result_.unexplained;
   }
   return leads;
 }
@@ -98,26 +158,35 @@ bool Relocaliser::leads(const Place& best) {
 RelocateVerdict Relocaliser::judge() {
   if (count_ == 0) return RelocateVerdict::nothing_fits;
   Place& best = places_[0];
-  const PosePrior prior = prior_at(best.pose);
   registration_->take_sample(sample());
-  const Match match = look_about(best);
+  const bool free = is_free();
+  if (free) best.pose = free_;
+  const Match match =
+      look_about(best, free ? prior_at(best.pose, kFreeTilt) : prior_at_height(best.pose), true);
+  look_along_rays(best);
   result_.T_map_sensor = best.pose;
   result_.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
   result_.seen = best.seen / static_cast<double>(size_);
-  result_.crossed = best.through / static_cast<double>(std::min(kJudgeRays, size_));
+  result_.crossed = best.through / rays();
   const bool lead = leads(best);
   if (result_.share < config_.least_share || result_.seen < config_.least_seen ||
       result_.crossed > config_.most_crossed)
     return RelocateVerdict::nothing_fits;
-  if (!lead || best.weak) return RelocateVerdict::ambiguous;
+  if (!lead || best.weak || (!free && !is_height_held())) return RelocateVerdict::ambiguous;
+  PosePrior prior = prior_at(best.pose, 10.0);
+  if (!free) prior.information[5][5] = 1.0 / (kHeightSigma * kHeightSigma);
   double covariance[6][6]{};
   if (!match_covariance(match.equations, match.weak, prior, match.spread, covariance))
     return RelocateVerdict::ambiguous;
   pose_covariance(covariance, best.pose.q, result_.covariance);
+  if (!free) result_.covariance[14] += kHeightSigma * kHeightSigma;
   const auto trace = [&](int at) {
     return result_.covariance[7 * at] + result_.covariance[7 * at + 7] + result_.covariance[7 * at + 14];
   };
-  if (trace(0) > kMostMove * kMostMove || trace(3) > kMostTurn * kMostTurn) return RelocateVerdict::ambiguous;
+  const double of_height = free ? 0.0 : result_.covariance[14];
+  if (trace(0) - of_height > kMostMove * kMostMove || of_height > kMostHeight * kMostHeight ||
+      trace(3) > kMostTurn * kMostTurn)
+    return RelocateVerdict::ambiguous;
   return RelocateVerdict::placed;
 }
 

@@ -43,11 +43,11 @@ struct RelocateConfig {
   std::uint32_t tried_returns{1024};  ///< that the best ones are then matched with
   double least_share{0.75};
   double least_seen{0.6};
-  double most_crossed{0.035};
+  double most_crossed{0.1};
   double least_lead{0.06};
-  double least_denied{0.035};
-  double over_rival{3.0};
-  double over_unexplained{1.5};
+  double of_gaps{0.5};
+  double over_rival{2.0};
+  double over_unexplained{1.0};
 
   SORTIE_KEYS(c, key) {
     key("first_returns", c.first_returns,
@@ -58,12 +58,13 @@ struct RelocateConfig {
     key("least_seen", c.least_seen,
         {0, 1, "", "of the returns, that must lie where the map has seen something"});
     key("most_crossed", c.most_crossed, {0, 1, "", "of the rays that may go through surfaces"});
-    key("least_lead", c.least_lead, {0, 1, "", "of the returns, that a place must explain and another not"});
-    key("least_denied", c.least_denied,
-        {0, 1, "",
-         "of the returns, that a place must explain where another has a surface that they are not on"});
-    key("over_rival", c.over_rival, {1, 100, "", "times as many as the other one explains alone"});
-    key("over_unexplained", c.over_unexplained, {0, 100, "", "times as many as it leaves unexplained"});
+    key("least_lead", c.least_lead,
+        {0, 1, "", "of the scan, that more must speak for a place than for each other one"});
+    key("over_unexplained", c.over_unexplained,
+        {0, 100, "", "times what the place leaves unexplained, that must speak for it beside that"});
+    key("of_gaps", c.of_gaps,
+        {0, 1, "", "of what a place explains where another one has a gap in the map: speaks for it"});
+    key("over_rival", c.over_rival, {1, 100, "", "times as much must speak for it as for another one"});
   }
 };
 

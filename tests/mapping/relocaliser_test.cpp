@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "mapping/registration/place_rays.hpp"
 #include "rt/digest.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "tests/mapping/place_rig.hpp"
@@ -73,6 +74,51 @@ TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another
       CHECK(verdict != RelocateVerdict::searching);
     }
   }
+}
+
+TEST_CASE("A ray says what it went through, and what it would have met", "[heavy]") {
+  testing::PlaceWorld world;
+  world.wide = 12;
+  world.deep = 8;
+  world.storey = 3;
+  testing::add_shell(world);
+  world.first_thing = world.boxes.size();
+  world.add({5, 2, 0}, {6, 6, 2});
+  world.index();
+  testing::Draws draws(3);
+  testing::PlaceRig rig(testing::kHallMemory);
+  rig.make_map(world, draws, 1.7);
+  const mapping::SurfelLayer& layer = rig.registration.layer(0);
+  const mapping::RigidPose pose{{2.1, 4.25, 1.25}, {}};
+  CHECK(mapping::goes_through(layer, pose, {8.9, 0, 0}));            // the thing stands before this wall
+  CHECK_FALSE(mapping::goes_through(layer, pose, {2.9, 0, 0}));      // its own side
+  CHECK_FALSE(mapping::goes_through(layer, pose, {8.9, 3.1, 0}));    // past it
+  CHECK(mapping::is_before_surface(layer, pose, {1.5, 0, 0}));       // free, before the thing
+  CHECK_FALSE(mapping::is_before_surface(layer, pose, {12, 0, 0}));  // outside
+  CHECK_FALSE(mapping::is_before_surface(layer, pose, {0, 0, 0}));
+  CHECK_FALSE(mapping::goes_through(layer, pose, {0, 0, 0}));
+}
+
+TEST_CASE("Where a floor is known from above and from below, a robot's height is right or it is not placed",
+          "[heavy]") {
+  int right = 0, at_its_place = 0;
+  constexpr int kTrials = 6;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    CAPTURE(trial);
+    testing::Draws draws(308 + static_cast<std::uint64_t>(trial));
+    const testing::PlaceWorld world = testing::random_building(draws, 16, 10, 2);
+    testing::PlaceRig rig(testing::kHallMemory);
+    rig.make_map(world, draws, 1.7);
+    const testing::LostRobot robot(world, draws);
+    const auto scan = testing::place_scan({16, 720, -0.26, 0.26}, world, robot.pose.p, robot.pose.q, draws);
+    const mapping::Relocated& found = rig.find(scan, robot.q_level_sensor);
+    if (robot.is_right(found.T_map_sensor)) ++at_its_place;
+    if (found.verdict != RelocateVerdict::placed) continue;
+    CHECK(robot.is_right(found.T_map_sensor));
+    ++right;
+  }
+  CHECK(at_its_place == kTrials);
+  CHECK(right >= kTrials / 2);
 }
 
 TEST_CASE("Budgets of any size and any order of the returns give the same bits", "[heavy]") {
