@@ -92,7 +92,7 @@ TEST_CASE("A ray says what it went through, and what it would have met", "[heavy
   const mapping::RigidPose pose{{2.1, 4.25, 1.25}, {}};
   CHECK(mapping::goes_through(layer, pose, {8.9, 0, 0}));            // the thing stands before this wall
   CHECK_FALSE(mapping::goes_through(layer, pose, {2.9, 0, 0}));      // its own side
-  CHECK_FALSE(mapping::goes_through(layer, pose, {8.9, 3.1, 0}));    // past it
+  CHECK_FALSE(mapping::goes_through(layer, pose, {2.5, 3.3, 0}));    // past it
   CHECK(mapping::is_before_surface(layer, pose, {1.5, 0, 0}));       // free, before the thing
   CHECK_FALSE(mapping::is_before_surface(layer, pose, {12, 0, 0}));  // outside
   CHECK_FALSE(mapping::is_before_surface(layer, pose, {0, 0, 0}));
