@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""one_process.py [--limit SECONDS] [--notes FILE] [--tags SPEC] COMMAND...: runs the cases of a Catch2 binary in one
-process. Where it fails, dies or hangs, the cases that are not known to be good run again, each in a process of its own, so
-that the culprit has its name. FILE gets a line a case: passed, failed or skipped, seconds, name, why.
-Exit code 0: every case passed, 1: not, or there was no case, 77: the tags leave none of the cases."""
+"""one_process.py [--limit SECONDS] [--notes FILE] [--tags SPEC] [--part K/N] COMMAND...: runs the cases of a Catch2 binary in
+one process; with --part only every Nth of them, from the Kth. Where it fails, dies or hangs, the cases that are not known to
+be good run again, each in a process of its own, so that the culprit has its name. FILE gets a line a case: passed, failed or
+skipped, seconds, name, why. Exit code 0: every case passed, 1: not, or there was no case, 77: no case fits tags and part."""
 
 import argparse
 import os
@@ -17,8 +17,10 @@ parser = argparse.ArgumentParser(add_help=False)
 parser.add_argument("--limit", type=float, default=600)
 parser.add_argument("--notes", default="")
 parser.add_argument("--tags", default="")
+parser.add_argument("--part", default="1/1")
 parser.add_argument("command", nargs=argparse.REMAINDER)
 options = parser.parse_args()
+part, parts = map(int, options.part.split("/"))
 scratch = pathlib.Path(tempfile.mkdtemp(prefix="sortie-cases-"))
 
 
@@ -61,11 +63,19 @@ def names(tags):
     return [line.strip() for line in listed.stdout.splitlines() if line.strip()]
 
 
+def of_part(cases):
+    return cases[part - 1 :: parts]
+
+
+def by_name(wanted):
+    """Arguments that choose cases by their exact names, whatever characters they hold."""
+    file = scratch / "wanted"
+    file.write_text("".join('"' + name.replace("\\", "\\\\").replace(",", "\\,") + '"\n' for name in wanted))
+    return ["-f", str(file)]
+
+
 def alone(name, limit):
-    """Runs one case by its exact name, whatever characters it holds."""
-    wanted = scratch / "wanted"
-    wanted.write_text('"' + name.replace("\\", "\\\\").replace(",", "\\,") + '"\n')
-    code, end, cases = run(["-f", str(wanted)], limit)
+    code, end, cases = run(by_name([name]), limit)
     case = cases[0] if cases else Case(name)
     if case.verdict in ("passed", "skipped") and code != 0:
         case.verdict, case.why = "failed", end  # its asserts held, its process did not: a leak, an abort at the end
@@ -75,9 +85,12 @@ def alone(name, limit):
 
 
 def main():
-    code, end, cases = run([options.tags] if options.tags else [], options.limit)
-    if not cases and options.tags and not names(options.tags) and names(""):
-        print(f"skipped: no case fits {options.tags}")
+    chosen = [options.tags] if options.tags else []
+    if parts > 1:
+        chosen = by_name(of_part(names(options.tags)) or ["no case of this name"])
+    code, end, cases = run(chosen, options.limit)
+    if not cases and not of_part(names(options.tags)) and names(""):
+        print(f"skipped: no case fits {options.tags} {options.part}")
         return 77, []
     if not cases:
         print(f"no case ran: {end}")
@@ -88,7 +101,7 @@ def main():
     done = {case.name: case for case in cases}
     # Asserts that failed name their case; a process that died or said "leak" at its end does not.
     suspects = [case.name for case in cases if case.verdict in ("failed", "died")]
-    missing = [name for name in names(options.tags) if name not in done]
+    missing = [name for name in of_part(names(options.tags)) if name not in done]
     if not suspects and not missing:
         suspects = [case.name for case in cases]
     for name in [*suspects, *missing]:
