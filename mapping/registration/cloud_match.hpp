@@ -49,8 +49,6 @@ class CloudMatch {
   /// What each grid that was asked made of it, the clouds' own cells first, in the clouds' own frames; work
   /// is summed up. No part of the state.
   std::span<const CloudResult> answers() const { return {found_, grid_ + 1}; }
-  const PlaneSet& own_planes() const { return own_planes_; }
-  const PlaneSet& kept_planes() const { return kept_planes_; }
 
   /// State to bytes and back, where the own cloud is as it was: reading repeats the work that was done.
   void archive(rt::Archive& archive);
