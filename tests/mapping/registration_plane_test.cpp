@@ -95,7 +95,7 @@ double squared_deviations(const mapping::Located& l, const RigidPose& truth) {
   }
   const rt::Vector3 turned = rt::log_rotation(rt::conjugate(truth.q) * l.T_map_sensor.q);
   const Eigen::Vector3d off(l.T_map_sensor.p.x - truth.p.x, l.T_map_sensor.p.y - truth.p.y, turned.z);
-  return off.dot(testing::solved3(c, off));
+  return off.dot(testing::solved(c, off));
 }
 }  // namespace
 

@@ -133,7 +133,7 @@ struct StepScene {
 Matrix6 drawn_spd(testing::Draws& draws, double decades) {
   Matrix6 m;
   for (int i = 0; i < 36; ++i) m(i / 6, i % 6) = draws.normal();
-  const Matrix6 q = testing::orthogonal(m);
+  const Matrix6 q = testing::singular_of(m).u;
   Vector6 values;
   for (int i = 0; i < 6; ++i) values[i] = std::pow(10.0, -decades * i / 5.0);
   const Matrix6 a = q * values.asDiagonal() * q.transpose();
@@ -232,7 +232,7 @@ TEST_CASE("Six equations are solved as Eigen solves them, and refused where noth
     for (int i = 0; i < 6; ++i) right[i] = b[i];
     REQUIRE(mapping::solve6(m, right, x));
     REQUIRE(mapping::invert6(m, inverse));
-    const Vector6 twin = testing::solved6(a, b);
+    const Vector6 twin = testing::solved(a, b);
     const double within = 3e-14 * std::pow(10.0, decades);
     CHECK((Vector6(x) - twin).norm() <= within * twin.norm());
     CHECK((a * Vector6(x) - b).norm() <= 1e-13 * a.norm() * twin.norm());
@@ -302,7 +302,7 @@ TEST_CASE("A pose goes to its prior where nothing else is known, stays where not
     Vector6 g, from;
     for (int i = 0; i < 6; ++i) g[i] = equations.g[i] = 1e3 * draws.normal();
     from << as_eigen(turn), as_eigen(move);
-    const Vector6 x = testing::solved6(h + information, -g - information * from);
+    const Vector6 x = testing::solved(h + information, -g - information * from);
     pose = start;
     REQUIRE(mapping::ScanStep::advance(equations, prior, pose));
     const rt::Quaternion wanted = rt::exp_rotation({x[0], x[1], x[2]}) * start.q;

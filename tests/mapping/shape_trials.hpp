@@ -218,7 +218,7 @@ inline void try_shape(ShapeKind kind, std::uint64_t seed, ShapeTally& tally) {
   Vector6 error;
   error << as_eigen(rt::log_rotation(match.pose.q * rt::conjugate(truth.q))),
       as_eigen(match.pose.p - truth.p);
-  tally.nees += error.dot(solved6(covariance, error));
+  tally.nees += error.dot(solved(covariance, error));
 }
 
 }  // namespace sortie::testing

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/mapping/twins/decompositions.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 
 namespace sortie::testing {
 
@@ -12,8 +14,6 @@ Eigen3 eigen_of(const Eigen::Matrix3d& symmetric) {
 Vector6 eigenvalues_of(const Matrix6& symmetric) {
   return Eigen::SelfAdjointEigenSolver<Matrix6>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
 }
-Eigen::Vector3d solved3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b) { return a.ldlt().solve(b); }
-Vector6 solved6(const Matrix6& a, const Vector6& b) { return a.ldlt().solve(b); }
 Eigen::VectorXd solved(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return a.ldlt().solve(b); }
 Singular singular_of(const Eigen::MatrixXd& a) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -22,7 +22,9 @@ Singular singular_of(const Eigen::MatrixXd& a) {
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.jacobiSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).solve(b);
 }
-Matrix6 inverted(const Matrix6& a) { return a.inverse(); }
-Matrix6 orthogonal(const Matrix6& a) { return a.householderQr().householderQ(); }
+Eigen::MatrixXd inverted(const Eigen::MatrixXd& a) {
+  const Singular svd = singular_of(a);
+  return svd.v * svd.values.cwiseInverse().asDiagonal() * svd.u.transpose();
+}
 
 }  // namespace sortie::testing

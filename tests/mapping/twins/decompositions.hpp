@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigen's decompositions of small matrices, to judge by. They are compiled once: a file that asks Eigen for
-// them itself takes up to half a minute to compile.
+// Eigen's decompositions of small matrices, to judge by. They are compiled once, and few of them: each kind
+// of matrix costs seconds, and a file that asks Eigen itself takes up to half a minute to compile.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,8 +20,6 @@ Eigen3 eigen_of(const Eigen::Matrix3d& symmetric);
 /// Rising.
 Vector6 eigenvalues_of(const Matrix6& symmetric);
 /// x of a x = b, by LDLT.
-Eigen::Vector3d solved3(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);
-Vector6 solved6(const Matrix6& a, const Vector6& b);
 Eigen::VectorXd solved(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// a = u diag(values) v^T, thin; values fall.
 struct Singular {
@@ -31,9 +29,7 @@ struct Singular {
 Singular singular_of(const Eigen::MatrixXd& a);
 /// x of the least |a x - b|, by singular values.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
-/// By LU.
-Matrix6 inverted(const Matrix6& a);
-/// Q of a = Q R.
-Matrix6 orthogonal(const Matrix6& a);
+/// Of a square matrix, by singular values.
+Eigen::MatrixXd inverted(const Eigen::MatrixXd& a);
 
 }  // namespace sortie::testing
