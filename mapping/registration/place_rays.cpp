@@ -2,12 +2,11 @@
 #include "mapping/registration/place_rays.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "mapping/registration/ray_surfaces.hpp"
 
 namespace sortie::mapping {
 namespace {
-constexpr double kThin = 0.075;        ///< of a cell: standard deviation of a surface that stops a ray
-constexpr double kGrazing = 0.25;      ///< least cosine between a ray and a normal
 constexpr double kApart = 0.2;         ///< of a cell: the meeting may lie so far outside of what is looked at
 constexpr double kLeastSpread = 1e-6;  ///< m^2
 constexpr double kMostCells = 48.0;    ///< of a ray
@@ -15,32 +14,19 @@ constexpr double kBehind_m = 4.0;
 constexpr double kMiddle2 = 1.0;  ///< squared standard deviations along a surface from its middle
 constexpr double kAnywhere2 = 4.0;
 
-/// Looks at each half cell of a ray between two ranges.
 bool meets(const SurfelLayer& layer, const rt::Vector3& from, const rt::Vector3& ray, double near_m,
            double far_m, double most2) {
-  const double cell = layer.cell_m();
-  const double thin = kThin * cell;
-  SurfelPlace place;
-  for (double s = near_m; s < far_m; s += 0.5 * cell) {
-    const rt::Vector3 p = from + s * ray;
-    if (!layer.place(p.x, p.y, p.z, place)) return false;
-    const Surfel* const surfel = layer.surfel_at(place.cell);
-    if (surfel == nullptr || surfel->variance(0) > thin * thin) continue;
-    const rt::Vector3 n = surfel->normal();
-    const double slope = rt::dot(n, ray);
-    if (std::fabs(slope) < kGrazing) continue;
-    const rt::Vector3 mean = layer.centre_m(place.cell) + surfel->mean();
-    const double hit = rt::dot(n, mean - from) / slope;
-    if (hit < near_m - kApart * cell || hit > far_m + kApart * cell) continue;
-    const rt::Vector3 off = from + hit * ray - mean;
-    double apart2 = 0.0;
-    for (int i = 1; i < 3; ++i) {
-      const double along = rt::dot(surfel->along(i), off);
-      apart2 += along * along / std::max(surfel->variance(i), kLeastSpread);
-    }
-    if (apart2 < most2) return true;
-  }
-  return false;
+  const double apart_m = kApart * layer.cell_m();
+  return meets_surface(layer, from, ray, near_m, far_m,
+                       [&](const Surfel& surfel, double range_m, const rt::Vector3& off) {
+                         if (range_m < near_m - apart_m || range_m > far_m + apart_m) return false;
+                         double apart2 = 0.0;
+                         for (int i = 1; i < 3; ++i) {
+                           const double along = rt::dot(surfel.along(i), off);
+                           apart2 += along * along / std::max(surfel.variance(i), kLeastSpread);
+                         }
+                         return apart2 < most2;
+                       });
 }
 }  // namespace
 

@@ -53,10 +53,10 @@ struct Relocated {
 };
 
 /// Searches, matches what it found, and judges. All memory is taken from the arena; no heap; no step costs
-/// more than four matches of the whole sample, nor begin() more than a millisecond. The same bits whatever
-/// the budgets and the order of a scan's returns; arithmetic of rt/math alone. A unit is one look at a return
-/// for 64 poses; a step of a match costs kMatchUnits a return, looking along its ray kRayUnits. Memory beside
-/// the map's bits and the search: 220 kB.
+/// more than four matches of the whole sample; begin() sorts the sample twice. The same bits whatever the
+/// budgets and the order of a scan's returns; arithmetic of rt/math alone. A unit is one look at a return for
+/// 64 poses; a step of a match costs kMatchUnits a return, looking along its ray kRayUnits. Memory beside the
+/// map's bits and the search: 220 kB with 3,072 returns.
 class Relocaliser {
  public:
   static constexpr std::uint32_t kMatchUnits = 8;

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/registration/ray_surfaces.hpp"
+
 namespace sortie::mapping {
 namespace {
 /// Returns of one cell that count: more of them share their errors.
 constexpr double kMostOfCell = 8.0;
-constexpr double kThin = 0.075;  ///< of a cell: standard deviation of a thin surface
 /// Of a return's variance: what a normal may be off by where its points happen to lie well.
 constexpr double kLeastNoise = 0.1;
 
@@ -116,7 +117,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
   const double step = layer.cell_m() / kSurfelSteps;
   // A surface that goes on through the cell along all three axes has no normal there (extended axes of ICET,
   // McDermott and Rife 2024).
-  const double extended = square(layer.cell_m() * (rule.thin ? kThin : 0.25));
+  const double extended = square(layer.cell_m() * (rule.thin ? kThinSurface : 0.25));
   const double noise = square(rule.sigma_m);
   for (const CellSums& cell : memory_.cells.first(used)) {
     const Surfel& surfel = layer.surfel(cell.surfel);

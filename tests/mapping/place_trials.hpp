@@ -10,12 +10,16 @@ namespace sortie::testing {
 
 struct PlaceTally {
   int right{}, wrong{}, ambiguous{}, nothing{}, few{};
+  int refused{};  ///< not placed, though the best place was the right one
   std::vector<double> units;
   std::vector<rt::Vector3> wrong_m;  ///< on a site: by how much those that are wrong are off
 
   void add(const mapping::Relocated& found, bool is_right) {
     using mapping::RelocateVerdict;
-    if (found.verdict == RelocateVerdict::placed) ++(is_right ? right : wrong);
+    if (found.verdict == RelocateVerdict::placed)
+      ++(is_right ? right : wrong);
+    else if (is_right)
+      ++refused;
     if (found.verdict == RelocateVerdict::ambiguous) ++ambiguous;
     if (found.verdict == RelocateVerdict::nothing_fits) ++nothing;
     if (found.verdict == RelocateVerdict::few_returns) ++few;

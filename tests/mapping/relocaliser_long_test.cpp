@@ -26,13 +26,15 @@ void tell(const char* looks, const testing::PlaceTally& tally) {
              << " nothing " << tally.nothing << " few " << tally.few);
 }
 
-/// Part `relocate` looks twice: one look may err, of two none.
-void check_none(testing::FalsePlace kind, std::uint64_t seed, int trials) {
+/// Of two looks, as part `relocate` takes them, none may be wrong; of one look alone `most_once` of all.
+void check_none(testing::FalsePlace kind, std::uint64_t seed, int usual, double most_once) {
   testing::PlaceRig rig(testing::kHallMemory);
   REQUIRE(rig.arena.refused() == 0);
-  const testing::FalsePlaces tally = testing::false_places(rig, kind, seed_or(seed), trials_or(trials));
+  const int trials = trials_or(usual);
+  const testing::FalsePlaces tally = testing::false_places(rig, kind, seed_or(seed), trials);
   tell("one look", tally.once);
   tell("two looks", tally.twice);
+  CHECK(tally.once.wrong <= most_once * trials);
   CHECK(tally.twice.wrong == 0);
 }
 
@@ -41,8 +43,9 @@ testing::PlaceTally on_site(double share_moved) {
   REQUIRE(rig.arena.refused() == 0);
   testing::PlaceTally tally = testing::lost_on_site(rig, seed_or(700'000), trials_or(50), share_moved);
   WARN("right " << tally.right << " wrong " << tally.wrong << " ambiguous " << tally.ambiguous << " nothing "
-                << tally.nothing << " few " << tally.few << "; units median " << tally.units_at(0.5)
-                << " p95 " << tally.units_at(0.95) << " most " << tally.units.back());
+                << tally.nothing << " few " << tally.few << "; refused where they are " << tally.refused
+                << "; units median " << tally.units_at(0.5) << " p95 " << tally.units_at(0.95) << " most "
+                << tally.units.back());
   for (const rt::Vector3& off : tally.wrong_m)
     WARN("off by " << off.x << ", " << off.y << ", " << off.z << " m");
   CHECK(tally.wrong == 0);
@@ -51,15 +54,15 @@ testing::PlaceTally on_site(double share_moved) {
 }  // namespace
 
 TEST_CASE("Of robots in rooms that look the same from both ends none is placed at the wrong end") {
-  check_none(testing::FalsePlace::symmetric, 900'000, 300);
+  check_none(testing::FalsePlace::symmetric, 900'000, 300, 0.05);
 }
 
 TEST_CASE("Of robots in the mirror image of their building none is placed") {
-  check_none(testing::FalsePlace::mirrored, 500'000, 200);
+  check_none(testing::FalsePlace::mirrored, 500'000, 200, 0.0);
 }
 
 TEST_CASE("Of robots in another building none is placed") {
-  check_none(testing::FalsePlace::other_building, 500'000, 200);
+  check_none(testing::FalsePlace::other_building, 500'000, 200, 0.0);
 }
 
 TEST_CASE("On two storeys of 100 x 25 m almost all lost robots are placed") {
