@@ -10,7 +10,7 @@ import struct
 import threading
 import time
 
-from live_support import (DRIVE, GROUP, HALT, KEY, RELEASE, STANDS, Air, check, end, finish, halted, request, run, sortie)
+from live_support import (DRIVE, GROUP, HALT, KEY, RELEASE, STANDS, Air, check, end, finish, halted, pause, request, run, sortie)
 
 
 class Racer(threading.Thread):
@@ -104,7 +104,7 @@ def racing_halts(air, halts=8):
         racer.join()
     # A robot that says nothing is not halted, whatever was recorded of it.
     recorded = air.raw["otter"][-20:]
-    process.send_signal(signal.SIGSTOP)
+    pause(process)
     player = threading.Thread(target=lambda: [(air.out.sendto(old, GROUP), time.sleep(0.1)) for old in recorded * 2], daemon=True)
     player.start()
     air.forges = True
@@ -123,7 +123,7 @@ def stopped_process(air, seconds=4.0):
     said = air.until("badger", lambda said: True)
     sortie("drive", "halt", "--secret", "secret", code=0)
     before = air.said["badger"]
-    process.send_signal(signal.SIGSTOP)
+    pause(process)
     began = time.monotonic()
     counter = before["counter"]
     for i in range(16):
@@ -146,7 +146,7 @@ def stopped_process(air, seconds=4.0):
     sortie("drive", "release", "--secret", "secret", code=0)
     said = air.until("badger", lambda said: not halted(said))
     counter = max(counter, said["counter"])
-    process.send_signal(signal.SIGSTOP)
+    pause(process)
     for i in range(3000):
         air.send(b"SORTIE_DRIVE", request(b"SORTIE_DRIVE", said["session"], 8, counter + 1 + i, DRIVE, 0.3, key=None if i % 2 else KEY))
     air.send(b"SORTIE_DRIVE", request(b"SORTIE_DRIVE", said["session"], 9, 1, HALT))

@@ -198,6 +198,18 @@ def run(name, *more, scene="ugv_circle", secret=True):
     return subprocess.Popen(words + list(more), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
+def pause(process):
+    """Stops a run by a signal. On a busy machine its threads go on for milliseconds, and what they take then they may obey."""
+    process.send_signal(signal.SIGSTOP)
+    state = lambda thread: (thread / "stat").read_text().rpartition(")")[2].split()[0]
+    end = time.monotonic() + 10
+    while not (stopped := all(state(thread) == "T" for thread in pathlib.Path(f"/proc/{process.pid}/task").iterdir())):
+        if time.monotonic() > end:
+            break
+        time.sleep(0.001)
+    check(stopped, "a run is stopped by a signal")
+
+
 def end(process):
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)

@@ -16,7 +16,7 @@ CLEAN = {
     "rt/base.cpp": '// Its body.\n#include "rt/base.hpp"\nnamespace tiny {\nstd::uint32_t next(std::uint32_t x) { return x + 1; }\n}  // namespace tiny\n',
     "estimators/filter.hpp": '// A filter.\n#pragma once\n#include "rt/base.hpp"\n',
     "drivers/bus.cpp": "// A bus.\n#include <sys/socket.h>\n",
-    "firmware_like/robots/robot.cpp": '// A vehicle.\n#include "estimators/filter.hpp"\n',
+    "firmware_like/robots/robot.cpp": '// A vehicle.\n#include "rt/base.hpp"\n\n#include "estimators/filter.hpp"\n',
     "firmware_like/scene/command_line.cpp": "// Options.\n#include <CLI/CLI.hpp>\n",
     "firmware_like/scene/toml_file.cpp": "// Scenes.\n#include <toml++/toml.h>\n",
 }
@@ -78,6 +78,7 @@ FAULTS = {
     "headers": [
         ("rt/other.hpp", "\n", "rt/other.hpp: nothing compiles it alone: configure"),
         ("drivers/bus.hpp", "#pragma once\n", "drivers/bus.hpp: nothing compiles it alone: drivers/bus.cpp must include it first"),
+        ("estimators/filter.hpp", '#include "estimators/filter.hpp"\n', "estimators/filter.hpp: nothing compiles it alone"),
     ],
     "freestanding": [
         ("rt/base.cpp", "namespace tiny { int* sink; void f() { sink = new int(1); } }\n", "asks for the heap: operator new"),
@@ -101,7 +102,7 @@ FAULTS = {
         ("rt/base.cpp", "double f(double x) { return std::exp(x); }\n", "rt/base.cpp:7: std::exp(: use rt/math.hpp"),
         ("hil/plant.cpp", "std::normal_distribution<double> noise;\n", "hil/plant.cpp:2: std::normal_distribution"),
         ("mapping/grid/grid.hpp", "std::unordered_map<int, int> cells;\n", "std::unordered_map"),
-        ("firmware_like/robots/robot.cpp", "double f(double x) { return std::hypot(x, x); }\n", "firmware_like/robots/robot.cpp:4: std::hypot("),
+        ("firmware_like/robots/robot.cpp", "double f(double x) { return std::hypot(x, x); }\n", "firmware_like/robots/robot.cpp:6: std::hypot("),
     ],
     "atomics": [
         ("rt/base.hpp", "std::atomic<std::uint64_t> refused{};\n", "rt/base.hpp:8: atomic<std::uint64_t>"),

@@ -178,24 +178,30 @@ TEST_CASE("a stuck task is told by name, and told again when it has ended") {
 
 namespace {
 
-// The exit code of a process one of whose jobs takes 100 ms, and the whole process is away for `away`
-// meanwhile: 1 when the task counts as one that does not end, with a limit of 500 ms.
+// The exit code of a process one of whose jobs is seen to be stuck and 50 ms later ends, and the whole
+// process is away for `away` in between: 1 when the task counts as one that does not end, with a limit of 500
+// ms; 6 when the job waited in vain until it was seen.
 int judged_stuck(std::chrono::milliseconds away) {
   const pid_t child = fork();
   if (child == 0) {
     LiveRig rig;
     const GroupId group = rig.executive.add_group({"paused", 5});
+    const LiveRunner* running = nullptr;
     bool was_paused = false;
-    rig.executive.add_task<Sum>(group, "paused", 100, [&was_paused](JobContext& context, Sum&) {
+    rig.executive.add_task<Sum>(group, "paused", 100, [&](JobContext& context, Sum&) {
       if (context.job < 4 || was_paused) return;
       was_paused = true;
-      sleep_until(monotonic_now() + 50 * kMs);
+      const Nanoseconds given_up = monotonic_now() + 20'000 * kMs;
+      while (running->stuck() == 0) {
+        if (monotonic_now() > given_up) _exit(6);
+        sleep_until(monotonic_now() + kMs);
+      }
       raise(SIGSTOP);
       sleep_until(monotonic_now() + 50 * kMs);
     });
     if (rig.executive.seal() != Status::ok) _exit(2);
     LiveOptions live = rig.options();
-    live.last_tick = 100;
+    live.last_tick = 1000;  // a busy machine may begin late
     std::atomic<int> limit{0};
     live.stuck_limit_ns = 500 * kMs;
     live.on_stuck_self = &limit;
@@ -203,9 +209,10 @@ int judged_stuck(std::chrono::milliseconds away) {
       static_cast<std::atomic<int>*>(self)->store(1);
     };
     LiveRunner runner(rig.executive, live);
+    running = &runner;
     runner.start();
     wait_for(runner);
-    _exit(runner.stuck() == 0 ? 3 : limit.load());
+    _exit(limit.load());
   }
   int status = 0;
   if (waitpid(child, &status, WUNTRACED) != child || !WIFSTOPPED(status)) return 4;

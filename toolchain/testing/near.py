@@ -84,9 +84,10 @@ def run(root, jobs, files):
     for test in sorted(tests):
         binaries.setdefault(test.split("/")[1], []).append(pathlib.Path(test).stem)
     targets = [f"sortie_tests_{folder}" for folder in binaries]
-    # A header without a .cpp that is compiled alone has an object that shows that it needs nothing before it.
-    objects = [f"tests/layout/CMakeFiles/sortie_headers.dir/headers/{file}.cpp.o" for file in code_files
-               if (root / f"build/release/tests/layout/headers/{file}.cpp").exists()]
+    # A header whose .cpp is not compiled alone stands in a file that shows that it needs nothing before it.
+    alone = root / "build/release/tests/layout/headers"
+    objects = [f"tests/layout/CMakeFiles/sortie_headers.dir/headers/{path.relative_to(alone)}.o" for path in sorted(alone.rglob("*.cpp"))
+               if set(re.findall('"(.+)"', path.read_text())) & set(code_files)]
     if targets + objects and not step(["ninja", "-C", root / "build/release", "-j", jobs, *targets, *objects], quiet=True):
         return 1
     for folder, stems in binaries.items():
