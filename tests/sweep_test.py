@@ -137,7 +137,7 @@ check((work / "knobs" / "sweep.md").read_text().count("\n## ") == len(of_knob), 
 if shutil.which("valgrind"):
     counted = []
     for name, more in (("counted", []), ("counted beside", ["--jobs", 2])):
-        told = run(PROGRAM, "bench", logs[0], "--sweep", "attitude.acc_time_constant_s=1,3", "--sweep", "map.voxel_m=0.2,0.4",
+        told = run(PROGRAM, "bench", small, "--sweep", "attitude.acc_time_constant_s=1,3", "--sweep", "map.voxel_m=0.2,0.4",
                    "--task", "attitude", "--task", "map", "--instructions", *more, "--out", work / name)
         check(told.returncode == 0, f"a sweep is {name}", told)
         log = json.loads((work / name / "sweep.json").read_text())
