@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a robot is on a kept map that knows nothing of it: searched while it is unplaced, a little a job.
+#include <algorithm>
 #include <string>
 
 #include "firmware_like/parts/locate_access.hpp"
@@ -19,11 +20,14 @@ using mapping::RelocateVerdict;
 struct RelocatePartConfig {
   std::uint32_t units{4'000'000};
   double second_look_m{0.5};
+  double far_look_m{6.0};
 
   SORTIE_KEYS(c, key) {
     key("units", c.units, {10'000, 1e9, "units", "of work a job; 4,000,000 are about 50 ms"});
     key("second_look_m", c.second_look_m,
         {0, 10, "m", "of way between two searches that have to agree; 0: one is enough"});
+    key("far_look_m", c.far_look_m,
+        {0, 100, "m", "the same, where one of the two leaves more unexplained than surely_over_unexplained"});
   }
 };
 
@@ -38,6 +42,7 @@ struct RelocateOutput {
   double lead{};
   double rival{};
   double unexplained{};
+  std::uint8_t sure{};
   std::uint32_t candidates{};
   std::uint64_t units{};  ///< of this search so far
   mapping::RelocateCounts counts;
@@ -45,7 +50,7 @@ struct RelocateOutput {
   std::uint64_t first_looks{};    ///< places that wait for a second search that agrees
   std::uint64_t disagreed{};      ///< second searches that found another place
   SORTIE_FIELDS(verdict, stamp_ns, p_map_sensor_m, q_map_sensor, share, seen, crossed, lead, rival,
-                unexplained, candidates, units, counts, not_confirmed, first_looks, disagreed)
+                unexplained, sure, candidates, units, counts, not_confirmed, first_looks, disagreed)
 };
 
 /// Group `mapping`, task `relocate`, behind `locate`. A search takes the newest scan, goes on over as many
@@ -95,7 +100,7 @@ class RelocatePart final : public Part {
         .fixed(config_, access_, task_)
         .by_hand(relocaliser_)
         .state(searched_odometry_, T_odom_searched_, sigma_move_m_, sigma_turn_rad_, told_, waited_,
-               has_look_, T_odom_look_, T_map_odom_look_, output_);
+               has_look_, look_is_sure_, T_odom_look_, T_map_odom_look_, output_);
     if (relocaliser_ != nullptr) archive.value(*relocaliser_);
     mapping::check_pose(archive, T_odom_searched_);
     mapping::check_pose(archive, T_odom_look_);
@@ -142,8 +147,8 @@ class RelocatePart final : public Part {
   }
 
   /// Whether a search from elsewhere found the odometry at the same place. What looks like another place
-  /// looks less like it from a second one. Without odometry nobody knows where that is: then one search has
-  /// to do.
+  /// looks less like it from a second one; where it leaves much unexplained, from one in another room.
+  /// Without odometry nobody knows where that is: then one search has to do.
   bool agrees() {
     if (config_.second_look_m <= 0.0 || !searched_odometry_) return true;
     const mapping::RigidPose T_map_odom =
@@ -154,12 +159,18 @@ class RelocatePart final : public Part {
     const rt::Vector3 off = apart.p + rt::rotate(apart.q, here) - here;
     const bool same =
         has_look_ && rt::norm(off) < kSameMove && rt::norm(rt::log_rotation(apart.q)) < kSameTurn;
-    const bool far = has_look_ && rt::norm(here - T_odom_look_.p) >= config_.second_look_m;
-    if (same && !far) return false;
+    const bool is_sure = relocaliser_->result().sure;
+    const double way_m = is_sure && look_is_sure_ ? config_.second_look_m
+                                                  : std::max(config_.second_look_m, config_.far_look_m);
+    if (same && rt::norm(here - T_odom_look_.p) >= way_m) {
+      has_look_ = false;
+      return true;
+    }
+    if (same && (look_is_sure_ || !is_sure)) return false;
     if (has_look_ && !same) ++output_.disagreed;
-    has_look_ = !same;
-    if (same) return true;
-    ++output_.first_looks;
+    if (!same) ++output_.first_looks;
+    has_look_ = true;
+    look_is_sure_ = is_sure;
     T_odom_look_ = T_odom_searched_;
     T_map_odom_look_ = T_map_odom;
     return false;
@@ -188,6 +199,7 @@ class RelocatePart final : public Part {
     output_.lead = found.lead;
     output_.rival = found.rival;
     output_.unexplained = found.unexplained;
+    output_.sure = found.sure ? 1 : 0;
     output_.candidates = found.candidates;
     output_.units = found.units;
     output_.counts = found.counts;
@@ -201,9 +213,10 @@ class RelocatePart final : public Part {
   mapping::RigidPose T_odom_searched_;
   double sigma_move_m_{0.05};
   double sigma_turn_rad_{0.02};
-  bool told_{};                     ///< the locator was told a place, and has to see whether it is one
-  std::uint32_t waited_{};          ///< scans since
-  bool has_look_{};                 ///< a search found a place, and waits for another one that agrees
+  bool told_{};             ///< the locator was told a place, and has to see whether it is one
+  std::uint32_t waited_{};  ///< scans since
+  bool has_look_{};         ///< a search found a place, and waits for another one that agrees
+  bool look_is_sure_{};
   mapping::RigidPose T_odom_look_;  ///< of its scan
   mapping::RigidPose T_map_odom_look_;
   RelocateOutput output_;

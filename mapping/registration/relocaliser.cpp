@@ -63,7 +63,10 @@ void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternio
   weigh_returns();
   at_ = count_ = 0;
   credit_.clear();
-  result_ = {RelocateVerdict::searching, {}, {}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, result_.counts};
+  const RelocateCounts counts = result_.counts;
+  result_ = {};
+  result_.verdict = RelocateVerdict::searching;
+  result_.counts = counts;
   ++result_.counts.begun;
   rt::Vector3 returns_m[PlaceSearchConfig::kMostReturns];
   const std::span<rt::Vector3> wanted{returns_m, search_.config().returns};

@@ -43,13 +43,14 @@ struct Relocated {
   double denied{};       ///< of the scan: what speaks against that place
   double rival{};        ///< of the scan: what speaks for it
   double unexplained{};  ///< of the scan: not explained here, where the map has seen something, or crossed
+  bool sure{};           ///< so little of it that no place elsewhere that looks alike would leave as little
   std::uint32_t hits{};  ///< in the search, of `searched` returns
   std::uint32_t searched{};
   std::uint32_t candidates{};
   std::uint64_t units{};  ///< of work
   RelocateCounts counts;
   SORTIE_FIELDS(verdict, T_map_sensor, covariance, share, seen, crossed, lead, denied, rival, unexplained,
-                hits, searched, candidates, units, counts)
+                sure, hits, searched, candidates, units, counts)
 };
 
 /// Searches, matches what it found, and judges. All memory is taken from the arena; no heap; no step costs

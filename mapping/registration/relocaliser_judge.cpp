@@ -131,11 +131,14 @@ void Relocaliser::unexplained(const Place& place, double (&out)[kWeighed + 1]) c
 /// Things that were moved speak against all places alike, and against the right one too: what counts is how
 /// much more speaks for this place than for each other one, and than against this one; by the returns, of
 /// which one thing may have a third, by the surfaces that they lie on, and by the things. What all places
-/// explain, walls of a room that looks the same from both ends, says nothing.
+/// explain, walls of a room that looks the same from both ends, says nothing. A place that the map does not
+/// know, in another building that looks alike but for a few things, cannot be compared with: against it
+/// speaks only what this place leaves unexplained, so whoever leaves little is sure.
 bool Relocaliser::leads(const Place& best) {
   double without[kWeighed + 1];
   unexplained(best, without);
   bool leads = true;
+  result_.sure = true;
   result_.lead = 1.0;
   result_.unexplained = *std::max_element(std::begin(without), std::end(without));
   for (std::uint32_t i = 0; i < count_; ++i) {
@@ -146,6 +149,8 @@ bool Relocaliser::leads(const Place& best) {
       const double lead = evidence.speaks_for - evidence.against;
       leads = leads && evidence.speaks_for >= config_.over_rival * evidence.against &&
               lead >= config_.least_lead + config_.over_unexplained * without[by];
+      result_.sure =
+          result_.sure && lead >= config_.least_lead + config_.surely_over_unexplained * without[by];
       if (lead >= result_.lead) continue;
       result_.lead = lead;
       result_.denied = evidence.speaks_for;

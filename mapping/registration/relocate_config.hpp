@@ -48,6 +48,7 @@ struct RelocateConfig {
   double of_gaps{0.5};
   double over_rival{2.0};
   double over_unexplained{1.0};
+  double surely_over_unexplained{3.0};
 
   SORTIE_KEYS(c, key) {
     key("first_returns", c.first_returns,
@@ -62,6 +63,8 @@ struct RelocateConfig {
         {0, 1, "", "of the scan, that more must speak for a place than for each other one"});
     key("over_unexplained", c.over_unexplained,
         {0, 100, "", "times what the place leaves unexplained, that must speak for it beside that"});
+    key("surely_over_unexplained", c.surely_over_unexplained,
+        {0, 100, "", "the same, of a place that a second look nearby may confirm (second_look_m)"});
     key("of_gaps", c.of_gaps,
         {0, 1, "", "of what a place explains where another one has a gap in the map: speaks for it"});
     key("over_rival", c.over_rival, {1, 100, "", "times as much must speak for it as for another one"});

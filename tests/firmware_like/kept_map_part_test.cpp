@@ -89,6 +89,16 @@ TEST_CASE("a robot that is told nothing finds its place on the map of another ru
   const firmware::ReplayOutcome again = replay_log(log, options);
   CHECK(complaint_of(again).empty());
   CHECK(again.results.digest == run.results.digest);
+  // Two looks so near each other are not enough where one of them is not sure.
+  for (const char* const far_look : {"relocate.far_look_m=6", "relocate.far_look_m=0.2"}) {
+    INFO(far_look);
+    std::vector<std::string> unsure = wanted;
+    unsure.insert(unsure.end(), {"relocate.surely_over_unexplained=100", far_look});
+    const firmware::LiveRunOutcome looked = run_located(9, "", unsure, map);
+    CHECK(counted(looked, "relocate_placed") >= 2);
+    CHECK(counted(looked, "relocate_first_looks") == 1);
+    CHECK((counted(looked, "locate_accepted") > 0) == (far_look == std::string("relocate.far_look_m=0.2")));
+  }
   // Nothing is searched where the robot makes its map itself.
   const firmware::LiveRunOutcome own = run_located(2, "", wanted);
   CHECK(counted(own, "relocate_begun") == 0);

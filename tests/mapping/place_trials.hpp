@@ -56,14 +56,16 @@ inline std::vector<rt::ScanPoint> scan_where_known(PlaceRig& rig, const PlaceWor
 
 enum class FalsePlace { symmetric, mirrored, other_building };
 
-/// The same robot half a metre on, where part `relocate` looks again at the earliest; where there is no room,
+/// The same robot further on, where part `relocate` looks again at the earliest; where there is no room,
 /// where it was.
-inline LostRobot half_a_metre_on(const LostRobot& before, const PlaceWorld& world, Draws& draws) {
+inline LostRobot further_on(const LostRobot& before, double way_m, const PlaceWorld& world, Draws& draws) {
   LostRobot robot(world, draws);
   robot.pose.p = before.pose.p;
-  for (int tries = 0; tries < 100; ++tries) {
+  for (int tries = 0; tries < 1000; ++tries) {
     const double heading = draws.uniform(-M_PI, M_PI);
-    const rt::Vector3 p = before.pose.p + rt::Vector3{0.5 * std::cos(heading), 0.5 * std::sin(heading), 0};
+    const rt::Vector3 p =
+        before.pose.p + rt::Vector3{way_m * std::cos(heading), way_m * std::sin(heading), 0};
+    if (p.x < 0.0 || p.x > world.wide || p.y < 0.0 || p.y > world.deep) continue;
     if (world.is_free(p, 0.4)) {
       robot.pose.p = p;
       break;
@@ -80,7 +82,8 @@ inline bool agree(const mapping::RigidPose (&T_map_sensor)[2], const mapping::Ri
          rt::norm(rt::log_rotation(expected.q * rt::conjugate(T_map_sensor[1].q))) < 0.05;
 }
 
-/// Of one look, and of two that agree, as part `relocate` has it.
+/// Of one look, and of two that agree, as part `relocate` has it: half a metre apart where both are sure,
+/// else six metres.
 struct FalsePlaces {
   PlaceTally once, twice;
 };
@@ -104,13 +107,20 @@ inline FalsePlaces false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t se
     const auto is_right = [&] { return kind == FalsePlace::symmetric && robot.is_right(found.T_map_sensor); };
     tally.once.add(found, is_right());
     if (found.verdict == RelocateVerdict::placed) {
-      const mapping::RigidPose place = found.T_map_sensor, truth = robot.pose;
-      robot = half_a_metre_on(robot, seen, draws);
-      found = rig.find(place_scan(random_lidar(draws), seen, robot.pose.p, robot.pose.q, draws),
-                       robot.q_level_sensor);
-      if (found.verdict == RelocateVerdict::placed &&
-          !agree({place, found.T_map_sensor}, {truth, robot.pose}))
-        found.verdict = RelocateVerdict::ambiguous;
+      const mapping::RigidPose place = found.T_map_sensor;
+      const LostRobot first = robot;
+      const auto look_again = [&](double way_m) {
+        robot = further_on(first, way_m, seen, draws);
+        found = rig.find(place_scan(random_lidar(draws), seen, robot.pose.p, robot.pose.q, draws),
+                         robot.q_level_sensor);
+        if (found.verdict == RelocateVerdict::placed &&
+            (rt::norm(robot.pose.p - first.pose.p) < 0.99 * way_m ||
+             !agree({place, found.T_map_sensor}, {first.pose, robot.pose})))
+          found.verdict = RelocateVerdict::ambiguous;
+      };
+      const bool is_sure = found.sure;
+      look_again(is_sure ? 0.5 : 6.0);
+      if (is_sure && found.verdict == RelocateVerdict::placed && !found.sure) look_again(6.0);
     }
     tally.twice.add(found, is_right());
   }

@@ -6,7 +6,7 @@
 #include "mapping/registration/place_rays.hpp"
 #include "rt/digest.hpp"
 #include "rt/posix/heap_trap.hpp"
-#include "tests/mapping/place_rig.hpp"
+#include "tests/mapping/place_trials.hpp"
 
 namespace {
 using namespace sortie;
@@ -31,7 +31,7 @@ std::uint64_t digest(const mapping::Relocated& found) { return rt::digest_of(fou
 }  // namespace
 
 TEST_CASE("A robot is found in a hall that it has a map of", "[heavy]") {
-  int right = 0;
+  int right = 0, sure = 0;
   constexpr int kTrials = 10;
   for (int trial = 0; trial < kTrials; ++trial) {
     CAPTURE(trial);
@@ -42,7 +42,9 @@ TEST_CASE("A robot is found in a hall that it has a map of", "[heavy]") {
     for (int i = 0; i < 6; ++i) CHECK(found.covariance[7 * i] > 0.0);
     CHECK(found.counts.placed == 1);
     ++right;
+    if (found.sure) ++sure;
   }
+  CHECK(sure >= right - 1);
   CHECK(right >= kTrials - 3);  // halls that look nearly the same from both ends are refused
 }
 
@@ -57,6 +59,19 @@ TEST_CASE("In a hall that looks the same from both ends a robot is not placed", 
     const auto scan = testing::place_scan({32, 512}, world, robot.pose.p, robot.pose.q, draws);
     CHECK(rig.find(scan, robot.q_level_sensor).verdict == RelocateVerdict::ambiguous);
   }
+}
+
+TEST_CASE("A room of a mirrored building that is taken for one of the map's is no sure place", "[heavy]") {
+  // Found by trying thousands; their mirror images leave 7 to 10 % of a scan unexplained.
+  testing::FalsePlaces tally;
+  testing::PlaceRig rig(testing::kHallMemory);
+  for (const std::uint64_t seed : {1000249u, 1000340u, 1002954u, 1002978u, 55550241u}) {
+    const testing::FalsePlaces one = testing::false_places(rig, testing::FalsePlace::mirrored, seed, 1);
+    tally.once.wrong += one.once.wrong;
+    tally.twice.wrong += one.twice.wrong;
+  }
+  CHECK(tally.once.wrong > 0);  // else these rooms show nothing
+  CHECK(tally.twice.wrong == 0);
 }
 
 TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another building", "[heavy]") {
