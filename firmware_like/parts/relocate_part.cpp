@@ -27,7 +27,7 @@ struct RelocatePartConfig {
     key("second_look_m", c.second_look_m,
         {0, 10, "m", "of way between two searches that have to agree; 0: one is enough"});
     key("far_look_m", c.far_look_m,
-        {0, 100, "m", "the same, where one of the two leaves more unexplained than surely_over_unexplained"});
+        {0, 100, "m", "the same, where one of the two is not sure (surely_over_unexplained)"});
   }
 };
 
