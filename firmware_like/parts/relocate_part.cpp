@@ -147,7 +147,7 @@ class RelocatePart final : public Part {
   }
 
   /// Whether a search from elsewhere found the odometry at the same place. What looks like another place
-  /// looks less like it from a second one; where it leaves much unexplained, from one in another room.
+  /// looks less like it from a second one; where it leaves much unexplained, from one further on.
   /// Without odometry nobody knows where that is: then one search has to do.
   bool agrees() {
     if (config_.second_look_m <= 0.0 || !searched_odometry_) return true;

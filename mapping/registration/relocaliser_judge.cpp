@@ -133,14 +133,14 @@ void Relocaliser::unexplained(const Place& place, double (&out)[kWeighed + 1]) c
 /// which one thing may have a third, by the surfaces that they lie on, and by the things. What all places
 /// explain, walls of a room that looks the same from both ends, says nothing. A place that the map does not
 /// know, in another building that looks alike but for a few things, cannot be compared with: against it
-/// speaks only what this place leaves unexplained, so whoever leaves little is sure.
+/// speaks only what this place leaves unexplained: where that is little, it is sure.
 bool Relocaliser::leads(const Place& best) {
   double without[kWeighed + 1];
   unexplained(best, without);
   bool leads = true;
-  result_.sure = true;
   result_.lead = 1.0;
   result_.unexplained = *std::max_element(std::begin(without), std::end(without));
+  result_.sure = result_.lead >= config_.least_lead + config_.surely_over_unexplained * result_.unexplained;
   for (std::uint32_t i = 0; i < count_; ++i) {
     if (places_[i].slot == best.slot) continue;
     const Compared compared = compare(best, places_[i]);

@@ -17,6 +17,7 @@ CLEAN = {
     "estimators/filter.hpp": '// A filter.\n#pragma once\n#include "rt/base.hpp"\n',
     "drivers/bus.cpp": "// A bus.\n#include <sys/socket.h>\n",
     "firmware_like/robots/robot.cpp": '// A vehicle.\n#include "rt/base.hpp"\n\n#include "estimators/filter.hpp"\n',
+    "drivers/line.cpp": '// A line.\n#include "rt/base.hpp"\n\n#include "drivers/line.hpp"\n',
     "firmware_like/scene/command_line.cpp": "// Options.\n#include <CLI/CLI.hpp>\n",
     "firmware_like/scene/toml_file.cpp": "// Scenes.\n#include <toml++/toml.h>\n",
 }
@@ -78,6 +79,7 @@ FAULTS = {
     "headers": [
         ("rt/other.hpp", "\n", "rt/other.hpp: nothing compiles it alone: configure"),
         ("drivers/bus.hpp", "#pragma once\n", "drivers/bus.hpp: nothing compiles it alone: drivers/bus.cpp must include it first"),
+        ("drivers/line.hpp", "#pragma once\n", "drivers/line.hpp: nothing compiles it alone: drivers/line.cpp must include it first"),
         ("estimators/filter.hpp", '#include "estimators/filter.hpp"\n', "estimators/filter.hpp: nothing compiles it alone"),
     ],
     "freestanding": [
