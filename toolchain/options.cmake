@@ -47,6 +47,8 @@ if(SORTIE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   # a build from nothing; and it may keep what is compiled with a precompiled header.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
     CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${SORTIE_CCACHE})
+  # clang keeps a header's time in what it precompiles: a second build would take nothing that includes it from the cache.
+  add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
 
 # Replayable arithmetic: no fused multiply-add, no fast-math, no SLP vectorisation (GCC 12 fuses there in spite of
