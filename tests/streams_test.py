@@ -127,7 +127,8 @@ if live.poll() is None and run("set", *to_live).returncode == 0:
     check(released.returncode == 0, "drive release", released)
     for number in (signal.SIGHUP, signal.SIGTERM):
         driver = start("drive", "go", "--speed", "0.1", "--for", "0", "--lcm-url", URL)
-        select.select([driver.stdout], [], [], 20)  # the request was taken
+        taken = select.select([driver.stdout], [], [], 20)[0]
+        check(taken, "drive go says that it was taken while it drives")
         driver.send_signal(number)
         words = driver.communicate(timeout=60)
         check(driver.returncode == 0 and "0.00 m/s" in words[0], f"drive go, {number.name}: {driver.returncode} {words}")

@@ -145,10 +145,12 @@ bool go(const CommandContext& context, const DriveOptions& options, RequestClien
   const auto patience = Clock::now() + ms_of(options.seconds);
   const std::int64_t first = client.repeat(
       wish, kRepeat, options.for_s == 0 ? kForEver : ms_of(options.for_s), [&](std::int64_t from) {
-        done = done || is_done(client, options.what, from);
+        if (!done && is_done(client, options.what, from)) {
+          done = true;
+          if (!options.json) show(options, client, done);  // now, not when it has driven
+        }
         return firmware::StopSignals::asked() || (!done && Clock::now() > patience);
       });
-  if (!options.json && done) show(options, client, done);
   if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
   // The robot is never left driving: a request may have been taken although its answer was not heard. That
   // these are taken says nothing of those before. The next go is anew again.
