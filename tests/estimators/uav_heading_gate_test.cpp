@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "tests/estimators/uav_flight.hpp"
 
@@ -97,6 +98,11 @@ TEST_CASE("Headings that agree are given in to, alone or with a place, and the m
 }
 
 TEST_CASE("A heading given in to leaves the covariance of an update of one that was not known at all") {
+  if (std::numeric_limits<long double>::digits <= std::numeric_limits<double>::digits) {
+    WARN(
+        "skipped: long double is no wider than double here, and the twin subtracts a million from a million");
+    return;
+  }
   UavEstimator estimator(matched_config());
   SimulatedFlight flight(42);
   fly_on(estimator, flight, 0, 870, kPlaceAndHeading, [](std::int64_t n) { return n > 80 ? 1.0 : 0.0; });
