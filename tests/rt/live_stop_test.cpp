@@ -118,7 +118,7 @@ TEST_CASE("where all or nothing is wanted, a refusal comes before any job, from 
   for (const Case& wanted : {Case{1, -1}, Case{0, -1}, Case{1, 0}, Case{200, 0}, Case{80, 200}}) {
     INFO("top priority " << wanted.top_priority << ", supervisor's " << wanted.supervisor_priority);
     // In a process of its own: memory that was locked stays so.
-    const int code = testing::in_child([&wanted] {
+    const auto refused_run = [&wanted] {
       LiveRig rig;
       add_groups(rig.executive, 0);
       LiveOptions live = rig.options(-5 * kMs);  // late already: the workers would begin at once
@@ -135,7 +135,12 @@ TEST_CASE("where all or nothing is wanted, a refusal comes before any job, from 
       std::uint64_t jobs = runner.ticks();
       for (std::uint32_t i = 0; i < 3; ++i) jobs += rig.executive.group(i).jobs;
       return jobs == 0 ? 0 : 11;
-    });
+    };
+    int code = testing::in_child(refused_run);
+#if defined(__SANITIZE_THREAD__)
+    // The sanitizer does not support threads that are started behind a fork: one of some dozens hangs.
+    if (code == testing::kHung) code = testing::in_child(refused_run);
+#endif
     CHECK(code == 0);
   }
 }
