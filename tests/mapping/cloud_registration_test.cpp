@@ -27,7 +27,7 @@ TEST_CASE("Halls that look the same from both ends, mirror images and other buil
   CAPTURE(kSeed);
   for (int kind = 1; kind <= 3; ++kind) {
     for (const bool known : {false, true}) {
-      const tests::CloudRuns out = tests::cloud_trials(kind, known, kSeed, 1);  // long: dozens
+      const tests::CloudRuns out = tests::cloud_trials(kind, known, kSeed, 3);
       CAPTURE(kind, known, out.placed(), out.wrong());
       CHECK(out.wrong() == 0);
     }

@@ -75,7 +75,7 @@ TEST_CASE("A room of a mirrored building that is taken for one of the map's is n
 }
 
 TEST_CASE("A robot is not placed in the mirror image of its hall, nor in another building", "[heavy]") {
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {  // hundreds in the long tests
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     LostInHall lost(seed);
     testing::Draws draws(seed + 1000);
