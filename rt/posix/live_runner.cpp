@@ -290,8 +290,7 @@ void LiveRunner::work(std::uint32_t index, int priority) {
   next_job_[index] = job;
   if (options_.on_worker != nullptr) options_.on_worker(false);
   stack_bytes_[index] = stack.high_water();
-  // A thread's end takes locks that know no priorities: of two workers that end together, the higher one
-  // would spin for what the lower one holds.
+  // A thread's end takes locks that know no priorities: a higher worker could spin for a lower one's.
   if (options_.realtime) static_cast<void>(set_ordinary_priority());
   pulse.has_cpu_clock.store(false, std::memory_order_release);
   pulse.thread.store(0, std::memory_order_release);
