@@ -2,6 +2,7 @@
 #include "firmware_like/runtime/runtime.hpp"
 
 #include <sys/mman.h>
+#include <unistd.h>
 #include <algorithm>
 #include <new>
 
@@ -12,10 +13,10 @@ namespace sortie::firmware {
 
 namespace {
 
-// Address space for the measuring pass; pages that nobody touches cost nothing. It grows until everything
-// fits: a 32-bit processor has little of it.
-constexpr std::size_t kFirstMeasureBytes = std::size_t{32} << 20;
-constexpr std::size_t kMostMeasureBytes = sizeof(void*) == 8 ? std::size_t{32} << 30 : std::size_t{1} << 30;
+// Address space to build in: pages that nobody touches cost nothing, and what is left over is given back. It
+// grows until everything fits, as a 32-bit processor has little of it.
+constexpr std::size_t kFirstBytes = std::size_t{32} << 20;
+constexpr std::size_t kMostBytes = sizeof(void*) == 8 ? std::size_t{32} << 30 : std::size_t{1} << 30;
 
 std::byte* map_memory(std::size_t bytes) {
   void* memory =
@@ -49,60 +50,51 @@ InitialPose read_initial(Profile& profile, const RuntimeStart& start) {
 
 Runtime::Runtime(Profile profile, const VehicleRegistry& vehicles, const RuntimeStart& start)
     : profile_(std::move(profile)) {
-  for (std::size_t bytes = kFirstMeasureBytes; !measure(vehicles, start, bytes); bytes *= 4) {
-    if (bytes > kMostMeasureBytes / 4) throw std::bad_alloc();
+  for (mapped_bytes_ = kFirstBytes; !fits(vehicles, start); mapped_bytes_ *= 4) {
+    if (mapped_bytes_ > kMostBytes / 4) throw std::bad_alloc();
   }
-  mapping_ = map_memory(memory_bytes_);
-  try {
-    build(vehicles, start, mapping_, memory_bytes_);
-  } catch (...) {
-    drop();
-    ::munmap(mapping_, memory_bytes_);
-    throw;
-  }
+  memory_bytes_ = static_cast<std::size_t>(arena_->needed_bytes());
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const std::size_t kept = std::max((memory_bytes_ + page - 1) / page, std::size_t{1}) * page;
+  if (kept < mapped_bytes_ && ::munmap(mapping_ + kept, mapped_bytes_ - kept) == 0) mapped_bytes_ = kept;
 }
 
-bool Runtime::measure(const VehicleRegistry& vehicles, const RuntimeStart& start, std::size_t bytes) {
-  std::byte* scratch = map_memory(bytes);
-  bool fits = true;
+bool Runtime::fits(const VehicleRegistry& vehicles, const RuntimeStart& start) {
+  mapping_ = map_memory(mapped_bytes_);
   try {
-    build(vehicles, start, scratch, bytes);
-    fits = arena_->refused() == 0;
-    profile_.refuse_unknown_keys("", "hil");  // [hil] is for a test bench, if there is one
+    build(vehicles, start);
+    if (arena_->refused() == 0) {
+      profile_.refuse_unknown_keys("", "hil");  // [hil] is for a test bench, if there is one
+      return true;
+    }
   } catch (...) {
     // Whatever went wrong may be for want of room; then it is tried again with more.
-    fits = !arena_ || arena_->refused() == 0;
-    if (fits) {
+    if (!arena_ || arena_->refused() == 0) {
       drop();
-      ::munmap(scratch, bytes);
       throw;
     }
   }
-  memory_bytes_ = static_cast<std::size_t>(arena_->needed_bytes());
   drop();
-  ::munmap(scratch, bytes);
-  return fits;
+  return false;
 }
 
-Runtime::~Runtime() {
-  drop();
-  if (mapping_ != nullptr) ::munmap(mapping_, memory_bytes_);
-}
+Runtime::~Runtime() { drop(); }
 
 void Runtime::drop() {
   vehicle_.reset();
   builder_.reset();
   executive_.reset();
   arena_.reset();
+  if (mapping_ != nullptr) ::munmap(mapping_, mapped_bytes_);
+  mapping_ = nullptr;
 }
 
-void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start, std::byte* memory,
-                    std::size_t bytes) {
+void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start) {
   const auto tick_us = profile_.integer("time.base_tick_us", {1000, 50, 1e6, "us", "length of a tick"});
   const InitialPose initial = read_initial(profile_, start);
   live_settings_ = read_live_settings(profile_);
   outlets_ = read_run_outlets(profile_);
-  arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(memory, bytes));
+  arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(mapping_, mapped_bytes_));
   executive_ =
       std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);
   builder_ = std::make_unique<VehicleBuilder>(profile_, *executive_, initial, start.map);

@@ -36,8 +36,8 @@ struct RequestAccess {
   std::string robot;                       ///< the name that the run answers by; empty: the computer's
 };
 
-/// A sealed executive with its vehicle. The vehicle is built twice: once to measure its memory, once into a
-/// block of exactly that size. After construction nothing allocates on behalf of the tasks.
+/// A sealed executive with its vehicle, built into one block of memory whose unused rest is given back. After
+/// construction nothing allocates on behalf of the tasks.
 class Runtime {
  public:
   /// Throws ProfileError (unknown vehicle, unknown key, value out of range) or std::bad_alloc.
@@ -82,10 +82,9 @@ class Runtime {
   std::string task_table() const;
 
  private:
-  void build(const VehicleRegistry& vehicles, const RuntimeStart& start, std::byte* memory,
-             std::size_t bytes);
-  /// Builds in `bytes` of scratch memory to learn what is needed. False: that was too little.
-  bool measure(const VehicleRegistry& vehicles, const RuntimeStart& start, std::size_t bytes);
+  void build(const VehicleRegistry& vehicles, const RuntimeStart& start);
+  /// Builds in a block of `mapped_bytes_`. False: that was too little.
+  bool fits(const VehicleRegistry& vehicles, const RuntimeStart& start);
   void drop();
   void read_parameter_keys();
 
@@ -98,6 +97,7 @@ class Runtime {
   std::vector<ScriptLine> script_;
   RequestAccess access_;
   std::byte* mapping_{};
+  std::size_t mapped_bytes_{};
   std::size_t memory_bytes_{};
   std::unique_ptr<rt::Arena> arena_;
   std::unique_ptr<rt::Executive> executive_;
