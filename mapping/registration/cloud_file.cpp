@@ -14,7 +14,14 @@ using Fault = CloudFileFault;
 constexpr std::size_t kCloudHead = rt::canonical_size<CloudFileHead>();
 constexpr std::size_t kCloudRecord = rt::canonical_size<SightRecord>();
 constexpr std::size_t kCloudCheck = 8;
-static_assert(kCloudHead == 52 && kCloudRecord == 160);
+static_assert(kCloudHead == 52 && kCloudRecord == 96);
+
+/// A cell of version 1.
+struct FirstRecord {
+  SurfelRecord surfel;
+  rt::Vector3 from_m;
+  SORTIE_FIELDS(surfel, from_m)
+};
 
 // Where they stand in the head.
 constexpr std::uint64_t kVersionByte = 8;
@@ -34,7 +41,19 @@ CloudFileHead cloud_head_of(const SightLayer& layer, CloudSensor sensor) {
 }
 
 std::uint64_t cloud_bytes_of(const CloudFileHead& head) {
-  return kCloudHead + std::uint64_t{kCloudRecord} * head.cells + kCloudCheck;
+  const std::size_t record = head.version == 1 ? rt::canonical_size<FirstRecord>() : kCloudRecord;
+  return kCloudHead + std::uint64_t{record} * head.cells + kCloudCheck;
+}
+
+SightRecord read_cell(const CloudFileHead& head, rt::Archive& archive) {
+  SightRecord one;
+  if (head.version != 1) {
+    archive.value(one);
+    return one;
+  }
+  FirstRecord first;
+  archive.value(first);
+  return {first.surfel.key, first.surfel.sums, first.from_m};
 }
 
 bool knows_sensor(const CloudFileHead& head) {
@@ -88,9 +107,8 @@ class CloudReader {
     if (result_.fault != Fault::none || !fits(layer)) return result_;
     rt::Archive records = rt::Archive::reading(bytes_.subspan(kCloudHead));
     for (std::uint32_t i = 0; i < result_.head.cells; ++i) {
-      SightRecord one;
       const std::uint64_t byte = kCloudHead + records.bytes();
-      records.value(one);
+      const SightRecord one = read_cell(result_.head, records);
       const Status status = layer.put(one);
       if (status == Status::ok) continue;
       if (status == Status::out_of_range)
@@ -117,7 +135,8 @@ class CloudReader {
     if (head.magic != CloudFileHead::kMagic)
       return refuse(Fault::no_cloud, 0, "these are no bytes of a cloud");
     if (archive_.status() != Status::ok) return refuse(Fault::length, bytes_.size(), "the head is cut off");
-    if (head.version != CloudFileHead::kVersion || head.steps != static_cast<std::uint32_t>(kSurfelSteps))
+    if (head.version < 1 || head.version > CloudFileHead::kVersion ||
+        head.steps != static_cast<std::uint32_t>(kSurfelSteps))
       return refuse(Fault::version, kVersionByte, "another version of the format");
     if (head.cells > kMostCloudCells)
       return refuse(Fault::cells, kCellsByte, "more cells than a cloud may have");
@@ -144,15 +163,14 @@ class CloudReader {
     CloudWindow window;
     std::uint64_t last = 0;
     for (std::uint32_t i = 0; i < head.cells; ++i) {
-      SightRecord one;
       const std::uint64_t byte = archive_.bytes();
-      archive_.value(one);
-      const char* const why = fault_of(one.surfel, head.cell_m);
+      const SightRecord one = read_cell(head, archive_);
+      const char* const why = fault_of({one.key, one.sums, {}}, head.cell_m);
       if (why != nullptr) return refuse(Fault::record, byte, why);
       if (!rt::is_finite(one.from_m)) return refuse(Fault::record, byte, "a cell that was seen from nowhere");
-      if (i > 0 && one.surfel.key <= last)
+      if (i > 0 && one.key <= last)
         return refuse(Fault::order, byte, "a cell that is there twice, or out of order");
-      last = one.surfel.key;
+      last = one.key;
       window.take(last);
       if (window.is_wide()) return refuse(Fault::window, byte, "the cloud is wider than any window");
     }
@@ -199,7 +217,7 @@ Status write_cloud(const SightLayer& layer, CloudSensor sensor, std::span<std::u
     return Status::out_of_range;
   const std::span<const SurfelIndex> cells = layer.by_key();
   CloudWindow window;
-  for (const SurfelIndex index : cells) window.take(layer.record(index).surfel.key);
+  for (const SurfelIndex index : cells) window.take(layer.record(index).key);
   if (window.is_wide()) return Status::out_of_range;
   if (out.size() < cloud_bytes(layer)) return Status::full;
   rt::Archive archive = rt::Archive::writing(out);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A cloud's cells as bytes that are kept from one robot's mission for another's.
 //
-// Little endian: head, cells by rising key (SightRecord), xxhash64 of all before it.
+// Little endian: head, cells by rising key (SightRecord), xxhash64 of all before it. Version 1 had a Gaussian
+// in each cell besides, which its sums say as well; it is still read.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace sortie::mapping {
 
-/// Cells that a file may have: 168 MB.
+/// Cells that a file may have: 101 MB.
 inline constexpr std::uint32_t kMostCloudCells = 1u << 20;
 /// Entries of the smallest window about a cloud, 4 bytes each: 256 x 256 x 256 cells, say.
 inline constexpr std::uint64_t kMostCloudWindow = std::uint64_t{1} << 24;
@@ -19,7 +20,7 @@ inline constexpr std::uint64_t kMostCloudWindow = std::uint64_t{1} << 24;
 /// What stands before the cells. 52 bytes.
 struct CloudFileHead {
   static constexpr std::uint64_t kMagic = 0x3144554f4c434f53;  ///< "SOCLOUD1"
-  static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kVersion = 2;
   std::uint64_t magic{kMagic};
   std::uint32_t version{kVersion};
   std::uint32_t steps{kSurfelSteps};  ///< of a cell's edge, in which its sums are

@@ -25,7 +25,7 @@ SurfelLayer SightLayer::make_layer(const SightConfig& config, rt::Arena& arena) 
   const unsigned bits_xy = window_bits(config.window_cells);
   const unsigned bits_z = window_bits(config.window_cells_up);
   const SurfelLayerMemory arrays =
-      surfel_memory(arena, "sight_window", "sight_surfels", bits_xy, bits_z, config.cells);
+      surfel_memory(arena, "sight_window", "sight_surfels", bits_xy, bits_z, config.cells, false);
   return {config.cell_m, bits_xy, bits_z, config.min_points, kMemoryPoints, arrays};
 }
 
@@ -40,13 +40,7 @@ SightLayer::SightLayer(const SightConfig& config, rt::Arena& arena)
 Status SightLayer::insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m) {
   if (!rt::is_finite(from_m)) return Status::not_finite;
   if (points_m.size() > scratch_.size()) return Status::full;
-  layer_.insert(points_m, ++views_, scratch_);
-  SurfelPlace place;
-  for (const rt::Vector3& p : points_m) {
-    if (!layer_.place(p.x, p.y, p.z, place)) continue;
-    const SurfelIndex surfel = layer_.find(place.cell);
-    if (surfel != kNoSurfel) from_[surfel] = from_m;
-  }
+  for (const std::uint64_t surfel : layer_.insert(points_m, ++views_, scratch_)) from_[surfel] = from_m;
   return Status::ok;
 }
 
@@ -78,7 +72,6 @@ void SightLayer::make_cells(std::span<const SurfelIndex> some) {
     flat_of_[index] = kNotFlat;
     const SurfelRecord record = layer_.record(index);
     if (record.sums.count < config_.min_points) continue;
-    // Of all its points: the layer's own is up to a tenth of them behind.
     const Surfel surfel = surfel_of(record.sums, config_.cell_m);
     const double across = surfel.variance(0);
     if (across > config_.most_thickness_m * config_.most_thickness_m ||
@@ -115,9 +108,9 @@ bool SightLayer::plane_cell(SurfelIndex index, PlaneCell& out) const {
 
 Status SightLayer::put(const SightRecord& record) {
   if (!rt::is_finite(record.from_m)) return Status::malformed;
-  const Status status = layer_.put(record.surfel);
+  const Status status = layer_.put({record.key, record.sums, {}});
   if (status != Status::ok) return status;
-  from_[layer_.find(SurfelCell::from_key(record.surfel.key))] = record.from_m;
+  from_[layer_.find(SurfelCell::from_key(record.key))] = record.from_m;
   count_ = 0;
   return Status::ok;
 }

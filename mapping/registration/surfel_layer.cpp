@@ -6,11 +6,11 @@
 namespace sortie::mapping {
 
 SurfelLayerMemory surfel_memory(rt::Arena& arena, const char* window, const char* name, unsigned bits_xy,
-                                unsigned bits_z, std::size_t surfels) {
+                                unsigned bits_z, std::size_t surfels, bool gaussians) {
   return {arena.make_array<SurfelIndex>(window, std::size_t{1} << (2 * bits_xy + bits_z)),
           arena.make_array<std::uint64_t>(name, surfels),
           arena.make_array<SurfelSums>(name, surfels),
-          arena.make_array<Surfel>(name, surfels),
+          arena.make_array<Surfel>(name, gaussians ? surfels : 0),
           arena.make_array<SurfelIndex>(name, surfels),
           arena.make_array<std::uint32_t>(name, surfels)};
 }
@@ -88,15 +88,15 @@ void SurfelLayer::make_room(std::span<std::uint64_t> missing, std::uint32_t scan
       memory_.window[at] = index;
       memory_.keys[index] = key;
       memory_.sums[index] = {};
-      memory_.surfels[index] = {};
+      if (has_gaussians()) memory_.surfels[index] = {};
       memory_.newest[index] = scan - 1;
       ++counts_.created;
     }
   }
 }
 
-void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
-                         std::span<std::uint64_t> cells) {
+std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
+                                                   std::span<std::uint64_t> cells) {
   std::size_t missing = 0;
   SurfelPlace at;
   for (const rt::Vector3& p : points_m) {
@@ -126,16 +126,18 @@ void SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t sc
   for (const std::uint64_t entry : cells.first(touched)) {
     const auto index = static_cast<std::size_t>(entry);
     SurfelSums& sums = memory_.sums[index];
-    Surfel& surfel = memory_.surfels[index];
-    const std::uint32_t known = surfel.count;
-    if (sums.count >= min_points_ && sums.count > known + known / 10)
-      surfel = surfel_of(sums, cell_m_, planar_);
-    if (sums.count >= memory_points_) {
-      surfel = surfel_of(sums, cell_m_, planar_);
-      sums.fade();
-      surfel.count = sums.count;
+    const bool fades = sums.count >= memory_points_;
+    if (has_gaussians()) {
+      Surfel& surfel = memory_.surfels[index];
+      const std::uint32_t known = surfel.count;
+      if (fades || (sums.count >= min_points_ && sums.count > known + known / 10))
+        surfel = surfel_of(sums, cell_m_, planar_);
     }
+    if (!fades) continue;
+    sums.fade();
+    if (has_gaussians()) memory_.surfels[index].count = sums.count;
   }
+  return cells.first(touched);
 }
 
 /// In the unused end of the list of free ones, which has room for just as many.
@@ -159,7 +161,7 @@ Status SurfelLayer::put(const SurfelRecord& record) {
   place = index;
   memory_.keys[index] = record.key;
   memory_.sums[index] = record.sums;
-  memory_.surfels[index] = record.surfel;
+  if (has_gaussians()) memory_.surfels[index] = record.surfel;
   memory_.newest[index] = 0;
   return Status::ok;
 }
@@ -194,7 +196,9 @@ void SurfelLayer::archive(rt::Archive& archive) {
       one = record(there[i]);
       newest = memory_.newest[there[i]];
     }
-    archive.value(one);
+    archive.value(one.key);
+    archive.value(one.sums);
+    if (has_gaussians()) archive.value(one.surfel);
     archive.value(newest);
     if (!archive.is_reading() || archive.status() != Status::ok) continue;
     if ((i > 0 && one.key <= last) || put(one) != Status::ok) {

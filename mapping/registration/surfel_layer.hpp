@@ -41,7 +41,8 @@ struct SurfelPlace {
   std::int32_t at[3]{};
 };
 
-/// Memory of a layer, which outlives it: value-initialised arrays of one length, but for the window.
+/// Memory of a layer, which outlives it: value-initialised arrays of one length, but for the window. A layer
+/// without `surfels` keeps sums alone.
 struct SurfelLayerMemory {
   std::span<SurfelIndex> window;  ///< 2^(2 bits_xy + bits_z)
   std::span<std::uint64_t> keys;
@@ -50,9 +51,9 @@ struct SurfelLayerMemory {
   std::span<SurfelIndex> free;
   std::span<std::uint32_t> newest;  ///< number of the scan that touched it last
 };
-/// Arrays of an arena for `surfels` of them, reported under these names.
+/// Arrays of an arena for `surfels` of them, reported under these names; with Gaussians, or sums alone.
 SurfelLayerMemory surfel_memory(rt::Arena& arena, const char* window, const char* name, unsigned bits_xy,
-                                unsigned bits_z, std::size_t surfels);
+                                unsigned bits_z, std::size_t surfels, bool gaussians = true);
 
 /// What became of the points. in = used + all others; the last two count surfels.
 struct SurfelLayerCounts {
@@ -69,8 +70,9 @@ struct SurfelLayerCounts {
 /// the order of its points: new cells get their room in the order of their keys.
 class SurfelLayer {
  public:
-  /// 144 bytes a surfel and 4 an entry of the window. `cell_m`: edge, [0.01, 100]. A cell has a Gaussian from
-  /// `min_points` on, and fades from `memory_points` on (at most 32,768). `planar`: see surfel_of().
+  /// 144 bytes a surfel, 64 of them its Gaussian, and 4 an entry of the window. `cell_m`: edge, [0.01, 100].
+  /// A cell has a Gaussian from `min_points` on, and fades from `memory_points` on (at most 32,768).
+  /// `planar`: see surfel_of().
   SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
               std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar = false);
 
@@ -118,8 +120,9 @@ class SurfelLayer {
   static constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
   /// Adds points of the map's frame. `cells` is scratch, as long as `points_m`; `scan` is the scan's number,
-  /// which rises by one from scan to scan.
-  void insert(std::span<const rt::Vector3> points_m, std::uint32_t scan, std::span<std::uint64_t> cells);
+  /// which rises by one from scan to scan. Returns the surfels that took points, in scratch.
+  std::span<const std::uint64_t> insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
+                                        std::span<std::uint64_t> cells);
   /// Gives back what lies beyond the window about a place. From then on cells beyond it get only what room
   /// those within it leave. Looks at every surfel.
   void evict_beyond(const rt::Vector3& middle_m);
@@ -128,7 +131,7 @@ class SurfelLayer {
   /// The surfels that are there, by rising key. A sort; lives until the layer changes.
   std::span<const SurfelIndex> by_key() const;
   SurfelRecord record(SurfelIndex index) const {
-    return {memory_.keys[index], memory_.sums[index], memory_.surfels[index]};
+    return {memory_.keys[index], memory_.sums[index], has_gaussians() ? memory_.surfels[index] : Surfel{}};
   }
   /// Adds a surfel that was kept; what it was kept in gives them by rising key, after a clear(). malformed:
   /// it cannot be one (fault_of()); full: no room; out_of_range: another one has its place in the window.
@@ -146,6 +149,7 @@ class SurfelLayer {
     return (part(cell.at[0], mask_xy_) << bits_xy_ | part(cell.at[1], mask_xy_)) << bits_z_ |
            part(cell.at[2], mask_z_);
   }
+  bool has_gaussians() const { return !memory_.surfels.empty(); }
   bool within_window(const SurfelCell& cell) const;
   void make_room(std::span<std::uint64_t> missing, std::uint32_t scan);
   void release(SurfelIndex index);

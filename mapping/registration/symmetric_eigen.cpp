@@ -8,13 +8,19 @@ namespace sortie::mapping {
 namespace {
 constexpr int kSweeps = 6;  ///< quadratic from the third on: one or two more than any matrix needs
 
+/// From this theta on both roots below round to what stands under them without the 1, bit by bit: most turns
+/// of the last sweeps are so small.
+constexpr double kTinyTurn = 1 << 28;
+
 /// Turns rows and columns p and q so that a[p][q] is 0.
 void turn(double (&a)[3][3], double (&v)[3][3], int p, int q) {
   if (a[p][q] == 0.0) return;
   const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
   // The smaller root, so that the angle is at most 45 degrees. Where theta overflows, t is 0.
-  const double t = (theta >= 0.0 ? 1.0 : -1.0) / (std::fabs(theta) + std::sqrt(theta * theta + 1.0));
-  const double c = 1.0 / std::sqrt(t * t + 1.0);
+  const double away = std::fabs(theta);
+  const bool tiny = away >= kTinyTurn;
+  const double t = (theta >= 0.0 ? 1.0 : -1.0) / (away + (tiny ? away : std::sqrt(theta * theta + 1.0)));
+  const double c = tiny ? 1.0 : 1.0 / std::sqrt(t * t + 1.0);
   const double s = t * c;
   const int r = 3 - p - q;
   const double apq = a[p][q], apr = a[p][r], aqr = a[q][r];

@@ -13,8 +13,8 @@ namespace sortie::tests {
 using CloudBytes = std::vector<std::uint8_t>;
 
 inline constexpr std::size_t kCloudHeadBytes = 52;
-inline constexpr std::size_t kCloudRecordBytes = 160;
-inline constexpr std::size_t kFromByte = 136;  // of a record
+inline constexpr std::size_t kCloudRecordBytes = 96;
+inline constexpr std::size_t kFromByte = 72;  // of a record
 
 inline CloudBytes cloud_of(const mapping::SightLayer& layer,
                            mapping::CloudSensor sensor = mapping::CloudSensor::laser) {

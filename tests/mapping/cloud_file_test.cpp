@@ -117,3 +117,23 @@ TEST_CASE("A layer that was loaded, or read back from its state, goes on as the 
   CHECK(other.status() == Status::malformed);
   CHECK(restored.layer.size() == 0);
 }
+
+TEST_CASE("A cloud of the format's first version, with a Gaussian in each cell, is the same cloud") {
+  OwnedSight made(small_layer()), loaded(small_layer());
+  made.fill(small_cloud(9));
+  const CloudBytes now = cloud_of(made.layer);
+  CloudBytes first(now.begin(), now.begin() + kCloudHeadBytes);
+  first[8] = 1;
+  WorldRandom random(9);
+  for (std::size_t cell = kCloudHeadBytes; cell + 8 < now.size(); cell += kCloudRecordBytes) {
+    const auto at = now.begin() + static_cast<std::ptrdiff_t>(cell);
+    first.insert(first.end(), at, at + kFromByte);
+    for (int i = 0; i < 64; ++i) first.push_back(static_cast<std::uint8_t>(random.below(256)));
+    first.insert(first.end(), at + kFromByte, at + kCloudRecordBytes);
+  }
+  first.resize(first.size() + 8);
+  first = checked_anew(first);
+  CHECK(mapping::read_cloud_head(first).config.cells == made.layer.size());
+  REQUIRE(mapping::load_cloud(first, loaded.layer).fault == CloudFileFault::none);
+  check_same_cloud(made.layer, loaded.layer);
+}

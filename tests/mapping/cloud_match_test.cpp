@@ -66,8 +66,7 @@ TEST_CASE("Cells twice as wide are those that the points would have made, on eac
     // A point that lies on the border of a cell may lie beyond it where it was moved.
     std::uint32_t others = 0;
     for (std::size_t k = 0; k < ours.size(); ++k) {
-      const mapping::SurfelRecord a = wide.layer.record(ours[k]).surfel,
-                                  b = twin.layer.record(theirs[k]).surfel;
+      const mapping::SightRecord a = wide.layer.record(ours[k]), b = twin.layer.record(theirs[k]);
       REQUIRE(a.key == b.key);
       if (a.sums.count != b.sums.count) {
         ++others;
