@@ -9,7 +9,7 @@
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "mapping/registration/kept_pose.hpp"
-#include "mapping/registration/pose_algebra.hpp"
+#include "mapping/registration/place_looks.hpp"
 #include "mapping/registration/relocaliser.hpp"
 
 namespace sortie::firmware {
@@ -19,15 +19,9 @@ using mapping::RelocateVerdict;
 
 struct RelocatePartConfig {
   std::uint32_t units{4'000'000};
-  double second_look_m{0.5};
-  double far_look_m{6.0};
 
   SORTIE_KEYS(c, key) {
     key("units", c.units, {10'000, 1e9, "units", "of work a job; 4,000,000 are about 50 ms"});
-    key("second_look_m", c.second_look_m,
-        {0, 10, "m", "of way between two searches that have to agree; 0: one is enough"});
-    key("far_look_m", c.far_look_m,
-        {0, 100, "m", "the same, where one of the two is not sure (surely_over_unexplained)"});
   }
 };
 
@@ -64,6 +58,9 @@ class RelocatePart final : public Part {
     builder.profile().read("relocate", config);
     builder.profile().read("relocate", search);
     builder.profile().read("relocate", config_);
+    mapping::PlaceLooksConfig looks;
+    builder.profile().read("relocate", looks);
+    looks_ = mapping::PlaceLooks(looks);
     if (access_->locator->registration().config().planar)
       builder.profile().fail("tasks.relocate.enabled",
                              "a lidar of one row (locate.planar) sees too little to be searched with: say "
@@ -99,12 +96,10 @@ class RelocatePart final : public Part {
         .base<Part>()
         .fixed(config_, access_, task_)
         .by_hand(relocaliser_)
-        .state(searched_odometry_, T_odom_searched_, sigma_move_m_, sigma_turn_rad_, told_, waited_,
-               has_look_, look_is_sure_, T_odom_look_, T_map_odom_look_, output_);
+        .state(searched_odometry_, T_odom_searched_, sigma_move_m_, sigma_turn_rad_, told_, waited_, looks_,
+               output_);
     if (relocaliser_ != nullptr) archive.value(*relocaliser_);
     mapping::check_pose(archive, T_odom_searched_);
-    mapping::check_pose(archive, T_odom_look_);
-    mapping::check_pose(archive, T_map_odom_look_);
   }
 
  private:
@@ -112,8 +107,6 @@ class RelocatePart final : public Part {
   static constexpr double kLeastMove =
       0.1;  ///< m and rad: what the locator is told at least that a place may be off
   static constexpr double kLeastTurn = 0.03;
-  static constexpr double kSameMove = 0.3;  ///< m and rad: two searches agree, the odometry's drift included
-  static constexpr double kSameTurn = 0.05;
 
   void work(rt::JobContext& context) {
     mapping::Locator& locator = *access_->locator;
@@ -131,7 +124,8 @@ class RelocatePart final : public Part {
       begin();
     }
     std::uint64_t units = config_.units;
-    if (relocaliser_->run(units) && relocaliser_->result().verdict == RelocateVerdict::placed && agrees())
+    if (relocaliser_->run(units) && relocaliser_->result().verdict == RelocateVerdict::placed &&
+        (!searched_odometry_ || looks_.take(relocaliser_->result(), T_odom_searched_)))
       place();
     context.add_units(config_.units - static_cast<std::uint32_t>(units));
     put();
@@ -144,36 +138,6 @@ class RelocatePart final : public Part {
     sigma_turn_rad_ = access_->hint.sigma_turn_rad;
     output_.stamp_ns = access_->locator->located().stamp_ns;
     relocaliser_->begin(access_->locator->registration().sample(), access_->q_level_sensor);
-  }
-
-  /// Whether a search from elsewhere found the odometry at the same place. What looks like another place
-  /// looks less like it from a second one; where it leaves much unexplained, from one further on.
-  /// Without odometry nobody knows where that is: then one search has to do.
-  bool agrees() {
-    if (config_.second_look_m <= 0.0 || !searched_odometry_) return true;
-    const mapping::RigidPose T_map_odom =
-        mapping::after(relocaliser_->result().T_map_sensor, mapping::inverse(T_odom_searched_));
-    const mapping::RigidPose apart = mapping::after(mapping::inverse(T_map_odom_look_), T_map_odom);
-    // Where the odometry's origin is far off, a small turn moves it far: both are compared at the robot.
-    const rt::Vector3 here = T_odom_searched_.p;
-    const rt::Vector3 off = apart.p + rt::rotate(apart.q, here) - here;
-    const bool same =
-        has_look_ && rt::norm(off) < kSameMove && rt::norm(rt::log_rotation(apart.q)) < kSameTurn;
-    const bool is_sure = relocaliser_->result().sure;
-    const double way_m = is_sure && look_is_sure_ ? config_.second_look_m
-                                                  : std::max(config_.second_look_m, config_.far_look_m);
-    if (same && rt::norm(here - T_odom_look_.p) >= way_m) {
-      has_look_ = false;
-      return true;
-    }
-    if (same && (look_is_sure_ || !is_sure)) return false;
-    if (has_look_ && !same) ++output_.disagreed;
-    if (!same) ++output_.first_looks;
-    has_look_ = true;
-    look_is_sure_ = is_sure;
-    T_odom_look_ = T_odom_searched_;
-    T_map_odom_look_ = T_map_odom;
-    return false;
   }
 
   void place() {
@@ -203,6 +167,8 @@ class RelocatePart final : public Part {
     output_.candidates = found.candidates;
     output_.units = found.units;
     output_.counts = found.counts;
+    output_.first_looks = looks_.counts().first_looks;
+    output_.disagreed = looks_.counts().disagreed;
   }
 
   RelocatePartConfig config_;
@@ -215,10 +181,7 @@ class RelocatePart final : public Part {
   double sigma_turn_rad_{0.02};
   bool told_{};             ///< the locator was told a place, and has to see whether it is one
   std::uint32_t waited_{};  ///< scans since
-  bool has_look_{};         ///< a search found a place, and waits for another one that agrees
-  bool look_is_sure_{};
-  mapping::RigidPose T_odom_look_;  ///< of its scan
-  mapping::RigidPose T_map_odom_look_;
+  mapping::PlaceLooks looks_{{}};
   RelocateOutput output_;
 };
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mapping/registration/match_score.hpp"
-#include "mapping/registration/pose_algebra.hpp"
+#include "mapping/registration/place_looks.hpp"
 #include "tests/mapping/place_rig.hpp"
 
 namespace sortie::testing {
@@ -74,14 +74,6 @@ inline LostRobot further_on(const LostRobot& before, double way_m, const PlaceWo
   return robot;
 }
 
-/// Whether two places of a robot say the same of its odometry, which errs by nothing here.
-inline bool agree(const mapping::RigidPose (&T_map_sensor)[2], const mapping::RigidPose (&T_odom_sensor)[2]) {
-  const mapping::RigidPose way = mapping::after(mapping::inverse(T_odom_sensor[0]), T_odom_sensor[1]);
-  const mapping::RigidPose expected = mapping::after(T_map_sensor[0], way);
-  return rt::norm(expected.p - T_map_sensor[1].p) < 0.3 &&
-         rt::norm(rt::log_rotation(expected.q * rt::conjugate(T_map_sensor[1].q))) < 0.05;
-}
-
 /// Of one look, and of two that agree, as part `relocate` has it: half a metre apart where both are sure,
 /// else six metres.
 struct FalsePlaces {
@@ -107,20 +99,20 @@ inline FalsePlaces false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t se
     const auto is_right = [&] { return kind == FalsePlace::symmetric && robot.is_right(found.T_map_sensor); };
     tally.once.add(found, is_right());
     if (found.verdict == RelocateVerdict::placed) {
-      const mapping::RigidPose place = found.T_map_sensor;
+      mapping::PlaceLooks looks{{}};
+      const bool is_sure = found.sure;
       const LostRobot first = robot;
       const auto look_again = [&](double way_m) {
-        robot = further_on(first, way_m, seen, draws);
+        robot = further_on(first, way_m + 1e-9, seen, draws);
         found = rig.find(place_scan(random_lidar(draws), seen, robot.pose.p, robot.pose.q, draws),
                          robot.q_level_sensor);
-        if (found.verdict == RelocateVerdict::placed &&
-            (rt::norm(robot.pose.p - first.pose.p) < 0.99 * way_m ||
-             !agree({place, found.T_map_sensor}, {first.pose, robot.pose})))
-          found.verdict = RelocateVerdict::ambiguous;
+        return found.verdict == RelocateVerdict::placed && looks.take(found, robot.pose);
       };
-      const bool is_sure = found.sure;
-      look_again(is_sure ? 0.5 : 6.0);
-      if (is_sure && found.verdict == RelocateVerdict::placed && !found.sure) look_again(6.0);
+      bool agrees = looks.take(found, first.pose) || look_again(is_sure ? 0.5 : 6.0);
+      if (!agrees && is_sure && found.verdict == RelocateVerdict::placed && !found.sure &&
+          looks.counts().disagreed == 0)
+        agrees = look_again(6.0);
+      if (!agrees && found.verdict == RelocateVerdict::placed) found.verdict = RelocateVerdict::ambiguous;
     }
     tally.twice.add(found, is_right());
   }

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "tests/mapping/place_trials.hpp"
+#include "tests/mapping/place_drives.hpp"
 
 namespace {
 using namespace sortie;
@@ -51,6 +51,31 @@ testing::PlaceTally on_site(double share_moved) {
   CHECK(tally.wrong == 0);
   return tally;
 }
+
+void tell(const testing::DriveTally& tally) {
+  WARN("right " << tally.right << " wrong " << tally.wrong << " lost " << tally.lost << " after "
+                << tally.looks << " looks; placed within 2 looks " << tally.within(2) << ", 4 "
+                << tally.within(4) << ", 8 " << tally.within(8) << ", 12 " << tally.within(12) << ", 16 "
+                << tally.within(16));
+}
+
+/// Of robots that drive on where they are lost, `least` of all are placed, and none wrongly.
+void check_drives(double share_moved, double least) {
+  testing::PlaceRig rig(testing::kSiteMemory);
+  const int trials = trials_or(25);
+  const testing::DriveTally tally = testing::drives_on_site(rig, seed_or(700'000), trials, share_moved);
+  tell(tally);
+  CHECK(tally.wrong == 0);
+  CHECK(tally.right >= least * trials);
+}
+
+/// Of robots that drive where the map does not belong none is placed.
+void check_false_drives(testing::FalsePlace kind) {
+  testing::PlaceRig rig(testing::kHallMemory);
+  const testing::DriveTally tally = testing::false_drives(rig, kind, seed_or(500'000), trials_or(25));
+  tell(tally);
+  CHECK(tally.wrong + tally.right == 0);
+}
 }  // namespace
 
 TEST_CASE("Of robots in rooms that look the same from both ends none is placed at the wrong end") {
@@ -73,6 +98,18 @@ TEST_CASE("On two storeys of 100 x 25 m almost all lost robots are placed") {
 TEST_CASE("With a third of the things moved some are still placed, and none wrongly") {
   const testing::PlaceTally tally = on_site(0.3);
   CHECK(tally.right > 0.3 * static_cast<double>(tally.units.size()));
+}
+
+TEST_CASE("Lost robots that drive on are placed on two storeys of 100 x 25 m") { check_drives(0.0, 0.9); }
+
+TEST_CASE("Lost robots that drive on are placed with a third of the things moved") { check_drives(0.3, 0.7); }
+
+TEST_CASE("Of robots that drive through the mirror image of their building none is placed") {
+  check_false_drives(testing::FalsePlace::mirrored);
+}
+
+TEST_CASE("Of robots that drive through another building none is placed") {
+  check_false_drives(testing::FalsePlace::other_building);
 }
 
 TEST_CASE("Almost all returns hit at the pose of the search that is next to the true one") {
