@@ -15,8 +15,8 @@ namespace {
 
 // Address space to build in: pages that nobody touches cost nothing, and what is left over is given back. It
 // grows until everything fits, as a 32-bit processor has little of it.
-constexpr std::size_t kFirstBytes = std::size_t{32} << 20;
-constexpr std::size_t kMostBytes = sizeof(void*) == 8 ? std::size_t{32} << 30 : std::size_t{1} << 30;
+constexpr std::size_t kFirstMemory = std::size_t{32} << 20;
+constexpr std::size_t kMostMemory = sizeof(void*) == 8 ? std::size_t{32} << 30 : std::size_t{1} << 30;
 
 std::byte* map_memory(std::size_t bytes) {
   void* memory =
@@ -50,8 +50,8 @@ InitialPose read_initial(Profile& profile, const RuntimeStart& start) {
 
 Runtime::Runtime(Profile profile, const VehicleRegistry& vehicles, const RuntimeStart& start)
     : profile_(std::move(profile)) {
-  for (mapped_bytes_ = kFirstBytes; !fits(vehicles, start); mapped_bytes_ *= 4) {
-    if (mapped_bytes_ > kMostBytes / 4) throw std::bad_alloc();
+  for (mapped_bytes_ = kFirstMemory; !fits(vehicles, start); mapped_bytes_ *= 4) {
+    if (mapped_bytes_ > kMostMemory / 4) throw std::bad_alloc();
   }
   memory_bytes_ = static_cast<std::size_t>(arena_->needed_bytes());
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));

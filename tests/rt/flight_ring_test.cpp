@@ -40,6 +40,25 @@ TEST_CASE("a flight ring keeps the last jobs of every group in order") {
   CHECK(reader.header().scene_hash == 77);
 }
 
+TEST_CASE("a tick of any length is kept") {
+  const RingFolder folder;
+  std::vector<std::uint64_t> ticks;
+  {
+    FlightRing ring(folder.file(), plan_of_two(64));
+    for (int bit = 0; bit < 40; ++bit) {
+      ticks.push_back((std::uint64_t{1} << bit) + 1);  // 2^40 ms in nanoseconds still fit
+      ring.job(job_of(0, ticks.back()));
+    }
+  }
+  const FlightReader reader(folder.file());
+  REQUIRE(reader.jobs().size() == ticks.size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    INFO("tick " << ticks[i]);
+    CHECK(reader.jobs()[i].tick == ticks[i]);
+    CHECK(equals(reader.jobs()[i], job_of(0, ticks[i])));
+  }
+}
+
 TEST_CASE("spans and events come back with their names and in order") {
   const RingFolder folder;
   const SpanName merge("merge");
