@@ -15,7 +15,7 @@ namespace sortie::mapping {
 
 /// How far two looks are apart.
 struct PlaceLooksConfig {
-  double second_look_m{0.5};
+  double second_look_m{2.0};  ///< a corner that looks like another one still does half a metre on
   double far_look_m{6.0};
   SORTIE_FIELDS(second_look_m, far_look_m)
 

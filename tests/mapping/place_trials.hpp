@@ -74,8 +74,8 @@ inline LostRobot further_on(const LostRobot& before, double way_m, const PlaceWo
   return robot;
 }
 
-/// Of one look, and of two that agree, as part `relocate` has it: half a metre apart where both are sure,
-/// else six metres.
+/// Of one look, and of two that agree, as part `relocate` has it: two metres apart where both are sure, else
+/// six.
 struct FalsePlaces {
   PlaceTally once, twice;
 };
@@ -99,7 +99,8 @@ inline FalsePlaces false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t se
     const auto is_right = [&] { return kind == FalsePlace::symmetric && robot.is_right(found.T_map_sensor); };
     tally.once.add(found, is_right());
     if (found.verdict == RelocateVerdict::placed) {
-      mapping::PlaceLooks looks{{}};
+      constexpr mapping::PlaceLooksConfig kWays;
+      mapping::PlaceLooks looks{kWays};
       const bool is_sure = found.sure;
       const LostRobot first = robot;
       const auto look_again = [&](double way_m) {
@@ -108,10 +109,11 @@ inline FalsePlaces false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t se
                          robot.q_level_sensor);
         return found.verdict == RelocateVerdict::placed && looks.take(found, robot.pose);
       };
-      bool agrees = looks.take(found, first.pose) || look_again(is_sure ? 0.5 : 6.0);
+      bool agrees =
+          looks.take(found, first.pose) || look_again(is_sure ? kWays.second_look_m : kWays.far_look_m);
       if (!agrees && is_sure && found.verdict == RelocateVerdict::placed && !found.sure &&
           looks.counts().disagreed == 0)
-        agrees = look_again(6.0);
+        agrees = look_again(kWays.far_look_m);
       if (!agrees && found.verdict == RelocateVerdict::placed) found.verdict = RelocateVerdict::ambiguous;
     }
     tally.twice.add(found, is_right());
