@@ -98,18 +98,11 @@ inline void drive_until_placed(PlaceRig& rig, const PlaceWorld& seen, Draws& dra
   ++tally.lost;
 }
 
-/// Drives through a site as in lost_on_site().
+/// Drives through sites.
 inline DriveTally drives_on_site(PlaceRig& rig, std::uint64_t seed, int trials, double share_moved) {
   DriveTally tally;
-  PlaceWorld world;
-  for (int trial = 0; trial < trials; ++trial) {
-    Draws draws(seed + static_cast<std::uint64_t>(trial));
-    if (trial % 25 == 0) {
-      world = random_building(draws, 100, 25, 2);
-      rig.make_map(world, draws, 2.5);
-    }
-    drive_until_placed(rig, share_moved > 0.0 ? moved(world, draws, share_moved) : world, draws, tally);
-  }
+  on_sites(rig, seed, trials, share_moved,
+           [&](Draws& draws, const PlaceWorld& now) { drive_until_placed(rig, now, draws, tally); });
   return tally;
 }
 

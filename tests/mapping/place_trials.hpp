@@ -121,9 +121,10 @@ inline FalsePlaces false_places(PlaceRig& rig, FalsePlace kind, std::uint64_t se
   return tally;
 }
 
-/// Robots on a site of two storeys of 100 x 25 m, a new one each 25; a share of the things was moved since.
-inline PlaceTally lost_on_site(PlaceRig& rig, std::uint64_t seed, int trials, double share_moved) {
-  PlaceTally tally;
+/// Sites of two storeys of 100 x 25 m, a new one each 25 trials; a share of the things was moved since the
+/// map was made. Calls `take(draws, site)` for each trial.
+template <class F>
+void on_sites(PlaceRig& rig, std::uint64_t seed, int trials, double share_moved, F&& take) {
   PlaceWorld world;
   for (int trial = 0; trial < trials; ++trial) {
     Draws draws(seed + static_cast<std::uint64_t>(trial));
@@ -131,7 +132,14 @@ inline PlaceTally lost_on_site(PlaceRig& rig, std::uint64_t seed, int trials, do
       world = random_building(draws, 100, 25, 2);
       rig.make_map(world, draws, 2.5);
     }
-    const PlaceWorld now = share_moved > 0.0 ? moved(world, draws, share_moved) : world;
+    take(draws, share_moved > 0.0 ? moved(world, draws, share_moved) : world);
+  }
+}
+
+/// Robots on such sites, one look each.
+inline PlaceTally lost_on_site(PlaceRig& rig, std::uint64_t seed, int trials, double share_moved) {
+  PlaceTally tally;
+  on_sites(rig, seed, trials, share_moved, [&](Draws& draws, const PlaceWorld& now) {
     LostRobot robot(now, draws);
     const auto scan = scan_where_known(rig, now, draws, share_moved > 0.0 ? 0.8 : 0.9, robot);
     const mapping::Relocated& found = rig.find(scan, robot.q_level_sensor);
@@ -139,7 +147,7 @@ inline PlaceTally lost_on_site(PlaceRig& rig, std::uint64_t seed, int trials, do
     tally.add(found, right);
     if (found.verdict == mapping::RelocateVerdict::placed && !right)
       tally.wrong_m.push_back(found.T_map_sensor.p - robot.pose.p);
-  }
+  });
   return tally;
 }
 
