@@ -56,6 +56,13 @@ class Arena {
     return one.empty() ? nullptr : one.data();
   }
 
+  /// From here on the arena ends at `bytes`, but behind all that was taken: what comes later and does not fit
+  /// is refused.
+  void end_at(std::uint64_t bytes) {
+    if (bytes < used_) bytes = used_;
+    if (bytes < memory_.size()) memory_ = memory_.first(static_cast<std::size_t>(bytes));
+  }
+
   /// Every allocation and every refusal in the order they were asked for.
   std::span<const PoolRecord> report() const { return {records_, records_used_}; }
   /// Bytes taken so far, gaps included.

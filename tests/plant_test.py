@@ -148,10 +148,12 @@ def drive():
     check(ours.code == 0 and beside.code == 0, f"both end well: {ours.code} {beside.code}", ours.lines, beside.lines)
     verdict = answer("check", "drive.lcm", "--truth", "truth.lcm")
     counters = run.get("counters", {})
-    lost = counters.get("log_lost_jobs", 1) + counters.get("log_lost_samples", 1)  # the disk was away, and the log says so
+    # Behind a gap nobody knows what was run: then the part before it replays, and the run has to say so.
+    lost = counters.get("log_lost_jobs", 0) + counters.get("log_lost_samples", 0)
+    says_so = any("the log has gaps" in warning for warning in run.get("warnings", []))
     digests = [verdict.get("digest"), verdict.get("recorded_digest"), run.get("digest")]
-    check(verdict.get("passed") is True and (lost > 0 or len(set(digests)) == 1), "the drive replays to its digest", lost, digests,
-          verdict.get("compared_jobs"), verdict.get("failures"), run.get("warnings"))
+    check(verdict.get("passed") is True and (len(set(digests)) == 1 or (lost > 0 and says_so)), "the drive replays to its digest",
+          lost, digests, verdict.get("compared_jobs"), verdict.get("failures"), run.get("warnings"))
     check(counters.get("heap_calls", 0) == 0, "heap calls of a drive")
     # The sums fit, whatever came late: what one end sent the other took, or it was lost and counted.
     check(counters.get("plant_can_foreign", 1) == 0 and counters.get("plant_can_oversized", 1) == 0, "refusals", counters)
@@ -208,20 +210,9 @@ def kill_runtime(kind, *drives):
     still = speed(path, zero_s + gone_s + 0.4, zero_s + gone_s + 1.2)
     check(still is not None and still < 1e-3, "the robot stands after its runtime was killed", kind, still)
     fastest = max(speed(path, zero_s + t / 10, zero_s + t / 10 + 0.3) or 0 for t in range(int(10 * gone_s)))
+    check(fastest > 0.05, "it drove until then", kind, fastest, gone_s, path[-1][0] - path[0][0])
     check(answer("check", after).get("passed") is True, "the second runtime's log replays")
-    return fastest, run.get("counters", {}), sim.get("counters", {})
-
-
-def kill_in_drive(kind, *drives):
-    """The same, again where this machine was away and the robot hardly got to drive."""
-    for _ in range(4):
-        with Witness() as witness:
-            fastest, run, sim = kill_runtime(kind, *drives)
-        if fastest > 0.05 or witness.longest_s < 0.02:
-            break
-        print(f"disturbed: away for {witness.longest_s:.2f} s, {kind} drove {fastest:.2f} m/s")
-    check(fastest > 0.05, "it drove until then", kind, fastest, witness.longest_s)
-    return run, sim
+    return run.get("counters", {}), sim.get("counters", {})
 
 
 # An emergency stop that cannot be read is pressed: a button that never spoke, a line that is not there.
@@ -235,15 +226,15 @@ for protocol in ("own", "canopen", "odrive"):
         # ODrives tell no travel before they are set up, and a set-up waits for the release: then no pose is compared.
         never_on = protocol == "odrive" and counters.get("odrive_axes_set_ups") == 0
         check(never_on or run.get("errors", {}).get("distance_m", 9) < 1e-3, "nothing moves while it is pressed", protocol, key, run)
-run, sim = kill_in_drive("own")
+run, sim = kill_runtime("own")
 check(sim.get("bench_drive_stale_ms", 0) > 500, "the silence rule was at work", sim)
 # Drives whose process has died end without torque: on the pallet the robot would roll, so these drive away from it.
 BACK = ["--set", 'mission.commands=[{at_s=0.3,posture="climb"},{at_s=0.5,speed_m_s=-0.3},{at_s=100.0}]']
-run, sim = kill_in_drive("canopen", "--set", "drives.protocol=canopen", *BACK)
+run, sim = kill_runtime("canopen", "--set", "drives.protocol=canopen", *BACK)
 # Once for the first runtime, and again when the second had ended.
 check(sim.get("bench_heartbeats_lost", 0) >= 6, "every CANopen drive missed the heartbeat", sim)
 check(run.get("canopen_drives_set_ups", 0) >= 6, "the second runtime set all drives up", run)
-run, sim = kill_in_drive("odrive", "--set", "drives.protocol=odrive", *BACK)
+run, sim = kill_runtime("odrive", "--set", "drives.protocol=odrive", *BACK)
 # At the proof of each runtime, and when each had ended.
 check(sim.get("bench_watchdogs", 0) >= 18, "every axis was stopped by its watchdog", sim)
 check(run.get("odrive_axes_set_ups", 0) >= 6, "the second runtime set all axes up", run)

@@ -55,7 +55,8 @@ Runtime::Runtime(Profile profile, const VehicleRegistry& vehicles, const Runtime
   }
   memory_bytes_ = static_cast<std::size_t>(arena_->needed_bytes());
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const std::size_t kept = std::max((memory_bytes_ + page - 1) / page, std::size_t{1}) * page;
+  const std::size_t kept = (memory_bytes_ + page - 1) / page * page;
+  arena_->end_at(memory_bytes_);
   if (kept < mapped_bytes_ && ::munmap(mapping_ + kept, mapped_bytes_ - kept) == 0) mapped_bytes_ = kept;
 }
 

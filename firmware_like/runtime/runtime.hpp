@@ -72,7 +72,7 @@ class Runtime {
   /// Tasks whose state nobody has declared, or that keep it where it cannot be reached: one line each, with
   /// the cure. Empty: archive() is complete.
   std::vector<std::string> undeclared_state() const;
-  /// Bytes of the memory block.
+  /// Bytes of the memory block, to the byte; it has whole pages.
   std::size_t memory_bytes() const { return memory_bytes_; }
   /// Named pools of the block, in the order of their first use, allocations of one name summed up.
   std::vector<PoolResult> memory_plan() const;

@@ -101,7 +101,7 @@ class SurfelLayer {
     const SurfelIndex index = memory_.window[entry(cell)];
     return index != kNoSurfel && memory_.keys[index] == cell.key() ? index : kNoSurfel;
   }
-  /// The Gaussian of one; its count is 0 where it has too few points yet.
+  /// The Gaussian of one, in a layer that keeps them; its count is 0 where it has too few points yet.
   const Surfel& surfel(SurfelIndex index) const { return memory_.surfels[index]; }
   /// The same, or null where there is no Gaussian.
   const Surfel* surfel_at(const SurfelCell& cell) const {

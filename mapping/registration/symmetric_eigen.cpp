@@ -8,8 +8,7 @@ namespace sortie::mapping {
 namespace {
 constexpr int kSweeps = 6;  ///< quadratic from the third on: one or two more than any matrix needs
 
-/// From this theta on both roots below round to what stands under them without the 1, bit by bit: most turns
-/// of the last sweeps are so small.
+/// From this theta on sqrt(theta^2 + 1) is theta and sqrt(t^2 + 1) is 1, to the last bit: no root is needed.
 constexpr double kTinyTurn = 1 << 28;
 
 /// Turns rows and columns p and q so that a[p][q] is 0.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lost robots that drive on and search again, until they are placed or have driven thirty metres.
+// Lost robots that drive on and search again, until they are placed or have looked twenty times.
 #pragma once
 
 #include <algorithm>

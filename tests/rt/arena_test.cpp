@@ -50,6 +50,22 @@ TEST_CASE("an arena lists every allocation with its name and its bytes") {
   CHECK(arena.needed_bytes() >= arena.used_bytes());
 }
 
+TEST_CASE("an arena that was made to end earlier keeps what was taken, and refuses what lies behind") {
+  alignas(8) std::array<std::byte, 256> memory{};
+  Arena arena(memory);
+  const std::span<double> kept = arena.make_array<double>("kept", 4);
+  arena.end_at(8);  // less than was taken
+  CHECK(arena.make<char>("behind") == nullptr);
+  CHECK(arena.refused() == 1);
+  CHECK(kept.size() == 4);
+  Arena other(memory);
+  CHECK(other.make<double>("first") != nullptr);
+  other.end_at(16);
+  other.end_at(256);  // it does not grow again
+  CHECK(other.make<double>("second") != nullptr);
+  CHECK(other.make<char>("third") == nullptr);
+}
+
 TEST_CASE("allocations of an arena never overlap and keep their alignment wherever the block starts") {
   std::mt19937_64 engine(7);
   for (std::size_t start = 0; start < 64; ++start) {
