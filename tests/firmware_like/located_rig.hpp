@@ -9,14 +9,14 @@
 
 namespace sortie::testing {
 
-inline firmware::LiveRunOutcome run_located(double seconds, const std::string& log,
-                                            std::vector<std::string> more, const std::string& map = "") {
+/// A run on a virtual clock, judged.
+inline firmware::LiveRunOutcome run_virtually(const std::string& scene, std::vector<std::string> overrides,
+                                              double seconds, const std::string& log,
+                                              const std::string& map) {
   watch_heap();
   firmware::LiveRunOptions options;
-  options.scene = "ugv_hall";
-  options.overrides = std::move(more);
-  options.overrides.insert(options.overrides.end(), {"hil.lidar_rows=16", "hil.lidar_columns=180",
-                                                     "limits.voxels=65536", "tasks.map.budget_us=20000"});
+  options.scene = scene;
+  options.overrides = std::move(overrides);
   options.seconds = seconds;
   options.virtual_time = true;
   options.record = log;
@@ -27,6 +27,13 @@ inline firmware::LiveRunOutcome run_located(double seconds, const std::string& l
       firmware::run_live(firmware::own_vehicles(), toolchain::make_simulated_robot, options);
   static_cast<void>(toolchain::judge(run));
   return run;
+}
+
+inline firmware::LiveRunOutcome run_located(double seconds, const std::string& log,
+                                            std::vector<std::string> more, const std::string& map = "") {
+  more.insert(more.end(), {"hil.lidar_rows=16", "hil.lidar_columns=180", "limits.voxels=65536",
+                           "tasks.map.budget_us=20000"});
+  return run_virtually("ugv_hall", std::move(more), seconds, log, map);
 }
 
 inline std::uint64_t counted(const firmware::LiveRunOutcome& run, const std::string& name) {
