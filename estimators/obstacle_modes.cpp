@@ -65,9 +65,8 @@ ObstacleMotion ObstacleModes::update(const ObstacleStep& step) {
     motion.step_body_m.x = step.travel_m;
     return motion;
   }
-  const double way_now = std::fabs(step.travel_m) + config_.creep_m_s * step.dt_s;
   const TreeNode& side = decide(kSideTree, features_);
-  motion.step_body_m = {step.travel_m, 0.0, -step.turn_rad.x * side_of(static_cast<SideIdea>(side.idea))};
+  motion.step_body_m = {step.travel_m, 0.0, -step.turn_rad.x * side_of(static_cast<SideIdea>(side.what))};
   const double of_roll = static_cast<double>(side.sigma_m) * step.turn_rad.x;
   double of_pitch = kCalmSigma_m * nose_up;
   double of_way = 0.0;
@@ -76,14 +75,14 @@ ObstacleMotion ObstacleModes::update(const ObstacleStep& step) {
     of_pitch = 0.0;
     for (const TreeNode* tree : kPivotTrees) {
       const TreeNode& leaf = decide(tree, features_);
-      const auto idea = static_cast<PivotIdea>(leaf.idea);
+      const auto idea = static_cast<PivotIdea>(leaf.what);
       motion.step_body_m.z +=
-          share * (idea == PivotIdea::fixed ? -nose_up * direction_ * static_cast<double>(leaf.place_m)
+          share * (idea == PivotIdea::fixed ? -nose_up * direction_ * static_cast<double>(leaf.value)
                                             : normal_of(idea));
       if (phase_ != Phase::calm && idea != PivotIdea::middle)
         motion.step_body_m.x += share * nose_up * config_.profile.run_m();
       of_pitch += share * static_cast<double>(leaf.sigma_m) * nose_up;
-      of_way += share * static_cast<double>(leaf.sigma) * way_now;
+      of_way += share * static_cast<double>(leaf.sigma) * way;
     }
   }
   name_mode(std::fabs(step.travel_m));
@@ -256,7 +255,7 @@ void ObstacleModes::name_mode(double travel_m) {
   double sure = 1.0;
   if (!settled()) {
     const TreeNode& leaf = decide(kNameTree, features_);
-    name = leaf.idea;
+    name = leaf.what;
     sure = static_cast<double>(leaf.sigma);
     if (direction_ < 0.0 && name == static_cast<std::uint32_t>(ObstacleMode::low_rear)) {
       name = static_cast<std::uint32_t>(ObstacleMode::low_front);

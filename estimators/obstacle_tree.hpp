@@ -9,7 +9,7 @@ namespace sortie::estimators {
 
 /// Ideas of how the body moves along its normal while it turns by w. Most name the place on the lower run
 /// that does not move along the normal; the direction of travel is forward (a robot that backs up looks
-/// backwards). Values of TreeNode::idea.
+/// backwards). What a leaf of a tree says.
 enum class PivotIdea : std::uint8_t {
   middle,         ///< the body follows its own axis, as on a plane
   rear,           ///< the end of the run behind stays where it touches the plane that was left
@@ -57,16 +57,14 @@ enum class ModeFeature : std::uint8_t {
 };
 inline constexpr std::uint32_t kModeFeatures = 23;
 
-/// A node: asks feature < bound, goes on at `yes` or `no`; a leaf has yes = 0.
+/// A node of a tree that lies in the order of a walk. It asks feature < bound and goes on at the next node,
+/// else at `no`. A leaf has no = 0.
 struct TreeNode {
-  std::uint8_t feature;
-  float bound;
-  std::uint16_t yes;
-  std::uint16_t no;
-  std::uint8_t idea;  ///< of a leaf; the mode in a tree of names
-  float place_m;      ///< of the idea `fixed`
-  float sigma_m;      ///< rms of what the idea missed in training, per rad of turn
-  float sigma;        ///< the same per metre of travel
+  std::uint8_t what{};  ///< the feature; of a leaf the idea, in a tree of names the mode
+  std::uint16_t no{};
+  float value{};    ///< the bound; of a leaf the place of the idea `fixed`
+  float sigma_m{};  ///< of a leaf: rms of what the idea missed in training, per rad of turn
+  float sigma{};    ///< the same per metre of travel
 };
 
 /// Longest way down: bounds the time of a decision.
@@ -75,8 +73,8 @@ inline constexpr std::uint32_t kTreeDepth = 8;
 /// Walks down. Cost: at most kTreeDepth comparisons.
 inline const TreeNode& decide(const TreeNode* tree, const double (&features)[kModeFeatures]) {
   const TreeNode* node = tree;
-  for (std::uint32_t i = 0; i < kTreeDepth && node->yes != 0; ++i)
-    node = tree + (features[node->feature] < static_cast<double>(node->bound) ? node->yes : node->no);
+  for (std::uint32_t i = 0; i < kTreeDepth && node->no != 0; ++i)
+    node = features[node->what] < static_cast<double>(node->value) ? node + 1 : tree + node->no;
   return *node;
 }
 

@@ -50,7 +50,7 @@ GrownTree grow_side_tree(TrainingSet& set, int depth);
 /// Learns the names; all modes count alike, however rare.
 GrownTree grow_name_tree(const TrainingSet& set, int depth);
 
-/// The tables as C++, into files of the current folder: obstacle_pivot_tree_N.hpp, obstacle_tree_table.hpp.
+/// The tables as C++, into files of the current folder: obstacle_pivot_trees_N.hpp, obstacle_tree_table.hpp.
 void print_trees(const TrainingSet& set, const std::vector<GrownTree>& pivot, const GrownTree& side,
                  const GrownTree& name);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The grown trees as tables of constants, one file a tree of the pivot.
+// The grown trees as tables of constants, a few trees of the pivot in each file.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +11,8 @@
 namespace sortie::bench {
 namespace {
 
-constexpr std::size_t kNodesALine = 3;
+constexpr std::size_t kColumns = 150;
+constexpr std::size_t kTreesAFile = 3;
 
 std::string begin_of(const std::string& about) {
   return "// SPDX-License-Identifier: BSD-3-Clause\n// Made by `sortie-bench-modes --train`; not written by "
@@ -19,17 +20,24 @@ std::string begin_of(const std::string& about) {
          about + "\n#pragma once\n\n";
 }
 
+// Nodes follow each other as TreeGrower makes them: the one that `yes` leads to comes next.
 void put(std::ofstream& out, const std::string& name, const GrownTree& tree) {
-  out << "// clang-format off\ninline constexpr TreeNode " << name << "[] = {\n";
-  for (std::size_t i = 0; i < tree.size(); ++i) {
-    const GrownNode& n = tree[i];
+  out << "// clang-format off\ninline constexpr TreeNode " << name << "[] = {";
+  std::size_t column = kColumns;
+  for (const GrownNode& n : tree) {
     char node[120];
-    std::snprintf(node, sizeof node, "{%d, %.3ff, %d, %d, %d, %.3ff, %.3ff, %.3ff},", n.feature,
-                  static_cast<double>(n.bound), n.yes, n.no, n.idea, n.place_m, std::min(0.5, n.sigma_m),
-                  std::min(1.0, n.sigma));
-    out << node << ((i + 1) % kNodesALine == 0 || i + 1 == tree.size() ? '\n' : ' ');
+    if (n.yes != 0) {
+      std::snprintf(node, sizeof node, "{%d, %d, %.3ff},", n.feature, n.no, static_cast<double>(n.bound));
+    } else {
+      std::snprintf(node, sizeof node, "{%d, 0, %.3ff, %.3ff, %.3ff},", n.idea, n.place_m,
+                    std::min(0.5, n.sigma_m), std::min(1.0, n.sigma));
+    }
+    const std::size_t size = std::string(node).size();
+    const bool fits = column + 1 + size <= kColumns;
+    out << (fits ? ' ' : '\n') << node;
+    column = fits ? column + 1 + size : size;
   }
-  out << "};\n// clang-format on\n";
+  out << "\n};\n// clang-format on\n";
 }
 
 }  // namespace
@@ -39,17 +47,22 @@ void print_trees(const TrainingSet& set, const std::vector<GrownTree>& pivot, co
   const std::string space = "namespace sortie::estimators {\n\n";
   const std::string end = "\n}  // namespace sortie::estimators\n";
   std::string includes, all;
-  for (std::size_t t = 0; t < pivot.size(); ++t) {
-    const std::string number = std::to_string(t + 1);
-    const std::string file = "obstacle_pivot_tree_" + number + ".hpp";
+  for (std::size_t first = 0; first < pivot.size(); first += kTreesAFile) {
+    const std::string file = "obstacle_pivot_trees_" + std::to_string(first / kTreesAFile + 1) + ".hpp";
+    const std::size_t last = std::min(first + kTreesAFile, pivot.size());
+    std::string sizes;
+    for (std::size_t t = first; t < last; ++t)
+      sizes += (t == first ? "" : ", ") + std::to_string(pivot[t].size());
     std::ofstream out(file);
-    out << begin_of(std::to_string(pivot[t].size()) + " nodes.")
-        << "#include \"estimators/obstacle_tree.hpp\"\n\n"
-        << space;
-    put(out, "kPivotTree" + number, pivot[t]);
+    out << begin_of(sizes + " nodes.") << "#include \"estimators/obstacle_tree.hpp\"\n\n" << space;
+    for (std::size_t t = first; t < last; ++t) {
+      const std::string tree = "kPivotTree" + std::to_string(t + 1);
+      out << (t == first ? "" : "\n");
+      put(out, tree, pivot[t]);
+      all += (t == 0 ? "" : ", ") + tree;
+    }
     out << end;
     includes += "#include \"estimators/" + file + "\"\n";
-    all += (t == 0 ? "kPivotTree" : ", kPivotTree") + number;
   }
   std::ofstream out("obstacle_tree_table.hpp");
   out << begin_of(std::to_string(side.size()) + " and " + std::to_string(name.size()) + " nodes here.")
