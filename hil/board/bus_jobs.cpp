@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hil/board/bus_jobs.hpp"
-
 #include <poll.h>
 #include <sched.h>
 #include <sys/wait.h>
@@ -15,6 +13,7 @@
 #include "drivers/can_link.hpp"
 #include "drivers/can_socket.hpp"
 #include "drivers/candump.hpp"
+#include "hil/board/board_jobs.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::hil {
@@ -22,11 +21,6 @@ namespace sortie::hil {
 namespace {
 
 std::atomic<bool> watch_ended{false};
-
-int complain(const std::string& problem) {
-  std::fprintf(stderr, "sortie_board: %s\n", problem.c_str());
-  return 1;
-}
 
 // The parent of run_isolated(): gives the interface away when the child has a network of its own.
 int hand_over(const std::string& interface, pid_t child, int ready, int given) {
@@ -42,6 +36,11 @@ int hand_over(const std::string& interface, pid_t child, int ready, int given) {
 }
 
 }  // namespace
+
+int complain(const std::string& problem) {
+  std::fprintf(stderr, "sortie_board: %s\n", problem.c_str());
+  return 1;
+}
 
 int run_isolated(const std::string& interface, std::uint32_t bits_per_s, char** program) {
   int ready[2];

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hil/board/fd_frames.hpp"
-
 #include <cstdio>
 #include <cstring>
 
 #include "drivers/can_fd.hpp"
+#include "hil/board/board_jobs.hpp"
 #include "rt/posix/heap_trap.hpp"
 
 namespace sortie::hil {
@@ -45,10 +44,8 @@ int fd_frames(const std::string& interface, const std::string& without_fd, std::
   config.interface = interface;
   std::string problem;
   if (writer.open(config, problem) != Status::ok || reader.open(config, problem) != Status::ok ||
-      classical.open(config, problem) != Status::ok) {
-    std::fprintf(stderr, "sortie_board: %s\n", problem.c_str());
-    return 1;
-  }
+      classical.open(config, problem) != Status::ok)
+    return complain(problem);
   config.interface = without_fd;
   const bool is_refused = refused.open(config, problem) == Status::not_supported;
   std::uint32_t received = 0;
@@ -61,11 +58,7 @@ int fd_frames(const std::string& interface, const std::string& without_fd, std::
     const drivers::CanFdFrame frame = numbered(n);
     if (writer.send(frame) != Status::ok) ++wrong;
     drivers::CanFdFrame back;
-    if (reader.receive(back) == Status::ok && same(back, frame)) {
-      ++received;
-    } else {
-      ++wrong;
-    }
+    ++(reader.receive(back) == Status::ok && same(back, frame) ? received : wrong);
     drivers::CanFrame plain;
     while (classical.receive(plain) == Status::ok) ++classical_received;
     if ((frame.flags & drivers::kCanFd) == 0) ++classical_sent;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hil/board/flood.hpp"
-
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -14,6 +12,7 @@
 #include <vector>
 
 #include "drivers/can_socket.hpp"
+#include "hil/board/board_jobs.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "rt/posix/realtime.hpp"
@@ -35,17 +34,16 @@ bool open_port(drivers::SocketCan& port, const std::string& interface, std::uint
   config.receive_buffer_bytes = kBufferBytes;
   std::string problem;
   if (port.open(config, problem) == Status::ok) return true;
-  std::fprintf(stderr, "sortie_board: %s\n", problem.c_str());
+  complain(problem);
   return false;
 }
 
 bool become_realtime(int priority) {
   const rt::posix::SetupResult stack = rt::posix::prefault_stack(kStackBytes);
-  if (!stack.ok) std::fprintf(stderr, "sortie_board: %s\n", stack.reason);
+  if (!stack.ok) complain(stack.reason);
   const rt::posix::SetupResult locked = rt::posix::lock_memory();
   const rt::posix::SetupResult fifo = rt::posix::set_fifo_priority(priority);
-  if (!locked.ok || !fifo.ok)
-    std::fprintf(stderr, "sortie_board: %s\n", locked.ok ? fifo.reason : locked.reason);
+  if (!locked.ok || !fifo.ok) complain(locked.ok ? fifo.reason : locked.reason);
   return locked.ok && fifo.ok;
 }
 

@@ -6,11 +6,7 @@
 #include <string>
 
 #include "drivers/can_link.hpp"
-#include "hil/board/bus_jobs.hpp"
-#include "hil/board/fd_frames.hpp"
-#include "hil/board/flood.hpp"
-#include "hil/board/overrun.hpp"
-#include "hil/board/storm.hpp"
+#include "hil/board/board_jobs.hpp"
 
 namespace {
 
@@ -18,10 +14,7 @@ std::uint32_t whole_number(const char* text) {
   return static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10));
 }
 
-int told(bool good, const std::string& problem) {
-  if (!good) std::fprintf(stderr, "sortie_board: %s\n", problem.c_str());
-  return good ? 0 : 1;
-}
+int told(bool good, const std::string& problem) { return good ? 0 : sortie::hil::complain(problem); }
 
 }  // namespace
 
@@ -48,7 +41,7 @@ int main(int count, char** words) {
   if (command == "overrun" && count == 4)
     return sortie::hil::overrun(arguments[2], whole_number(arguments[3]));
   if (command == "storm" && count == 5)
-    return sortie::hil::storm({arguments[2], whole_number(arguments[3]), whole_number(arguments[4])});
+    return sortie::hil::storm(arguments[2], whole_number(arguments[3]), whole_number(arguments[4]));
   std::fprintf(
       stderr,
       "usage: sortie_board vcan NAME | bitrate NAME BITS_PER_S (0: off) | isolated NAME BITS_PER_S "

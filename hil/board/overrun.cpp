@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hil/board/overrun.hpp"
-
 #include <cstdio>
 #include <cstring>
 
 #include "drivers/can_socket.hpp"
+#include "hil/board/board_jobs.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::hil {
@@ -54,10 +53,7 @@ int overrun(const std::string& interface, std::uint32_t frames) {
   const bool writes = writer.open(config, problem) == Status::ok;
   config.filters = {{kId, 0x7FF, false}};
   config.receive_buffer_bytes = 1;  // the kernel gives its least
-  if (!writes || reader.open(config, problem) != Status::ok) {
-    std::fprintf(stderr, "sortie_board: %s\n", problem.c_str());
-    return 1;
-  }
+  if (!writes || reader.open(config, problem) != Status::ok) return complain(problem);
   Tally tally;
   for (std::uint32_t i = 0; i < frames; ++i) {
     if (!send_one(writer, i)) return 1;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hil/board/storm.hpp"
-
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -11,6 +9,7 @@
 #include "drivers/group_sender.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_requests.hpp"
+#include "hil/board/board_jobs.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::hil {
@@ -21,8 +20,6 @@ constexpr std::size_t kMostBytes = 1400;
 
 class Weather {
  public:
-  explicit Weather(std::uint64_t seed) : state_(seed | 1) {}
-
   std::span<const std::uint8_t> next() {
     size_ = 0;
     switch (draw() % 5) {
@@ -86,26 +83,26 @@ class Weather {
     for (std::size_t i = below(4); i > 0; --i) bytes_[below(size_)] = static_cast<std::uint8_t>(draw());
   }
 
-  std::uint64_t state_;
+  std::uint64_t state_{1};
   std::array<std::uint8_t, 2048> bytes_{};
   std::size_t size_{};
 };
 
 }  // namespace
 
-int storm(const StormConfig& config) {
-  drivers::GroupSender sender(config.url);
-  Weather weather(config.seed);
+int storm(const std::string& url, std::uint32_t datagrams, std::uint32_t per_ms) {
+  drivers::GroupSender sender(url);
+  Weather weather;
   std::uint32_t refused = 0;
   rt::Nanoseconds release_ns = rt::posix::monotonic_now();
-  for (std::uint32_t i = 0; i < config.datagrams; ++i) {
-    if (i % config.per_ms == 0) {
+  for (std::uint32_t i = 0; i < datagrams; ++i) {
+    if (i % per_ms == 0) {
       release_ns += rt::kNanosecondsPerMillisecond;
       rt::posix::sleep_until(release_ns);
     }
     if (sender.send(weather.next()) != Status::ok) ++refused;
   }
-  std::printf("{\"datagrams\": %u, \"refused\": %u}\n", config.datagrams, refused);
+  std::printf("{\"datagrams\": %u, \"refused\": %u}\n", datagrams, refused);
   return refused == 0 ? 0 : 1;
 }
 
