@@ -23,6 +23,15 @@ constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+/// Into the plain array that samples carry.
+constexpr void store(const Vec3& v, double (&out)[3]) {
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
+}
 
 /// Unit quaternion w, x, y, z that rotates body vectors into the parent frame.
 struct Quat {
@@ -33,6 +42,7 @@ struct Quat {
 };
 
 constexpr Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
+constexpr double dot(const Quat& a, const Quat& b) { return a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /// Product a * b: first b, then a.
 constexpr Quat operator*(const Quat& a, const Quat& b) {
@@ -49,7 +59,7 @@ constexpr Vec3 rotate(const Quat& q, const Vec3& v) {
 
 /// The same rotation with length 1. A zero quaternion becomes the identity.
 inline Quat normalized(const Quat& q) {
-  const double n = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  const double n = std::sqrt(dot(q, q));
   if (!(n > 0.0)) return {};
   const double s = 1.0 / n;
   return {s * q.w, s * q.x, s * q.y, s * q.z};
@@ -77,7 +87,7 @@ inline Vec3 rotation_vector(const Quat& q) {
 /// Straight blend of two near rotations (share in [0, 1] of b), brought back to length 1. For steps below
 /// 0.1 rad the error of the angle is below 1e-5 of the step.
 inline Quat blend(const Quat& a, const Quat& b, double share) {
-  const double sign = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0.0 ? -1.0 : 1.0;
+  const double sign = dot(a, b) < 0.0 ? -1.0 : 1.0;
   const double sa = 1.0 - share;
   const double sb = sign * share;
   return normalized({sa * a.w + sb * b.w, sa * a.x + sb * b.x, sa * a.y + sb * b.y, sa * a.z + sb * b.z});

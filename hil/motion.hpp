@@ -30,9 +30,7 @@ inline void pose_between(const Motion& before, const Motion& after, double share
 inline rt::TruthSample to_truth(const Motion& motion) {
   rt::TruthSample truth;
   truth.stamp_ns = motion.stamp_ns;
-  truth.p_world_body_m[0] = motion.p_world_body_m.x;
-  truth.p_world_body_m[1] = motion.p_world_body_m.y;
-  truth.p_world_body_m[2] = motion.p_world_body_m.z;
+  store(motion.p_world_body_m, truth.p_world_body_m);
   truth.q_world_body[0] = motion.q_world_body.w;
   truth.q_world_body[1] = motion.q_world_body.x;
   truth.q_world_body[2] = motion.q_world_body.y;

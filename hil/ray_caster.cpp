@@ -6,15 +6,10 @@
 namespace sortie::hil {
 namespace {
 
-bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 // A rotation, up to rounding. blend() would make an identity of what is none.
-bool rotates(const Quat& q) {
-  const double squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return squared > 0.99 && squared < 1.01;
-}
+bool rotates(const Quat& q) { return dot(q, q) > 0.99 && dot(q, q) < 1.01; }
 
-bool usable(const Motion& motion) { return finite(motion.p_world_body_m) && rotates(motion.q_world_body); }
+bool usable(const Motion& motion) { return is_finite(motion.p_world_body_m) && rotates(motion.q_world_body); }
 
 RangeHit to_range(const Hit& hit, const Vec3& direction) {
   return {hit.range_m, std::fabs(dot(hit.normal, direction)), hit.solid, hit.reflectivity, hit.normal};
@@ -45,7 +40,7 @@ Status body_at(const SensorStep& step, rt::Nanoseconds stamp_ns, BodyInstant& bo
 }
 
 Status RayCaster::aim(const SensorMount& mount, const BodyInstant& body, Aim& aim) const {
-  if (!finite(mount.p_body_sensor_m) || !rotates(mount.q_body_sensor) || !finite(body.p_world_body_m) ||
+  if (!is_finite(mount.p_body_sensor_m) || !rotates(mount.q_body_sensor) || !is_finite(body.p_world_body_m) ||
       !rotates(body.q_world_body))
     return Status::not_finite;
   for (const double angle : body.flipper_rad) {

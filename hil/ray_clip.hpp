@@ -93,6 +93,18 @@ inline void clip_round(Clip& clip, const Local& o, const Local& d, double radius
   clip.far_m = std::min(clip.far_m, std::max(first, second));
 }
 
+/// The same about the y axis: x stays x, and z becomes the y of clip_round(). The normal is one of space.
+inline void clip_wheel(Clip& clip, const Vec3& o, const Vec3& d, double radius) {
+  Clip round;
+  clip_round(round, {o.x, o.z}, {d.x, d.z}, radius);
+  clip.empty = clip.empty || round.empty;
+  clip.far_m = std::min(clip.far_m, round.far_m);
+  if (round.near_m > clip.near_m) {
+    clip.near_m = round.near_m;
+    clip.normal = {round.normal.x, 0.0, round.normal.y};
+  }
+}
+
 /// Tilted solids, for intersect() and contains().
 Contact intersect_tilted(const Ray& ray, const Solid& solid);
 bool tilted_contains(const Solid& solid, const Vec3& point_m);

@@ -67,15 +67,7 @@ Contact intersect_tilted(const Ray& ray, const Solid& solid) {
   Clip clip;
   clip.slab(o.y, d.y, solid.half_m.y, {0, 1, 0});
   if (solid.kind == SolidKind::tilted_cylinder) {
-    // clip_round() works about an upright axis: x stays x, the solid's z becomes y.
-    Clip round;
-    clip_round(round, {o.x, o.z}, {d.x, d.z}, solid.half_m.x);
-    clip.empty = clip.empty || round.empty;
-    if (round.near_m > clip.near_m) {
-      clip.near_m = round.near_m;
-      clip.normal = {round.normal.x, 0, round.normal.y};
-    }
-    clip.far_m = std::min(clip.far_m, round.far_m);
+    clip_wheel(clip, o, d, solid.half_m.x);
   } else {
     clip.slab(o.x, d.x, solid.half_m.x, {1, 0, 0});
     clip.slab(o.z, d.z, solid.half_m.z, {0, 0, 1});

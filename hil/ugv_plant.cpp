@@ -123,16 +123,11 @@ void UgvPlant::move_ground(const Motion& before, const Motion& after) {
 }
 
 void UgvPlant::note_sensor_truth(const InertialTruth& truth) {
-  const auto put = [](const Vec3& v, double(&out)[3]) {
-    out[0] = v.x;
-    out[1] = v.y;
-    out[2] = v.z;
-  };
   sensor_truth_.stamp_ns = now_ns();
-  put(truth.gyr_rad_s, sensor_truth_.gyr_rad_s);
-  put(truth.acc_m_s2, sensor_truth_.acc_m_s2);
-  put(imu_.gyr_bias_rad_s(), sensor_truth_.gyr_bias_rad_s);
-  put(imu_.acc_bias_m_s2(), sensor_truth_.acc_bias_m_s2);
+  store(truth.gyr_rad_s, sensor_truth_.gyr_rad_s);
+  store(truth.acc_m_s2, sensor_truth_.acc_m_s2);
+  store(imu_.gyr_bias_rad_s(), sensor_truth_.gyr_bias_rad_s);
+  store(imu_.acc_bias_m_s2(), sensor_truth_.acc_bias_m_s2);
   sensor_truth_.belt_left_m = body_->motion().left_m;
   sensor_truth_.belt_right_m = body_->motion().right_m;
   sensor_truth_.ground_left_m = ground_left_m_;

@@ -19,16 +19,8 @@ Contact contact_of(const Clip& clip) {
 
 // The part of the ray between the two flanks and within one wheel.
 Contact meet_wheel(const Ray& ray, double x_m, double radius_m, const Clip& flanks) {
-  // clip_round() works about an upright axis: x stays x, the pair's z becomes y.
-  Clip round;
-  clip_round(round, {ray.origin_m.x - x_m, ray.origin_m.z}, {ray.direction.x, ray.direction.z}, radius_m);
   Clip clip = flanks;
-  clip.empty = clip.empty || round.empty;
-  clip.far_m = std::min(clip.far_m, round.far_m);
-  if (round.near_m > clip.near_m) {
-    clip.near_m = round.near_m;
-    clip.normal = {round.normal.x, 0.0, round.normal.y};
-  }
+  clip_wheel(clip, {ray.origin_m.x - x_m, 0.0, ray.origin_m.z}, ray.direction, radius_m);
   return contact_of(clip);
 }
 

@@ -57,12 +57,16 @@ VoxelWorld::VoxelWorld(double voxel_m, const Vec3& low_m, const std::int32_t (&s
   usable_ = true;
 }
 
+std::uint64_t VoxelWorld::bit_of(std::int32_t x, std::int32_t y, std::int32_t z) const {
+  return (static_cast<std::uint64_t>(z) * static_cast<std::uint64_t>(size_[1]) +
+          static_cast<std::uint64_t>(y)) *
+             static_cast<std::uint64_t>(size_[0]) +
+         static_cast<std::uint64_t>(x);
+}
+
 bool VoxelWorld::solid(std::int32_t x, std::int32_t y, std::int32_t z) const {
   if (!usable_ || x < 0 || y < 0 || z < 0 || x >= size_[0] || y >= size_[1] || z >= size_[2]) return false;
-  const auto index =
-      (static_cast<std::uint64_t>(z) * static_cast<std::uint64_t>(size_[1]) + static_cast<std::uint64_t>(y)) *
-          static_cast<std::uint64_t>(size_[0]) +
-      static_cast<std::uint64_t>(x);
+  const std::uint64_t index = bit_of(x, y, z);
   return (bits_[static_cast<std::size_t>(index / 32)] >> (index % 32) & 1u) != 0;
 }
 
@@ -75,10 +79,7 @@ Status VoxelWorld::add(const Vec3& point_m) {
   const auto y = static_cast<std::int32_t>(u.y);
   const auto z = static_cast<std::int32_t>(u.z);
   if (solid(x, y, z)) return Status::ok;
-  const auto index =
-      (static_cast<std::uint64_t>(z) * static_cast<std::uint64_t>(size_[1]) + static_cast<std::uint64_t>(y)) *
-          static_cast<std::uint64_t>(size_[0]) +
-      static_cast<std::uint64_t>(x);
+  const std::uint64_t index = bit_of(x, y, z);
   bits_[static_cast<std::size_t>(index / 32)] |= 1u << (index % 32);
   ++solids_;
   return Status::ok;

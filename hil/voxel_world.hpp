@@ -35,6 +35,8 @@ class VoxelWorld {
   Hit cast(const Vec3& origin_m, const Vec3& direction, double max_range_m) const;
 
  private:
+  std::uint64_t bit_of(std::int32_t x, std::int32_t y, std::int32_t z) const;
+
   double voxel_m_{1};
   Vec3 low_m_;
   std::int32_t size_[3]{};

@@ -54,15 +54,7 @@ Hit World::cast_brute_force(const Vec3& origin_m, const Vec3& direction, double 
   const Ray ray{origin_m, direction};
   Hit best{max_range_m, {}, Hit::kNothing, 0};
   meet_ground(ray, best);
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Contact contact = intersect(ray, solids_[i]);
-    const auto index = static_cast<std::int32_t>(i);
-    if (contact.range_m < best.range_m) {
-      best = {contact.range_m, contact.normal, index, solids_[i].reflectivity};
-    } else if (contact.range_m == best.range_m && best.solid > index) {
-      best = {contact.range_m, contact.normal, index, solids_[i].reflectivity};
-    }
-  }
+  for (std::size_t i = 0; i < count_; ++i) try_solid(i, ray, best);
   return best;
 }
 

@@ -67,6 +67,7 @@ class World {
 
   std::int32_t column(double x_m) const;
   std::int32_t row(double y_m) const;
+  void try_solid(std::size_t index, const Ray& ray, Hit& best) const;
   void try_cell(std::int32_t cell, const Ray& ray, Tested& tested, Hit& best) const;
   void cast_cells(const Ray& ray, Hit& best) const;
 

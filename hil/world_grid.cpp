@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/ray_clip.hpp"
 #include "hil/world.hpp"
 
 namespace sortie::hil {
@@ -13,10 +14,6 @@ namespace {
 constexpr double kOverlap_m = 1e-6;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// Below it a component of a unit direction is taken as 0: its inverse would overflow, and 0 * infinity is
-// NaN.
-constexpr double kParallel = 1e-150;
 
 /// One axis of the walk.
 struct Axis {
@@ -113,6 +110,14 @@ Status World::finalize() {
   return Status::ok;
 }
 
+// The lower index wins a tie, whatever was asked first: the answer is that of the brute force.
+void World::try_solid(std::size_t index, const Ray& ray, Hit& best) const {
+  const Contact contact = intersect(ray, solids_[index]);
+  const auto solid = static_cast<std::int32_t>(index);
+  if (contact.range_m < best.range_m || (contact.range_m == best.range_m && best.solid > solid))
+    best = {contact.range_m, contact.normal, solid, solids_[index].reflectivity};
+}
+
 void World::try_cell(std::int32_t cell, const Ray& ray, Tested& tested, Hit& best) const {
   const auto index = static_cast<std::size_t>(cell);
   for (std::uint16_t k = cell_begin_[index]; k < cell_begin_[index + 1]; ++k) {
@@ -121,13 +126,7 @@ void World::try_cell(std::int32_t cell, const Ray& ray, Tested& tested, Hit& bes
     const std::uint64_t bit = std::uint64_t{1} << (candidate % 64u);
     if ((word & bit) != 0) continue;
     word |= bit;
-    const Contact contact = intersect(ray, solids_[candidate]);
-    // The lower index wins a tie, whatever cell came first: the answer is that of the brute force.
-    const bool nearer = contact.range_m < best.range_m;
-    const bool tie = contact.range_m == best.range_m && best.solid > candidate;
-    if (nearer || tie) {
-      best = {contact.range_m, contact.normal, candidate, solids_[candidate].reflectivity};
-    }
+    try_solid(candidate, ray, best);
   }
 }
 

@@ -5,15 +5,10 @@
 #include <cmath>
 
 namespace sortie::hil {
-namespace {
-
-bool finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-}  // namespace
 
 Status PlantScene::add_half_space(const Vec3& normal, const Vec3& point_m) {
   const double length = norm(normal);
-  if (!finite(point_m) || !std::isfinite(length)) return Status::not_finite;
+  if (!is_finite(point_m) || !std::isfinite(length)) return Status::not_finite;
   if (!(length > 1e-12)) return Status::out_of_range;
   const Vec3 n = (1.0 / length) * normal;
   return half_spaces_.push_back({{n.x, n.y, n.z}, dot(n, point_m)}) ? Status::ok : Status::full;
@@ -29,9 +24,8 @@ Status PlantScene::add_cylinder(const Vec3& centre_m, const Quat& q_world_cylind
 }
 
 Status PlantScene::add(rt::convex::Convex shape, const Vec3& centre_m, const Quat& q_world_shape) {
-  const double length = q_world_shape.w * q_world_shape.w + q_world_shape.x * q_world_shape.x +
-                        q_world_shape.y * q_world_shape.y + q_world_shape.z * q_world_shape.z;
-  if (!finite(centre_m) || !std::isfinite(length)) return Status::not_finite;
+  const double length = dot(q_world_shape, q_world_shape);
+  if (!is_finite(centre_m) || !std::isfinite(length)) return Status::not_finite;
   if (shape.kind == rt::convex::Kind::none || !(length > 1e-12)) return Status::out_of_range;
   const Quat q = normalized(q_world_shape);
   rt::convex::place(shape, {centre_m.x, centre_m.y, centre_m.z}, {q.w, q.x, q.y, q.z});

@@ -80,11 +80,6 @@ bool TrackedBody::read_contacts(rt::ContactTruth& truth) const {
     truth.flipper_angle_rad[i] = plant_.state().flipper_rad[i];
     truth.flipper_torque_n_m[i] = plant_.flipper_torque_nm(i);
   }
-  const auto put = [](double(&out)[3], const Vec3& v) {
-    out[0] = v.x;
-    out[1] = v.y;
-    out[2] = v.z;
-  };
   const ContactList& contacts = plant_.contacts();
   for (std::uint32_t i = 0; i < contacts.size() && i < plant_.tags().size(); ++i) {
     const ContactPoint& found = contacts[i];
@@ -93,10 +88,10 @@ bool TrackedBody::read_contacts(rt::ContactTruth& truth) const {
     rt::TruthContact contact;
     contact.part = static_cast<rt::VehiclePart>(tag.part);
     const double load = dot(found.impulse_ns, found.normal);
-    put(contact.point_m, found.point_m + Vec3{0, 0, height_m_});
-    put(contact.normal, found.normal);
+    store(found.point_m + Vec3{0, 0, height_m_}, contact.point_m);
+    store(found.normal, contact.normal);
     contact.normal_impulse_n_s = load;
-    put(contact.friction_impulse_n_s, found.impulse_ns - load * found.normal);
+    store(found.impulse_ns - load * found.normal, contact.friction_impulse_n_s);
     contact.penetration_m = -tag.gap_m;
     if (!truth.contacts.push_back(contact)) ++truth.dropped;
   }

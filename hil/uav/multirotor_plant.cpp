@@ -94,19 +94,7 @@ void MultirotorPlant::integrate_inertial(const MultirotorState& before, double d
   };
   const Vec3 dv = state_.v_world_m_s - before.v_world_m_s +
                   Vec3{0, 0, dynamics_.config().gravity_m_s2 * dt_s} + (swing(state_) - swing(before));
-  const Quat middle = blend(before.q_world_body, state_.q_world_body, 0.5);
-  dv_body_m_s_ = dv_body_m_s_ + rotate(conjugate(middle), dv);
-  turn_rad_ = turn_rad_ + rotation_vector(conjugate(before.q_world_body) * state_.q_world_body);
-  span_s_ += dt_s;
-}
-
-InertialTruth MultirotorPlant::take_inertial() {
-  const double scale = span_s_ > 0.0 ? 1.0 / span_s_ : 0.0;
-  const InertialTruth mean{scale * turn_rad_, scale * dv_body_m_s_};
-  turn_rad_ = {};
-  dv_body_m_s_ = {};
-  span_s_ = 0.0;
-  return mean;
+  inertial_.add(before.q_world_body, state_.q_world_body, dv, dt_s);
 }
 
 double MultirotorPlant::tilt_rad() const {

@@ -77,7 +77,7 @@ class MultirotorPlant {
   void set_imu_arm(const Vec3& arm_m) { imu_arm_m_ = arm_m; }
   /// Mean turn rate and mean specific force since the last call: what a perfect inertial sensor there
   /// measures, with the axes of the body.
-  InertialTruth take_inertial();
+  InertialTruth take_inertial() { return inertial_.take(); }
 
  private:
   MultirotorWeather weather() const;
@@ -99,9 +99,7 @@ class MultirotorPlant {
   double voltage_share_{1.0};
   bool on_ground_{};
   TouchDown touch_down_;
-  Vec3 turn_rad_;
-  Vec3 dv_body_m_s_;
-  double span_s_{};
+  InertialSum inertial_;
   std::uint64_t commands_changed_{};
 };
 
