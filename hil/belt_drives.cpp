@@ -3,23 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
 
 const BeltDriveConfig& checked(const BeltDriveConfig& c, rt::Nanoseconds step_ns, const char* owner) {
-  const auto require = [owner](bool good, const char* cure) {
-    if (!good) throw std::runtime_error(std::string(owner) + ": " + cure);
-  };
-  require(step_ns > 0 && step_ns <= rt::kNanosecondsPerSecond, "the step must lie in 1 ns to 1 s");
-  require(c.speed_lag_s >= 1e-4, "speed_lag_s must be at least 0.0001");
-  require(c.max_speed_m_s > 0.0 && c.max_acceleration_m_s2 > 0.0,
+  require(owner, step_ns > 0 && step_ns <= rt::kNanosecondsPerSecond, "the step must lie in 1 ns to 1 s");
+  require(owner, c.speed_lag_s >= 1e-4, "speed_lag_s must be at least 0.0001");
+  require(owner, c.max_speed_m_s > 0.0 && c.max_acceleration_m_s2 > 0.0,
           "max_speed_m_s and max_acceleration_m_s2 must be above 0");
-  require(c.command_timeout_s > 0.0 && c.command_timeout_s < 3600.0,
+  require(owner, c.command_timeout_s > 0.0 && c.command_timeout_s < 3600.0,
           "command_timeout_s must be above 0 and below an hour");
-  require(c.coast_friction_m_s2 > 0.0, "coast_friction_m_s2 must be above 0");
+  require(owner, c.coast_friction_m_s2 > 0.0, "coast_friction_m_s2 must be above 0");
   return c;
 }
 

@@ -23,7 +23,7 @@ struct BeltDriveConfig {
 /// Both belts. No heap, no clock: the owner tells the time.
 class BeltDrives {
  public:
-  /// `owner` begins the message of the std::runtime_error that names a setting which cannot be used.
+  /// Throws std::runtime_error "hil <owner>: ..." with the setting that cannot be used.
   BeltDrives(const BeltDriveConfig& config, rt::Nanoseconds step_ns, const char* owner);
 
   /// A new command, received at `now_ns`. Bit 0 of its flags enables the drives. Status: ok, not_finite (the

@@ -72,7 +72,7 @@ DepthCamera::DepthCamera(const DepthCameraConfig& config, const FaultConfig& fau
                          rt::Nanoseconds start_ns)
     : config_(checked(config)),
       faults_(faults, seed, kCameraFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "hil camera"),
+      noise_(config.noise, config.min_range_m, config.max_range_m, "camera"),
       writer_(config.rows * config.columns, config.keep_truth && config.rate_hz != 0),
       seed_(seed),
       mount_(make_mount(config.mount_m, config.mount_ypr_rad)),

@@ -38,6 +38,10 @@ class ImuModel {
   /// sent).
   bool read(const InertialTruth& truth, rt::Nanoseconds stamp_ns, rt::ImuSample& sample);
 
+  /// Between two readings.
+  rt::Nanoseconds period_ns() const {
+    return rt::kNanosecondsPerSecond / static_cast<rt::Nanoseconds>(config_.rate_hz);
+  }
   /// Present biases, for judging an estimator.
   const Vec3& gyr_bias_rad_s() const { return gyr_bias_; }
   const Vec3& acc_bias_m_s2() const { return acc_bias_; }

@@ -41,7 +41,7 @@ KinematicRobot::KinematicRobot(const RobotConfig& config, const World& world, rt
     : config_((check(config), config)),
       world_(&world),
       step_ns_(step_ns),
-      drives_(config.drives, step_ns, "hil robot"),
+      drives_(config.drives, step_ns, "robot"),
       height_(config.suspension_hz, rt::to_seconds(step_ns)),
       pitch_(height_),
       roll_(height_),

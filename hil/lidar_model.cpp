@@ -60,7 +60,7 @@ LidarModel::LidarModel(const LidarConfig& config, const FaultConfig& faults, std
                        rt::Nanoseconds start_ns)
     : config_(checked(config)),
       faults_(faults, seed, kLidarFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "hil lidar"),
+      noise_(config.noise, config.min_range_m, config.max_range_m, "lidar"),
       writer_(config.rows * config.columns, config.keep_truth && config.rate_hz != 0),
       seed_(seed),
       mount_(make_mount(config.mount_m, config.mount_ypr_rad)),

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
@@ -33,20 +33,17 @@ Vec3 beside(const Vec3& axis, double angle_rad, double around) {
 
 RangeNoise::RangeNoise(const RangeNoiseConfig& c, double min_range_m, double max_range_m, const char* who)
     : config_(c), min_range_m_(min_range_m), max_range_m_(max_range_m) {
-  const auto require = [who](bool good, const char* cure) {
-    if (!good) throw std::runtime_error(std::string(who) + ": " + cure);
-  };
-  require(min_range_m >= 0.0 && max_range_m > min_range_m && max_range_m <= 1000.0,
+  require(who, min_range_m >= 0.0 && max_range_m > min_range_m && max_range_m <= 1000.0,
           "0 <= min_range_m < max_range_m <= 1000 must hold");
-  require(within(c.sigma_m, 0.0, 1.0), "sigma_m must lie in 0..1");
-  require(within(c.sigma_share, 0.0, 0.1), "sigma_share must lie in 0..0.1");
-  require(within(c.bias_m, -1.0, 1.0), "bias_m must lie in -1..1");
-  require(within(c.resolution_m, 0.0, 1.0), "resolution_m must lie in 0..1");
-  require(within(c.loss, 0.0, 1.0), "loss must lie in 0..1");
-  require(within(c.graze_cos, 0.0, 1.0), "graze_cos must lie in 0..1");
-  require(within(c.full_range_m, 0.0, 1000.0), "full_range_m must lie in 0..1000");
-  require(within(c.divergence_rad, 0.0, 0.05), "divergence_rad must lie in 0..0.05");
-  require(c.stamp_jitter_ns >= 0 && c.stamp_jitter_ns <= rt::kNanosecondsPerMillisecond,
+  require(who, within(c.sigma_m, 0.0, 1.0), "sigma_m must lie in 0..1");
+  require(who, within(c.sigma_share, 0.0, 0.1), "sigma_share must lie in 0..0.1");
+  require(who, within(c.bias_m, -1.0, 1.0), "bias_m must lie in -1..1");
+  require(who, within(c.resolution_m, 0.0, 1.0), "resolution_m must lie in 0..1");
+  require(who, within(c.loss, 0.0, 1.0), "loss must lie in 0..1");
+  require(who, within(c.graze_cos, 0.0, 1.0), "graze_cos must lie in 0..1");
+  require(who, within(c.full_range_m, 0.0, 1000.0), "full_range_m must lie in 0..1000");
+  require(who, within(c.divergence_rad, 0.0, 0.05), "divergence_rad must lie in 0..0.05");
+  require(who, c.stamp_jitter_ns >= 0 && c.stamp_jitter_ns <= rt::kNanosecondsPerMillisecond,
           "stamp_jitter_ns must lie in 0..1000000");
 }
 

@@ -65,7 +65,7 @@ struct RangeCounters {
 /// The model. The draws of a ray do not depend on what it meets. No heap. 0.2 kB.
 class RangeNoise {
  public:
-  /// Throws std::runtime_error, "`who`: ..." with the setting, if the config is not usable; the sensor's
+  /// Throws std::runtime_error, "hil <who>: ..." with the setting, if the config is not usable; the sensor's
   /// least and largest range are checked with it.
   RangeNoise(const RangeNoiseConfig& config, double min_range_m, double max_range_m, const char* who);
 

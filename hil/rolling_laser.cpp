@@ -34,7 +34,7 @@ RollingLaser::RollingLaser(const RollingLaserConfig& config, const FaultConfig& 
                            rt::Nanoseconds start_ns)
     : config_(checked(config)),
       faults_(faults, seed, kRollingFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "hil rolling laser"),
+      noise_(config.noise, config.min_range_m, config.max_range_m, "rolling laser"),
       writer_(config.beams * config.lines_per_scan, config.keep_truth && config.line_hz != 0),
       seed_(seed),
       mount_(make_mount(config.mount_m, config.mount_ypr_rad)),

@@ -26,7 +26,7 @@ SslSensor::SslSensor(const SslConfig& config, const FaultConfig& faults, std::ui
                      rt::Nanoseconds start_ns)
     : config_(checked(config)),
       faults_(faults, seed, kSslFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "hil ssl"),
+      noise_(config.noise, config.min_range_m, config.max_range_m, "ssl"),
       seed_(seed),
       mount_(make_mount(config.mount_m, config.mount_ypr_rad)),
       start_ns_(start_ns) {}

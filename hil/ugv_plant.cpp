@@ -2,7 +2,7 @@
 // The order of things in one millisecond of the simulated vehicle.
 #include "hil/ugv_plant.hpp"
 
-#include <stdexcept>
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
@@ -11,16 +11,10 @@ constexpr std::uint64_t kImuStream = 0x666d75;
 constexpr std::uint64_t kTrackStream = 0x667472;
 constexpr std::uint64_t kCommandStream = 0x66636d;
 
-rt::Nanoseconds period_ns(std::uint32_t rate_hz, const char* cure) {
-  if (rate_hz == 0 || rate_hz > 1000 || 1000 % rate_hz != 0) throw std::runtime_error(cure);
-  return rt::kNanosecondsPerSecond / static_cast<rt::Nanoseconds>(rate_hz);
-}
-
-const EncoderConfig& checked(const EncoderConfig& encoder) {
-  if (!(encoder.resolution_m >= 1e-6)) {
-    throw std::runtime_error("hil encoder: resolution_m must be at least 0.000001");
-  }
-  return encoder;
+rt::Nanoseconds checked_period_ns(const EncoderConfig& c) {
+  require("encoder", c.resolution_m >= 1e-6, "resolution_m must be at least 0.000001");
+  require("encoder", c.rate_hz > 0 && c.rate_hz <= 1000 && 1000 % c.rate_hz == 0, "rate_hz must divide 1000");
+  return rt::kNanosecondsPerSecond / static_cast<rt::Nanoseconds>(c.rate_hz);
 }
 
 // Only one of the lidars turns.
@@ -75,8 +69,7 @@ UgvPlant::UgvPlant(const UgvConfig& config, drivers::CanBus& port, drivers::Scan
       imu_faults_(config.imu_faults, config.seed, kImuStream),
       track_faults_(config.track_faults, config.seed, kTrackStream),
       command_faults_(config.command_faults, config.seed, kCommandStream),
-      imu_period_ns_(period_ns(config.imu.rate_hz, "hil imu: rate_hz must divide 1000")),
-      track_period_ns_(period_ns(checked(config.encoder).rate_hz, "hil encoder: rate_hz must divide 1000")) {}
+      track_period_ns_(checked_period_ns(config.encoder)) {}
 
 Status UgvPlant::step(rt::Nanoseconds now_ns) {
   if (now_ns < this->now_ns()) return Status::time_backwards;
@@ -103,7 +96,7 @@ void UgvPlant::step_once() {
   move_ground(sensors.before, after);
   fire_rays(sensors);
   const rt::Nanoseconds since_start_ns = after.stamp_ns - config_.start_ns;
-  if (since_start_ns % imu_period_ns_ == 0) send_imu(since_start_ns);
+  if (since_start_ns % imu_.period_ns() == 0) send_imu(since_start_ns);
   if (since_start_ns % track_period_ns_ != 0 || config_.drives.enabled || config_.axes.enabled) return;
   if (!stops_.powered()) return;
   send_tracks(since_start_ns);
@@ -220,8 +213,7 @@ void UgvPlant::send_imu(rt::Nanoseconds since_start_ns) {
   drivers::CanFrame frames[2];
   const std::uint16_t counter =
       drivers::can_time_counter(sample.stamp_ns + fault.stamp_offset_ns, config_.can);
-  if (drivers::encode_imu(sample, counter, frames) != Status::ok) return;
-  send(frames, fault.duplicate);
+  if (drivers::encode_imu(sample, counter, frames) == Status::ok) send(frames, fault.duplicate);
 }
 
 void UgvPlant::send_tracks(rt::Nanoseconds since_start_ns) {
@@ -231,8 +223,7 @@ void UgvPlant::send_tracks(rt::Nanoseconds since_start_ns) {
   drivers::CanFrame frames[2];
   const std::uint16_t counter =
       drivers::can_time_counter(sample.stamp_ns + fault.stamp_offset_ns, config_.can);
-  if (drivers::encode_track(sample, counter, frames) != Status::ok) return;
-  send(frames, fault.duplicate);
+  if (drivers::encode_track(sample, counter, frames) == Status::ok) send(frames, fault.duplicate);
 }
 
 void UgvPlant::send_flippers() {
@@ -240,18 +231,13 @@ void UgvPlant::send_flippers() {
   if (!body_->read_flippers(sample)) return;
   drivers::CanFrame frames[rt::kFlippers];
   const std::uint16_t counter = drivers::can_time_counter(sample.stamp_ns, config_.can);
-  if (drivers::encode_flipper_state(sample, counter, frames) != Status::ok) return;
-  send(frames, false);
+  if (drivers::encode_flipper_state(sample, counter, frames) == Status::ok) send(frames, false);
 }
 
 void UgvPlant::send(std::span<const drivers::CanFrame> frames, bool twice) {
   for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
     for (const drivers::CanFrame& frame : frames) {
-      if (port_->send(frame) == Status::ok) {
-        ++counters_.frames_sent;
-      } else {
-        ++counters_.frames_refused;
-      }
+      ++(port_->send(frame) == Status::ok ? counters_.frames_sent : counters_.frames_refused);
     }
   }
 }

@@ -133,7 +133,6 @@ class UgvPlant {
   FaultInjector imu_faults_;
   FaultInjector track_faults_;
   FaultInjector command_faults_;
-  rt::Nanoseconds imu_period_ns_;
   rt::Nanoseconds track_period_ns_;
   bool heard_{};
   std::uint8_t last_counter_{};

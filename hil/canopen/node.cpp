@@ -2,9 +2,9 @@
 #include "hil/canopen/node.hpp"
 
 #include <cstdlib>
-#include <stdexcept>
 
 #include "drivers/canopen/drive_setup.hpp"
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 
@@ -27,8 +27,7 @@ rt::Nanoseconds ms(std::uint32_t value) {
 
 CanopenNode::CanopenNode(std::uint8_t node, drivers::CanBus& port, const CanopenNodeConfig& config)
     : port_(&port), config_(config), objects_(node), node_(node) {
-  if (node < 1 || node > canopen::kMaxNode)
-    throw std::runtime_error("hil canopen: a node's number lies in 1 to 127");
+  require("canopen", node >= 1 && node <= canopen::kMaxNode, "a node's number lies in 1 to 127");
 }
 
 void CanopenNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
@@ -240,11 +239,7 @@ void CanopenNode::emergency(std::uint16_t code) noexcept {
 
 void CanopenNode::send(const drivers::CanFrame& frame) noexcept {
   if (mute_) return;
-  if (port_->send(frame) == Status::ok) {
-    ++counters_.sent;
-  } else {
-    ++counters_.refused;
-  }
+  ++(port_->send(frame) == Status::ok ? counters_.sent : counters_.refused);
 }
 
 }  // namespace sortie::hil

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "drivers/odrive_dbc.hpp"
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 
@@ -16,7 +16,7 @@ constexpr double kEstimateShare = 0.1;
 using odrive::AxisState;
 
 AxisNode::AxisNode(const AxisNodeConfig& config, drivers::CanBus& port) : config_(config), port_(&port) {
-  if (config.node > odrive::kMaxNode) throw std::runtime_error("hil odrive: an axis has a number of 0 to 63");
+  require("odrive", config.node <= odrive::kMaxNode, "an axis has a number of 0 to 63");
 }
 
 void AxisNode::show(const AxisMotorState& motor) noexcept {
@@ -177,11 +177,7 @@ void AxisNode::send(drivers::CanFrame frame) noexcept {
   if (mute_) return;
   frame.id |= static_cast<std::uint32_t>(config_.node) << 5u;
   frame.size = 8;
-  if (port_->send(frame) == Status::ok) {
-    ++counters_.sent;
-  } else {
-    ++counters_.refused;
-  }
+  ++(port_->send(frame) == Status::ok ? counters_.sent : counters_.refused);
 }
 
 }  // namespace sortie::hil

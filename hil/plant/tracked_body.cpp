@@ -2,7 +2,8 @@
 #include "hil/plant/tracked_body.hpp"
 
 #include <cmath>
-#include <stdexcept>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 static_assert(rt::kVehicleParts == kParts, "truth names the parts in the plant's order");
@@ -11,8 +12,8 @@ namespace {
 
 rt::Nanoseconds checked(rt::Nanoseconds step_ns) {
   const double step_s = rt::to_seconds(step_ns);
-  if (!(step_s >= TrackedPlant::kShortestStep_s && step_s <= TrackedPlant::kLongestStep_s))
-    throw std::runtime_error("hil plant: the step must lie in 0.1 to 20 ms");
+  require("plant", step_s >= TrackedPlant::kShortestStep_s && step_s <= TrackedPlant::kLongestStep_s,
+          "the step must lie in 0.1 to 20 ms");
   return step_ns;
 }
 
@@ -22,10 +23,10 @@ TrackedBody::TrackedBody(const TrackedBodyConfig& config, const PlantScene& scen
                          rt::Nanoseconds step_ns)
     : step_ns_(checked(step_ns)),
       height_m_(config.height_m),
-      drives_(config.drives, step_ns, "hil plant"),
+      drives_(config.drives, step_ns, "plant"),
       plant_(config.plant, scene),
       gravity_m_s2_(config.plant.gravity_m_s2) {
-  if (!std::isfinite(config.height_m)) throw std::runtime_error("hil plant: height_m must be finite");
+  require("plant", std::isfinite(config.height_m), "height_m must be finite");
   for (int i = 0; i < kFlippers; ++i) command_.flipper_rad[i] = config.plant.start_flipper_rad[i];
   motion_.stamp_ns = start_ns;
   update_motion();

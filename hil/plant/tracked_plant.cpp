@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
@@ -19,8 +20,7 @@ void check(const PlantConfig& c) {
                     in_range(c.tolerance_share, 1e-12, 1e-2) && c.newton_iterations > 0 && c.rounds >= 0 &&
                     in_range(c.slop_m, 0.0, 0.01) && in_range(c.correction_rate, 0.0, 1.0) &&
                     in_range(c.correction_speed_m_s, 0.0, 10.0) && in_range(c.margin_m, 0.0, 0.1);
-  if (!good)
-    throw std::runtime_error("hil plant: a setting of gravity, solver or correction is out of range");
+  require("plant", good, "a setting of gravity, solver or correction is out of range");
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ TrackedPlant::TrackedPlant(const PlantConfig& config, const PlantScene& scene, C
     : config_(config), solver_(solver), model_(config.vehicle), finder_(model_, scene) {
   check(config);
   for (int f = 0; f < kFlippers; ++f) {
-    if (!std::isfinite(config.start_flipper_rad[f])) throw std::runtime_error("hil plant: start_flipper_rad");
+    require("plant", std::isfinite(config.start_flipper_rad[f]), "start_flipper_rad");
     state_.flipper_rad[f] = config.start_flipper_rad[f];
     state_.flipper_set_rad[f] = config.start_flipper_rad[f];
   }

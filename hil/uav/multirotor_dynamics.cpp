@@ -3,15 +3,11 @@
 #include "hil/uav/multirotor_dynamics.hpp"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "hil/requirement.hpp"
 
 namespace sortie::hil {
 namespace {
-
-void require_multirotor(bool good, const char* cure) {
-  if (!good) throw std::runtime_error(std::string("hil multirotor: ") + cure);
-}
 
 bool above_zero(double value) { return std::isfinite(value) && value > 0.0; }
 
@@ -30,14 +26,14 @@ struct MultirotorDynamics::Rate {
 
 MultirotorDynamics::MultirotorDynamics(const MultirotorConfig& config)
     : config_(config), mass_kg_(total_mass_kg(config)), inertia_(total_inertia_kg_m2(config)) {
-  require_multirotor(config.rotors >= 1 && config.rotors <= kMaxSimulatedRotors, "rotors must be 1..8");
-  require_multirotor(
-      above_zero(mass_kg_) && above_zero(inertia_.x) && above_zero(inertia_.y) && above_zero(inertia_.z),
-      "mass and inertia must be above 0");
-  require_multirotor(above_zero(config.tau_up_s) && above_zero(config.tau_down_s),
-                     "the time constants of the rotors must be above 0");
-  require_multirotor(above_zero(config.thrust_n_s2) && above_zero(config.max_speed_rad_s),
-                     "thrust and speed of the rotors must be above 0");
+  require("multirotor", config.rotors >= 1 && config.rotors <= kMaxSimulatedRotors, "rotors must be 1..8");
+  require("multirotor",
+          above_zero(mass_kg_) && above_zero(inertia_.x) && above_zero(inertia_.y) && above_zero(inertia_.z),
+          "mass and inertia must be above 0");
+  require("multirotor", above_zero(config.tau_up_s) && above_zero(config.tau_down_s),
+          "the time constants of the rotors must be above 0");
+  require("multirotor", above_zero(config.thrust_n_s2) && above_zero(config.max_speed_rad_s),
+          "thrust and speed of the rotors must be above 0");
   for (double& share : share_) share = 1.0;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "hil/requirement.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::hil {
@@ -13,12 +14,6 @@ namespace {
 
 constexpr std::uint64_t kImuStream = 0x66696d75;
 constexpr std::uint64_t kCommandStream = 0x66636d64;
-
-rt::Nanoseconds checked_period(std::uint32_t rate_hz) {
-  if (rate_hz == 0 || rate_hz > 1000 || 1000 % rate_hz != 0)
-    throw std::runtime_error("hil imu: rate_hz must divide 1000");
-  return rt::kNanosecondsPerSecond / static_cast<rt::Nanoseconds>(rate_hz);
-}
 
 // Distance of a point from an upright box; 0 inside.
 double distance_m(const Solid& box, const Vec3& p) {
@@ -43,7 +38,6 @@ UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, dr
       scans_(config.lidar.rate_hz != 0 || config.camera.rate_hz != 0 ? scans : nullptr),
       lidar_(config.lidar, config.lidar_faults, config.seed, config.start_ns),
       camera_(config.camera, config.camera_faults, config.seed, config.start_ns),
-      imu_period_ns_(checked_period(config.imu.rate_hz)),
       now_ns_(config.start_ns) {
   if (config.lidar.rate_hz != 0 && config.camera.rate_hz != 0)
     throw std::runtime_error("hil: one sensor delivers scans: lidar or camera");
@@ -53,9 +47,8 @@ UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, dr
     if (timed.solid.kind != SolidKind::box)
       throw std::runtime_error("hil: a flying vehicle meets boxes only");
   }
-  for (const Gust& gust : config_.gusts) {
-    if (plant_.add_gust(gust) != Status::ok) throw std::runtime_error("hil gusts: at most 8 fit");
-  }
+  for (const Gust& gust : config_.gusts)
+    require("gusts", plant_.add_gust(gust) == Status::ok, "at most 8 fit");
   plant_.set_wind(config_.wind_m_s);
   plant_.set_imu_arm({config.imu.lever_arm_m[0], config.imu.lever_arm_m[1], config.imu.lever_arm_m[2]});
   if (config_.dark_to_ns > config_.dark_from_ns)
@@ -92,7 +85,7 @@ void UavVehicle::step_once() {
   most_tilt_rad_ = std::max(most_tilt_rad_, plant_.tilt_rad());
   look_for_collisions(since_ns);
   if (scans_ != nullptr) fire_sensor(before, since_ns);
-  if (since_ns % imu_period_ns_ == 0) send_imu(since_ns);
+  if (since_ns % imu_.period_ns() == 0) send_imu(since_ns);
   send_fixes();
 }
 

@@ -127,7 +127,6 @@ class UavVehicle {
   std::size_t built_{};           ///< solids that are in it
   LidarModel lidar_;
   DepthCamera camera_;
-  rt::Nanoseconds imu_period_ns_;
   rt::Nanoseconds now_ns_;
   rt::Nanoseconds heard_ns_{};
   bool heard_[drivers::kCanRotorFrames]{};

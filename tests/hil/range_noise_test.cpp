@@ -226,7 +226,7 @@ TEST_CASE("errors that cannot be say which setting to change") {
     return std::string();
   };
   CHECK(complaint([](RangeNoiseConfig&) {}).empty());
-  CHECK(complaint([](RangeNoiseConfig& c) { c.sigma_m = -1; }).find("who: sigma_m") == 0);
+  CHECK(complaint([](RangeNoiseConfig& c) { c.sigma_m = -1; }).find("hil who: sigma_m") == 0);
   CHECK(complaint([](RangeNoiseConfig& c) { c.bias_m = std::nan(""); }).find("bias_m") != std::string::npos);
   CHECK(complaint([](RangeNoiseConfig& c) { c.loss = 2; }).find("loss") != std::string::npos);
   CHECK(complaint([](RangeNoiseConfig& c) { c.divergence_rad = 1; }).find("divergence_rad") !=
