@@ -16,9 +16,8 @@ RangeHit to_range(const Hit& hit, const Vec3& direction) {
 }
 
 RangeHit to_range(const ShellHit& hit, const Vec3& direction) {
-  return {hit.range_m, std::fabs(dot(hit.normal, direction)),
-          RangeHit::kOwnBody - static_cast<std::int32_t>(hit.part), RayCaster::kShellReflectivity,
-          hit.normal};
+  return {hit.range_m, std::fabs(dot(hit.normal, direction)), RangeHit::kOwnBody - hit.part,
+          RayCaster::kShellReflectivity, hit.normal};
 }
 
 }  // namespace

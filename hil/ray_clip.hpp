@@ -105,8 +105,7 @@ inline void clip_wheel(Clip& clip, const Vec3& o, const Vec3& d, double radius) 
   }
 }
 
-/// Tilted solids, for intersect() and contains().
+/// Tilted solids, for intersect().
 Contact intersect_tilted(const Ray& ray, const Solid& solid);
-bool tilted_contains(const Solid& solid, const Vec3& point_m);
 
 }  // namespace sortie::hil

@@ -93,11 +93,6 @@ double roof_height(const Solid& solid, double x_m, double y_m) {
   return solid.low_m + roof_slope(solid) * (p.x + solid.half_x_m);
 }
 
-bool contains(const Solid& solid, const Vec3& point_m) {
-  if (is_tilted(solid)) return tilted_contains(solid, point_m);
-  return point_m.z >= solid.bottom_m && point_m.z <= roof_height(solid, point_m.x, point_m.y);
-}
-
 void half_extents(const Solid& solid, double& half_x_m, double& half_y_m) {
   const double c = std::fabs(solid.cos_yaw);
   const double s = std::fabs(solid.sin_yaw);

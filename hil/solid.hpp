@@ -98,9 +98,6 @@ struct Contact {
 /// to 15 ns.
 Contact intersect(const Ray& ray, const Solid& solid);
 
-/// True if the point lies in the solid or on its surface.
-bool contains(const Solid& solid, const Vec3& point_m);
-
 /// Height of the roof above (x, y), or -infinity where the solid is not below or above that point.
 double roof_height(const Solid& solid, double x_m, double y_m);
 

@@ -8,10 +8,6 @@
 namespace sortie::hil {
 namespace {
 
-Vec3 middle_of(const Solid& solid) {
-  return {solid.center_x_m, solid.center_y_m, 0.5 * (solid.bottom_m + solid.top_m)};
-}
-
 // A world vector along the axes of a tilted solid.
 Vec3 to_axes(const Solid& solid, const Vec3& v) {
   return {dot(solid.axes.x, v), dot(solid.axes.y, v), dot(solid.axes.z, v)};
@@ -62,7 +58,8 @@ Solid make_tilted_cylinder(const Vec3& center_m, const Axes& axes, double radius
 }
 
 Contact intersect_tilted(const Ray& ray, const Solid& solid) {
-  const Vec3 o = to_axes(solid, ray.origin_m - middle_of(solid));
+  const Vec3 middle{solid.center_x_m, solid.center_y_m, 0.5 * (solid.bottom_m + solid.top_m)};
+  const Vec3 o = to_axes(solid, ray.origin_m - middle);
   const Vec3 d = to_axes(solid, ray.direction);
   Clip clip;
   clip.slab(o.y, d.y, solid.half_m.y, {0, 1, 0});
@@ -76,14 +73,6 @@ Contact intersect_tilted(const Ray& ray, const Solid& solid) {
   if (clip.near_m <= 0.0) return {0.0, {}};
   return {clip.near_m,
           clip.normal.x * solid.axes.x + clip.normal.y * solid.axes.y + clip.normal.z * solid.axes.z};
-}
-
-bool tilted_contains(const Solid& solid, const Vec3& point_m) {
-  const Vec3 p = to_axes(solid, point_m - middle_of(solid));
-  if (std::fabs(p.y) > solid.half_m.y) return false;
-  if (solid.kind == SolidKind::tilted_cylinder)
-    return p.x * p.x + p.z * p.z <= solid.half_m.x * solid.half_m.x;
-  return std::fabs(p.x) <= solid.half_m.x && std::fabs(p.z) <= solid.half_m.z;
 }
 
 }  // namespace sortie::hil

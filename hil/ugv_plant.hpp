@@ -80,12 +80,7 @@ class UgvPlant {
   const RangeCounters& lidar_ranges() const {
     return config_.lidar_kind == LidarKind::rows ? lidar_.ranges() : rolling_laser_.ranges();
   }
-  /// The sensors, with the truth of their newest rays.
-  const LidarModel& lidar() const { return lidar_; }
-  const RollingLaser& rolling_laser() const { return rolling_laser_; }
   const SslSensor& ssl() const { return ssl_; }
-  /// What the sensors' rays are cast by.
-  const RayCaster& caster() const { return caster_; }
   const FaultCounters& imu_faults() const { return imu_faults_.counters(); }
   const FaultCounters& track_faults() const { return track_faults_.counters(); }
   const FaultCounters& command_faults() const { return command_faults_.counters(); }
@@ -95,8 +90,6 @@ class UgvPlant {
   /// The same on ODrives.
   VehicleAxes& axes() { return axes_; }
   const VehicleAxes& axes() const { return axes_; }
-  /// The IMU with its present biases.
-  const ImuModel& imu() const { return imu_; }
 
  private:
   void step_once();

@@ -146,7 +146,7 @@ bool VehicleShell::meet_parts(const Ray& ray_body, const ShellPosture& posture, 
   const auto offer = [&](const Contact& contact, int part) {
     if (!(contact.range_m < within_m)) return;
     within_m = contact.range_m;
-    hit = {contact.range_m, contact.normal, static_cast<Part>(part)};
+    hit = {contact.range_m, contact.normal, part};
     found = true;
   };
   if (!passes(body_centre_m_, body_reach_m_)) offer(meet_box(ray_body, body_centre_m_, body_half_m_), 0);

@@ -28,9 +28,9 @@ Contact intersect(const Ray& ray, const WheelPair& pair);
 
 /// What a ray meets of the robot.
 struct ShellHit {
-  double range_m{};  ///< 0: the ray starts inside
-  Vec3 normal;       ///< outward, body frame; zero when it starts inside
-  Part part{};
+  double range_m{};     ///< 0: the ray starts inside
+  Vec3 normal;          ///< outward, body frame; zero when it starts inside
+  std::int32_t part{};  ///< as in rt::VehiclePart
 };
 
 /// The outline. Body frame of sensors and estimators: x forward, y left, z up, origin on the ground between

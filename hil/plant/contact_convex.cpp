@@ -15,7 +15,7 @@ constexpr double kWholeStep = 0.5;   ///< a whole step is taken when it leaves n
 constexpr double kGoodEnough = 0.1;  ///< and a part of it at this
 
 double impulse_of(const JointDrive& drive, double speed_rad_s) {
-  return std::clamp(-(speed_rad_s + drive.bias_rad_s) / drive.compliance, -drive.limit_nms, drive.limit_nms);
+  return std::clamp(free_impulse(drive, speed_rad_s), -drive.limit_nms, drive.limit_nms);
 }
 
 double largest(const Vec3& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
@@ -141,15 +141,14 @@ double ConvexContacts::share_of(const Generalised& velocity, const Generalised& 
   return share;
 }
 
-int ConvexContacts::descend(Generalised& velocity, int steps, double tolerance_ns) const {
+void ConvexContacts::descend(Generalised& velocity, int steps, double tolerance_ns) const {
   for (int i = 0; i < steps; ++i) {
     const Generalised down = -1.0 * gradient(velocity);
-    if (!(size_of(down, problem_.gyration_m) > tolerance_ns)) return i;
+    if (!(size_of(down, problem_.gyration_m) > tolerance_ns)) return;
     Generalised step;
-    if (!solve(curvature(velocity), down, step)) return i + 1;
+    if (!solve(curvature(velocity), down, step)) return;
     velocity = velocity + share_of(velocity, step, -dot(down, step)) * step;
   }
-  return steps;
 }
 
 void ConvexContacts::write_impulses(ContactProblem& problem, const Generalised& velocity) const {

@@ -18,7 +18,7 @@ struct ContactTag {
   std::uint64_t key{};    ///< part, object and feature: the same contact has the same key a step later
   double gap_m{};         ///< negative: penetration
   std::int16_t object{};  ///< index of the solid; -1 - index of a half-space
-  std::uint8_t part{};    ///< index of a Part
+  std::uint8_t part{};    ///< as in rt::VehiclePart
 };
 
 /// Where the vehicle is: enough to find contacts.

@@ -8,13 +8,6 @@
 #include "hil/plant/contact_rows.hpp"
 
 namespace sortie::hil {
-namespace {
-
-double drive_impulse(const JointDrive& drive, double speed_rad_s) {
-  return -(speed_rad_s + drive.bias_rad_s) / drive.compliance;
-}
-
-}  // namespace
 
 LawPoint look_at(const ContactPoint& contact, const Generalised& velocity, double compliance, double rho_kg) {
   LawPoint point;
@@ -52,7 +45,7 @@ Misfit classify(ContactProblem& problem, const Generalised& velocity, double rho
   }
   for (int j = 0; j < kFlippers; ++j) {
     JointDrive& drive = problem.drives[j];
-    const double wanted = drive_impulse(drive, velocity.joint[j]);
+    const double wanted = free_impulse(drive, velocity.joint[j]);
     drive.saturated = std::fabs(wanted) > drive.limit_nms;
     const double allowed = drive.saturated ? std::copysign(drive.limit_nms, wanted) : wanted;
     misfit.add(std::fabs(allowed - drive.impulse_nms) / problem.gyration_m);
@@ -121,7 +114,7 @@ void take_impulses(ContactProblem& problem, const Generalised& velocity) {
   }
   for (int j = 0; j < kFlippers; ++j) {
     JointDrive& drive = problem.drives[j];
-    drive.impulse_nms = drive.saturated ? drive.edge_nms : drive_impulse(drive, velocity.joint[j]);
+    drive.impulse_nms = drive.saturated ? drive.edge_nms : free_impulse(drive, velocity.joint[j]);
   }
 }
 

@@ -61,6 +61,11 @@ struct ContactProblem {
   ContactList contacts;
 };
 
+/// What a servo would give if it had no limit.
+inline double free_impulse(const JointDrive& drive, double speed_rad_s) {
+  return -(speed_rad_s + drive.bias_rad_s) / drive.compliance;
+}
+
 /// Velocity of the vehicle at a contact.
 inline Vec3 velocity_at(const ContactPoint& c, const Generalised& u) {
   const Vec3 v = u.linear + cross(u.angular, c.point_m);
@@ -73,12 +78,5 @@ inline void add_impulse(const ContactPoint& c, const Vec3& p, Generalised& sum) 
   sum.angular = sum.angular + cross(c.point_m, p);
   if (c.joint >= 0) sum.joint[c.joint] += dot(c.lever_m, p);
 }
-
-/// The natural residual of an answer, N s: with u from the momentum equation for the impulses given, the
-/// largest |p - P(p - w / W)| over the contacts, where P projects onto the cone as the law above does and w
-/// is the violation with compliance `problem.compliance` (0 asks for the rigid law) and W the contact's own
-/// inverse mass. For tests, the bench and counters; not part of a step. Negative when the mass matrix is
-/// singular.
-double natural_residual(const ContactProblem& problem, double compliance);
 
 }  // namespace sortie::hil

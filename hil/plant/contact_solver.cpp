@@ -69,19 +69,17 @@ void go_between(const Answer& from, const Answer& to, double share, ContactProbl
 /// Newton with full steps. True when it converged; velocity and impulses are the answer then. `best` may be
 /// null on the first, usually only, try.
 bool newton(ContactProblem& problem, Generalised& u, double rho_kg, int iterations, double tolerance_ns,
-            Best* best, SolverReport& report) {
+            Best* best, double& residual_ns) {
   ArrowMatrix matrix;
   Generalised rhs;
   static_cast<void>(classify(problem, u, rho_kg));  // the contacts' grips
   for (int i = 0; i < iterations; ++i) {
     assemble(problem, matrix, rhs);
-    ++report.iterations;
     if (!solve(matrix, rhs, u)) return false;
     take_impulses(problem, u);
-    const double residual = classify(problem, u, rho_kg).worst_ns;
-    report.residual_ns = residual;
-    if (best != nullptr) best->offer(problem, u, residual);
-    if (residual <= tolerance_ns) return true;
+    residual_ns = classify(problem, u, rho_kg).worst_ns;
+    if (best != nullptr) best->offer(problem, u, residual_ns);
+    if (residual_ns <= tolerance_ns) return true;
   }
   return false;
 }
@@ -89,7 +87,7 @@ bool newton(ContactProblem& problem, Generalised& u, double rho_kg, int iteratio
 /// Newton with steps that are halved until less is left, or nearly nothing of the step. True when it
 /// converged.
 bool shorter_newton(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
-                    Best& best, SolverReport& report) {
+                    Best& best) {
   ArrowMatrix matrix;
   Generalised rhs;
   Answer from;
@@ -98,7 +96,6 @@ bool shorter_newton(ContactProblem& problem, Generalised& u, double rho_kg, cons
   for (int i = 0; i < options.shorter_iterations; ++i) {
     from.take(problem, u);
     assemble(problem, matrix, rhs);
-    ++report.iterations;
     if (!solve(matrix, rhs, u)) return false;
     take_impulses(problem, u);
     whole.take(problem, u);
@@ -116,14 +113,15 @@ bool shorter_newton(ContactProblem& problem, Generalised& u, double rho_kg, cons
 
 /// From convex problem to convex problem, with tries of Newton's method from their answers.
 bool approach(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
-              Best& best, SolverReport& report) {
+              Best& best) {
+  double residual_ns = 0.0;
   ConvexContacts convex(problem, u);
   for (int i = 0; i < options.approaches; ++i) {
-    report.iterations += convex.descend(u, options.approach_steps, kRoughly * options.tolerance_ns);
+    convex.descend(u, options.approach_steps, kRoughly * options.tolerance_ns);
     if (i < 3 || i % 4 == 0) {
       Generalised fast = u;
       convex.write_impulses(problem, u);
-      if (newton(problem, fast, rho_kg, options.polish_iterations, options.tolerance_ns, &best, report))
+      if (newton(problem, fast, rho_kg, options.polish_iterations, options.tolerance_ns, &best, residual_ns))
         return true;
     }
     convex.renew(u);
@@ -133,16 +131,15 @@ bool approach(ContactProblem& problem, Generalised& u, double rho_kg, const Solv
 
 /// Sweeps and shorter steps in turn.
 void sweep_out(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
-               Best& best, SolverReport& report) {
+               Best& best) {
   for (ContactPoint& c : problem.contacts) c.impulse_ns = {};
   for (JointDrive& drive : problem.drives) drive.impulse_nms = 0.0;
   Answer swept;
   int count = options.sweeps;
   for (int round = 0; round < options.rounds; ++round) {
     if (!sweep_contacts(problem, u, count)) return;
-    report.sweeps += count;
     swept.take(problem, u);
-    if (shorter_newton(problem, u, rho_kg, options, best, report)) return;
+    if (shorter_newton(problem, u, rho_kg, options, best)) return;
     swept.put(problem, u);
     count = std::min(2 * count, 32 * options.sweeps);
   }
@@ -154,14 +151,13 @@ SolverReport solve_contacts(ContactProblem& problem, Generalised& velocity, cons
   SolverReport report;
   const double rho_kg = kContactMassShare * problem.mass.base[0][0];
   Generalised u = velocity;
-  if (newton(problem, u, rho_kg, options.newton_iterations, options.tolerance_ns, nullptr, report)) {
+  if (newton(problem, u, rho_kg, options.newton_iterations, options.tolerance_ns, nullptr,
+             report.residual_ns)) {
     velocity = u;
   } else {
-    report.safe_path = true;
     Best best;
     u = velocity;
-    if (!approach(problem, u, rho_kg, options, best, report))
-      sweep_out(problem, u, rho_kg, options, best, report);
+    if (!approach(problem, u, rho_kg, options, best)) sweep_out(problem, u, rho_kg, options, best);
     best.put(problem, velocity);
     report.residual_ns = best.residual_ns;
   }

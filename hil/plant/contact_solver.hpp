@@ -19,11 +19,8 @@ struct SolverOptions {
   double tolerance_ns{1e-8};  ///< natural residual at which an answer is taken
 };
 
-/// What the solver did.
+/// How good the answer is.
 struct SolverReport {
-  int iterations{};  ///< linear systems solved, of all methods
-  int sweeps{};      ///< projected Gauss-Seidel sweeps
-  bool safe_path{};  ///< plain Newton did not converge
   bool converged{};
   double residual_ns{};  ///< natural residual of the answer
 };

@@ -6,8 +6,6 @@
 #include "hil/requirement.hpp"
 
 namespace sortie::hil {
-static_assert(rt::kVehicleParts == kParts, "truth names the parts in the plant's order");
-
 namespace {
 
 rt::Nanoseconds checked(rt::Nanoseconds step_ns) {

@@ -17,7 +17,7 @@ bool in_range(double value, double low, double high) { return value >= low && va
 
 void check(const PlantConfig& c) {
   const bool good = in_range(c.gravity_m_s2, 0.0, 100.0) && in_range(c.compliance_s, 1e-9, 1e-3) &&
-                    in_range(c.tolerance_share, 1e-12, 1e-2) && c.newton_iterations > 0 && c.rounds >= 0 &&
+                    in_range(c.tolerance_share, 1e-12, 1e-2) && c.newton_iterations > 0 &&
                     in_range(c.slop_m, 0.0, 0.01) && in_range(c.correction_rate, 0.0, 1.0) &&
                     in_range(c.correction_speed_m_s, 0.0, 10.0) && in_range(c.margin_m, 0.0, 0.1);
   require("plant", good, "a setting of gravity, solver or correction is out of range");
@@ -67,7 +67,6 @@ Status TrackedPlant::step(const PlantCommand& command, double dt_s) {
 
   SolverOptions options;
   options.newton_iterations = config_.newton_iterations;
-  options.rounds = config_.rounds;
   // Velocities of 1 m/s carry rounding of 1e-16 m/s, which the compliance turns into momentum.
   const double rounding =
       1e-14 * (norm(state_.velocity.linear) + norm(state_.velocity.angular)) / problem_.compliance;

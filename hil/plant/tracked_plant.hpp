@@ -16,9 +16,8 @@ struct PlantConfig {
   double gravity_m_s2{9.81};  ///< along -z, 0..100
   double compliance_s{
       1e-6};  ///< R = compliance / (mass dt): creep under the vehicle's weight is g times this
-  double tolerance_share{1e-7};  ///< of mass * g * dt: what the solver may leave unaccounted for
-  int newton_iterations{8};      ///< the solver's knobs, see SolverOptions
-  int rounds{6};
+  double tolerance_share{1e-7};      ///< of mass * g * dt: what the solver may leave unaccounted for
+  int newton_iterations{8};          ///< as SolverOptions has it
   double slop_m{1e-4};               ///< penetration that is not corrected
   double correction_rate{0.3};       ///< share of the rest that one step corrects
   double correction_speed_m_s{0.5};  ///< limit
@@ -50,26 +49,20 @@ struct PlantState {
 /// What one step did. Energies in J.
 struct StepReport {
   SolverReport solver;
-  SolverReport correction;   ///< zeros when no correction was needed
   std::uint32_t contacts{};  ///< listed, with or without load
   std::uint32_t loaded{};
   double penetration_m{};  ///< deepest before the step
   double kinetic_j{};      ///< after the step
   double potential_j{};    ///< gravity, 0 at z = 0, and the servos' springs
   double correction_j{};   ///< potential energy that the correction of positions put in
-  bool rejected{};         ///< a result was not finite: the vehicle was stopped where it was
 };
 
 /// Sums over the plant's life.
 struct PlantCounters {
   std::uint64_t steps{};
-  std::uint64_t iterations{};
-  std::uint64_t safe_paths{};
   std::uint64_t not_converged{};
-  std::uint64_t corrections{};
-  std::uint64_t rejected{};
-  double correction_j{};   ///< sum of what was put in (positive parts)
-  double penetration_m{};  ///< largest
+  std::uint64_t rejected{};  ///< results that were not finite: the vehicle was stopped where it was
+  double penetration_m{};    ///< largest
 };
 
 /// The plant. About 110 kB: keep it off small stacks. No heap after construction, one thread at a time; the

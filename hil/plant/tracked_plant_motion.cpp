@@ -58,18 +58,14 @@ Generalised TrackedPlant::correct(double dt_s) {
   }
   SolverOptions options;
   options.newton_iterations = config_.newton_iterations;
-  options.rounds = config_.rounds;
   options.tolerance_ns = 1e-6 * model_.mass_kg() * config_.correction_speed_m_s;
-  report_.correction = solver_(correction_, push, options);
-  ++counters_.corrections;
-  if (!usable(push)) return {};
-  return push;
+  solver_(correction_, push, options);
+  return usable(push) ? push : Generalised{};
 }
 
 void TrackedPlant::integrate(const Generalised& correction, double dt_s) {
   if (!usable(state_.velocity)) {
     state_.velocity = {};
-    report_.rejected = true;
     ++counters_.rejected;
   }
   const Generalised momentum = multiply(mass_.matrix, state_.velocity);
@@ -136,10 +132,7 @@ void TrackedPlant::report_energy() {
     report_.potential_j += spring_energy(state_.flipper_set_rad[f] - state_.flipper_rad[f], vehicle);
   }
   ++counters_.steps;
-  counters_.iterations += static_cast<std::uint64_t>(report_.solver.iterations);
-  if (report_.solver.safe_path) ++counters_.safe_paths;
   if (!report_.solver.converged) ++counters_.not_converged;
-  counters_.correction_j += std::max(0.0, report_.correction_j);
   counters_.penetration_m = std::max(counters_.penetration_m, report_.penetration_m);
 }
 

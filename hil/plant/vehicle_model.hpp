@@ -4,21 +4,13 @@
 
 #include "hil/plant/generalised.hpp"
 #include "hil/plant/vehicle_config.hpp"
+#include "rt/contact_truth.hpp"
 #include "rt/convex/shape.hpp"
 
 namespace sortie::hil {
 
-/// The convex parts of the vehicle, in the order in which contacts are listed.
-enum class Part : unsigned char {
-  body,
-  track_left,
-  track_right,
-  flipper_front_left,
-  flipper_front_right,
-  flipper_rear_left,
-  flipper_rear_right,
-};
-constexpr int kParts = 7;
+/// The convex parts of the vehicle have the numbers of rt::VehiclePart; contacts are listed in that order.
+constexpr int kParts = static_cast<int>(rt::kVehicleParts);
 
 /// The flipper joint of a part; negative for body and tracks.
 constexpr int joint_of(int part) { return part - 3; }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "plant_scenes.hpp"
+#include "tests/hil/judge/natural_residual.hpp"
 #include "tests/hil/judge/reference_solver.hpp"
 
 namespace sortie::hil {

@@ -3,6 +3,7 @@
 // points.
 #include "hil/random.hpp"
 #include "plant_bench.hpp"
+#include "tests/hil/judge/natural_residual.hpp"
 #include "tests/hil/judge/reference_solver.hpp"
 
 using namespace sortie;

@@ -4,6 +4,7 @@
 
 #include "hil/random.hpp"
 #include "plant_bench.hpp"
+#include "tests/hil/judge/natural_residual.hpp"
 
 namespace sortie::hil {
 

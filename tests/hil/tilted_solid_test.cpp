@@ -15,6 +15,18 @@ using namespace sortie::hil;
 
 namespace {
 
+// True if the point lies in the solid or on its surface.
+bool contains(const Solid& solid, const Vec3& point_m) {
+  if (!is_tilted(solid))
+    return point_m.z >= solid.bottom_m && point_m.z <= roof_height(solid, point_m.x, point_m.y);
+  const Vec3 way = point_m - Vec3{solid.center_x_m, solid.center_y_m, 0.5 * (solid.bottom_m + solid.top_m)};
+  const Vec3 p{dot(solid.axes.x, way), dot(solid.axes.y, way), dot(solid.axes.z, way)};
+  if (std::fabs(p.y) > solid.half_m.y) return false;
+  if (solid.kind == SolidKind::tilted_cylinder)
+    return p.x * p.x + p.z * p.z <= solid.half_m.x * solid.half_m.x;
+  return std::fabs(p.x) <= solid.half_m.x && std::fabs(p.z) <= solid.half_m.z;
+}
+
 Vec3 random_unit(Random& random) {
   const Vec3 v = random_vector(random, 1.0);
   const double length = norm(v);

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "tests/bench/plant/plant_parts.hpp"
+#include "tests/hil/judge/natural_residual.hpp"
 
 namespace sortie::bench {
 

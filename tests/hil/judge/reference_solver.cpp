@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/hil/judge/natural_residual.hpp"
+
 namespace sortie::hil {
 namespace {
 

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far an answer is from the contact law, judged from its impulses alone.
+#pragma once
+
 #include <algorithm>
 #include <cmath>
 
 #include "hil/plant/contact_law.hpp"
-#include "hil/plant/contact_problem.hpp"
 
 namespace sortie::hil {
 
-double natural_residual(const ContactProblem& problem, double compliance) {
+/// The natural residual of an answer, N s: with u from the momentum equation for the impulses given, the
+/// largest |p - P(p - w / W)| over the contacts, where P projects onto the cone as look_at() does and w is
+/// the violation with compliance `problem.compliance` (0 asks for the rigid law) and W the contact's own
+/// inverse mass. Negative when the mass matrix is singular.
+inline double natural_residual(const ContactProblem& problem, double compliance) {
   Generalised momentum = problem.momentum;
   for (const ContactPoint& c : problem.contacts) add_impulse(c, c.impulse_ns, momentum);
   for (int j = 0; j < kFlippers; ++j) momentum.joint[j] += problem.drives[j].impulse_nms;
