@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimators/attitude_checks.hpp"
-
 namespace sortie::estimators {
 namespace {
 constexpr double kMaxTrackSpeed_m_s = 100.0;

@@ -83,6 +83,8 @@ class BasicAttitude {
 
  private:
   using Vector = VectorOf<Real>;
+  /// So many even steps make a stream whose wide steps are gaps.
+  static constexpr std::uint32_t kEvenSteps = 16;
 
   // What gathers up to the end of a block.
   struct Block {

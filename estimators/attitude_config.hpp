@@ -47,17 +47,15 @@ struct AttitudeConfig {
   /// their time constants are 10 to 1000 times longer. Slower sensors do so at each sample.
   rt::Nanoseconds block_ns{35 * rt::kNanosecondsPerMillisecond};
 
-  double acc_time_constant_s{3.0};  ///< low-pass of the specific force in the world frame
-  double acc_deviation_m_s2{15.0};  ///< one sample counts no more than this from the mean force, ...
-  double acc_deviation_factor{
-      2.0};                    ///< ... plus this many mean deviations: motion that lasts opens the limit
-  double acc_bias_m_s2{0.05};  ///< 1 sigma of the accelerometer's own error, for the covariance only
+  double acc_time_constant_s{3.0};   ///< low-pass of the specific force in the world frame
+  double acc_deviation_m_s2{15.0};   ///< one sample counts no more than this from the mean force, ...
+  double acc_deviation_factor{2.0};  ///< ... plus so many mean deviations: lasting motion opens the limit
+  double acc_bias_m_s2{0.05};        ///< 1 sigma of the accelerometer's own error, for the covariance only
 
-  double bias_sigma_initial_rad_s{
-      0.0087266};                             ///< 1 sigma of the bias at start (0.5 deg/s); 0: no bias filter
-  double bias_sigma_motion_rad_s{0.0017453};  ///< steady 1 sigma in motion (0.1 deg/s): low learns slowly
-  double bias_sigma_rest_rad_s{0.00052360};   ///< steady 1 sigma at rest (0.03 deg/s)
-  double bias_forgetting_s{100.0};            ///< in which the bias walks by 0.1 deg/s, 1 sigma
+  double bias_sigma_initial_rad_s{0.0087266};  ///< 1 sigma at start (0.5 deg/s); 0: no bias filter
+  double bias_sigma_motion_rad_s{0.0017453};   ///< steady 1 sigma in motion (0.1 deg/s): low learns slowly
+  double bias_sigma_rest_rad_s{0.00052360};    ///< steady 1 sigma at rest (0.03 deg/s)
+  double bias_forgetting_s{100.0};             ///< in which the bias walks by 0.1 deg/s, 1 sigma
   double max_bias_rad_s{0.035};     ///< the bias is held within this; also the fastest turn taken for rest
   bool heading_follows_bias{true};  ///< a bias learned late also turns back what it did to the heading, ...
   double heading_payment_rad_s{0.0087};  ///< ... once the robot moves, at most so fast (0.5 deg/s)

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "estimators/attitude.hpp"
-#include "estimators/attitude_checks.hpp"
 
 namespace sortie::estimators {
 namespace {

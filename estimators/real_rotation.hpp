@@ -49,7 +49,19 @@ constexpr void add_exactly(Real& value, Real& error, Real by) {
   value = sum;
 }
 
-/// From the plain array that samples carry, rounded to the precision.
+/// Sum of the absolute coordinates: between once and 1.73 times the length, without a root.
+template <class Real>
+Real size_of(const VectorOf<Real>& v) {
+  return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+}
+
+/// No axis of the plain array that samples carry beyond +-limit; false also for a NaN.
+inline bool within(const double (&v)[3], double limit) {
+  return std::fabs(v[0]) <= limit && std::fabs(v[1]) <= limit && std::fabs(v[2]) <= limit;
+}
+/// Three exact zeros.
+inline bool is_zero(const double (&v)[3]) { return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0; }
+/// From the same, rounded to the precision.
 template <class Real>
 constexpr VectorOf<Real> vector_of(const double (&a)[3]) {
   return {static_cast<Real>(a[0]), static_cast<Real>(a[1]), static_cast<Real>(a[2])};

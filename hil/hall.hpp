@@ -30,12 +30,10 @@ struct HallConfig {
   double door_height_m{2.1};  ///< the wall goes on above it
   bool outer_doors{true};     ///< one opening in the middle of the north and the south wall
 
-  double partition_x_m{
-      11.0};  ///< a wall across the hall with two openings; outside of the hall: no partition
+  double partition_x_m{11.0};      ///< a wall across with two openings; outside of the hall: no partition
   double partition_door_y_m{4.0};  ///< the openings are centred on +- this
 
-  std::uint32_t pillars{
-      8};  ///< in two rows along the hall; an odd count of columns would stand before the doors
+  std::uint32_t pillars{8};  ///< in two rows along the hall; an odd count of columns stands before the doors
   double pillar_radius_m{0.2};
   double pillar_row_y_m{5.6};  ///< the rows stand at +- this
 
@@ -46,9 +44,8 @@ struct HallConfig {
   double ramp_x_m{5.0};  ///< centre of the flat piece
   double ramp_y_m{0.0};
 
-  std::uint32_t furniture{
-      40};  ///< crates, barrels, shelves and tables that are tried; what does not fit is left out
-  std::uint64_t seed{1};  ///< of the furniture; a report must print it
+  std::uint32_t furniture{40};  ///< crates, barrels, shelves, tables; what does not fit is left out
+  std::uint64_t seed{1};        ///< of the furniture; a report must print it
 
   /// The way that is kept free of furniture: a closed or open polyline.
   PlanPoint path_m[kMaxPath]{{0, 0}, {9.3, 0}, {9.3, 4}, {14, 4}, {14, -4}, {9.3, -4}, {0, -4}, {0, 0}};

@@ -20,8 +20,7 @@ struct ImuConfig {
   double acc_bias_m_s2{0.02};
   double gyr_walk_rad_s_rt_s{1e-5};  ///< growth of the bias per square root of a second
   double acc_walk_m_s2_rt_s{1e-4};
-  double gyr_range_rad_s{
-      16.3835};  ///< the default ranges are those of the CAN frames, which mark clipped axes
+  double gyr_range_rad_s{16.3835};  ///< default ranges: of the CAN frames, which mark clipped axes
   double acc_range_m_s2{163.835};
   double loss{0.0};  ///< share of samples that the device does not deliver
 };

@@ -23,9 +23,8 @@ struct RobotConfig {
 
   BeltDriveConfig drives{};
 
-  double steering_efficiency{
-      0.65};               ///< chi = track distance / distance of the tracks' turning centres, (0, 1]
-  double slip_left{0.02};  ///< share of the left belt's travel that is lost on the ground, below 1
+  double steering_efficiency{0.65};  ///< chi = track distance / that of the turning centres, (0, 1]
+  double slip_left{0.02};            ///< share of the left belt's travel that is lost on the ground, below 1
   double slip_right{0.02};
   double turning_centre_x_m{-0.03};  ///< forward position of the turning centre: turning drifts sideways
 

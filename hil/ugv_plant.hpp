@@ -24,8 +24,7 @@ struct UgvCounters {
   std::uint64_t frames_sent{};
   std::uint64_t frames_refused{};  ///< the port's queue was full or the bus was off
   std::uint64_t commands_taken{};
-  std::uint64_t
-      commands_repeated{};  ///< counter as in the command before: a stuck sender, not taken as fresh
+  std::uint64_t commands_repeated{};  ///< the counter of the one before: a stuck sender, not taken
   std::uint64_t commands_malformed{};
   std::uint64_t flipper_commands{};  ///< taken, one a pair
   std::uint64_t late_steps{};        ///< steps made up for after a call that came late

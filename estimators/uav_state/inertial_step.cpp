@@ -33,12 +33,10 @@ void propagate(ErrorCovariance& p, const InertialState& s, const InertialReading
                const InertialNoise& noise) {
   const rt::Vector3 f = r.acc_m_s2 - s.acc_bias_m_s2;
   const rt::Vector3 w = r.dt_s * (r.gyr_rad_s - s.gyr_bias_rad_s);
-  const double* m = nullptr;
   const rt::RotationMatrix rotation = rt::to_matrix(s.q_world_body);
-  m = rotation.m;
   Blocks b{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double* row = m + 3 * i;
+    const double* row = rotation.m + 3 * i;
     // Row of R times [f]x.
     b.force[3 * i] = -r.dt_s * (row[1] * f.z - row[2] * f.y);
     b.force[3 * i + 1] = -r.dt_s * (row[2] * f.x - row[0] * f.z);

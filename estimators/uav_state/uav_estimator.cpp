@@ -68,14 +68,8 @@ Status UavEstimator::imu(const rt::ImuSample& sample, double thrust_m_s2) {
   readings_[slot] = reading;
   stamps_[slot] = now_ns_;
   ++count_;
-  propagate(now_p_, now_, reading, config_.noise);
-  if (reading.dt_s > config_.max_gap_s) {
-    // The vehicle may have done anything up to the accelerations that it can make.
-    const double unknown = 3.0 * reading.dt_s;
-    for (std::size_t i = 3; i < 6; ++i) now_p_(i, i) += unknown * unknown;
-  }
   const Vector3 force = reading.acc_m_s2 - now_.acc_bias_m_s2;
-  const rt::Quaternion middle = predict(now_, reading, config_.gravity_m_s2);
+  const rt::Quaternion middle = move(now_, now_p_, reading);
   observer_.update(force, middle, thrust_m_s2, reading.dt_s);
   judge();
   publish(reading.gyr_rad_s - now_.gyr_bias_rad_s);
@@ -143,14 +137,20 @@ void UavEstimator::level(const InertialReading& reading) {
   first_ = count_ = 0;
 }
 
-void UavEstimator::advance_base() {
-  const InertialReading& reading = readings_[first_];
-  propagate(base_p_, base_, reading, config_.noise);
+// State and covariance over a reading. Gives the attitude in its middle.
+rt::Quaternion UavEstimator::move(InertialState& state, ErrorCovariance& p,
+                                  const InertialReading& reading) const {
+  propagate(p, state, reading, config_.noise);
   if (reading.dt_s > config_.max_gap_s) {
+    // The vehicle may have done anything up to the accelerations that it can make.
     const double unknown = 3.0 * reading.dt_s;
-    for (std::size_t i = 3; i < 6; ++i) base_p_(i, i) += unknown * unknown;
+    for (std::size_t i = 3; i < 6; ++i) p(i, i) += unknown * unknown;
   }
-  predict(base_, reading, config_.gravity_m_s2);
+  return predict(state, reading, config_.gravity_m_s2);
+}
+
+void UavEstimator::advance_base() {
+  move(base_, base_p_, readings_[first_]);
   base_ns_ = stamps_[first_];
   first_ = (first_ + 1) % kHistory;
   --count_;

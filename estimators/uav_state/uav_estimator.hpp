@@ -118,6 +118,7 @@ class UavEstimator {
   Status check_time(rt::Nanoseconds stamp_ns);
   void level(const InertialReading& reading);
   void move_to_origin(InertialReading& reading) const;
+  rt::Quaternion move(InertialState& state, ErrorCovariance& p, const InertialReading& reading) const;
   void advance_base();
   void restart_now();
   // The base and the readings after it, to come back to.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hil/canopen/dictionary.hpp"
 
+#include <algorithm>
+
 #include "drivers/canopen/cia402.hpp"
 #include "drivers/canopen/drive_setup.hpp"
 
@@ -10,7 +12,7 @@ namespace canopen = drivers::canopen;
 using canopen::ObjectKey;
 
 void CanopenDictionary::reset() noexcept {
-  count_ = 0;
+  objects_.clear();
   add(0x1000, 0, 4, false, false, 0x0002'0000u | canopen::kDriveProfile);  // a servo drive
   add(0x1001, 0, 1, false, true, 0);
   add(0x1016, 0, 1, false, false, 1);
@@ -49,21 +51,17 @@ void CanopenDictionary::reset() noexcept {
 
 void CanopenDictionary::add(std::uint16_t index, std::uint8_t sub, std::uint8_t bytes, bool writable,
                             bool mappable, std::uint32_t value) noexcept {
-  if (count_ < objects_.size()) objects_[count_++] = {{index, sub}, bytes, writable, mappable, value};
+  static_cast<void>(objects_.push_back({{index, sub}, bytes, writable, mappable, value}));
 }
 
 CanopenObject* CanopenDictionary::find(ObjectKey key) noexcept {
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (objects_[i].key == key) return &objects_[i];
-  }
-  return nullptr;
+  CanopenObject* const found = std::ranges::find(objects_, key, &CanopenObject::key);
+  return found == objects_.end() ? nullptr : found;
 }
 
 const CanopenObject* CanopenDictionary::find(ObjectKey key) const noexcept {
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (objects_[i].key == key) return &objects_[i];
-  }
-  return nullptr;
+  const CanopenObject* const found = std::ranges::find(objects_, key, &CanopenObject::key);
+  return found == objects_.end() ? nullptr : found;
 }
 
 std::uint32_t CanopenDictionary::value(std::uint16_t index, std::uint8_t sub) const noexcept {
@@ -76,7 +74,10 @@ void CanopenDictionary::set(std::uint16_t index, std::uint8_t sub, std::uint32_t
 }
 
 void CanopenDictionary::remove(std::uint16_t index, std::uint8_t sub) noexcept {
-  if (CanopenObject* object = find({index, sub})) *object = objects_[--count_];
+  CanopenObject* const object = find({index, sub});
+  if (object == nullptr) return;
+  *object = objects_.back();
+  objects_.pop_back();
 }
 
 std::uint32_t CanopenDictionary::read(ObjectKey key, std::uint32_t& value,

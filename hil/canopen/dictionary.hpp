@@ -2,10 +2,10 @@
 // The object dictionary of a simulated drive: what may be read, written and mapped, with sizes and ranges.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "drivers/canopen/frames.hpp"
+#include "rt/fixed_vector.hpp"
 
 namespace sortie::hil {
 
@@ -48,7 +48,6 @@ class CanopenDictionary {
   std::uint8_t unpack(std::uint16_t mapping, const drivers::CanFrame& frame) noexcept;
 
  private:
-  static constexpr std::size_t kMost = 50;
   CanopenObject* find(drivers::canopen::ObjectKey key) noexcept;
   const CanopenObject* find(drivers::canopen::ObjectKey key) const noexcept;
   void add(std::uint16_t index, std::uint8_t sub, std::uint8_t bytes, bool writable, bool mappable,
@@ -56,8 +55,7 @@ class CanopenDictionary {
   std::uint32_t refuse_mapping(drivers::canopen::ObjectKey key, std::uint32_t value,
                                bool operational) const noexcept;
 
-  std::array<CanopenObject, kMost> objects_{};
-  std::size_t count_{};
+  rt::FixedVector<CanopenObject, 50> objects_;
   std::uint8_t node_;
 };
 

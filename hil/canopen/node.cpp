@@ -73,8 +73,7 @@ void CanopenNode::reset() noexcept {
   last_control_ = 0;
   master_known_ = sdo_waits_ = false;
   next_heartbeat_ns_ = 0;
-  wanted_ = DriveState::switch_on_disabled;
-  enter(wanted_);
+  enter(DriveState::switch_on_disabled);
   send(canopen::encode_heartbeat(node_, NmtState::boot_up));
   nmt_ = NmtState::pre_operational;
 }
@@ -84,8 +83,7 @@ void CanopenNode::set_power(bool on) noexcept {
   booted_ = false;
   power_ns_ = -1;
   stubborn_ = 0;
-  wanted_ = DriveState::switch_on_disabled;
-  enter(wanted_);
+  enter(DriveState::switch_on_disabled);
 }
 
 void CanopenNode::fail(std::uint16_t code, int stubborn) noexcept {

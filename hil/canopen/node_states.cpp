@@ -68,14 +68,12 @@ void CanopenNode::obey(std::uint16_t control) noexcept {
   if (state_ == DriveState::fault_reaction) return;
   if (state_ == DriveState::fault) {
     if (!reset || stubborn_ == kForGood || stubborn_-- > 0) return;
-    wanted_ = DriveState::switch_on_disabled;
-    enter(wanted_);
+    enter(DriveState::switch_on_disabled);
     emergency(0);
     return;
   }
   if ((control & 0x02u) == 0) {  // disable voltage
-    wanted_ = DriveState::switch_on_disabled;
-    enter(wanted_);
+    enter(DriveState::switch_on_disabled);
   } else if ((control & 0x04u) == 0) {  // quick stop
     wanted_ = DriveState::switch_on_disabled;
     if (state_ == DriveState::operation_enabled) {

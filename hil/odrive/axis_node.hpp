@@ -22,15 +22,13 @@ struct AxisNodeConfig {
   bool sends_current = true;
   bool absolute = false;  ///< encoder: turns do not begin with 0 at power-on
   rt::Nanoseconds boot_ns = 250 * rt::kNanosecondsPerMillisecond;  ///< power-on to the first frame
-  std::uint32_t boot_error =
-      0;  ///< what it shows after boot until it is forgotten (firmware 0.6: initializing)
+  std::uint32_t boot_error = 0;  ///< shown after boot until it is forgotten (0.6: initializing)
   rt::Nanoseconds enter_ns = 5 * rt::kNanosecondsPerMillisecond;  ///< idle to closed loop
   bool targets_alone_feed = false;  ///< the watchdog is fed by targets only (0.6), not by every frame (0.5)
   bool watched_when_idle = true;    ///< it also trips when idle (0.5)
   double overspeed = 1.2;           ///< share of its speed limit beyond which it trips; 0: never
-  double bus_trip_turn_s2 =
-      0.0;  ///< deceleration that lifts the DC bus too high; 0: a brake resistor takes all
-  double fastest_turn_s2 = 50.0;  ///< what its current limit makes of a step in speed
+  double bus_trip_turn_s2 = 0.0;    ///< deceleration that lifts the DC bus too high; 0: a resistor takes all
+  double fastest_turn_s2 = 50.0;    ///< what its current limit makes of a step in speed
 };
 
 /// What the axis' motor is asked to do, and shows.

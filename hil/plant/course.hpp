@@ -20,8 +20,7 @@ struct CoursePiece {
   double x_m{};
   double y_m{};
   double yaw_rad{};
-  double length_m{
-      1.0};  ///< ramp: along the slope; rubble: of the field; wall: along the heading; stairs: landing
+  double length_m{1.0};    ///< ramp: of the slope; rubble: of the field; wall: ahead; stairs: of the landing
   double width_m{1.2};     ///< across; of a cylinder its length
   double height_m{0.1};    ///< cylinder: radius; wall: height; stairs: rise of a step
   double slope_rad{0.3};   ///< ramp

@@ -8,8 +8,7 @@
 namespace sortie::hil {
 namespace {
 
-constexpr double kLyingOnSide =
-    0.2;  ///< part of the normal in a wheel's plane below which both rims' sides count
+constexpr double kLyingOnSide = 0.2;  ///< share of the normal in a wheel's plane below which both sides count
 
 }  // namespace
 

@@ -7,8 +7,7 @@
 namespace sortie::hil {
 namespace {
 
-constexpr double kSideOfTrack =
-    0.1;  ///< |y x n| below which the drive fades: normals within 6 degrees of the axis
+constexpr double kSideOfTrack = 0.1;  ///< |y x n| below which the drive fades: 6 degrees from the axis
 
 }  // namespace
 

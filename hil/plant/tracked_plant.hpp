@@ -13,9 +13,8 @@ namespace sortie::hil {
 /// Settings of the plant.
 struct PlantConfig {
   VehicleConfig vehicle{};
-  double gravity_m_s2{9.81};  ///< along -z, 0..100
-  double compliance_s{
-      1e-6};  ///< R = compliance / (mass dt): creep under the vehicle's weight is g times this
+  double gravity_m_s2{9.81};         ///< along -z, 0..100
+  double compliance_s{1e-6};         ///< R = compliance / (mass dt): creep under its weight is g times this
   double tolerance_share{1e-7};      ///< of mass * g * dt: what the solver may leave unaccounted for
   int newton_iterations{8};          ///< as SolverOptions has it
   double slop_m{1e-4};               ///< penetration that is not corrected
@@ -31,8 +30,7 @@ struct PlantConfig {
 struct PlantCommand {
   double left_m_s{};  ///< belt speeds, forward positive
   double right_m_s{};
-  double flipper_rad[kFlippers]{0.5, 0.5, 0.5,
-                                0.5};  ///< front left, front right, rear left, rear right; up positive
+  double flipper_rad[kFlippers]{0.5, 0.5, 0.5, 0.5};  ///< up positive
 };
 
 /// Exact state. Velocities are of the body's origin, in body axes.

@@ -100,8 +100,8 @@ void VehicleModel::mass_at(const double (&angle_rad)[kFlippers], MassState& out)
     out.centre_m[f] = pivot(f) + out.arm_m[f];
     moment = moment + flipper_mass_kg_ * out.centre_m[f];
     add_inertia(inertia, flipper_mass_kg_, out.centre_m[f], {0.0, flipper_inertia_.y, 0.0});
-    const double difference =
-        flipper_inertia_.x - flipper_inertia_.z;  // I = a l l^T + c (1 - l l^T), in x and z
+    // I = a l l^T + c (1 - l l^T), in x and z.
+    const double difference = flipper_inertia_.x - flipper_inertia_.z;
     inertia.m[0][0] += flipper_inertia_.z + difference * along.x * along.x;
     inertia.m[2][2] += flipper_inertia_.z + difference * along.z * along.z;
     inertia.m[0][2] += difference * along.x * along.z;

@@ -25,6 +25,10 @@ double distance_m(const Solid& box, const Vec3& p) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
+Motion motion_of(const MultirotorState& state, rt::Nanoseconds stamp_ns) {
+  return {stamp_ns, state.p_world_m, state.q_world_body, state.v_world_m_s, state.w_body_rad_s};
+}
+
 }  // namespace
 
 UavVehicle::UavVehicle(const UavVehicleConfig& config, drivers::CanBus& port, drivers::ScanSink* scans)
@@ -105,18 +109,9 @@ void UavVehicle::fire_sensor(const MultirotorState& before, rt::Nanoseconds sinc
   std::size_t there = 0;
   for (const TimedSolid& timed : config_.solids) there += timed.from_ns <= since_ns ? 1 : 0;
   if (there != built_) build_world(since_ns);
-  const auto motion = [](const MultirotorState& state, rt::Nanoseconds stamp_ns) {
-    Motion result;
-    result.stamp_ns = stamp_ns;
-    result.p_world_body_m = state.p_world_m;
-    result.q_world_body = state.q_world_body;
-    result.v_world_m_s = state.v_world_m_s;
-    result.w_body_rad_s = state.w_body_rad_s;
-    return result;
-  };
   SensorStep step;
-  step.before = motion(before, now_ns_ - kStepNs);
-  step.after = motion(plant_.state(), now_ns_);
+  step.before = motion_of(before, now_ns_ - kStepNs);
+  step.after = motion_of(plant_.state(), now_ns_);
   lidar_.advance(RayCaster(*world_), step, *scans_);
   camera_.advance(RayCaster(*world_), step, *scans_);
 }
@@ -218,12 +213,7 @@ void UavVehicle::send(std::span<const drivers::CanFrame> frames, bool twice) {
 }
 
 rt::TruthSample UavVehicle::truth() const {
-  const MultirotorState state = in_own_frame(plant_.state());
-  Motion motion;
-  motion.stamp_ns = now_ns_;
-  motion.p_world_body_m = state.p_world_m;
-  motion.q_world_body = state.q_world_body;
-  return to_truth(motion);
+  return to_truth(motion_of(in_own_frame(plant_.state()), now_ns_));
 }
 
 }  // namespace sortie::hil

@@ -63,9 +63,8 @@ struct UavVehicleCounters {
   std::uint64_t commands_taken{};  ///< thirds of them
   std::uint64_t commands_repeated{};
   std::uint64_t commands_malformed{};
-  std::uint64_t
-      command_stale_steps{};   ///< steps with the rotors stopped for want of commands, after the first
-  std::uint64_t collisions{};  ///< times that it came to touch a solid
+  std::uint64_t command_stale_steps{};  ///< rotors stopped for want of commands, after the first
+  std::uint64_t collisions{};           ///< times that it came to touch a solid
   std::uint64_t collision_steps{};
   std::uint64_t late_steps{};
 };
