@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "hil/hall_furniture.hpp"
-
 namespace sortie::hil {
 namespace {
 

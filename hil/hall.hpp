@@ -65,4 +65,12 @@ struct HallReport {
 /// code: throws std::runtime_error with the setting to change if the config is not buildable.
 HallReport build_hall(const HallConfig& config, World& world);
 
+/// Tries config.furniture pieces at random places of the hall and adds those that keep their distance from
+/// the path and from what is already there. Leaves the world unfinalized. The `solids` of the report is not
+/// filled.
+HallReport add_furniture(const HallConfig& config, World& world);
+
+/// Distance in metres from a point to the polyline that is kept free; infinity if there is none.
+double distance_to_path(const HallConfig& config, double x_m, double y_m);
+
 }  // namespace sortie::hil

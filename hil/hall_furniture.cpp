@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws and places furniture.
-#include "hil/hall_furniture.hpp"
-
+// Random furniture of the hall: a seed decides what stands where; the robot's way stays free.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "hil/hall.hpp"
 #include "hil/random.hpp"
 
 namespace sortie::hil {

@@ -2,6 +2,7 @@
 // IMU error model.
 #include "hil/imu_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "hil/requirement.hpp"
@@ -12,15 +13,8 @@ namespace {
 constexpr std::uint64_t kStream = 0x696d75;
 
 double clip(double value, double range, bool& clipped) {
-  if (value >= range) {
-    clipped = true;
-    return range;
-  }
-  if (value <= -range) {
-    clipped = true;
-    return -range;
-  }
-  return value;
+  clipped = clipped || std::fabs(value) >= range;
+  return std::clamp(value, -range, range);
 }
 
 void store(const Vec3& v, double range, double out[3], bool& clipped) {

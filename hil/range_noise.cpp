@@ -104,39 +104,25 @@ RangeReading RangeNoise::measure(const RangeHit& hit, const Draws& draws, double
   RangeReading reading;
   reading.reflectivity = hit.reflectivity;
   reading.truth = {hit.range_m, hit.cos_incidence, hit.solid, mixed};
+  const auto ended = [&reading](RayFate fate, std::uint64_t& counter) {
+    ++counter;
+    reading.fate = fate;
+    return reading;
+  };
   ++counters_.rays;
-  if (!hit) {
-    ++counters_.nothing;
-    return reading;
-  }
-  if (draws.lost) {
-    ++counters_.lost;
-    reading.fate = RayFate::lost;
-    return reading;
-  }
-  if (draws.weak > 0.0 && draws.weak >= chance_of_return(hit)) {
-    ++counters_.weak;
-    reading.fate = RayFate::weak;
-    return reading;
-  }
+  if (!hit) return ended(RayFate::nothing, counters_.nothing);
+  if (draws.lost) return ended(RayFate::lost, counters_.lost);
+  if (draws.weak > 0.0 && draws.weak >= chance_of_return(hit)) return ended(RayFate::weak, counters_.weak);
   const double sigma_m = config_.sigma_m + config_.sigma_share * hit.range_m;
   double range_m = met_m + sigma_m * draws.error + config_.bias_m;
   if (config_.resolution_m > 0.0)
     range_m = config_.resolution_m * std::floor(range_m / config_.resolution_m + 0.5);
-  if (range_m < min_range_m_) {
-    ++counters_.too_near;
-    reading.fate = RayFate::too_near;
-  } else if (range_m > max_range_m_) {
-    ++counters_.too_far;
-    reading.fate = RayFate::too_far;
-  } else {
-    ++counters_.returned;
-    if (mixed) ++counters_.mixed;
-    if (hit.own()) ++counters_.own;
-    reading.range_m = range_m;
-    reading.fate = RayFate::returned;
-  }
-  return reading;
+  if (range_m < min_range_m_) return ended(RayFate::too_near, counters_.too_near);
+  if (range_m > max_range_m_) return ended(RayFate::too_far, counters_.too_far);
+  if (mixed) ++counters_.mixed;
+  if (hit.own()) ++counters_.own;
+  reading.range_m = range_m;
+  return ended(RayFate::returned, counters_.returned);
 }
 
 }  // namespace sortie::hil

@@ -7,7 +7,6 @@
 
 #include "hil/plant/contact_convex.hpp"
 #include "hil/plant/contact_law.hpp"
-#include "hil/plant/contact_sweeps.hpp"
 
 namespace sortie::hil {
 namespace {

@@ -37,6 +37,12 @@ struct SolverReport {
 /// contacts) us an iteration, 0.06 us a contact and sweep.
 SolverReport solve_contacts(ContactProblem& problem, Generalised& velocity, const SolverOptions& options);
 
+/// Projected Gauss-Seidel: slow to end, hard to lead astray. Sweeps `count` times over the contacts, forth
+/// and back in turn, from the impulses in the problem, and leaves impulses and the velocity that belongs to
+/// them. False when the mass matrix is singular. Stack: about 45 kB. Cost: 0.8 us a contact, and 0.06 us a
+/// contact and sweep.
+[[nodiscard]] bool sweep_contacts(ContactProblem& problem, Generalised& velocity, int count);
+
 /// A solver of contact problems, such as solve_contacts().
 using ContactSolver = SolverReport (*)(ContactProblem& problem, Generalised& velocity,
                                        const SolverOptions& options);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One contact after the other is brought to its law, the velocity follows at once.
-#include "hil/plant/contact_sweeps.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "hil/plant/contact_solver.hpp"
 
 namespace sortie::hil {
 namespace {

@@ -35,6 +35,12 @@ struct CourseConfig {
   std::vector<CoursePiece> pieces;
 };
 
+/// Adds every solid of the scene to a world, which finalize() must follow: the same solids to the last digit.
+/// Half-spaces are left to the caller: a world has its ground at z = 0 and no other. Status: ok; that of
+/// World::add(), not_supported for a body that is neither box nor cylinder; solids added before a refusal
+/// stay.
+Status add_to_world(const PlantScene& scene, World& world);
+
 /// Builds scene and world, the world finalized. Both must be empty. Set-up code: throws std::runtime_error
 /// with the row of the piece that does not fit, and why.
 void build_course(const CourseConfig& config, PlantScene& scene, World& world);

@@ -16,7 +16,7 @@ void PoseSource::observe(rt::Nanoseconds now_ns, const MultirotorState& truth) {
   const bool outlier = random_.chance(config_.outlier);
   const double bearing = random_.uniform(0.0, 6.283185307179586);
   const bool dark = now_ns >= dark_from_ns_ && now_ns < dark_to_ns_;
-  if (lost || dark || count_ == kInFlight) {
+  if (lost || dark || late_.full()) {
     ++lost_;
     return;
   }
@@ -33,19 +33,18 @@ void PoseSource::observe(rt::Nanoseconds now_ns, const MultirotorState& truth) {
   late.fix.p_world_m[2] = truth.p_world_m.z + sigma * noise_z;
   late.fix.yaw_rad = yaw + config_.yaw_sigma_rad * noise_yaw;
   late.fix.flags = rt::kFixPosition | rt::kFixYaw;
-  late_[count_++] = late;
+  static_cast<void>(late_.push_back(late));  // there is room, see above
 }
 
 bool PoseSource::take(rt::Nanoseconds now_ns, rt::UavFix& fix) {
-  std::uint32_t first = count_;
-  for (std::uint32_t i = 0; i < count_; ++i) {
+  std::uint32_t first = late_.size();
+  for (std::uint32_t i = 0; i < late_.size(); ++i) {
     if (late_[i].arrival_ns > now_ns) continue;
-    if (first == count_ || late_[i].arrival_ns < late_[first].arrival_ns) first = i;
+    if (first == late_.size() || late_[i].arrival_ns < late_[first].arrival_ns) first = i;
   }
-  if (first == count_) return false;
+  if (first == late_.size()) return false;
   fix = late_[first].fix;
-  --count_;
-  for (std::uint32_t i = first; i < count_; ++i) late_[i] = late_[i + 1];
+  late_.erase(first);
   return true;
 }
 

@@ -6,7 +6,7 @@
 
 #include "hil/random.hpp"
 #include "hil/uav/multirotor_dynamics.hpp"
-#include "rt/status.hpp"
+#include "rt/fixed_vector.hpp"
 #include "rt/uav_samples.hpp"
 
 namespace sortie::hil {
@@ -27,8 +27,6 @@ struct PoseSourceConfig {
 /// what is lost. No heap.
 class PoseSource {
  public:
-  static constexpr std::uint32_t kInFlight = 32;
-
   PoseSource(const PoseSourceConfig& config, std::uint64_t seed)
       : config_(config), random_(seed, 0x706f7365) {}
 
@@ -54,8 +52,7 @@ class PoseSource {
 
   PoseSourceConfig config_;
   Random random_;
-  Late late_[kInFlight]{};
-  std::uint32_t count_{};
+  rt::FixedVector<Late, 32> late_;
   rt::Nanoseconds next_ns_{};
   rt::Nanoseconds dark_from_ns_{};
   rt::Nanoseconds dark_to_ns_{};

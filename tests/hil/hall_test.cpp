@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "hil/hall_furniture.hpp"
+#include "hil/hall.hpp"
 #include "oracle.hpp"
 
 using namespace sortie;

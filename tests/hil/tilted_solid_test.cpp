@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "hil/plant/course.hpp"
 #include "hil/plant/obstacles.hpp"
-#include "hil/plant/scene_world.hpp"
 #include "hil/random.hpp"
 #include "oracle.hpp"
 #include "tests/hil/plant_trials.hpp"
