@@ -54,8 +54,7 @@ class AttitudeHistory {
   /// The n-th newest; n < size().
   const Entry& back(std::uint32_t n) const { return entries_[(newest_ + kEntries - n) % kEntries]; }
 
-  /// Attitude at `stamp_ns`: interpolated between neighbours, or turned on from the newest by its rate. Ask
-  /// only when size() > 0.
+  /// Attitude at `stamp_ns`: between neighbours, or turned on from the newest. Ask only when size() > 0.
   Answer at(rt::Nanoseconds stamp_ns) const {
     const Entry& newest = back(0);
     if (stamp_ns >= newest.stamp_ns) {

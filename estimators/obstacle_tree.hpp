@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small decision trees over what was felt lately: which idea of the contact fits, how well it did, and what
-// the contact is called.
+// Small decision trees over what was felt lately: which idea of the contact fits, how well, and its name.
 #pragma once
 
 #include <cstdint>

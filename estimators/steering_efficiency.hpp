@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much of the turn that the tracks ask for a skid-steered robot makes: learned from the gyro while it
-// drives.
+// How much of the turn that its tracks ask for a skid-steered robot makes: learned from the gyro.
 #pragma once
 
 #include <cmath>

@@ -52,8 +52,7 @@ class TrackAid {
     } else {
       late_cut_ = late_left_ = {};
     }
-    // What is left of the force beside gravity, without aid and with it; horizontal, as there the tilt is at
-    // stake.
+    // What is left of the force beside gravity, without aid and with it; horizontal: the tilt is at stake.
     const Real weight = dt_s / (static_cast<Real>(config.aid_window_s) + dt_s);
     const VectorOf<Real> plain{force.x, force.y, 0};
     const VectorOf<Real> rest{force.x - acceleration.x, force.y - acceleration.y, 0};

@@ -74,8 +74,7 @@ void TrackOdometry::set_flippers(const FlipperAngles& flippers) {
 Status TrackOdometry::observe(const rt::AttitudeEstimate& attitude) {
   const Quaternion q = rt::to_quaternion(attitude.q_world_body);
   const bool finite = is_finite(q) && is_finite(rt::to_vector(attitude.w_body_rad_s));
-  // Nothing turns so fast: the pose would be turned on by it, and what is finite may have squares that are
-  // not.
+  // Nothing turns so fast: the pose would be turned on by it, and its square may be beyond all numbers.
   constexpr double kMostRate = 1e3;
   const bool rotation = finite && std::fabs(squared_norm(q) - 1.0) <= 1e-6;
   if (!rotation || rt::is_far(attitude.stamp_ns) ||

@@ -163,8 +163,7 @@ void DepthCamera::draw_patches() {
   }
 }
 
-// True where the pixel is one of a clump: the reading is then as a mismatch makes it. Draws do not depend on
-// what was met.
+// True where the pixel is one of a clump: the reading is then a mismatch. Draws never depend on what was met.
 bool DepthCamera::misplaced(std::uint32_t column, RangeReading& reading) {
   const double share = nearer_[(column + shift_columns_) / kPatch];
   if (!(share > 0.0)) return false;

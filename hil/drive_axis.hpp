@@ -5,8 +5,7 @@
 
 namespace sortie::hil {
 
-/// In the axis' own unit (metres, radians, turns or increments); accelerations are those of the whole
-/// inertia.
+/// In the axis' own unit (metres, radians, turns, increments); accelerations are of the whole inertia.
 struct DriveAxisConfig {
   double motor_s2{4.0};     ///< most that the motor gives, either way
   double friction_s2{0.5};  ///< dry friction: what it takes off a moving axis, and holds of a standing one

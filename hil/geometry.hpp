@@ -74,8 +74,7 @@ inline Quat from_yaw_pitch_roll(double yaw_rad, double pitch_rad, double roll_ra
           sy * cp * cr - cy * sp * sr};
 }
 
-/// Rotation vector (rad) of a unit quaternion, length in [0, pi]. Series below 1e-4 rad, where the quotient
-/// angle/sin loses digits.
+/// Rotation vector (rad) of a unit quaternion, length in [0, pi]. A series below 1e-4 rad.
 inline Vec3 rotation_vector(const Quat& q) {
   const Quat p = q.w < 0.0 ? Quat{-q.w, -q.x, -q.y, -q.z} : q;
   const Vec3 u{p.x, p.y, p.z};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Builds the hall in which missions are simulated: walls with doors, a partition, pillars, a ramp and
-// furniture.
+// Builds the hall of simulated missions: walls with doors, a partition, pillars, a ramp and furniture.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +14,7 @@ struct PlanPoint {
   double y_m{};
 };
 
-/// What the hall looks like. World frame: the robot starts at the origin, heading along x. All lengths in
-/// metres.
+/// What the hall looks like, in metres. World frame: the robot starts at the origin, heading along x.
 struct HallConfig {
   static constexpr std::uint32_t kMaxPath = 16;
 
@@ -66,8 +64,7 @@ struct HallReport {
 HallReport build_hall(const HallConfig& config, World& world);
 
 /// Tries config.furniture pieces at random places of the hall and adds those that keep their distance from
-/// the path and from what is already there. Leaves the world unfinalized. The `solids` of the report is not
-/// filled.
+/// the path and from what is already there. Leaves the world unfinalized and `solids` of the report 0.
 HallReport add_furniture(const HallConfig& config, World& world);
 
 /// Distance in metres from a point to the polyline that is kept free; infinity if there is none.

@@ -33,8 +33,7 @@ class ImuModel {
   ImuModel(const ImuConfig& config, std::uint64_t seed);
 
   /// One reading at the end of the interval that `truth` is the mean of. Flags: gyr, acc, mean rate, and
-  /// saturated if an axis was clipped. Returns false if the device lost it (the sample is then not to be
-  /// sent).
+  /// saturated if an axis was clipped. False: the device lost it; it is not to be sent.
   bool read(const InertialTruth& truth, rt::Nanoseconds stamp_ns, rt::ImuSample& sample);
 
   /// Between two readings.

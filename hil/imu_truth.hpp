@@ -16,8 +16,7 @@ struct InertialTruth {
 /// inside. Integrating its outputs gives the true attitude back. Cost: one atan2 a step.
 class InertialSum {
  public:
-  /// A step of `dt_s` from one attitude to another; `dv_world` is the change of velocity less that by
-  /// gravity.
+  /// A step of `dt_s` between two attitudes; `dv_world`: change of velocity less that by gravity.
   void add(const Quat& q_before, const Quat& q_after, const Vec3& dv_world, double dt_s) {
     const Quat middle = blend(q_before, q_after, 0.5);
     dv_body_m_s_ = dv_body_m_s_ + rotate(conjugate(middle), dv_world);
@@ -44,8 +43,7 @@ class InertialIntegral {
  public:
   static constexpr double kGravity_m_s2 = 9.81;
 
-  /// `lever_arm_m`: where the sensor sits, from the body's origin, body frame. Its axes are those of the
-  /// body.
+  /// `lever_arm_m`: where the sensor sits, from the body's origin, body frame, whose axes are its own.
   explicit InertialIntegral(const Vec3& lever_arm_m) : lever_arm_m_(lever_arm_m) {}
 
   /// Adds the step between two states.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Motion of the tracked robot. Attitude is Rz(yaw) * Ry(pitch) * Rx(roll); the turn that the tracks make is
-// about the body's up axis.
+// Motion of the tracked robot. Attitude is Rz(yaw) * Ry(pitch) * Rx(roll); tracks turn about the body's up.
 #include "hil/kinematic_robot.hpp"
 
 #include <cmath>

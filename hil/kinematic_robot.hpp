@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tracked robot without forces: tracks with lag and slip, exact arcs, attitude and height from the ground
-// below.
+// A tracked robot without forces: tracks with lag and slip, exact arcs, attitude and height by the ground.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tracked robot stands on and runs into: a plane through the ground below its tracks, and its
-// outline.
+// What the tracked robot stands on and runs into: a plane through the ground below it, and its outline.
 #include <algorithm>
 #include <cmath>
 
@@ -34,8 +33,7 @@ KinematicRobot::Ground KinematicRobot::ground_at(double x_m, double y_m, double 
     }
     spread += 2.0 * along[i] * along[i];
   }
-  // Least-squares plane height = mean + slope_x * x + slope_y * y in the frame that is turned by the yaw
-  // only.
+  // Least-squares plane height = mean + slope_x * x + slope_y * y in the frame turned by the yaw alone.
   constexpr double kPerTrack = kSamplesPerTrack;
   const double mean = (sums[0] + sums[1]) / (2.0 * kPerTrack);
   const double slope_x = moment / spread;

@@ -23,8 +23,7 @@ constexpr std::uint64_t splitmix64(std::uint64_t& state) {
 /// expression: the order of two draws in one expression is the compiler's choice.
 class Random {
  public:
-  /// `stream` separates sources that share a seed (one per sensor, one per scan): no draw of one moves
-  /// another.
+  /// `stream` separates sources that share a seed (sensors, scans): no draw of one moves another.
   explicit constexpr Random(std::uint64_t seed = 1, std::uint64_t stream = 0) {
     std::uint64_t first = seed;
     std::uint64_t second = stream ^ 0xd1342543de82ef95u;

@@ -53,8 +53,7 @@ struct RangeHit {
   bool own() const { return solid <= kOwnBody; }
 };
 
-/// Casts rays of sensors. Const: several sensors and threads may share one. No heap; world and shell must
-/// outlive it.
+/// Casts rays of sensors. Const: sensors and threads may share one. No heap; world and shell outlive it.
 class RayCaster {
  public:
   static constexpr std::uint16_t kShellReflectivity = 40;

@@ -10,8 +10,7 @@
 
 namespace sortie::hil {
 
-// Below it a component of a unit direction is taken as 0: its inverse would overflow, and 0 * infinity is
-// NaN.
+// Below it a component of a unit direction is 0: its inverse would overflow, and 0 * infinity is NaN.
 inline constexpr double kParallel = 1e-150;
 
 /// The part of a ray that is inside of all half-spaces seen so far, and the face it entered by.
@@ -62,8 +61,7 @@ struct Local {
   double y;
 };
 
-/// Keeps what is within `radius` of the origin of the plane: a round wall. The normal lies in that plane, its
-/// third component is 0.
+/// Keeps what is within `radius` of the origin of the plane, in which the normal lies: a round wall.
 inline void clip_round(Clip& clip, const Local& o, const Local& d, double radius) {
   const double a = d.x * d.x + d.y * d.y;
   const double c = o.x * o.x + o.y * o.y - radius * radius;

@@ -35,8 +35,7 @@ struct RollAngle {
 /// `lines_per_scan` lines, stamped with the end of the last. The noise of a scan depends on its number only.
 class RollingLaser {
  public:
-  /// The first line begins at `start_ns`. Throws std::runtime_error naming the setting if the config is not
-  /// usable.
+  /// The first line begins at `start_ns`. Throws std::runtime_error naming the setting that is not usable.
   RollingLaser(const RollingLaserConfig& config, const FaultConfig& faults, std::uint64_t seed,
                rt::Nanoseconds start_ns);
 

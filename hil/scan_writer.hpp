@@ -20,8 +20,7 @@ struct LidarCounters {
   std::uint64_t points{};  ///< returns in scans that were handed over
 };
 
-/// One scan at a time, written into the receiver's own buffer. A refused or dropped scan takes no points. No
-/// heap after construction.
+/// One scan at a time, into the receiver's own buffer; nothing of a refused or dropped one. No heap later on.
 class ScanWriter {
  public:
   /// `keep_truth`: memory for the truth of twice `capacity` points.
@@ -48,8 +47,7 @@ class ScanWriter {
   /// A ray was fired.
   void count_ray() { ++counters_.rays; }
 
-  /// Adds the return of a ray. `direction` is what the sensor takes its direction for, `age_ns` the time to
-  /// the scan's end.
+  /// Adds the return of a ray. `direction`: what the sensor takes it for; `age_ns`: to the scan's end.
   void add(const RangeReading& reading, const Vec3& direction, rt::Nanoseconds age_ns) {
     if (buffer_ == nullptr || filled_ == capacity_) return;
     rt::ScanPoint& point = buffer_[filled_];

@@ -9,8 +9,7 @@
 
 namespace sortie::hil {
 
-/// Kinds of solid. The first three stand upright; boxes and wedges may be turned about the vertical. The
-/// others lie as they will.
+/// Kinds of solid. Three stand upright, boxes and wedges turned about the vertical; the others lie anyhow.
 enum class SolidKind : std::uint8_t {
   box,              ///< |x| <= half_x, |y| <= half_y, bottom <= z <= top (local frame)
   wedge,            ///< like a box, but its roof rises from `low` at x = -half_x to `top` at x = +half_x
@@ -94,8 +93,7 @@ struct Contact {
   Vec3 normal;  ///< outward, world frame; zero when the origin is inside
 };
 
-/// First point of `ray` in `solid`, at any range >= 0. Exact up to rounding (closed form). No heap. Cost: 5
-/// to 15 ns.
+/// First point of `ray` in `solid`, at any range >= 0. Exact up to rounding. No heap. Cost: 5 to 15 ns.
 Contact intersect(const Ray& ray, const Solid& solid);
 
 /// Height of the roof above (x, y), or -infinity where the solid is not below or above that point.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One track's drive: its belt speed follows a command with a first-order lag and a limit on its acceleration;
-// without torque it coasts.
+// One track's drive: its belt follows a command with lag and limited acceleration; without torque it coasts.
 #pragma once
 
 namespace sortie::hil {

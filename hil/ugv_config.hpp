@@ -27,8 +27,7 @@ enum class LidarKind : std::uint8_t {
   rotating_2d,  ///< `rolling_laser`
 };
 
-/// The vehicle, its hall, its sensors and their faults. The defaults are a working mission in a 20 x 14 m
-/// hall.
+/// The vehicle, its hall, its sensors and their faults. The defaults are a mission in a 20 x 14 m hall.
 struct UgvConfig {
   std::uint64_t seed{1};        ///< of all sensors and faults (the furniture has its own: hall.seed)
   rt::Nanoseconds start_ns{0};  ///< plant time before the first step

@@ -25,8 +25,7 @@ class VehicleBody {
  public:
   virtual ~VehicleBody() = default;
 
-  /// A new command for the belts, received at `now_ns`. Status: ok, not_finite (the command before stays and
-  /// ages).
+  /// A new command for the belts, received at `now_ns`. Status: ok, not_finite (the last one ages).
   virtual Status set_command(const rt::DriveCommand& command, rt::Nanoseconds now_ns) = 0;
   /// Which belts have no torque until the next call: they coast.
   virtual void let_go(bool /*left*/, bool /*right*/) {}

@@ -46,8 +46,7 @@ double reach_of(const WheelPair& pair) {
   return std::sqrt(flat * flat + pair.half_width_m * pair.half_width_m);
 }
 
-// A wheel pair placed in the body: `x` and `z` are the components of its first axis, which lies in the
-// body's plane y = 0.
+// A wheel pair placed in the body: `x` and `z` are those of its first axis, which lies in the plane y = 0.
 Contact meet_pair(const Ray& ray, const WheelPair& pair, const Vec3& start_m, double x, double z) {
   const Vec3 o = ray.origin_m - start_m;
   const Vec3& d = ray.direction;

@@ -30,8 +30,7 @@ class VoxelWorld {
 
   /// The first solid cell that a ray meets within `max_range_m`; `direction` has length 1. The range is to
   /// the middle of the ray's way through the cell: the points lie within, not on its faces. A ray that begins
-  /// in a solid cell has range 0. Exact (Amanatides and Woo 1987, from face to face). Cost: 3 ns a cell
-  /// passed.
+  /// in a solid cell has range 0. Exact (Amanatides and Woo 1987, face to face). Cost: 3 ns a cell.
   Hit cast(const Vec3& origin_m, const Vec3& direction, double max_range_m) const;
 
  private:

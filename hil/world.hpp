@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The simulated world: solids on a ground plane, in fixed memory, with an exact ray caster and a terrain
-// height.
+// The simulated world: solids on a ground plane in fixed memory, an exact ray caster and a terrain height.
 #pragma once
 
 #include <array>

@@ -67,8 +67,7 @@ inline rt::Quaternion predict(InertialState& s, const InertialReading& r, double
   return middle;
 }
 
-/// Moves the covariance over the reading that begins in `s`: P = F P F' + Q with F as blocks of three, 700
-/// products instead of 6750.
+/// Moves the covariance over the reading that begins in `s`: P = F P F' + Q in blocks of three, 700 products.
 void propagate(ErrorCovariance& p, const InertialState& s, const InertialReading& r,
                const InertialNoise& noise);
 

@@ -28,8 +28,7 @@ int kill_process(int process);
 /// seen all classical frames and no others, and `without_fd` was refused.
 int fd_frames(const std::string& interface, const std::string& without_fd, std::uint32_t frames);
 
-/// What flood() sends. The far end is a process of its own, of lower real-time priority; it answers every
-/// frame.
+/// What flood() sends. The far end is a process of its own, of lower priority; it answers every frame.
 struct FloodConfig {
   std::string near;        ///< interface of the real-time thread
   std::string far;         ///< interface of the process that answers

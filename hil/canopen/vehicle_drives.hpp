@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The simulated ground vehicle's drives on CANopen: two for the belts, four for the flippers, on one
-// connector.
+// The simulated ground vehicle's drives on CANopen, on one connector: two belts, four flippers.
 #pragma once
 
 #include <array>

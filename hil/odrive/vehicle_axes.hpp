@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The simulated ground vehicle's motors on ODrives: two axes for the belts, four for the flippers, on one
-// connector.
+// The simulated ground vehicle's motors on ODrives, on one connector: two belts, four flippers.
 #pragma once
 
 #include <array>

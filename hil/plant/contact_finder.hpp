@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the vehicle's parts touch the scene, or will within the step: candidates, manifolds, and what each
-// contact did a step ago.
+// Where the vehicle touches the scene, or will within the step, and what each contact did a step ago.
 #pragma once
 
 #include <array>
@@ -34,8 +33,7 @@ class ContactFinder {
 
   /// Fills `problem.contacts` (points, normals, targets, approach speeds for a step of `dt_s`) and the tags
   /// beside them. Contacts up to `margin_m` apart are listed. Impulses are those of the step before where the
-  /// key is the same. Cost: 0.3 us on a plane; with solids about 0.2 us and 0.3 to 1 us for each pair whose
-  /// bounds overlap.
+  /// key is the same. Cost: 0.3 us on a plane; with solids 0.2 us and 0.3 to 1 us a pair that is near.
   void find(const BodyPose& pose, const MassState& state, const BeltMotion& belts, double margin_m,
             double dt_s, ContactProblem& problem);
 

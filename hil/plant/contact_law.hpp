@@ -7,8 +7,7 @@
 namespace sortie::hil {
 
 /// A contact's law asks: p = P(p - w / W), with w the violation of the law at a velocity and P the projection
-/// onto Coulomb's cone (normal first, then the disc of radius mu times the new normal). `rho_kg` stands for 1
-/// / W.
+/// onto Coulomb's cone (normal first, then the disc of radius mu times the new normal). `rho_kg` is 1 / W.
 struct LawPoint {
   double normal_ns{};  ///< of p - rho w
   Vec3 side_ns;        ///< of p - rho w, in the tangent plane
@@ -40,8 +39,7 @@ Misfit classify(ContactProblem& problem, const Generalised& velocity, double rho
 /// Cost: 5 ns a contact that sticks, 40 ns one that slips.
 void assemble(const ContactProblem& problem, ArrowMatrix& matrix, Generalised& rhs);
 
-/// Impulses of the linear law at the velocity that solved the system: with them the momentum equation holds
-/// exactly.
+/// Impulses of the linear law at the velocity that solved the system: they keep the momentum exactly.
 void take_impulses(ContactProblem& problem, const Generalised& velocity);
 
 }  // namespace sortie::hil

@@ -65,8 +65,7 @@ void go_between(const Answer& from, const Answer& to, double share, ContactProbl
   }
 }
 
-/// Newton with full steps. True when it converged; velocity and impulses are the answer then. `best` may be
-/// null on the first, usually only, try.
+/// Newton with full steps. True when it converged: velocity and impulses are the answer. `best` may be null.
 bool newton(ContactProblem& problem, Generalised& u, double rho_kg, int iterations, double tolerance_ns,
             Best* best, double& residual_ns) {
   ArrowMatrix matrix;
@@ -83,8 +82,7 @@ bool newton(ContactProblem& problem, Generalised& u, double rho_kg, int iteratio
   return false;
 }
 
-/// Newton with steps that are halved until less is left, or nearly nothing of the step. True when it
-/// converged.
+/// Newton with steps halved until less is left, or nearly nothing of the step. True when it converged.
 bool shorter_newton(ContactProblem& problem, Generalised& u, double rho_kg, const SolverOptions& options,
                     Best& best) {
   ArrowMatrix matrix;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The production solver of contact problems: Newton's method on the ten velocities, with convex problems and
-// projected sweeps behind it.
+// The production solver of contact problems: Newton's method on ten velocities, and what stands behind it.
 #pragma once
 
 #include "hil/plant/contact_problem.hpp"

@@ -13,8 +13,7 @@ namespace sortie::hil {
 /// What stands somewhere.
 enum class CourseKind : std::uint8_t { stairs, pallet, ramp, rubble, cylinder, wall };
 
-/// One obstacle. It begins at (x, y) and is driven along its heading; sizes that its kind does not have are
-/// not looked at.
+/// One obstacle, from (x, y) along its heading. Sizes that its kind does not have are not looked at.
 struct CoursePiece {
   CourseKind kind{};
   double x_m{};
@@ -37,8 +36,7 @@ struct CourseConfig {
 
 /// Adds every solid of the scene to a world, which finalize() must follow: the same solids to the last digit.
 /// Half-spaces are left to the caller: a world has its ground at z = 0 and no other. Status: ok; that of
-/// World::add(), not_supported for a body that is neither box nor cylinder; solids added before a refusal
-/// stay.
+/// World::add(), not_supported for neither box nor cylinder; solids added before a refusal stay.
 Status add_to_world(const PlantScene& scene, World& world);
 
 /// Builds scene and world, the world finalized. Both must be empty. Set-up code: throws std::runtime_error

@@ -9,8 +9,7 @@ namespace sortie::hil {
 /// Number of flipper joints: front left, front right, rear left, rear right, in this order everywhere.
 constexpr int kFlippers = 4;
 
-/// A generalised velocity (m/s, rad/s, rad/s) or momentum (N s, N m s, N m s), body axes, reference point:
-/// the body's origin.
+/// A generalised velocity (m/s, rad/s, rad/s) or momentum (N s, N m s, N m s), body axes, of its origin.
 struct Generalised {
   Vec3 linear;
   Vec3 angular;
@@ -34,8 +33,7 @@ inline double dot(const Generalised& a, const Generalised& b) {
 }
 
 /// A 10x10 matrix whose joint block is diagonal ("arrow"): joints couple with the base only. That holds for
-/// the mass matrix, and for each contact's share J^T C J, as a contact touches the base or one flipper. 704
-/// bytes.
+/// the mass matrix, and for each contact's share J^T C J: it touches the base or one flipper. 704 bytes.
 struct ArrowMatrix {
   double base[6][6]{};            ///< rows and columns: linear x y z, angular x y z
   double column[kFlippers][6]{};  ///< column[j][r] = A(r, 6 + j)

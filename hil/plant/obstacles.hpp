@@ -32,13 +32,11 @@ Status add_stairs(PlantScene& scene, const Approach& where, const StairShape& sh
 /// gaps on three stringers, nine blocks, three runners. Status as above. 20 boxes.
 Status add_pallet(PlantScene& scene, const Approach& where);
 
-/// A ramp that rises at `slope_rad` over `length_m` (along the slope) to a deck of `deck_m`. Status as above.
-/// 2 boxes.
+/// A ramp that rises at `slope_rad` over `length_m` of slope to a deck of `deck_m`. Status as above. 2 boxes.
 Status add_ramp(PlantScene& scene, const Approach& where, double slope_rad, double length_m, double deck_m,
                 double width_m);
 
-/// `count` blocks of 8 to 30 cm, turned at random and sunk into the ground, over a field. Same seed, same
-/// field.
+/// A field of `count` blocks of 8 to 30 cm, turned and sunk into the ground at random, by the seed.
 Status add_rubble(PlantScene& scene, const Approach& where, double length_m, double width_m, int count,
                   std::uint64_t seed);
 

@@ -22,7 +22,7 @@ struct BeltMotion {
 /// part.
 BeltMotion belt_motion(double left_m_s, double right_m_s, double dt_s, const VehicleConfig& config);
 
-/// Target velocity of the vehicle at a contact of a track, tangential, body axes, m/s. `side`: +1 left, -1
+/// Target velocity (m/s) of the vehicle at a track's contact, tangential, body axes. `side`: +1 left, -1
 /// right.
 ///
 /// csm: omega n x r with r = point - ICR, that is the published tangent t = n x r / |n x r| at the speed

@@ -46,8 +46,7 @@ void TrackedBody::step() {
   drives_.advance(motion_.stamp_ns, gravity_body.x);
   command_.left_m_s = drives_.left().speed_m_s();
   command_.right_m_s = drives_.right().speed_m_s();
-  // Speeds and angles were checked when they came, and the step at the start; what does not stay finite the
-  // plant counts.
+  // Commands were checked when they came, the step at the start; what does not stay finite is counted.
   static_cast<void>(plant_.step(command_, rt::to_seconds(step_ns_)));
   update_motion();
 }

@@ -10,8 +10,7 @@
 
 namespace sortie::hil {
 
-/// Plant and drives. `plant.start_m` is the start of the plant's own origin, `height_m` above the robot's
-/// place.
+/// Plant and drives. `plant.start_m` is where the plant's origin starts, `height_m` above the robot's place.
 struct TrackedBodyConfig {
   PlantConfig plant{};
   BeltDriveConfig drives{};

@@ -105,8 +105,7 @@ class TrackedPlant {
   /// Servo torques of the last step, up positive, N m.
   double flipper_torque_nm(int flipper) const { return problem_.drives[flipper].impulse_nms / dt_s_; }
 
-  /// The last step's contacts in body axes at its begin (impulses are on the vehicle), and which parts they
-  /// are of.
+  /// The last step's contacts in body axes at its begin (impulses are on the vehicle), and their tags.
   const ContactList& contacts() const { return problem_.contacts; }
   const rt::FixedVector<ContactTag, kMaxContacts>& tags() const { return finder_.tags(); }
   /// The last step's whole problem, for reference solvers.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From velocities to the next configuration: correction of positions, integration, momentum carried over,
-// energy.
+// From velocities to the next configuration: correction, integration, momentum carried over, energy.
 #include <algorithm>
 #include <cmath>
 
@@ -34,8 +33,7 @@ Generalised TrackedPlant::correct(double dt_s) {
   Generalised push;
   if (report_.penetration_m <= config_.slop_m) return push;
   // A velocity beside the real one, for one step, without friction: depths shrink, open contacts stay open
-  // where the real velocity leaves them, the flippers keep their angles. It carries no momentum, so it adds
-  // no kinetic energy.
+  // where the real velocity leaves them, the flippers keep their angles. It adds no kinetic energy.
   correction_.mass = mass_.matrix;
   correction_.momentum = {};
   correction_.compliance = problem_.compliance;

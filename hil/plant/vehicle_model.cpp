@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Inertia of a base with four flippers: composite rigid body in closed form, as each flipper is one joint
-// away.
+// Inertia of a base with four flippers, each one joint away: composite rigid body in closed form.
 #include "hil/plant/vehicle_model.hpp"
 
 #include <cmath>

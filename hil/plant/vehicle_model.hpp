@@ -40,8 +40,7 @@ class VehicleModel {
   /// Inertia at these angles. Cost: about 150 ns.
   void mass_at(const double (&angle_rad)[kFlippers], MassState& out) const;
 
-  /// Places a part's shape in body axes, or in world axes when given the pose of the body. `state` brings the
-  /// flippers' angles.
+  /// A part's shape, placed in body axes. `state` brings the flippers' angles.
   rt::convex::Convex shape(int part, const MassState& state) const;
 
   /// Turning axis of a flipper: +-y, so that positive is up. Sign of the body's y axis.
@@ -49,8 +48,7 @@ class VehicleModel {
   /// Position of a flipper's joint in the body.
   Vec3 pivot(int flipper) const;
 
-  /// Generalised momentum change per second of the flippers by motion alone: dT/dq at this velocity. Cost: 60
-  /// ns.
+  /// Momentum change per second of the flippers by motion alone: dT/dq at this velocity. Cost: 60 ns.
   void joint_motion_force(const MassState& state, const Generalised& velocity,
                           double (&force_nm)[kFlippers]) const;
 

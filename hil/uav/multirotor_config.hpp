@@ -57,8 +57,7 @@ MultirotorConfig neo11_plant();
 
 /// Mass with the rotors.
 double total_mass_kg(const MultirotorConfig& config);
-/// Inertia with the rotors' masses at their places. The shift of the centre of mass (a quarter of a
-/// millimetre) is left out.
+/// Inertia with the rotors' masses at their places. The shift of the centre of mass (0.25 mm) is left out.
 Vec3 total_inertia_kg_m2(const MultirotorConfig& config);
 
 }  // namespace sortie::hil

@@ -6,8 +6,7 @@
 
 namespace sortie::hil {
 
-/// State of the rigid body: place and velocity of the origin in the world (z up), attitude, turn rate in the
-/// body.
+/// State of the rigid body: place and velocity of its origin in the world (z up), attitude, body's turn rate.
 struct MultirotorState {
   Vec3 p_world_m;
   Quat q_world_body;

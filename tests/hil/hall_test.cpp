@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 
-#include "hil/hall.hpp"
 #include "oracle.hpp"
 
 using namespace sortie;
