@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shapes that a simulated world is made of, and what a ray and a point see of one of them.
+// The shapes that a simulated world is made of, and what a ray, a point and an outline meet of one of them.
 #pragma once
 
 #include <cstdint>
@@ -101,5 +101,21 @@ double roof_height(const Solid& solid, double x_m, double y_m);
 
 /// Half the extents of the upright bounding box, for the broad phase.
 void half_extents(const Solid& solid, double& half_x_m, double& half_y_m);
+
+/// An upright prism on a turned rectangle: the outline of a robot.
+struct Footprint {
+  double center_x_m{};
+  double center_y_m{};
+  double cos_yaw{1};
+  double sin_yaw{};
+  double half_x_m{};
+  double half_y_m{};
+  double bottom_m{};
+  double top_m{};
+};
+
+/// True if the prism and the solid share inner points. Separating axes for boxes, nearest point for
+/// cylinders; wedges and tilted solids count as their upright bounding boxes.
+bool overlaps(const Footprint& prism, const Solid& solid);
 
 }  // namespace sortie::hil

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hil/footprint.hpp"
 #include "hil/solid.hpp"
 #include "rt/status.hpp"
 
