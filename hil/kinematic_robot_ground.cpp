@@ -50,17 +50,15 @@ KinematicRobot::Ground KinematicRobot::ground_at(double x_m, double y_m, double 
 }
 
 bool KinematicRobot::obstructed(double x_m, double y_m, double yaw_rad, double height_m) const {
-  Footprint outline;
-  outline.center_x_m = x_m;
-  outline.center_y_m = y_m;
   const auto [s, c] = rt::sincos(yaw_rad);
-  outline.cos_yaw = c;
-  outline.sin_yaw = s;
-  outline.half_x_m = 0.5 * config_.outline_length_m;
-  outline.half_y_m = 0.5 * config_.outline_width_m;
-  outline.bottom_m = height_m + config_.clearance_m;
-  outline.top_m = height_m + config_.outline_height_m;
-  return world_->blocked(outline);
+  return world_->blocked({.center_x_m = x_m,
+                          .center_y_m = y_m,
+                          .cos_yaw = c,
+                          .sin_yaw = s,
+                          .half_x_m = 0.5 * config_.outline_length_m,
+                          .half_y_m = 0.5 * config_.outline_width_m,
+                          .bottom_m = height_m + config_.clearance_m,
+                          .top_m = height_m + config_.outline_height_m});
 }
 
 }  // namespace sortie::hil

@@ -75,11 +75,9 @@ Solid make_cylinder(double center_x_m, double center_y_m, double radius_m, doubl
                     std::uint16_t reflectivity = 100);
 
 /// A box in any attitude, `half_m` along its axes. Nobody drives on its roof.
-Solid make_tilted_box(const Vec3& center_m, const Axes& axes, const Vec3& half_m,
-                      std::uint16_t reflectivity = 100);
+Solid make_tilted_box(const Vec3& center_m, const Axes& axes, const Vec3& half_m);
 /// A cylinder about the y axis of its frame, in any attitude.
-Solid make_tilted_cylinder(const Vec3& center_m, const Axes& axes, double radius_m, double half_length_m,
-                           std::uint16_t reflectivity = 100);
+Solid make_tilted_cylinder(const Vec3& center_m, const Axes& axes, double radius_m, double half_length_m);
 
 /// A ray; `direction` must have length 1, so that the parameter is the range in metres.
 struct Ray {

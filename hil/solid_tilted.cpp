@@ -13,48 +13,40 @@ Vec3 to_axes(const Solid& solid, const Vec3& v) {
   return {dot(solid.axes.x, v), dot(solid.axes.y, v), dot(solid.axes.z, v)};
 }
 
-Solid make_tilted(SolidKind kind, const Vec3& center_m, const Axes& axes, std::uint16_t reflectivity) {
+// `reach`: half the upright bounding box.
+Solid make_tilted(SolidKind kind, const Vec3& center_m, const Axes& axes, const Vec3& half_m,
+                  const Vec3& reach) {
   Solid solid;
   solid.kind = kind;
-  solid.reflectivity = reflectivity;
+  solid.reflectivity = 100;
   solid.center_x_m = center_m.x;
   solid.center_y_m = center_m.y;
-  solid.axes = axes;
-  return solid;
-}
-
-void set_reach(Solid& solid, const Vec3& center_m, const Vec3& reach) {
   solid.half_x_m = reach.x;
   solid.half_y_m = reach.y;
   solid.bottom_m = center_m.z - reach.z;
   solid.top_m = solid.low_m = center_m.z + reach.z;
+  solid.half_m = half_m;
+  solid.axes = axes;
+  return solid;
 }
 
 }  // namespace
 
-Solid make_tilted_box(const Vec3& center_m, const Axes& axes, const Vec3& half_m,
-                      std::uint16_t reflectivity) {
-  Solid solid = make_tilted(SolidKind::tilted_box, center_m, axes, reflectivity);
-  solid.half_m = half_m;
+Solid make_tilted_box(const Vec3& center_m, const Axes& axes, const Vec3& half_m) {
   const auto reach = [&](double x, double y, double z) {
     return std::fabs(x) * half_m.x + std::fabs(y) * half_m.y + std::fabs(z) * half_m.z;
   };
-  set_reach(solid, center_m,
-            {reach(solid.axes.x.x, solid.axes.y.x, solid.axes.z.x),
-             reach(solid.axes.x.y, solid.axes.y.y, solid.axes.z.y),
-             reach(solid.axes.x.z, solid.axes.y.z, solid.axes.z.z)});
-  return solid;
+  return make_tilted(SolidKind::tilted_box, center_m, axes, half_m,
+                     {reach(axes.x.x, axes.y.x, axes.z.x), reach(axes.x.y, axes.y.y, axes.z.y),
+                      reach(axes.x.z, axes.y.z, axes.z.z)});
 }
 
-Solid make_tilted_cylinder(const Vec3& center_m, const Axes& axes, double radius_m, double half_length_m,
-                           std::uint16_t reflectivity) {
-  Solid solid = make_tilted(SolidKind::tilted_cylinder, center_m, axes, reflectivity);
-  solid.half_m = {radius_m, half_length_m, radius_m};
+Solid make_tilted_cylinder(const Vec3& center_m, const Axes& axes, double radius_m, double half_length_m) {
   const auto reach = [&](double axis) {
     return half_length_m * std::fabs(axis) + radius_m * std::sqrt(std::max(0.0, 1.0 - axis * axis));
   };
-  set_reach(solid, center_m, {reach(solid.axes.y.x), reach(solid.axes.y.y), reach(solid.axes.y.z)});
-  return solid;
+  return make_tilted(SolidKind::tilted_cylinder, center_m, axes, {radius_m, half_length_m, radius_m},
+                     {reach(axes.y.x), reach(axes.y.y), reach(axes.y.z)});
 }
 
 Contact intersect_tilted(const Ray& ray, const Solid& solid) {

@@ -2,7 +2,10 @@
 // Products and solutions with the plant's 10x10 arrow matrices.
 #include "hil/plant/generalised.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 namespace sortie::hil {
 namespace {
@@ -30,14 +33,8 @@ bool solve_base(double (&a)[6][6], double (&b)[6]) {
     }
     if (!(std::fabs(a[pivot][k]) > 0.0)) return false;
     if (pivot != k) {
-      for (int j = k; j < 6; ++j) {
-        const double t = a[k][j];
-        a[k][j] = a[pivot][j];
-        a[pivot][j] = t;
-      }
-      const double t = b[k];
-      b[k] = b[pivot];
-      b[pivot] = t;
+      std::swap_ranges(a[k] + k, a[k] + 6, a[pivot] + k);
+      std::swap(b[k], b[pivot]);
     }
     const double inverse = 1.0 / a[k][k];
     for (int i = k + 1; i < 6; ++i) {
@@ -81,9 +78,7 @@ bool solve(const ArrowMatrix& a, const Generalised& b, Generalised& x) {
   double rhs[6];
   double inverse[kFlippers];
   to_array(b, rhs);
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) base[i][j] = a.base[i][j];
-  }
+  std::memcpy(base, a.base, sizeof(base));
   x = {};
   for (int k = 0; k < kFlippers; ++k) {
     if (!(std::fabs(a.diagonal[k]) > 0.0)) return false;

@@ -58,8 +58,6 @@ Status TrackedPlant::step(const PlantCommand& command, double dt_s) {
     return Status::out_of_range;
   }
   dt_s_ = dt_s;
-  command_left_m_s_ = command.left_m_s;
-  command_right_m_s_ = command.right_m_s;
   report_ = {};
   old_velocity_ = state_.velocity;
   old_R_world_body_ = R_world_body_;
@@ -77,7 +75,7 @@ Status TrackedPlant::step(const PlantCommand& command, double dt_s) {
   finder_.remember(problem_);
   state_.velocity = velocity;
   const Generalised correction = correct(dt_s);
-  integrate(correction, dt_s);
+  integrate(correction, command, dt_s);
   report_energy();
   return Status::ok;
 }

@@ -114,7 +114,7 @@ class TrackedPlant {
  private:
   void pose_problem(const PlantCommand& command, double dt_s);
   Generalised correct(double dt_s);
-  void integrate(const Generalised& correction, double dt_s);
+  void integrate(const Generalised& correction, const PlantCommand& command, double dt_s);
   void carry_momentum(const Generalised& momentum, const Quat& turned, double dt_s);
   void report_energy();
 
@@ -133,8 +133,6 @@ class TrackedPlant {
   ContactProblem correction_;
   StepReport report_;
   PlantCounters counters_;
-  double command_left_m_s_{};
-  double command_right_m_s_{};
 };
 
 }  // namespace sortie::hil

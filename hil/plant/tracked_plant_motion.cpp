@@ -61,7 +61,7 @@ Generalised TrackedPlant::correct(double dt_s) {
   return usable(push) ? push : Generalised{};
 }
 
-void TrackedPlant::integrate(const Generalised& correction, double dt_s) {
+void TrackedPlant::integrate(const Generalised& correction, const PlantCommand& command, double dt_s) {
   if (!usable(state_.velocity)) {
     state_.velocity = {};
     ++counters_.rejected;
@@ -82,8 +82,8 @@ void TrackedPlant::integrate(const Generalised& correction, double dt_s) {
   const Quat turned = exp_rotation(dt_s * moved.angular);
   state_.q_world_body = normalized(state_.q_world_body * turned);
   for (int f = 0; f < kFlippers; ++f) state_.flipper_rad[f] += dt_s * moved.joint[f];
-  state_.left_m += dt_s * command_left_m_s_;
-  state_.right_m += dt_s * command_right_m_s_;
+  state_.left_m += dt_s * command.left_m_s;
+  state_.right_m += dt_s * command.right_m_s;
   carry_momentum(momentum, turned, dt_s);
   R_world_body_ = to_matrix(state_.q_world_body);
   p_world_body_m_ = state_.com_world_m - R_world_body_ * mass_.com_m;
