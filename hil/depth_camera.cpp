@@ -70,13 +70,9 @@ std::uint64_t stirred_solid(std::uint64_t hash, const Solid& solid) {
 
 DepthCamera::DepthCamera(const DepthCameraConfig& config, const FaultConfig& faults, std::uint64_t seed,
                          rt::Nanoseconds start_ns)
-    : config_(checked(config)),
-      faults_(faults, seed, kCameraFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "camera"),
-      writer_(config.rows * config.columns, config.keep_truth && config.rate_hz != 0),
-      seed_(seed),
-      mount_(make_mount(config.mount_m, config.mount_ypr_rad)),
-      start_ns_(start_ns) {
+    : ScanSensor(checked(config), config.rows * config.columns, config.rate_hz != 0, "camera",
+                 {faults, seed, kCameraFaults}, seed, start_ns),
+      config_(config) {
   const double half_width = rt::tan(0.5 * config_.width_rad);
   const double half_height = rt::tan(0.5 * config_.height_rad);
   const double columns = config_.columns;
@@ -114,15 +110,14 @@ void DepthCamera::take_frame(const RayCaster& caster, const SensorStep& step, rt
   if (!writer_.open()) return;
   noise_.begin(seed_, kCameraNoise + (frame_ << 24u));
   begin_clumps();
-  BodyInstant body;
-  RayCaster::Aim aim;
-  const bool placed = body_at(step, at, body) == Status::ok && caster.aim(mount_, body, aim) == Status::ok;
+  RayCaster::Aim from;
+  const bool placed = aim(caster, step, at, from);
   for (std::uint32_t r = 0; r < config_.rows; ++r) {
     if (r == 0 || (r + shift_rows_) % kPatch == 0) draw_patches();
     for (std::uint32_t c = 0; c < config_.columns; ++c) {
       writer_.count_ray();
       if (placed)
-        take_pixel(caster, aim, c, r);
+        take_pixel(caster, from, c, r);
       else
         static_cast<void>(noise_.fire_nowhere());
     }

@@ -45,7 +45,7 @@ struct DepthPixelCounters {
 /// Clumps are patches of 5 x 5 pixels at 0.4 to 0.9 of their true ranges, each point scattered by 0.15 m.
 ///
 /// About 6 kB; heap only in the constructor, and only for truth that is kept.
-class DepthCamera {
+class DepthCamera : public ScanSensor {
  public:
   static constexpr std::uint32_t kMaxColumns = 320;
   static constexpr std::uint32_t kMaxRows = 240;
@@ -61,15 +61,8 @@ class DepthCamera {
   /// ranges().refused. Cost: about 0.3 us a pixel, in the steps that have a frame.
   void advance(const RayCaster& caster, const SensorStep& step, drivers::ScanSink& sink);
 
-  /// Points that one frame can have: what a buffer must hold.
-  std::uint32_t capacity() const { return writer_.capacity(); }
-  /// Counts so far; a scan is a frame.
-  const LidarCounters& counters() const { return writer_.counters(); }
-  /// Fates of the rays, before texture, gaps and clumps.
-  const RangeCounters& ranges() const { return noise_.counters(); }
+  /// What became of those that ranges() counts as returned, by texture, gaps and clumps.
   const DepthPixelCounters& pixels() const { return pixels_; }
-  /// Truth of the newest frame's points, see ScanWriter.
-  std::span<const RangeTruth> truth() const { return writer_.truth(); }
   /// Direction of a pixel, of length 1, sensor frame. Column 0 is at the left, row 0 at the top.
   Vec3 direction(std::uint32_t column, std::uint32_t row) const;
   /// Angle between neighbours in the middle of the picture, where it is largest; of columns or rows,
@@ -87,12 +80,6 @@ class DepthCamera {
   bool textured(const RayCaster& caster, const RangeHit& hit, const Vec3& point_m) const;
 
   DepthCameraConfig config_;
-  FaultInjector faults_;
-  RangeNoise noise_;
-  ScanWriter writer_;
-  std::uint64_t seed_;
-  SensorMount mount_;
-  rt::Nanoseconds start_ns_;
   std::uint64_t frame_{};
   double step_rad_{};
   std::array<double, kMaxColumns> left_{};  ///< of columns, on an image plane at distance 1

@@ -58,13 +58,9 @@ LidarConfig make_rows_64(std::uint64_t device) {
 
 LidarModel::LidarModel(const LidarConfig& config, const FaultConfig& faults, std::uint64_t seed,
                        rt::Nanoseconds start_ns)
-    : config_(checked(config)),
-      faults_(faults, seed, kLidarFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "lidar"),
-      writer_(config.rows * config.columns, config.keep_truth && config.rate_hz != 0),
-      seed_(seed),
-      mount_(make_mount(config.mount_m, config.mount_ypr_rad)),
-      start_ns_(start_ns),
+    : ScanSensor(checked(config), config.rows * config.columns, config.rate_hz != 0, "lidar",
+                 {faults, seed, kLidarFaults}, seed, start_ns),
+      config_(config),
       scan_start_ns_(start_ns),
       scan_end_ns_(start_ns) {
   const double span = config_.highest_rad - config_.lowest_rad;
@@ -127,12 +123,11 @@ Vec3 LidarModel::direction(std::uint32_t column, std::uint32_t row) const {
 void LidarModel::fire(const RayCaster& caster, const SensorStep& step, std::uint32_t column) {
   const rt::Nanoseconds at = column_ns(column);
   const rt::SinCos azimuth = column_turn(column);
-  BodyInstant body;
-  RayCaster::Aim aim;
-  const bool placed = body_at(step, at, body) == Status::ok && caster.aim(mount_, body, aim) == Status::ok;
+  RayCaster::Aim from;
+  const bool placed = aim(caster, step, at, from);
   for (std::uint32_t r = 0; r < config_.rows; ++r) {
     const Vec3 direction = ray(azimuth, r);
-    const RangeReading reading = placed ? noise_.fire(caster, aim, direction) : noise_.fire_nowhere();
+    const RangeReading reading = placed ? noise_.fire(caster, from, direction) : noise_.fire_nowhere();
     writer_.count_ray();
     if (reading.fate == RayFate::returned) writer_.add(reading, direction, scan_end_ns_ - at);
   }

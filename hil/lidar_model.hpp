@@ -38,7 +38,7 @@ LidarConfig make_rows_64(std::uint64_t device);
 /// The lidar. It fires column by column as it turns, so the points carry the distortion of the robot's
 /// motion. A scan's stamp is that of its last column. The noise of a scan depends on its number only, not on
 /// refused scans. About 7 kB.
-class LidarModel {
+class LidarModel : public ScanSensor {
  public:
   static constexpr std::uint32_t kMaxRows = LidarConfig::kMaxRows;
   static constexpr std::uint32_t kMaxColumns = 4096;
@@ -53,13 +53,6 @@ class LidarModel {
   /// Bounded by the columns in that span. Cost: about 0.3 us a ray.
   void advance(const RayCaster& caster, const SensorStep& step, drivers::ScanSink& sink);
 
-  /// Points that one scan can have: what a buffer must hold.
-  std::uint32_t capacity() const { return writer_.capacity(); }
-  /// Counts so far.
-  const LidarCounters& counters() const { return writer_.counters(); }
-  const RangeCounters& ranges() const { return noise_.counters(); }
-  /// Truth of the newest scan's points, see ScanWriter.
-  std::span<const RangeTruth> truth() const { return writer_.truth(); }
   /// Direction of a ray, sensor frame.
   Vec3 direction(std::uint32_t column, std::uint32_t row) const;
 
@@ -72,12 +65,6 @@ class LidarModel {
   Vec3 ray(const rt::SinCos& azimuth, std::uint32_t row) const;
 
   LidarConfig config_;
-  FaultInjector faults_;
-  RangeNoise noise_;
-  ScanWriter writer_;
-  std::uint64_t seed_;
-  SensorMount mount_;
-  rt::Nanoseconds start_ns_;
   rt::Nanoseconds scan_start_ns_;
   rt::Nanoseconds scan_end_ns_;
   std::uint64_t scan_{};

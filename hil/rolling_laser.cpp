@@ -32,13 +32,9 @@ const RollingLaserConfig& checked(const RollingLaserConfig& c) {
 
 RollingLaser::RollingLaser(const RollingLaserConfig& config, const FaultConfig& faults, std::uint64_t seed,
                            rt::Nanoseconds start_ns)
-    : config_(checked(config)),
-      faults_(faults, seed, kRollingFaults),
-      noise_(config.noise, config.min_range_m, config.max_range_m, "rolling laser"),
-      writer_(config.beams * config.lines_per_scan, config.keep_truth && config.line_hz != 0),
-      seed_(seed),
-      mount_(make_mount(config.mount_m, config.mount_ypr_rad)),
-      start_ns_(start_ns) {}
+    : ScanSensor(checked(config), config.beams * config.lines_per_scan, config.line_hz != 0, "rolling laser",
+                 {faults, seed, kRollingFaults}, seed, start_ns),
+      config_(config) {}
 
 rt::Nanoseconds RollingLaser::line_ns(std::uint64_t line) const {
   // From the start, so that no rounding adds up for rates that do not divide a second.
@@ -102,11 +98,10 @@ void RollingLaser::advance(const RayCaster& caster, const SensorStep& step, driv
 
 void RollingLaser::fire(const RayCaster& caster, const SensorStep& step, rt::Nanoseconds at) {
   const RollAngle roll = roll_at(at);
-  BodyInstant body;
-  RayCaster::Aim aim;
-  const bool placed = body_at(step, at, body) == Status::ok && caster.aim(mount_, body, aim) == Status::ok;
+  RayCaster::Aim from;
+  const bool placed = aim(caster, step, at, from);
   const RangeReading reading =
-      placed ? noise_.fire(caster, aim, direction(beam_, roll.true_rad)) : noise_.fire_nowhere();
+      placed ? noise_.fire(caster, from, direction(beam_, roll.true_rad)) : noise_.fire_nowhere();
   writer_.count_ray();
   if (reading.fate != RayFate::returned) return;
   const std::uint64_t last_line = (scan_ + 1) * config_.lines_per_scan;

@@ -33,7 +33,7 @@ struct RollAngle {
 /// The laser. Every beam has its own time, pose and angle of the mount; its point is given in the base frame,
 /// turned by what the encoder said when the beam was fired: that is all a driver knows. A scan is
 /// `lines_per_scan` lines, stamped with the end of the last. The noise of a scan depends on its number only.
-class RollingLaser {
+class RollingLaser : public ScanSensor {
  public:
   /// The first line begins at `start_ns`. Throws std::runtime_error naming the setting that is not usable.
   RollingLaser(const RollingLaserConfig& config, const FaultConfig& faults, std::uint64_t seed,
@@ -50,23 +50,12 @@ class RollingLaser {
   /// Direction of a beam in the base frame at an angle of the mount.
   Vec3 direction(std::uint32_t beam, double roll_rad) const;
 
-  std::uint32_t capacity() const { return writer_.capacity(); }
-  const LidarCounters& counters() const { return writer_.counters(); }
-  const RangeCounters& ranges() const { return noise_.counters(); }
-  std::span<const RangeTruth> truth() const { return writer_.truth(); }
-
  private:
   rt::Nanoseconds line_ns(std::uint64_t line) const;
   void begin_scan(drivers::ScanSink& sink);
   void fire(const RayCaster& caster, const SensorStep& step, rt::Nanoseconds at);
 
   RollingLaserConfig config_;
-  FaultInjector faults_;
-  RangeNoise noise_;
-  ScanWriter writer_;
-  std::uint64_t seed_;
-  SensorMount mount_;
-  rt::Nanoseconds start_ns_;
   std::uint64_t scan_{};
   std::uint64_t line_{};
   std::uint32_t beam_{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a simulated laser hands its scans over, with the truth of each point kept beside it.
+// How a simulated laser or camera hands its scans over, with the truth of each point kept beside it.
 #pragma once
 
 #include <span>
@@ -98,6 +98,45 @@ class ScanWriter {
   rt::ScanPoint* buffer_{};
   std::uint32_t filled_{};
   LidarCounters counters_{};
+};
+
+/// What sensors that deliver scans have in common.
+class ScanSensor {
+ public:
+  /// Points that one scan can have: what a buffer must hold.
+  std::uint32_t capacity() const { return writer_.capacity(); }
+  /// Counts so far; of a camera a scan is a frame.
+  const LidarCounters& counters() const { return writer_.counters(); }
+  /// Fates of the rays.
+  const RangeCounters& ranges() const { return noise_.counters(); }
+  /// Truth of the newest scan's points, see ScanWriter.
+  std::span<const RangeTruth> truth() const { return writer_.truth(); }
+
+ protected:
+  /// `config` was checked but for its ranges and noise, of which `who` complains; one that is not `on` keeps
+  /// no truth.
+  template <class Config>
+  ScanSensor(const Config& config, std::uint32_t capacity, bool on, const char* who, FaultInjector faults,
+             std::uint64_t seed, rt::Nanoseconds start_ns)
+      : faults_(faults),
+        noise_(config.noise, config.min_range_m, config.max_range_m, who),
+        writer_(capacity, config.keep_truth && on),
+        seed_(seed),
+        mount_(make_mount(config.mount_m, config.mount_ypr_rad)),
+        start_ns_(start_ns) {}
+
+  /// Where the sensor is at a time within the step. False: the step holds no pose.
+  bool aim(const RayCaster& caster, const SensorStep& step, rt::Nanoseconds at, RayCaster::Aim& aim) const {
+    BodyInstant body;
+    return body_at(step, at, body) == Status::ok && caster.aim(mount_, body, aim) == Status::ok;
+  }
+
+  FaultInjector faults_;
+  RangeNoise noise_;
+  ScanWriter writer_;
+  std::uint64_t seed_;
+  SensorMount mount_;
+  rt::Nanoseconds start_ns_;
 };
 
 }  // namespace sortie::hil
