@@ -61,7 +61,7 @@ struct ObstacleState {
   SORTIE_FIELDS(mode, confidence, step_height_m)
 };
 
-/// The modes. About 700 bytes and a table of 38 kB; no heap; bounded time (eight walks through trees, 68
+/// The modes. About 700 bytes and a table of 38 kB; no heap; bounded time (eight walks through trees, 60
 /// comparisons at most, about ten sines).
 ///
 /// Kinematics: without slip, the body's origin moves by v t - w x r for every contact r that carries. Along

@@ -49,7 +49,10 @@ int run_isolated(const std::string& interface, std::uint32_t bits_per_s, char** 
   const pid_t self = ::getpid();
   const pid_t helper = ::fork();  // the helper stays outside, so that this process is the program
   if (helper < 0) return complain("no process");
-  if (helper == 0) ::_exit(hand_over(interface, self, ready[0], given[1]));
+  if (helper == 0) {
+    ::close(ready[1]);  // else it would wait for itself where the program goes away
+    ::_exit(hand_over(interface, self, ready[0], given[1]));
+  }
   char byte = 0;
   std::string problem;
   if (::unshare(CLONE_NEWNET) != 0)

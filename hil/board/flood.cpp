@@ -129,6 +129,7 @@ int flood(const FloodConfig& config) {
   if (shared == MAP_FAILED) return 1;
   auto* const far_counters = new (shared) drivers::CanCounters{};
   const pid_t far = ::fork();
+  if (far < 0) return complain("no process");  // and nobody to be killed: kill(-1) is everybody
   if (far == 0) answer(config, *far_counters);
   const std::size_t most = 2 * std::size_t{config.frames} / std::max(config.per_ms, 1U) + 2 * kQuietReleases;
   std::vector<std::int64_t> late;

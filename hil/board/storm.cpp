@@ -91,6 +91,7 @@ class Weather {
 }  // namespace
 
 int storm(const std::string& url, std::uint32_t datagrams, std::uint32_t per_ms) {
+  if (per_ms == 0) return complain("storm wants at least one datagram a millisecond");
   drivers::GroupSender sender(url);
   Weather weather;
   std::uint32_t refused = 0;

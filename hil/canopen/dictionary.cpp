@@ -95,6 +95,7 @@ std::uint32_t CanopenDictionary::write(ObjectKey key, std::uint32_t value, std::
   if (object == nullptr) return canopen::kAbortNoObject;
   if (!object->writable) return canopen::kAbortReadOnly;
   if (bytes != 0 && bytes != object->bytes) return canopen::kAbortSize;
+  if (object->bytes < 4) value &= (1u << 8u * object->bytes) - 1u;  // all four came without a size
   if (const std::uint32_t code = refuse_mapping(key, value, operational)) return code;
   object->value = value;
   return 0;

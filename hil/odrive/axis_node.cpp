@@ -104,7 +104,8 @@ void AxisNode::hear(const drivers::CanFrame& frame, rt::Nanoseconds now_ns) noex
     command_.by_position = drivers::read_can_field(frame, odrive::kSetControllerModeSignals[0]) == 3;
     command_.turns = motor_.turns;  // a mode begins where the axis is
   } else if (is(odrive::kSetLimits)) {
-    velocity_limit_ = drivers::physical_can_field(frame, odrive::kSetLimitsSignals[0]);
+    // A negative limit, or none at all, lets nothing move.
+    velocity_limit_ = std::max(0.0, drivers::physical_can_field(frame, odrive::kSetLimitsSignals[0]));
     current_limit_ = drivers::physical_can_field(frame, odrive::kSetLimitsSignals[1]);
   } else if (is(odrive::kSetInputVel)) {
     const double wish = drivers::physical_can_field(frame, odrive::kSetInputVelSignals[0]);
