@@ -121,9 +121,6 @@ class RollingGrid {
     return memory_.voxels[block.slot(block.rank(cell))];
   }
   bool holds_normals() const { return !memory_.normals.empty(); }
-  SurfaceNormal& normal(const Block& block, unsigned cell) {
-    return memory_.normals[block.slot(block.rank(cell))];
-  }
   const SurfaceNormal& normal(const Block& block, unsigned cell) const {
     return memory_.normals[block.slot(block.rank(cell))];
   }

@@ -66,10 +66,8 @@ class FragmentGraph {
   void give_all(BlockIndex block);
   /// Gives one node back that its block no longer lists.
   void give(NodeIndex node);
-  /// Drops the edges that the nodes of `from` keep in a forward direction.
-  void disconnect(BlockIndex from, int direction);
-  /// The same, edges to node `to` alone.
-  void disconnect(BlockIndex from, int direction, NodeIndex to);
+  /// Drops the edges that the nodes of `from` keep in a forward direction: all, or those to node `to` alone.
+  void disconnect(BlockIndex from, int direction, NodeIndex to = kNoNode);
   /// Adds an edge to a node. False when no room is left: it is lost and counted.
   [[nodiscard]] bool connect(NodeIndex from, const FragmentEdge& edge);
   /// Node of a block that holds a cell, or kNoNode.
