@@ -141,9 +141,6 @@ class RollingGrid {
     return rt::rotate(world_grid_.q, p_grid_m) + world_grid_.p;
   }
 
-  /// Bytes of the voxels, blocks and normals at their high water; the window's table apart.
-  std::uint64_t most_bytes() const;
-
   /// The whole map to bytes and back, into a grid of the same configuration and capacity. Between scans only.
   void archive(rt::Archive& archive);
 
