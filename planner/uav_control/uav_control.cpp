@@ -40,7 +40,7 @@ UavControl::UavControl(const UavControlConfig& config, const UavModel& model)
     : config_(config),
       allocation_(model),
       rotors_(model, usable_period(config.period_s)),
-      watch_(model, config.watch, usable_period(config.period_s)),
+      watch_(model, usable_period(config.period_s)),
       profile_(config.profile, usable_period(config.period_s)),
       lag_(0.5 * (model.tau_up_s + model.tau_down_s), usable_period(config.period_s)),
       tau_s_(0.5 * (config.model.tau_up_s + config.model.tau_down_s)),
@@ -158,7 +158,7 @@ void UavControl::watch_rotors(const Vector3& w) {
   if (lost == RotorWatch::kNone || allocation_.lost_count() > 0 || !allocation_.lose(lost)) return;
   ++counters_.rotors_lost;
   made_ = made_last_ = allocation_.wrench(rotors_.thrust_n());
-  watch_.forget();
+  watch_.reset();
   land();
 }
 
