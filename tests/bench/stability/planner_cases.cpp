@@ -164,7 +164,7 @@ StabilityFigures stiff_riccati() {
     const auto plain = lagged_chain<double>(dt_s, 1e-4, 1e8, 1e-10);
     SmallMatrix<double, 6, 6> x;
     SmallMatrix<double, 1, 6> plain_k;
-    static_cast<void>(plain.doubling(x, {}, report));
+    static_cast<void>(plain.doubling(x, report));
     static_cast<void>(plain.gain(x, plain_k));
     SmallMatrix<DoubleDouble, 6, 6> wide_x;
     SmallMatrix<DoubleDouble, 1, 6> wide_k;
