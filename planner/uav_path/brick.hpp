@@ -30,6 +30,11 @@ constexpr BrickMask brick_bit(const Voxel3& v) {
   return BrickMask{1} << ((v.x & 3) + 4 * (v.y & 3) + 16 * (v.z & 3));
 }
 
+/// The voxel of a bit of the brick with this lowest voxel.
+constexpr Voxel3 brick_voxel(const Voxel3& corner, int bit) {
+  return {corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)};
+}
+
 namespace detail {
 inline constexpr BrickMask kFirstX = 0x1111111111111111u;
 inline constexpr BrickMask kLastX = kFirstX << 3;

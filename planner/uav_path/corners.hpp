@@ -27,7 +27,7 @@ class Corners {
   explicit Corners(const CornerMemory& memory) : memory_(memory) {}
 
   /// The way that a fine search found. `full`: it bends more often than there is room.
-  Status take(const FlightMap& map, const FineSearch& fine);
+  Status take(const FineSearch& fine);
 
   /// A way without any search: from part to part as the coarse search leads, by breadth first within each
   /// brick. Longer, but it needs no memory of its own. Status as for take().

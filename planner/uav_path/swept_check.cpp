@@ -106,14 +106,14 @@ class Sweep {
   }
   // x, y and z of a way within the map.
   std::array<Axis, 3> axes() const {
-    const rt::Vector3& origin = map_.config().origin_m;
+    const FlightMapConfig& c = map_.config();
+    const rt::Vector3& origin = c.origin_m;
     const Voxel3 low = map_.voxel_at(swept_.low);
     const Voxel3 high = map_.voxel_at(swept_.high);
     const double edge = 4 * h_;
-    return {
-        Axis{a_m_.x, way_m_.x, margin_.x, origin.x, edge, {low.x / 4, std::min(high.x / 4, map_.bx() - 1)}},
-        Axis{a_m_.y, way_m_.y, margin_.y, origin.y, edge, {low.y / 4, std::min(high.y / 4, map_.by() - 1)}},
-        Axis{a_m_.z, way_m_.z, margin_.z, origin.z, edge, {low.z / 4, std::min(high.z / 4, map_.bz() - 1)}}};
+    return {Axis{a_m_.x, way_m_.x, margin_.x, origin.x, edge, {low.x / 4, std::min(high.x, c.nx - 1) / 4}},
+            Axis{a_m_.y, way_m_.y, margin_.y, origin.y, edge, {low.y / 4, std::min(high.y, c.ny - 1) / 4}},
+            Axis{a_m_.z, way_m_.z, margin_.z, origin.z, edge, {low.z / 4, std::min(high.z, c.nz - 1) / 4}}};
   }
   void use(std::uint64_t steps) { steps_ -= std::min(steps_, steps); }
   // The robot may touch something in the brick whose low corner this is.
@@ -129,8 +129,7 @@ class Sweep {
     use(SweptWalk::kCloser);
     for (int bit = 0; bit < 64; ++bit) {
       if ((blocked >> bit & 1u) == 0) continue;
-      const rt::Vector3 m =
-          map_.middle_m({corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)});
+      const rt::Vector3 m = map_.middle_m(brick_voxel(corner, bit));
       const rt::Vector3 half{0.5 * h_, 0.5 * h_, 0.5 * h_};
       const Bounds box{m - half, m + half};
       if (overlap(swept_, box) && line_meets(a_m_, way_m_, box, margin_) && hits(voxel_, m)) return true;

@@ -110,7 +110,7 @@ void UavPath::search(const FlightMap& map, std::uint64_t& units) {
   // Read off at once; counted all the same.
   Status taken = Status::ok;
   if (search == SearchState::found) {
-    taken = corners_.take(map, fine_);
+    taken = corners_.take(fine_);
   } else {
     ++work_.crawled;
     taken = corners_.crawl(map, coarse_, start_, goal_);

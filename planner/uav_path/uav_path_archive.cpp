@@ -40,7 +40,7 @@ void state_of(rt::Archive& archive, State& state, State last) {
 
 void FlightMap::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "flight map")
-      .fixed(config_, usable_, bx_, by_, bz_, reach_, offset_count_, offsets_)
+      .fixed(config_, usable_, bx_, by_, reach_, offset_count_, offsets_)
       .state(version_)
       .by_hand(blocked_, free_, dirty_, hand_);
   archive.expect(blocked_.size(), "the map has another size");
