@@ -4,18 +4,14 @@
 #include <algorithm>
 #include <array>
 
+#include "mapping/grid/mix64.hpp"
+
 namespace sortie::planner {
 
 namespace {
 
 // splitmix64: one number from the next counter.
-std::uint64_t next_random(std::uint64_t& counter) {
-  counter += 0x9e3779b97f4a7c15;
-  std::uint64_t x = counter;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
+std::uint64_t next_random(std::uint64_t& counter) { return mapping::mix64(counter += 0x9e3779b97f4a7c15); }
 
 bool fits_the_device(const SslChoiceConfig& config) {
   const RaySensor& sensor = config.scheduler.sensor;

@@ -157,7 +157,7 @@ class UavPilot {
   void start(const rt::UavState& state);
   void ask();
   void take_way(const UavWay& way, rt::Nanoseconds now_ns);
-  void follow(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
+  void follow(const rt::UavState& state, const UavWay* way);
   void next_leg();
   void stay(const rt::UavState& state, rt::Nanoseconds now_ns);
   void rest();
