@@ -98,7 +98,7 @@ StabilityFigures product_of_probabilities() {
     sum = sum + DoubleDouble(entropy) * (wide[i] - wide[n]);
   }
   const auto truth = static_cast<double>(sum);
-  return {std::fabs(model.fresh(walk, cells.data()).fresh / truth - 1), std::fabs(naive / truth - 1)};
+  return {std::fabs(model.trace(walk, cells.data()).fresh / truth - 1), std::fabs(naive / truth - 1)};
 }
 
 StabilityFigures thousands_of_rays() {
