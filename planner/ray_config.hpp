@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Settings of the ray scheduler, and the sizes that follow from them.
+// A solid-state lidar whose rays can be aimed, settings of the scheduler that aims them, and the sizes that
+// follow from them.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +8,28 @@
 #include <span>
 
 #include "planner/ray_model.hpp"
-#include "planner/ray_sensor.hpp"
+#include "rt/math.hpp"
 
 namespace sortie::planner {
+
+/// Directions of the sensor: columns from right to left, rows from low to high, evenly spaced in azimuth and
+/// elevation, the outermost on the edges of the field of view. Frame: x forward, y left, z up.
+struct RaySensor {
+  std::uint32_t columns{160};
+  std::uint32_t rows{120};
+  double width_rad{2.0943951023931953};   ///< 120 deg
+  double height_rad{1.5707963267948966};  ///< 90 deg
+  double range_m{48.0};
+
+  /// Directions. Ray number: row * columns + column.
+  constexpr std::uint32_t rays() const { return columns * rows; }
+};
+
+/// Angle number `i` of `count` across `width_rad`.
+inline rt::SinCos ray_angle(std::uint32_t i, std::uint32_t count, double width_rad) {
+  const double share = count > 1 ? static_cast<double>(i) / (count - 1) - 0.5 : 0.0;
+  return rt::sincos(share * width_rad);
+}
 
 /// Settings of the scheduler.
 struct RaySchedulerConfig {

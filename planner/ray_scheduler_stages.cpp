@@ -245,8 +245,7 @@ void RayScheduler::set_bound(double bound) {
 }
 
 void RayScheduler::finish_certificate() {
-  plan_.certificate = plan_.best_bound > 0.0 ? plan_.worth / plan_.best_bound : 1.0;
-  if (plan_.certificate > 1.0) plan_.certificate = 1.0;
+  plan_.certificate = plan_.best_bound > 0.0 ? std::min(plan_.worth / plan_.best_bound, 1.0) : 1.0;
 }
 
 }  // namespace sortie::planner
