@@ -228,12 +228,4 @@ void WayWalk::archive(rt::Archive& archive) {
     archive.fail(Status::malformed, "a share of the robot's size");
 }
 
-SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {
-  SweptWalk walk;
-  walk.begin(a_m, b_m);
-  std::uint64_t steps = UINT64_MAX;
-  static_cast<void>(walk.run(map, steps));  // so much ends every line
-  return walk.result();
-}
-
 }  // namespace sortie::planner

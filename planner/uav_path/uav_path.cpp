@@ -201,11 +201,4 @@ double UavPath::length_m() const {
   return sum;
 }
 
-bool UavPath::is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints) {
-  WayWalk walk;
-  std::uint64_t steps = UINT64_MAX;
-  static_cast<void>(walk.run(map, waypoints, steps));  // so much ends every way
-  return walk.is_free();
-}
-
 }  // namespace sortie::planner

@@ -82,9 +82,6 @@ class UavPath {
   PathState state() const { return state_; }
   const UavPathWork& work() const { return work_; }
 
-  /// True when the way of `waypoints` is still safe in a map that changed: exact.
-  static bool is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints);
-
   /// State to bytes and back, into a planner with as much memory: a plan goes on where it was.
   void archive(rt::Archive& archive);
 
