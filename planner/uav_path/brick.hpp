@@ -6,8 +6,6 @@
 #include <bit>
 #include <cstdint>
 
-#include "rt/describe.hpp"
-
 namespace sortie::planner {
 
 /// A set of a brick's voxels.
@@ -21,7 +19,6 @@ struct Voxel3 {
   std::int32_t x{};
   std::int32_t y{};
   std::int32_t z{};
-  SORTIE_FIELDS(x, y, z)
   friend constexpr bool operator==(const Voxel3&, const Voxel3&) = default;
 };
 

@@ -45,9 +45,6 @@ class Corners {
   /// Length in voxels.
   float length() const;
 
-  /// State to bytes and back, into memory of the same size.
-  void archive(rt::Archive& archive);
-
  private:
   static constexpr std::uint32_t kMostRounds = 6;
   static constexpr std::uint32_t kResampled = 192;  // points of a later round

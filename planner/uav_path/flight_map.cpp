@@ -174,4 +174,19 @@ Voxel3 FlightMap::voxel_at(const rt::Vector3& p) const {
   return {number(p.x, config_.origin_m.x), number(p.y, config_.origin_m.y), number(p.z, config_.origin_m.z)};
 }
 
+void FlightMap::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "flight map")
+      .fixed(config_, usable_, bx_, by_, reach_, offset_count_, offsets_)
+      .state(version_)
+      .by_hand(blocked_, free_, dirty_, hand_);
+  archive.expect(blocked_.size(), "the map has another size");
+  for (const std::span<std::uint64_t> words : {blocked_, free_, dirty_}) {
+    for (std::uint64_t& word : words) archive.value(word);
+  }
+  archive.bounded(hand_, dirty_.empty() ? 0 : dirty_.size() - 1);
+  // Bits behind the last brick would point out of the map.
+  if (const std::size_t rest = blocked_.size() % 64; archive.is_reading() && rest != 0)
+    dirty_.back() &= (std::uint64_t{1} << rest) - 1;
+}
+
 }  // namespace sortie::planner

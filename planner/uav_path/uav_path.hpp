@@ -44,7 +44,6 @@ struct UavPathWork {
   std::uint32_t bricks{};  ///< that it looked at
   std::uint32_t
       unsafe{};  ///< ways that the exact check refused: a fault of this program, never shown as a way
-  SORTIE_FIELDS(units, parts, crawled, exact, bricks, unsafe)
 };
 
 /// Plans one way at a time. No heap, no clock; the result does not depend on how the work is sliced. Memory
@@ -81,9 +80,6 @@ class UavPath {
 
   PathState state() const { return state_; }
   const UavPathWork& work() const { return work_; }
-
-  /// State to bytes and back, into a planner with as much memory: a plan goes on where it was.
-  void archive(rt::Archive& archive);
 
  private:
   enum class Phase : std::uint8_t { lead_in, coarse, fine, judge, shorten };
