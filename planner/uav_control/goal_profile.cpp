@@ -187,9 +187,4 @@ void GoalProfile::step() {
   }
 }
 
-bool GoalProfile::arrived() const {
-  return brake_left_ == 0 && rt::norm(goal_m_ - now_.p_m) < 1e-6 && rt::norm(now_.v_m_s) < 1e-6 &&
-         std::fabs(rt::wrap_angle(goal_yaw_rad_ - now_.yaw_rad)) < 1e-3;
-}
-
 }  // namespace sortie::planner

@@ -57,8 +57,6 @@ class GoalProfile {
   const FlatReference& now() const { return now_; }
   const rt::Vector3& goal_m() const { return goal_m_; }
   double goal_yaw_rad() const { return goal_yaw_rad_; }
-  /// At rest in the goal.
-  bool arrived() const;
 
   /// State to bytes and back, into one of the same limits.
   void archive(rt::Archive& archive);

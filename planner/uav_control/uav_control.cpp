@@ -20,13 +20,8 @@ bool is_finite_state(const rt::UavState& s) {
 
 UavModel usable(const UavModel& model) {
   if (check(model) == Status::ok) return model;
-  UavModel some;  // any vehicle: it is never flown, but its parts can be built
-  some.mass_kg = 1.0;
-  some.inertia_kg_m2 = {0.01, 0.01, 0.01};
-  some.thrust_n_s2 = 1e-5;
-  some.moment_m = some.tau_up_s = some.tau_down_s = 0.02;
-  some.max_speed_rad_s = 1000.0;
-  place_rotors(some, 6, 0.2, 0.5);
+  UavModel some = RegularMultirotor{}.model;  // any vehicle: it is never flown, but its parts can be built
+  place_rotors(some, some.rotors, 0.2, 0.5);
   return some;
 }
 
