@@ -39,8 +39,6 @@ class Mission {
   const MissionStep* at(rt::Nanoseconds since_start_ns);
 
   bool empty() const { return size_ == 0; }
-  /// Number of the step in force, from 1; 0 before the first.
-  std::uint32_t number() const { return next_; }
   /// The posture that the steps so far have asked for; -1: none.
   std::int32_t posture() const { return posture_; }
 

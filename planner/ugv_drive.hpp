@@ -164,10 +164,6 @@ class UgvDrive {
   void archive(rt::Archive& archive);
 
  private:
-  struct Wish {
-    SpeedTurn motion;
-    DriveSource source{};
-  };
   TwistLimits limits() const;
   TwistRamps stop_ramps() const;
   DriveSource in_control(const MissionStep* step) const;
@@ -176,7 +172,7 @@ class UgvDrive {
                    rt::Nanoseconds now_ns);
   bool wanted() const;
   void begin(rt::Nanoseconds now_ns);
-  void put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns);
+  void put_out(DriveSource source, bool shortened, rt::Nanoseconds now_ns);
 
   UgvDriveConfig config_;
   WaypointFollower follower_;
