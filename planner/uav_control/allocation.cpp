@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From wanted thrust and torques to the thrust of each rotor.
 #include "planner/uav_control/allocation.hpp"
 
 #include <algorithm>

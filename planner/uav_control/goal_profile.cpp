@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Raw goals to a smooth motion toward them.
 #include "planner/uav_control/goal_profile.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compares how the vehicle turns with how its rotors should turn it.
 #include "planner/uav_control/rotor_watch.hpp"
 
 #include <algorithm>

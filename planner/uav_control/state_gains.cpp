@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gains of the state controller.
 #include "planner/uav_control/state_gains.hpp"
 
 #include <algorithm>
