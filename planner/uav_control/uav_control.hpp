@@ -6,7 +6,6 @@
 
 #include "planner/uav_control/allocation.hpp"
 #include "planner/uav_control/goal_profile.hpp"
-#include "planner/uav_control/reference_lag.hpp"
 #include "planner/uav_control/rotor_model.hpp"
 #include "planner/uav_control/rotor_watch.hpp"
 #include "planner/uav_control/state_gains.hpp"
