@@ -42,11 +42,10 @@ struct RaySchedulerConfig {
   std::uint32_t table_lines{};                 ///< of coverage, at most 65535; 0: 52 a ray, 32768 at most
   std::uint32_t path_words{};                  ///< of paths, 16 cells each; 0: 3.5 a direction, 1.5 for L = 1
   std::uint32_t coarse_log2{2};                ///< first, one direction of each 2^n by 2^n is looked at
-  std::uint32_t explored{};  ///< directions a position for the joint stage; 0: 7000, 4000 for L = 1
-  double optimism{1.0};      ///< what a direction's neighbours may be worth, as its multiple
-  double slack{0.02};        ///< a guided stage takes a ray this near to the best bound
-  std::uint32_t tries{
-      150};  ///< evaluations for one ray of the joint stage, then the best; a sixth for a position
+  std::uint32_t explored{};   ///< directions a position for the joint stage; 0: 7000, 4000 for L = 1
+  double optimism{1.0};       ///< what a direction's neighbours may be worth, as its multiple
+  double slack{0.02};         ///< a guided stage takes a ray this near to the best bound
+  std::uint32_t tries{150};   ///< evaluations for a ray of the joint stage; a sixth for one of a position
   bool position_first{true};  ///< stages
   bool joint{true};
   bool exact{true};

@@ -10,27 +10,24 @@ namespace {
 constexpr std::int64_t kMostSteps = 32;  // after a longer pause the drives have stopped by themselves
 
 bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
+
+Status take_limit(double value, double& limit) {
+  if (!is_positive(value)) return Status::out_of_range;
+  limit = value;
+  return Status::ok;
+}
 }  // namespace
 
 UgvDrive::UgvDrive(const UgvDriveConfig& config)
     : config_(config), follower_(config.follower), guard_(config.guard), halted_(config.start_halted) {}
 
-Status UgvDrive::set_max_speed(double m_s) {
-  if (!is_positive(m_s)) return Status::out_of_range;
-  config_.max_speed_m_s = m_s;
-  return Status::ok;
-}
+Status UgvDrive::set_max_speed(double m_s) { return take_limit(m_s, config_.max_speed_m_s); }
 
-Status UgvDrive::set_max_turn_rate(double rad_s) {
-  if (!is_positive(rad_s)) return Status::out_of_range;
-  config_.max_turn_rad_s = rad_s;
-  return Status::ok;
-}
+Status UgvDrive::set_max_turn_rate(double rad_s) { return take_limit(rad_s, config_.max_turn_rad_s); }
 
 Status UgvDrive::set_max_acceleration(double m_s2) {
-  if (!is_positive(m_s2) || m_s2 > config_.stop.acceleration) return Status::out_of_range;
-  config_.ramps.speed.acceleration = m_s2;
-  return Status::ok;
+  if (m_s2 > config_.stop.acceleration) return Status::out_of_range;
+  return take_limit(m_s2, config_.ramps.speed.acceleration);
 }
 
 Status UgvDrive::set_track_width(double m) {

@@ -38,8 +38,7 @@ struct FragmentNode {
   BlockIndex block{kNoBlock};
   NodeIndex next{kNoNode};  ///< of the same block; or in the list of free ones
   NodeIndex extension{kNoNode};
-  NodeIndex name{
-      kNoNode};  ///< of its component by the newest labelling: a number that its nodes share; or it is fresh
+  NodeIndex name{kNoNode};  ///< a number that its component's nodes share since a labelling; or it is fresh
   std::uint16_t label[2]{kNoLabel, kNoLabel};  ///< one is shown, the other one in the making
   std::uint16_t backward_set{};  ///< bit n: may be a forward neighbour of the block in direction 12 - n
   std::uint8_t voxels{};

@@ -70,8 +70,7 @@ Status Corners::crawl(const FlightMap& map, const CoarseSearch& coarse, const Vo
       dx = (there.x - here.x) / 4;
       dy = (there.y - here.y) / 4;
       dz = (there.z - here.z) / 4;
-      aim = brick_reach(coarse.node(next).voxels, -dx, -dy, -dz) &
-            part.voxels;  // from here one step leads over
+      aim = brick_reach(coarse.node(next).voxels, -dx, -dy, -dz) & part.voxels;  // one step leads over
     }
     // Waves from where we are until one touches the aim, then back along them.
     int last = 0;

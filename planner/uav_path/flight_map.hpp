@@ -20,10 +20,9 @@ struct FlightMapConfig {
   std::int32_t ny{};
   std::int32_t nz{};
   double voxel_m{0.2};
-  rt::Vector3 origin_m;  ///< lowest corner, world
-  rt::Vector3 radii_m{0.35, 0.35,
-                      0.15};      ///< of the ellipsoid that holds the robot at any heading: x and y equal
-  bool unknown_is_blocked{true};  ///< voxels that nobody has spoken of
+  rt::Vector3 origin_m;                   ///< lowest corner, world
+  rt::Vector3 radii_m{0.35, 0.35, 0.15};  ///< of the ellipsoid that holds the robot; x and y equal
+  bool unknown_is_blocked{true};          ///< voxels that nobody has spoken of
 
   /// The extent is written in metres, of which voxels are made; the robot's radii are parts of its airframe.
   SORTIE_KEYS(c, key) {

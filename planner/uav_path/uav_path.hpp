@@ -37,13 +37,11 @@ struct UavPathMemory {
 /// What was done, for reports.
 struct UavPathWork {
   std::uint64_t units{};
-  std::uint32_t parts{};  ///< connected parts of bricks that were met
-  std::uint32_t
-      crawled{};           ///< plans whose fine search ran out of memory and that were led by the parts alone
-  std::uint32_t exact{};   ///< pairs that the exact check judged, all plans
-  std::uint32_t bricks{};  ///< that it looked at
-  std::uint32_t
-      unsafe{};  ///< ways that the exact check refused: a fault of this program, never shown as a way
+  std::uint32_t parts{};    ///< connected parts of bricks that were met
+  std::uint32_t crawled{};  ///< plans that were led by the parts alone: no memory for the fine search
+  std::uint32_t exact{};    ///< pairs that the exact check judged, all plans
+  std::uint32_t bricks{};   ///< that it looked at
+  std::uint32_t unsafe{};   ///< ways that the exact check refused: a fault of this program, never shown
 };
 
 /// Plans one way at a time. No heap, no clock; the result does not depend on how the work is sliced. Memory
