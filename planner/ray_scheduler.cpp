@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "planner/ray_units.hpp"
@@ -14,8 +13,6 @@
 namespace sortie::planner {
 
 namespace {
-
-constexpr double kUnknownBound = std::numeric_limits<double>::infinity();
 
 bool is_share(double value) { return value >= 0.0 && value < 1.0; }
 
