@@ -7,8 +7,8 @@
 
 namespace sortie::planner {
 
-std::uint32_t DriveGuard::update(const DriveFacts& facts, const rt::PoseEstimate& pose, bool at_rest,
-                                 rt::Nanoseconds now_ns) {
+void DriveGuard::update(const DriveFacts& facts, const rt::PoseEstimate& pose, bool at_rest,
+                        rt::Nanoseconds now_ns) {
   const std::uint32_t before = reasons_;
   reasons_ = 0;
   const auto hold = [this](bool holds, DriveStop reason) { reasons_ |= holds ? reason : 0u; };
@@ -45,7 +45,6 @@ std::uint32_t DriveGuard::update(const DriveFacts& facts, const rt::PoseEstimate
     if (quiet_since_ns_ < 0) quiet_since_ns_ = now_ns;
     if (now_ns - quiet_since_ns_ >= config_.resume_ns) stopping_ = false;
   }
-  return reasons_;
 }
 
 }  // namespace sortie::planner

@@ -87,13 +87,12 @@ class DriveGuard {
  public:
   explicit DriveGuard(const DriveGuardConfig& config) : config_(config) {}
 
-  /// Judges. Reasons are bits of DriveStop. While the wait at the start lasts nothing else is judged.
-  std::uint32_t update(const DriveFacts& facts, const rt::PoseEstimate& pose, bool at_rest,
-                       rt::Nanoseconds now_ns);
+  /// Judges. While the wait at the start lasts nothing else is judged.
+  void update(const DriveFacts& facts, const rt::PoseEstimate& pose, bool at_rest, rt::Nanoseconds now_ns);
 
   /// True when the robot may move.
   bool clear() const { return !stopping_; }
-  /// Reasons that hold now.
+  /// Reasons that hold now, bits of DriveStop.
   std::uint32_t reasons() const { return reasons_; }
   /// True while roll or pitch is beyond its limit, whether that is a reason or not.
   bool tilted() const { return tilted_; }

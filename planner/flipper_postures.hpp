@@ -17,7 +17,6 @@ namespace sortie::planner {
 /// Four angles (rt::FlipperCommand).
 struct FlipperPosture {
   double angle_rad[rt::kFlippers]{};
-  SORTIE_FIELDS(angle_rad)
 };
 
 /// How fast, and what counts as there.

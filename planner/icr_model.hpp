@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rt/describe.hpp"
 #include "rt/keys.hpp"
 
 namespace sortie::planner {
@@ -15,14 +14,12 @@ struct Twist {
   double v_x_m_s{};
   double v_y_m_s{};
   double w_rad_s{};
-  SORTIE_FIELDS(v_x_m_s, v_y_m_s, w_rad_s)
 };
 
 /// Speeds of the belts, positive forward.
 struct TrackSpeeds {
   double left_m_s{};
   double right_m_s{};
-  SORTIE_FIELDS(left_m_s, right_m_s)
 };
 
 /// Where the tracks and the body turn, body frame: the left belt moves over the ground as if it touched it
@@ -34,7 +31,6 @@ struct IcrModel {
   double x_m{};
   double y_left_m{0.2};
   double y_right_m{-0.2};
-  SORTIE_FIELDS(x_m, y_left_m, y_right_m)
 
   /// From the distance of the tracks and the steering efficiency (distance of the tracks / distance of their
   /// turning centres, above 0), the turning centres moved to the left by `y_m`.

@@ -8,7 +8,6 @@
 
 #include "planner/twist_limiter.hpp"
 #include "rt/archive.hpp"
-#include "rt/describe.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 
@@ -21,7 +20,6 @@ struct MissionStep {
   double turn_rad_s{};
   std::int32_t posture{-1};  ///< of the flippers; -1: as before
   bool route{};              ///< the waypoints are followed; speed and turn rate are then 0
-  SORTIE_FIELDS(at_ns, speed_m_s, turn_rad_s, posture, route)
 };
 
 /// Timed commands. About 2 kB, no heap. A mission without steps follows the route from the start.
@@ -39,8 +37,6 @@ class Mission {
   const MissionStep* at(rt::Nanoseconds since_start_ns);
 
   bool empty() const { return size_ == 0; }
-  /// Number of the step in force, from 1; 0 before the first.
-  std::uint32_t number() const { return next_; }
   /// The posture that the steps so far have asked for; -1: none.
   std::int32_t posture() const { return posture_; }
 

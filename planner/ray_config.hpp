@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Settings of the ray scheduler, and the sizes that follow from them.
+// A solid-state lidar whose rays can be aimed, settings of the scheduler that aims them, and the sizes that
+// follow from them.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +8,28 @@
 #include <span>
 
 #include "planner/ray_model.hpp"
-#include "planner/ray_sensor.hpp"
+#include "rt/math.hpp"
 
 namespace sortie::planner {
+
+/// Directions of the sensor: columns from right to left, rows from low to high, evenly spaced in azimuth and
+/// elevation, the outermost on the edges of the field of view. Frame: x forward, y left, z up.
+struct RaySensor {
+  std::uint32_t columns{160};
+  std::uint32_t rows{120};
+  double width_rad{2.0943951023931953};   ///< 120 deg
+  double height_rad{1.5707963267948966};  ///< 90 deg
+  double range_m{48.0};
+
+  /// Directions. Ray number: row * columns + column.
+  constexpr std::uint32_t rays() const { return columns * rows; }
+};
+
+/// Angle number `i` of `count` across `width_rad`.
+inline rt::SinCos ray_angle(std::uint32_t i, std::uint32_t count, double width_rad) {
+  const double share = count > 1 ? static_cast<double>(i) / (count - 1) - 0.5 : 0.0;
+  return rt::sincos(share * width_rad);
+}
 
 /// Settings of the scheduler.
 struct RaySchedulerConfig {
@@ -22,11 +42,10 @@ struct RaySchedulerConfig {
   std::uint32_t table_lines{};                 ///< of coverage, at most 65535; 0: 52 a ray, 32768 at most
   std::uint32_t path_words{};                  ///< of paths, 16 cells each; 0: 3.5 a direction, 1.5 for L = 1
   std::uint32_t coarse_log2{2};                ///< first, one direction of each 2^n by 2^n is looked at
-  std::uint32_t explored{};  ///< directions a position for the joint stage; 0: 7000, 4000 for L = 1
-  double optimism{1.0};      ///< what a direction's neighbours may be worth, as its multiple
-  double slack{0.02};        ///< a guided stage takes a ray this near to the best bound
-  std::uint32_t tries{
-      150};  ///< evaluations for one ray of the joint stage, then the best; a sixth for a position
+  std::uint32_t explored{};   ///< directions a position for the joint stage; 0: 7000, 4000 for L = 1
+  double optimism{1.0};       ///< what a direction's neighbours may be worth, as its multiple
+  double slack{0.02};         ///< a guided stage takes a ray this near to the best bound
+  std::uint32_t tries{150};   ///< evaluations for a ray of the joint stage; a sixth for one of a position
   bool position_first{true};  ///< stages
   bool joint{true};
   bool exact{true};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planner/ray_exploration.hpp"
 
-#include "planner/ray_node.hpp"
 #include "planner/ray_units.hpp"
 
 namespace sortie::planner {

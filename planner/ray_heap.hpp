@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "planner/ray_units.hpp"
+
 namespace sortie::planner {
 
 /// A worth above and a number below: greater worth first, then the smaller number. No two are equal, so the
@@ -89,6 +91,25 @@ class RayHeap {
   std::span<std::uint64_t> keys_;
   std::uint32_t size_{};
   bool refused_{};
+};
+
+/// What stands in the heap of a selection: a ray, or a cell of directions of which a corner was looked at.
+/// Level 0: the ray itself. Level n: the 2^n by 2^n directions whose lowest corner the ray is. 28 bits are
+/// the ray's number, position * N + ray.
+struct RayNode {
+  static constexpr std::uint32_t kLevelShift = 28;
+
+  static constexpr std::uint32_t make(std::uint32_t ray, std::uint32_t level) {
+    return level << kLevelShift | ray;
+  }
+  static constexpr std::uint32_t ray(std::uint32_t node) { return node & ((1u << kLevelShift) - 1); }
+  static constexpr std::uint32_t level(std::uint32_t node) { return node >> kLevelShift; }
+
+  /// Into a heap, if there is room. Returns the units that it costs.
+  static std::uint32_t push(RayHeap& heap, std::uint32_t ray, std::uint32_t level, float worth) {
+    (void)heap.push(RayKey::make(worth, make(ray, level)));
+    return ray_units::kHeap;
+  }
 };
 
 }  // namespace sortie::planner

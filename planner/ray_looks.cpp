@@ -55,14 +55,10 @@ std::uint32_t RayLooks::trace(std::uint32_t ray, const RayCover* beside, float& 
   worth = 0.0f;
   if (!is_inside(ray / all_rays_)) return ray_units::kRay;
   const mapping::VoxelWalk way = walk(ray);
-  RayWorth found;
-  if (paths_.begin(most_cells_)) {
-    found = beside != nullptr ? model_.both(way, map_.cells, beside->table(), paths_)
-                              : model_.fresh(way, map_.cells, paths_);
-    memory_.path[ray] = paths_.end(way);
-  } else {
-    found = beside != nullptr ? model_.both(way, map_.cells, beside->table()) : model_.fresh(way, map_.cells);
-  }
+  RayPaths* const kept = paths_.begin(most_cells_) ? &paths_ : nullptr;
+  const CoverageTable* const table = beside != nullptr ? &beside->table() : nullptr;
+  const RayWorth found = model_.trace(way, map_.cells, table, kept);
+  if (kept != nullptr) memory_.path[ray] = paths_.end(way);
   memory_.fresh[ray] = static_cast<float>(found.fresh);
   worth = static_cast<float>(found.current);
   return ray_units::kRay + found.cells * (beside != nullptr ? ray_units::kCellBeside : ray_units::kCell);

@@ -5,19 +5,19 @@
 #include <cstdint>
 #include <span>
 
+#include "mapping/grid/sensor_pose.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/ray_config.hpp"
 #include "planner/ray_cover.hpp"
 #include "planner/ray_model.hpp"
 #include "planner/ray_path.hpp"
-#include "planner/ray_sensor.hpp"
 
 namespace sortie::planner {
 
 /// Memory of RayLooks, value-initialised. `all`: positions * N.
 struct RayLooksMemory {
-  std::span<RayAngle> columns;
-  std::span<RayAngle> rows;
+  std::span<rt::SinCos> columns;
+  std::span<rt::SinCos> rows;
   std::span<rt::Vector3> across;    ///< positions * columns: the horizontal part of directions, turned
   std::span<float> fresh;           ///< all
   std::span<std::uint32_t> traced;  ///< bits, all

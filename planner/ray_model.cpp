@@ -66,29 +66,20 @@ RayWorth RayModel::stream(Walk& walk, const std::int8_t* cells, const CoverageTa
   return worth;
 }
 
-RayWorth RayModel::fresh(VoxelWalk walk, const std::int8_t* cells) const {
-  RayWorth worth = stream<true, false>(walk, cells, nullptr);
-  worth.current = worth.fresh;
-  return worth;
-}
-
-RayWorth RayModel::both(VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table) const {
-  return stream<true, true>(walk, cells, &table);
-}
-
-RayWorth RayModel::fresh(VoxelWalk walk, const std::int8_t* cells, RayPaths& paths) const {
-  NotedWalk noted(walk, paths);
-  RayWorth worth = stream<true, false>(noted, cells, nullptr);
-  paths = noted.paths;
-  worth.current = worth.fresh;
-  return worth;
-}
-
-RayWorth RayModel::both(VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table,
-                        RayPaths& paths) const {
-  NotedWalk noted(walk, paths);
-  const RayWorth worth = stream<true, true>(noted, cells, &table);
-  paths = noted.paths;
+RayWorth RayModel::trace(VoxelWalk walk, const std::int8_t* cells, const CoverageTable* table,
+                         RayPaths* paths) const {
+  const auto along = [&](auto& way) {
+    return table != nullptr ? stream<true, true>(way, cells, table) : stream<true, false>(way, cells, table);
+  };
+  RayWorth worth;
+  if (paths != nullptr) {
+    NotedWalk noted(walk, *paths);
+    worth = along(noted);
+    *paths = noted.paths;
+  } else {
+    worth = along(walk);
+  }
+  if (table == nullptr) worth.current = worth.fresh;
   return worth;
 }
 

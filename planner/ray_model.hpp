@@ -44,14 +44,11 @@ class RayModel {
  public:
   explicit RayModel(const RayModelConfig& config);
 
-  /// Worth beside no other ray (`current` is the same). Cost: about 2.5 ns a cell.
-  RayWorth fresh(mapping::VoxelWalk walk, const std::int8_t* cells) const;
-  /// Both worths in one pass.
-  RayWorth both(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table) const;
-  /// The same two; each step goes to a path that was begun.
-  RayWorth fresh(mapping::VoxelWalk walk, const std::int8_t* cells, RayPaths& paths) const;
-  RayWorth both(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable& table,
-                RayPaths& paths) const;
+  /// Worth beside no other ray and, with a table, beside the rays of it in the same pass; without one
+  /// `current` is the same. Each step goes to a path that was begun, if there is one. Cost: about 2.5 ns a
+  /// cell.
+  RayWorth trace(mapping::VoxelWalk walk, const std::int8_t* cells, const CoverageTable* table = nullptr,
+                 RayPaths* paths = nullptr) const;
   /// Worth beside the rays of the table, twice. `Walk`: VoxelWalk or RayPath.
   template <class Walk>
   RayWorth current(Walk walk, const std::int8_t* cells, const CoverageTable& table) const;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Memory, tasks and slices of the ray scheduler.
+// Memory, tasks and slices of the ray scheduler, and what it carries from one task to the next.
 #include "planner/ray_scheduler.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <utility>
+#include <numeric>
 
 #include "planner/ray_units.hpp"
 #include "rt/arena.hpp"
@@ -14,8 +13,6 @@
 namespace sortie::planner {
 
 namespace {
-
-constexpr double kUnknownBound = std::numeric_limits<double>::infinity();
 
 bool is_share(double value) { return value >= 0.0 && value < 1.0; }
 
@@ -64,7 +61,7 @@ std::uint64_t RayScheduler::memory_bytes(const RaySchedulerConfig& config) {
   const std::uint64_t all = std::uint64_t{config.positions} * config.sensor.rays();
   const std::uint64_t plans =
       2 * std::uint64_t{config.positions} * RaySizes::of(config).per_position * sizeof(std::uint16_t);
-  return sizeof(RayAngle) * (config.sensor.columns + config.sensor.rows) +
+  return sizeof(rt::SinCos) * (config.sensor.columns + config.sensor.rows) +
          sizeof(rt::Vector3) * config.positions * config.sensor.columns +
          all * (sizeof(float) + sizeof(std::uint64_t) + sizeof(std::uint32_t)) +
          2 * sizeof(std::uint32_t) * RayBits::words(all) + plans +
@@ -101,8 +98,8 @@ void RayScheduler::lay_out(std::span<std::byte> memory) {
   table.directory = arena.make_array<std::uint16_t>(
       "directory", static_cast<std::size_t>(CoverageTable::directory_size(config_.map_cells)));
   RayLooksMemory looks;
-  looks.columns = arena.make_array<RayAngle>("columns", config_.sensor.columns);
-  looks.rows = arena.make_array<RayAngle>("rows", config_.sensor.rows);
+  looks.columns = arena.make_array<rt::SinCos>("columns", config_.sensor.columns);
+  looks.rows = arena.make_array<rt::SinCos>("rows", config_.sensor.rows);
   looks.across =
       arena.make_array<rt::Vector3>("across", std::size_t{config_.positions} * config_.sensor.columns);
   heap_ = RayHeap(arena.make_array<std::uint64_t>("heap", all));
@@ -176,11 +173,7 @@ void RayScheduler::make_seed(std::uint32_t passed, std::uint32_t previous_positi
 // section. The step has no factor in common with the number of directions.
 std::uint32_t RayScheduler::pattern(std::uint32_t i) const {
   auto step = static_cast<std::uint32_t>(0.6180339887498949 * sizes_.all_rays);
-  const auto common = [](std::uint32_t a, std::uint32_t b) {
-    while (b != 0) a = std::exchange(b, a % b);
-    return a;
-  };
-  while (step > 1 && common(step, sizes_.all_rays) != 1) --step;
+  while (step > 1 && std::gcd(step, sizes_.all_rays) != 1) --step;
   return static_cast<std::uint32_t>(std::uint64_t{i} * (step > 0 ? step : 1u) % sizes_.all_rays);
 }
 
@@ -226,6 +219,29 @@ void RayScheduler::adopt() {
   plan_.exact_worth = best_.is_exact();
   plan_.digest = rt::digest_bytes(best_rays_.data(), std::size_t{plan_.positions} * sizes_.per_position * 2);
   if (std::isfinite(plan_.best_bound)) finish_certificate();
+}
+
+// The plan alone: begin() makes everything else anew.
+void RayScheduler::archive(rt::Archive& archive) {
+  archive.expect(usable_ ? sizes_.all_rays : 0, "the scheduler has other directions");
+  archive.expect(sizes_.per_position, "the scheduler plans another number of rays");
+  archive.expect(config_.positions, "the scheduler plans another number of positions");
+  RayPlan plan = plan_;
+  archive.value(plan);
+  for (std::uint16_t& ray : best_rays_) {
+    archive.value(ray);
+    if (ray < sizes_.all_rays) continue;
+    archive.fail(Status::malformed, "a direction that the sensor does not have");
+    ray = 0;
+  }
+  if (!archive.is_reading()) return;
+  if (plan.positions > config_.positions || static_cast<std::uint32_t>(plan.stage) > 3) {
+    archive.fail(Status::malformed, "a plan that the scheduler cannot have made");
+    plan = {};
+  }
+  plan_ = plan;
+  phase_ = Phase::done;
+  credit_ = 0;
 }
 
 }  // namespace sortie::planner

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "mapping/occupancy/occupancy_view.hpp"
@@ -91,6 +92,8 @@ class RayScheduler {
     certify,     // what no plan is worth more than
     done,
   };
+
+  static constexpr double kUnknownBound = std::numeric_limits<double>::infinity();
 
   void lay_out(std::span<std::byte> memory);
   void make_seed(std::uint32_t passed, std::uint32_t previous_positions);

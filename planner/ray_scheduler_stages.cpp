@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The order of the ray scheduler's stages, and when a candidate becomes the plan.
 #include <algorithm>
-#include <limits>
 
 #include "planner/ray_scheduler.hpp"
 #include "planner/ray_units.hpp"
@@ -9,7 +8,6 @@
 namespace sortie::planner {
 
 namespace {
-constexpr double kUnknownBound = std::numeric_limits<double>::infinity();
 // Worths are summed in another order when a plan is weighed: a gain below this may be rounding.
 constexpr double kSurely = 1.0 + 1e-6;
 }  // namespace
@@ -245,8 +243,7 @@ void RayScheduler::set_bound(double bound) {
 }
 
 void RayScheduler::finish_certificate() {
-  plan_.certificate = plan_.best_bound > 0.0 ? plan_.worth / plan_.best_bound : 1.0;
-  if (plan_.certificate > 1.0) plan_.certificate = 1.0;
+  plan_.certificate = plan_.best_bound > 0.0 ? std::min(plan_.worth / plan_.best_bound, 1.0) : 1.0;
 }
 
 }  // namespace sortie::planner

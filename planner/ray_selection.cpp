@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "planner/ray_node.hpp"
 #include "planner/ray_units.hpp"
 
 namespace sortie::planner {

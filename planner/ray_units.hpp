@@ -3,8 +3,8 @@
 // every map.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <initializer_list>
 
 namespace sortie::planner::ray_units {
 
@@ -53,10 +53,7 @@ constexpr std::uint64_t dearest(const Sizes& sizes) {
   const std::uint64_t cleared = kLinesCleared;
   const std::uint64_t adopted = decided(sizes.positions * sizes.rays);
   const std::uint64_t marked = started(sizes.positions * sizes.directions);
-  std::uint64_t most = 0;
-  for (const std::uint64_t one : {refined, taken, built, completed, cleared, adopted, marked})
-    most = one > most ? one : most;
-  return most;
+  return std::max({refined, taken, built, completed, cleared, adopted, marked});
 }
 
 }  // namespace sortie::planner::ray_units

@@ -22,26 +22,14 @@ inline constexpr double kFarthestGoal_m = 8000.0;
 
 /// 0: asks for motion, or gives control back. Above 0 it stops, the higher the more final.
 constexpr std::uint32_t stop_rank(const rt::DriveRequest& request) {
-  switch (static_cast<rt::DriveMode>(request.mode)) {
-    case rt::DriveMode::halt:
-      return 1;
-    case rt::DriveMode::emergency:
-      return 2;
-    default:
-      return 0;
-  }
+  const auto mode = static_cast<rt::DriveMode>(request.mode);
+  return mode == rt::DriveMode::halt ? 1 : mode == rt::DriveMode::emergency ? 2 : 0;
 }
 constexpr std::uint32_t stop_rank(const rt::FlyRequest& request) {
-  switch (static_cast<rt::FlyMode>(request.mode)) {
-    case rt::FlyMode::hover:
-      return 1;
-    case rt::FlyMode::land:
-      return 2;
-    case rt::FlyMode::stop:
-      return 3;
-    default:
-      return 0;
-  }
+  const auto mode = static_cast<rt::FlyMode>(request.mode);
+  if (mode == rt::FlyMode::hover) return 1;
+  if (mode == rt::FlyMode::land) return 2;
+  return mode == rt::FlyMode::stop ? 3 : 0;
 }
 
 /// True where a stop is right whenever it comes, however old: standing still harms no ground robot. In the

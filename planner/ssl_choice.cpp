@@ -4,18 +4,14 @@
 #include <algorithm>
 #include <array>
 
+#include "mapping/grid/mix64.hpp"
+
 namespace sortie::planner {
 
 namespace {
 
 // splitmix64: one number from the next counter.
-std::uint64_t next_random(std::uint64_t& counter) {
-  counter += 0x9e3779b97f4a7c15;
-  std::uint64_t x = counter;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
+std::uint64_t next_random(std::uint64_t& counter) { return mapping::mix64(counter += 0x9e3779b97f4a7c15); }
 
 bool fits_the_device(const SslChoiceConfig& config) {
   const RaySensor& sensor = config.scheduler.sensor;
@@ -93,15 +89,15 @@ void SslChoice::fill_grid(rt::SslCommand& command) const {
 
 // The first directions of a shuffle: Floyd's way needs no list of all. Bounded by the rays.
 void SslChoice::fill_random(rt::SslCommand& command) const {
-  std::array<std::uint32_t, (rt::kSslDirections + 31) / 32> taken{};
+  std::array<std::uint32_t, RayBits::words(rt::kSslDirections)> bits{};
+  RayBits taken(bits);
   std::uint64_t counter = config_.seed * 0xd1342543de82ef95 + number_;
   for (std::uint32_t i = 0; i < rays_; ++i) {
     const std::uint32_t last = rt::kSslDirections - rays_ + i;
     const auto drawn =
         static_cast<std::uint32_t>((next_random(counter) >> 32) * (std::uint64_t{last} + 1) >> 32);
-    const bool again = (taken[drawn >> 5] >> (drawn & 31u) & 1u) != 0;
-    const std::uint32_t ray = again ? last : drawn;
-    taken[ray >> 5] |= 1u << (ray & 31u);
+    const std::uint32_t ray = taken.has(drawn) ? last : drawn;
+    taken.set(ray);
     command.direction[i] = static_cast<std::uint16_t>(ray);
   }
 }

@@ -8,19 +8,44 @@
 #include <span>
 
 #include "planner/ray_scheduler.hpp"
-#include "planner/ray_stride.hpp"
 #include "rt/archive.hpp"
 #include "rt/keys.hpp"
 #include "rt/ssl_samples.hpp"
 
 namespace sortie::planner {
 
+/// The golden section of the number of directions, and coprime to it: any K rays in a row are spread over the
+/// whole field of view, and after kSslDirections rays each direction was asked for exactly once.
+inline constexpr std::uint32_t kRayStride = 11'867;
+
+/// What asks for the next rays where nothing better is known. Plain state, no heap.
+class RayStride {
+ public:
+  /// The next `rays` (at most kSslMaxRays) directions. Commands are numbered from 1. Cost: 1 ns a ray.
+  void next(std::uint32_t rays, rt::Nanoseconds stamp_ns, rt::SslCommand& command) {
+    command = {};
+    command.stamp_ns = stamp_ns;
+    command.number = ++number_;
+    command.rays = rays < rt::kSslMaxRays ? rays : rt::kSslMaxRays;
+    for (std::uint32_t i = 0; i < command.rays; ++i) {
+      command.direction[i] = static_cast<std::uint16_t>(direction_);
+      direction_ = (direction_ + kRayStride) % rt::kSslDirections;
+    }
+  }
+
+  SORTIE_FIELDS(direction_, number_)
+
+ private:
+  std::uint32_t direction_{};
+  std::uint32_t number_{};
+};
+
 /// How rays are chosen.
 enum class SslPolicy : std::uint8_t {
   scheduled,  ///< planner/ray_scheduler.hpp, over a map
   grid,       ///< the same even grid every time
   random,     ///< any, all different, by a generator that the command's number seeds
-  stride,     ///< planner/ray_stride.hpp: every direction once before any twice
+  stride,     ///< RayStride: every direction once before any twice
 };
 
 /// Settings. The sensor is the device's: kSslColumns by kSslRows directions.

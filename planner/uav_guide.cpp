@@ -58,8 +58,8 @@ void UavGuide::begin(Search search) {
 }
 
 PathState UavGuide::begin_path() {
-  const double* const to = search_ == Search::aimed ? aims_.p_world_m[aims_.next] : question_.to_m;
-  return path_->begin(searched(), rt::to_vector(question_.from_m), {to[0], to[1], to[2]});
+  const auto& to = search_ == Search::aimed ? aims_.p_world_m[aims_.next] : question_.to_m;
+  return path_->begin(searched(), rt::to_vector(question_.from_m), rt::to_vector(to));
 }
 
 void UavGuide::look(const WayQuestion* question, rt::Nanoseconds now_ns) {
@@ -104,12 +104,8 @@ void UavGuide::note_path() {
   way_.state = static_cast<std::uint32_t>(path_->state());
   const auto points = path_->waypoints();
   way_.points = std::min(static_cast<std::uint32_t>(points.size()), UavWay::kMostPoints);
-  for (std::uint32_t i = 0; i < UavWay::kMostPoints; ++i) {
-    const rt::Vector3 p = i < way_.points ? points[i] : rt::Vector3{};
-    way_.x_m[i] = p.x;
-    way_.y_m[i] = p.y;
-    way_.z_m[i] = p.z;
-  }
+  for (std::uint32_t i = 0; i < UavWay::kMostPoints; ++i)
+    way_.set_point(i, i < way_.points ? points[i] : rt::Vector3{});
   way_.whole = path_->is_whole() && search_ == Search::known ? 1 : 0;
   way_.length_m = way_.points != 0 ? path_->length_m() : 0.0;
 }

@@ -104,11 +104,7 @@ void UavGuide::back_off() {
   if (!walk_.run(*map_, points, steps)) return;
   const bool measures = aims_.next == 0;
   if (walk_.is_free() && !measures) {
-    for (std::uint32_t p = 0; p < 2; ++p) {
-      way_.x_m[p] = points[p].x;
-      way_.y_m[p] = points[p].y;
-      way_.z_m[p] = points[p].z;
-    }
+    for (std::uint32_t p = 0; p < 2; ++p) way_.set_point(p, points[p]);
     way_.points = 2;
     way_.length_m = rt::norm(points[1] - points[0]);
     way_.state = static_cast<std::uint32_t>(PathState::done);
@@ -133,11 +129,8 @@ void UavGuide::try_next_place() {
   Voxel3 voxel;
   if (aims_.next == UavPath::kMostStarts || !map_->nearest_free(start, tried, kReach, voxel))
     return give_up_backing();
-  const rt::Vector3 place = map_->middle_m(voxel);
   ++aims_.next;
-  aims_.p_world_m[0][0] = place.x;
-  aims_.p_world_m[0][1] = place.y;
-  aims_.p_world_m[0][2] = place.z;
+  rt::store(map_->middle_m(voxel), aims_.p_world_m[0]);
   walk_.begin(share_);
 }
 
@@ -165,10 +158,7 @@ void UavGuide::take_aims() {
       const bool was_free = free;
       free = map_->is_free(map_->voxel_at(p));
       if (was_free || !free || rt::norm(p - points[0]) < 2.0 * voxel_m) continue;
-      double* const aim = aims_.p_world_m[std::min(aims_.count, WayAims::kMost - 1)];
-      aim[0] = p.x;
-      aim[1] = p.y;
-      aim[2] = p.z;
+      rt::store(p, aims_.p_world_m[std::min(aims_.count, WayAims::kMost - 1)]);
       aims_.count = std::min(aims_.count + 1, WayAims::kMost);
     }
   }

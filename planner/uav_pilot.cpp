@@ -17,12 +17,6 @@ constexpr double kRest_m_s = 1e-6;
 constexpr double kRest_m_s2 = 1e-4;
 constexpr double kRest_m_s3 = 1e-2;
 
-void put(const Vector3& v, double (&out)[3]) {
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
-}
-
 }  // namespace
 
 UavPilot::UavPilot(const UavPilotConfig& config)
@@ -110,8 +104,8 @@ void UavPilot::rest() {
 
 void UavPilot::ask() {
   ++output_.question.number;
-  put(control_.reference().p_m, output_.question.from_m);
-  put(goal_.p_m, output_.question.to_m);
+  rt::store(control_.reference().p_m, output_.question.from_m);
+  rt::store(goal_.p_m, output_.question.to_m);
   step_ = PilotStep::asking;
 }
 
@@ -144,7 +138,7 @@ void UavPilot::next_leg() {
   if (control_.set_goal(target_m_, goal_.yaw_rad) != Status::ok) rest();
 }
 
-void UavPilot::follow(const rt::UavState& state, const UavWay* way, rt::Nanoseconds) {
+void UavPilot::follow(const rt::UavState& state, const UavWay* way) {
   const bool gone =
       config_.plans && way != nullptr && way->number == output_.question.number && way->blocked != 0;
   // A profile that started anew is not on the line that was proved.
@@ -208,7 +202,7 @@ void UavPilot::decide(const rt::UavState& state, const UavWay* way, rt::Nanoseco
       if (now_ns - since_ns_ >= config_.ask_again_ns) step_ = PilotStep::resting;
       break;
     case PilotStep::under_way:
-      follow(state, way, now_ns);
+      follow(state, way);
       break;
     case PilotStep::blinded:
       if (state.verdict == rt::UavVerdict::good) rest();
@@ -259,9 +253,9 @@ void UavPilot::put_out(const rt::UavState& state, rt::Nanoseconds now_ns) {
   output_.mission = next_goal_;
   output_.leg = leg_;
   output_.request_counter = gate_.newest;
-  put(goal_.p_m, output_.goal_m);
-  put(r.p_m, output_.setpoint_m);
-  put(r.v_m_s, output_.setpoint_v_m_s);
+  rt::store(goal_.p_m, output_.goal_m);
+  rt::store(r.p_m, output_.setpoint_m);
+  rt::store(r.v_m_s, output_.setpoint_v_m_s);
   output_.setpoint_yaw_rad = r.yaw_rad;
   output_.error_m = rt::norm(rt::to_vector(state.p_world_m) - r.p_m);
   output_.control = control_.counters();

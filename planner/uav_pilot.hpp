@@ -84,26 +84,12 @@ struct UavPilotOutput {
 
   template <class Self, class Visitor>
   static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("step", self.step);
-    visit("phase", self.phase);
-    visit("verdict", self.verdict);
-    visit("remote", self.remote);
-    visit("mission", self.mission);
-    visit("leg", self.leg);
-    visit("reached", self.reached);
-    visit("no_way", self.no_way);
-    visit("replans", self.replans);
-    visit("blinded", self.blinded);
-    visit("request_counter", self.request_counter);
+    SORTIE_VISIT(stamp_ns, step, phase, verdict, remote, mission, leg, reached, no_way, replans, blinded,
+                 request_counter)
     visit("question", self.question.number);
     visit("from_m", self.question.from_m);
     visit("to_m", self.question.to_m);
-    visit("goal_m", self.goal_m);
-    visit("setpoint_m", self.setpoint_m);
-    visit("setpoint_v_m_s", self.setpoint_v_m_s);
-    visit("setpoint_yaw_rad", self.setpoint_yaw_rad);
-    visit("error_m", self.error_m);
+    SORTIE_VISIT(goal_m, setpoint_m, setpoint_v_m_s, setpoint_yaw_rad, error_m)
     visit("command_stamp_ns", self.command.stamp_ns);
     visit("speed_rad_s", self.command.speed_rad_s);
     visit("rotors", self.command.rotors);
@@ -171,7 +157,7 @@ class UavPilot {
   void start(const rt::UavState& state);
   void ask();
   void take_way(const UavWay& way, rt::Nanoseconds now_ns);
-  void follow(const rt::UavState& state, const UavWay* way, rt::Nanoseconds now_ns);
+  void follow(const rt::UavState& state, const UavWay* way);
   void next_leg();
   void stay(const rt::UavState& state, rt::Nanoseconds now_ns);
   void rest();

@@ -11,31 +11,23 @@ namespace {
 
 using rt::Vector3;
 
-Status check(std::span<const UavGoal> goals) {
+template <std::size_t N>
+Status take_goals(std::span<const UavGoal> goals, std::array<UavGoal, N>& to, std::uint32_t& count) {
+  if (goals.size() > N) return Status::full;
   for (const UavGoal& goal : goals) {
     if (!rt::is_finite(goal.p_m) || !std::isfinite(goal.yaw_rad)) return Status::not_finite;
     if (rt::norm(goal.p_m) > kFarthestGoal_m || goal.wait_ns < 0) return Status::out_of_range;
   }
+  std::copy(goals.begin(), goals.end(), to.begin());
+  count = static_cast<std::uint32_t>(goals.size());
   return Status::ok;
 }
 
 }  // namespace
 
-Status UavPilot::set_mission(std::span<const UavGoal> goals) {
-  if (goals.size() > kMostGoals) return Status::full;
-  if (const Status status = check(goals); status != Status::ok) return status;
-  std::copy(goals.begin(), goals.end(), mission_.begin());
-  goals_ = static_cast<std::uint32_t>(goals.size());
-  return Status::ok;
-}
+Status UavPilot::set_mission(std::span<const UavGoal> goals) { return take_goals(goals, mission_, goals_); }
 
-Status UavPilot::set_looks(std::span<const UavGoal> looks) {
-  if (looks.size() > kMostLooks) return Status::full;
-  if (const Status status = check(looks); status != Status::ok) return status;
-  std::copy(looks.begin(), looks.end(), looks_.begin());
-  look_count_ = static_cast<std::uint32_t>(looks.size());
-  return Status::ok;
-}
+Status UavPilot::set_looks(std::span<const UavGoal> looks) { return take_goals(looks, looks_, look_count_); }
 
 Status UavPilot::place(const Vector3& p_own_map_m, const rt::Quaternion& q_own_map) {
   if (!rt::is_finite(p_own_map_m) || !rt::is_finite(q_own_map)) return Status::not_finite;

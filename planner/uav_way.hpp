@@ -41,6 +41,12 @@ struct UavWay {
   double y_m[kMostPoints]{};
   double z_m[kMostPoints]{};
   SORTIE_FIELDS(number, state, blocked, whole, points, length_m, map_version, boxes, x_m, y_m, z_m)
+
+  void set_point(std::uint32_t i, const rt::Vector3& p_m) {
+    x_m[i] = p_m.x;
+    y_m[i] = p_m.y;
+    z_m[i] = p_m.z;
+  }
 };
 
 }  // namespace sortie::planner

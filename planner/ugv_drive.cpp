@@ -10,27 +10,24 @@ namespace {
 constexpr std::int64_t kMostSteps = 32;  // after a longer pause the drives have stopped by themselves
 
 bool is_positive(double value) { return value > 0.0 && std::isfinite(value); }
+
+Status take_limit(double value, double& limit) {
+  if (!is_positive(value)) return Status::out_of_range;
+  limit = value;
+  return Status::ok;
+}
 }  // namespace
 
 UgvDrive::UgvDrive(const UgvDriveConfig& config)
     : config_(config), follower_(config.follower), guard_(config.guard), halted_(config.start_halted) {}
 
-Status UgvDrive::set_max_speed(double m_s) {
-  if (!is_positive(m_s)) return Status::out_of_range;
-  config_.max_speed_m_s = m_s;
-  return Status::ok;
-}
+Status UgvDrive::set_max_speed(double m_s) { return take_limit(m_s, config_.max_speed_m_s); }
 
-Status UgvDrive::set_max_turn_rate(double rad_s) {
-  if (!is_positive(rad_s)) return Status::out_of_range;
-  config_.max_turn_rad_s = rad_s;
-  return Status::ok;
-}
+Status UgvDrive::set_max_turn_rate(double rad_s) { return take_limit(rad_s, config_.max_turn_rad_s); }
 
 Status UgvDrive::set_max_acceleration(double m_s2) {
-  if (!is_positive(m_s2) || m_s2 > config_.stop.acceleration) return Status::out_of_range;
-  config_.ramps.speed.acceleration = m_s2;
-  return Status::ok;
+  if (m_s2 > config_.stop.acceleration) return Status::out_of_range;
+  return take_limit(m_s2, config_.ramps.speed.acceleration);
 }
 
 Status UgvDrive::set_track_width(double m) {
@@ -73,18 +70,17 @@ Status UgvDrive::update(const rt::PoseEstimate& pose, const UgvDriveInputs& inpu
   begin(now_ns);
   const MissionStep* step = mission_.at(now_ns - start_ns_);
   const DriveSource source = in_control(step);
-  static_cast<void>(guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns));
-  Wish wish{choose(source, step, pose, now_ns), source};
+  guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns);
+  SpeedTurn wish = choose(source, step, pose, now_ns);
   // What the follower has found just now, the guard hears of before anything moves on.
-  static_cast<void>(guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns));
-  if (!guard_.clear()) wish.motion = {};
-  const SpeedTurn fitted = fit(wish.motion, limits());
-  const bool shortened =
-      fitted.speed_m_s != wish.motion.speed_m_s || fitted.turn_rad_s != wish.motion.turn_rad_s;
+  guard_.update(facts(source, inputs, now_ns), pose, limiter_.at_rest(), now_ns);
+  if (!guard_.clear()) wish = {};
+  const SpeedTurn fitted = fit(wish, limits());
+  const bool shortened = fitted.speed_m_s != wish.speed_m_s || fitted.turn_rad_s != wish.turn_rad_s;
   const TwistRamps ramps = guard_.clear() ? config_.ramps : stop_ramps();
   for (std::int64_t i = 0; i < steps; ++i)
     limiter_.step(fitted, limits(), ramps, rt::to_seconds(config_.step_ns));
-  put_out(wish, shortened, now_ns);
+  put_out(source, shortened, now_ns);
   return Status::ok;
 }
 
@@ -154,18 +150,18 @@ bool UgvDrive::wanted() const {
   return begun_ && !halted_ && (remote_ || !mission_.empty() || !follower_.done());
 }
 
-void UgvDrive::put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns) {
+void UgvDrive::put_out(DriveSource source, bool shortened, rt::Nanoseconds now_ns) {
   const SpeedTurn now = limiter_.now();
   const TrackSpeeds tracks = config_.icr.to_tracks(now.speed_m_s, now.turn_rad_s);
-  const bool on_route = wish.source == DriveSource::route;
-  const bool idle = wish.source == DriveSource::none || (on_route && follower_.done());
+  const bool on_route = source == DriveSource::route;
+  const bool idle = source == DriveSource::none || (on_route && follower_.done());
   output_.stamp_ns = now_ns;
   output_.left_m_s = tracks.left_m_s;
   output_.right_m_s = tracks.right_m_s;
   output_.speed_m_s = now.speed_m_s;
   output_.turn_rad_s = now.turn_rad_s;
   output_.waypoint = follower_.waypoint();
-  output_.source = static_cast<std::uint32_t>(wish.source);
+  output_.source = static_cast<std::uint32_t>(source);
   output_.flags = 0;
   const auto set = [this](bool holds, DriveFlags flag) { output_.flags |= holds ? flag : 0u; };
   set(!limiter_.at_rest() || (guard_.clear() && !idle), kDriveEnabled);

@@ -57,18 +57,8 @@ struct UgvDriveOutput {
 
   template <class Self, class Visitor>
   static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("stamp_ns", self.stamp_ns);
-    visit("left_m_s", self.left_m_s);
-    visit("right_m_s", self.right_m_s);
-    visit("speed_m_s", self.speed_m_s);
-    visit("turn_rad_s", self.turn_rad_s);
-    visit("waypoint", self.waypoint);
-    visit("source", self.source);
-    visit("flags", self.flags);
-    visit("stop", self.stop);
-    visit("posture", self.posture);
-    visit("request_counter", self.request_counter);
-    visit("asked", self.asked);
+    SORTIE_VISIT(stamp_ns, left_m_s, right_m_s, speed_m_s, turn_rad_s, waypoint, source, flags, stop, posture,
+                 request_counter, asked)
     visit("stops_starting", self.stops.starting);
     visit("stops_halt", self.stops.halt);
     visit("stops_command_stale", self.stops.command_stale);
@@ -174,10 +164,6 @@ class UgvDrive {
   void archive(rt::Archive& archive);
 
  private:
-  struct Wish {
-    SpeedTurn motion;
-    DriveSource source{};
-  };
   TwistLimits limits() const;
   TwistRamps stop_ramps() const;
   DriveSource in_control(const MissionStep* step) const;
@@ -186,7 +172,7 @@ class UgvDrive {
                    rt::Nanoseconds now_ns);
   bool wanted() const;
   void begin(rt::Nanoseconds now_ns);
-  void put_out(const Wish& wish, bool shortened, rt::Nanoseconds now_ns);
+  void put_out(DriveSource source, bool shortened, rt::Nanoseconds now_ns);
 
   UgvDriveConfig config_;
   WaypointFollower follower_;

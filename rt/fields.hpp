@@ -119,6 +119,16 @@ inline void decode_canonical(const std::uint8_t* in, T& value) {
   detail::decode_one(in, value);
 }
 
+/// Adds each field of `more` to the same field of `to`, in structs of nothing but 64-bit counters.
+template <Described T>
+constexpr void add_fields(const T& more, T& to) {
+  std::uint64_t values[canonical_size<T>() / sizeof(std::uint64_t)]{};
+  std::uint64_t* next = values;
+  T::fields(more, [&next](const char*, const std::uint64_t& field) { *next++ = field; });
+  next = values;
+  T::fields(to, [&next](const char*, std::uint64_t& field) { field += *next++; });
+}
+
 /// Calls `leaf(name, index, scalar)` for every scalar of `value`; `index` is -1 outside arrays. Nested
 /// structs are walked with their own field names. For tables, CSV and telemetry; not for the real-time path.
 template <class T, class Leaf>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mixes bits, for digests of maps.
+// Mixes bits, for digests of maps and for draws by number.
 #pragma once
 
 #include <cstdint>

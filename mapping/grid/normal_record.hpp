@@ -60,12 +60,11 @@ class PackedSum {
 /// 40 bytes. A neighbour at most 4 cells away lies within 4.5 cells of the centre of the cell along each axis
 /// and 400 of them fit: (4.5 * 512)^2 * 400 = 2.1e9, and 4.5 * 512 * 400 < 2^20.
 struct NormalSums {
-  std::uint32_t square[3]{};  ///< sums of xx, yy, zz
-  std::int32_t product[3]{};  ///< sums of xy, xz, yz
-  PackedSum sum;              ///< of x, y, z
-  std::uint32_t
-      contributed{};      ///< where this voxel stood when it was added: 9 bits x, y, z; 0x80000000: added
-  std::uint16_t count{};  ///< neighbours in the sums, itself among them
+  std::uint32_t square[3]{};    ///< sums of xx, yy, zz
+  std::int32_t product[3]{};    ///< sums of xy, xz, yz
+  PackedSum sum;                ///< of x, y, z
+  std::uint32_t contributed{};  ///< where this voxel was added: 9 bits x, y, z; kAdded
+  std::uint16_t count{};        ///< neighbours in the sums, itself among them
 
   SORTIE_FIELDS(square, product, sum, contributed, count)
 

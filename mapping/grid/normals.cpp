@@ -14,21 +14,6 @@ constexpr std::int32_t kCell = kContributionSteps;
 /// line.
 constexpr unsigned kMostNear = 9 * 9 * 9;
 
-/// Corner of the block in each direction, relative to the one in the middle.
-struct Shifts {
-  std::int32_t x[kDirections]{};
-  std::int32_t y[kDirections]{};
-  std::int32_t z[kDirections]{};
-  constexpr Shifts() {
-    for (int d = 0; d < kDirections; ++d) {
-      x[d] = (d % 3 - 1) * 4 * kCell;
-      y[d] = (d / 3 % 3 - 1) * 4 * kCell;
-      z[d] = (d / 9 - 1) * 4 * kCell;
-    }
-  }
-};
-constexpr Shifts kShift;
-
 struct Steps {
   std::int32_t x;
   std::int32_t y;
@@ -147,7 +132,8 @@ void Normals::visit(RollingGrid& grid, const Around& around, unsigned cell, std:
     if (!other.added()) continue;
     const int direction = near[i].direction;
     const unsigned b = near[i].cell;
-    const Steps shift{kShift.x[direction], kShift.y[direction], kShift.z[direction]};
+    const BlockAt& way = kDirectionSteps.to[direction];
+    const Steps shift{4 * kCell * way.x, 4 * kCell * way.y, 4 * kCell * way.z};
     const Steps there = held(other.contributed, b);
     const Steps p{there.x + shift.x, there.y + shift.y, there.z + shift.z};
     const Steps c = centre(b);

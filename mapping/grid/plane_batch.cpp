@@ -34,7 +34,6 @@ void PlaneBatch::add(const Symmetric3& c) {
   const unsigned lane = size_ % kLanes;
   const double trace = c.xx + c.yy + c.zz;
   const bool some = trace > 0.0;
-  if (size_ == 0) empty_ = 0;
   if (!some) empty_ |= std::uint64_t{1} << size_;
   ++size_;
   const double s = some ? 1.0 / trace : 0.0;

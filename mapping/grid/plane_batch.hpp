@@ -51,7 +51,6 @@ class PlaneBatch {
   float normal(int axis, unsigned n) const { return normal_[axis][n / kLanes][n % kLanes]; }
   /// Smallest eigenvalue over the trace, [0, 1/3].
   float curvature(unsigned n) const { return least_[n / kLanes][n % kLanes]; }
-  void clear() { size_ = 0; }
 
  private:
   /// Four numbers that every operation is done on at once, where the processor can; the same bits where not.

@@ -63,8 +63,6 @@ class PoseHistory {
     return Status::ok;
   }
 
-  std::uint32_t size() const { return count_; }
-
   /// State to bytes and back: the poses that are kept, oldest first.
   void archive(rt::Archive& archive) {
     rt::Members(archive, *this, "pose history").by_hand(ring_, first_, count_);

@@ -80,13 +80,6 @@ rt::Vector3 RollingGrid::centroid_m(const Block& block, unsigned cell) const {
           coordinate(at.z, cell >> 4, c.z)};
 }
 
-std::uint64_t RollingGrid::most_bytes() const {
-  const std::uint64_t voxel =
-      sizeof(Centroid) + (holds_normals() ? sizeof(SurfaceNormal) + sizeof(NormalSums) : 0);
-  return std::uint64_t{output_.most_blocks} * sizeof(Block) +
-         std::uint64_t{output_.most_chunks} * Block::kChunk * voxel;
-}
-
 /// From the block of the sensor, in blocks, horizontally.
 std::int64_t RollingGrid::squared_distance(const BlockAt& at) const {
   const std::int64_t dx = at.x - centre_.x;

@@ -121,9 +121,6 @@ class RollingGrid {
     return memory_.voxels[block.slot(block.rank(cell))];
   }
   bool holds_normals() const { return !memory_.normals.empty(); }
-  SurfaceNormal& normal(const Block& block, unsigned cell) {
-    return memory_.normals[block.slot(block.rank(cell))];
-  }
   const SurfaceNormal& normal(const Block& block, unsigned cell) const {
     return memory_.normals[block.slot(block.rank(cell))];
   }
@@ -143,9 +140,6 @@ class RollingGrid {
   rt::Vector3 to_world(const rt::Vector3& p_grid_m) const {
     return rt::rotate(world_grid_.q, p_grid_m) + world_grid_.p;
   }
-
-  /// Bytes of the voxels, blocks and normals at their high water; the window's table apart.
-  std::uint64_t most_bytes() const;
 
   /// The whole map to bytes and back, into a grid of the same configuration and capacity. Between scans only.
   void archive(rt::Archive& archive);

@@ -30,9 +30,7 @@ RollingInsert RollingGrid::refuse(const rt::PointScan& scan, Status why) {
   RollingInsert result{why, {}};
   result.points.in = scan.header.points;
   (why == Status::not_supported ? result.points.out_of_grid : result.points.bad_pose) = scan.header.points;
-  output_.points.in += scan.header.points;
-  output_.points.bad_pose += result.points.bad_pose;
-  output_.points.out_of_grid += result.points.out_of_grid;
+  rt::add_fields(result.points, output_.points);
   ++output_.scans;
   changed_ = 0;
   return result;
@@ -72,15 +70,7 @@ RollingInsert RollingGrid::insert(const rt::PointScan& scan, const RigidPose& po
     memory_.blocks[index].touch = Block::kUntouched;
     if (memory_.blocks[index].occupied == 0) evict(index, {}, counts);  // nothing found room in it
   }
-  RollingGridCounts& all = output_.points;
-  const std::uint64_t* const from[] = {&counts.in,        &counts.used,      &counts.not_finite,
-                                       &counts.too_near,  &counts.too_far,   &counts.outside,
-                                       &counts.pool_full, &counts.scan_full, &counts.created,
-                                       &counts.evicted,   &counts.forced};
-  std::uint64_t* const to[] = {&all.in,      &all.used,    &all.not_finite, &all.too_near,
-                               &all.too_far, &all.outside, &all.pool_full,  &all.scan_full,
-                               &all.created, &all.evicted, &all.forced};
-  for (std::size_t i = 0; i < std::size(from); ++i) *to[i] += *from[i];
+  rt::add_fields(counts, output_.points);
   ++output_.scans;
   if (counts.pool_full + counts.scan_full > 0) result.status = Status::full;
   return result;

@@ -23,8 +23,7 @@ struct Sweeps::Moment {
 Sweeps::Sweeps(const SweepConfig& config, std::span<rt::ScanPoint> memory)
     : config_(config), memory_(memory), robot_(config.robot) {
   const rt::Quaternion& q = config.q_body_sensor;
-  const double n2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  const bool is_rotation = rt::is_finite(q) && std::fabs(n2 - 1.0) < 1e-6;
+  const bool is_rotation = rt::is_finite(q) && std::fabs(rt::squared_norm(q) - 1.0) < 1e-6;
   if (robot_.usable() != Status::ok || !is_rotation || !rt::is_finite(config.p_body_sensor_m) ||
       !are_ranges(config.min_range_m, config.max_range_m) || config.max_ahead_ns < 0 || memory.empty())
     usable_ = Status::out_of_range;
@@ -80,14 +79,7 @@ StraightSweep Sweeps::straighten(const rt::PointScan& sweep) {
       place(point, moment, result);
     }
   }
-  counts_.in += result.counts.in;
-  counts_.used += result.counts.used;
-  counts_.not_finite += result.counts.not_finite;
-  counts_.too_near += result.counts.too_near;
-  counts_.too_far += result.counts.too_far;
-  counts_.on_robot += result.counts.on_robot;
-  counts_.unplaced += result.counts.unplaced;
-  counts_.no_room += result.counts.no_room;
+  rt::add_fields(result.counts, counts_);
   return result;
 }
 

@@ -55,8 +55,9 @@ OccupancyMap::OccupancyMap(const OccupancyConfig& config, std::span<std::int8_t>
   prior_code_ = code_of(config.prior);
   hit_steps_ = code_of(config.hit);
   miss_steps_ = code_of(config.miss);
-  for (int a = 0; a < 3; ++a) low_[a] = -static_cast<std::int32_t>(config.anchor[a] * config.size[a]);
-  show_low();
+  output_.low_x = -before_anchor(0);
+  output_.low_y = -before_anchor(1);
+  output_.low_z = -before_anchor(2);
   clear();
 }
 
@@ -69,10 +70,10 @@ OccupancyView OccupancyMap::view() const {
   OccupancyView view;
   if (!usable_) return view;
   view.cells = cells_.data();
-  for (int a = 0; a < 3; ++a) {
-    view.size[a] = config_.size[a];
-    view.low[a] = low_[a];
-  }
+  std::copy(std::begin(config_.size), std::end(config_.size), view.size);
+  view.low[0] = output_.low_x;
+  view.low[1] = output_.low_y;
+  view.low[2] = output_.low_z;
   view.voxel_size_m = config_.voxel_size_m;
   return view;
 }
@@ -81,14 +82,14 @@ Status OccupancyMap::centre_on(const rt::Vector3& p_world_m) {
   if (!rt::is_finite(p_world_m)) return Status::not_finite;
   if (!usable_) return Status::out_of_range;
   const double p[3] = {p_world_m.x, p_world_m.y, p_world_m.z};
+  const OccupancyView window = view();
   std::int32_t by[3];
   for (int a = 0; a < 3; ++a) {
     const double cell = std::floor(p[a] / config_.voxel_size_m);
     if (!(std::fabs(cell) < kFarthestCell)) return Status::out_of_range;
-    const auto wanted =
-        static_cast<std::int32_t>(cell) - static_cast<std::int32_t>(config_.anchor[a] * config_.size[a]);
+    const std::int32_t wanted = static_cast<std::int32_t>(cell) - before_anchor(a);
     // Towards zero: the window lags by less than one roll.
-    by[a] = (wanted - low_[a]) / config_.roll_cells * config_.roll_cells;
+    by[a] = (wanted - window.low[a]) / config_.roll_cells * config_.roll_cells;
   }
   if (by[0] != 0 || by[1] != 0 || by[2] != 0) roll(by);
   return Status::ok;
@@ -122,17 +123,12 @@ void OccupancyMap::roll(const std::int32_t (&by)[3]) {
       std::memset(by[0] >= 0 ? to + kept : to, kUnknownCell, static_cast<std::size_t>(nx - kept));
     }
   }
-  for (int a = 0; a < 3; ++a) low_[a] += by[a];
-  show_low();
+  output_.low_x += by[0];
+  output_.low_y += by[1];
+  output_.low_z += by[2];
   ++output_.rolls;
   output_.known = static_cast<std::uint64_t>(cells_.size()) -
                   static_cast<std::uint64_t>(std::count(cells_.begin(), cells_.end(), kUnknownCell));
-}
-
-void OccupancyMap::show_low() {
-  output_.low_x = low_[0];
-  output_.low_y = low_[1];
-  output_.low_z = low_[2];
 }
 
 void OccupancyMap::add(std::uint32_t index, int steps, std::uint64_t& changes) {
@@ -223,12 +219,9 @@ void OccupancyMap::set(std::int32_t x, std::int32_t y, std::int32_t z, int code)
 void OccupancyMap::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "occupancy map")
       .fixed(config_, usable_, prior_code_, hit_steps_, miss_steps_)
-      .by_hand(cells_, low_)
+      .by_hand(cells_)
       .state(output_);
   archive.expect(cells_.size(), "the map has another size");
-  low_[0] = output_.low_x;
-  low_[1] = output_.low_y;
-  low_[2] = output_.low_z;
   for (std::int8_t& cell : cells_) archive.value(cell);
 }
 

@@ -109,12 +109,14 @@ class OccupancyMap {
  private:
   void add(std::uint32_t index, int steps, std::uint64_t& changes);
   void roll(const std::int32_t (&by)[3]);
-  void show_low();
+  /// Cells of the window below its centre point.
+  std::int32_t before_anchor(int axis) const {
+    return static_cast<std::int32_t>(config_.anchor[axis] * config_.size[axis]);
+  }
 
   OccupancyConfig config_;
   std::span<std::int8_t> cells_;
   OccupancyOutput output_;
-  std::int32_t low_[3]{};
   std::int32_t prior_code_{};
   std::int32_t hit_steps_{};
   std::int32_t miss_steps_{};

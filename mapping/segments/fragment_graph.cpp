@@ -61,22 +61,12 @@ void FragmentGraph::give_all(BlockIndex block) {
   first_[block] = kNoNode;
 }
 
-void FragmentGraph::disconnect(BlockIndex from, int direction) {
-  for (NodeIndex node = first_[from]; node != kNoNode; node = nodes_[node].next) {
-    for (NodeIndex part = node; part != kNoNode; part = nodes_[part].extension) {
-      for (unsigned i = nodes_[part].edges; i-- > 0;) {
-        if (nodes_[part].edge[i].direction() == direction) nodes_[part].take_out(i);
-      }
-    }
-  }
-}
-
 void FragmentGraph::disconnect(BlockIndex from, int direction, NodeIndex to) {
   for (NodeIndex node = first_[from]; node != kNoNode; node = nodes_[node].next) {
     for (NodeIndex part = node; part != kNoNode; part = nodes_[part].extension) {
       for (unsigned i = nodes_[part].edges; i-- > 0;) {
         const FragmentEdge& edge = nodes_[part].edge[i];
-        if (edge.to == to && edge.direction() == direction) nodes_[part].take_out(i);
+        if (edge.direction() == direction && (to == kNoNode || edge.to == to)) nodes_[part].take_out(i);
       }
     }
   }

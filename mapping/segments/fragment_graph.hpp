@@ -38,8 +38,7 @@ struct FragmentNode {
   BlockIndex block{kNoBlock};
   NodeIndex next{kNoNode};  ///< of the same block; or in the list of free ones
   NodeIndex extension{kNoNode};
-  NodeIndex name{
-      kNoNode};  ///< of its component by the newest labelling: a number that its nodes share; or it is fresh
+  NodeIndex name{kNoNode};  ///< a number that its component's nodes share since a labelling; or it is fresh
   std::uint16_t label[2]{kNoLabel, kNoLabel};  ///< one is shown, the other one in the making
   std::uint16_t backward_set{};  ///< bit n: may be a forward neighbour of the block in direction 12 - n
   std::uint8_t voxels{};
@@ -66,10 +65,8 @@ class FragmentGraph {
   void give_all(BlockIndex block);
   /// Gives one node back that its block no longer lists.
   void give(NodeIndex node);
-  /// Drops the edges that the nodes of `from` keep in a forward direction.
-  void disconnect(BlockIndex from, int direction);
-  /// The same, edges to node `to` alone.
-  void disconnect(BlockIndex from, int direction, NodeIndex to);
+  /// Drops the edges that the nodes of `from` keep in a forward direction: all, or those to node `to` alone.
+  void disconnect(BlockIndex from, int direction, NodeIndex to = kNoNode);
   /// Adds an edge to a node. False when no room is left: it is lost and counted.
   [[nodiscard]] bool connect(NodeIndex from, const FragmentEdge& edge);
   /// Node of a block that holds a cell, or kNoNode.

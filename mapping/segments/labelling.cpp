@@ -247,12 +247,7 @@ void Labelling::publish() {
   shown_nameless_ = nameless_;
   next_id_ += static_cast<SegmentId>(making_.born);
   ++counts_.labellings;
-  counts_.born += making_.born;
-  counts_.renamed += making_.renamed;
-  counts_.gone += making_.gone;
-  counts_.cut += making_.cut;
-  counts_.slots_full += making_.slots_full;
-  counts_.events_lost += making_.events_lost;
+  rt::add_fields(making_, counts_);
   next(Stage::idle);
 }
 

@@ -51,18 +51,6 @@ void SegmentMoments::add(const std::int32_t (&at)[3]) {
   ++count;
 }
 
-void SegmentMoments::add(const SegmentMoments& other) {
-  if (other.count == 0) return;
-  for (int i = 0; i < 3; ++i) {
-    least[i] = count == 0 ? other.least[i] : std::min(least[i], other.least[i]);
-    most[i] = count == 0 ? other.most[i] : std::max(most[i], other.most[i]);
-    sum[i] += other.sum[i];
-    square[i] += other.square[i];
-    product[i] += other.product[i];
-  }
-  count += other.count;
-}
-
 bool sum_segments(const RollingGrid& grid, const FragmentGraph& graph, const Labelling& labelling,
                   std::span<SegmentMoments> moments) {
   if (moments.size() < labelling.slots().size()) return false;

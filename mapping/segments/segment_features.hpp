@@ -24,7 +24,6 @@ struct SegmentMoments {
   std::int32_t most[3]{};
 
   void add(const std::int32_t (&at)[3]);
-  void add(const SegmentMoments& other);
 };
 
 /// Features of M. Weinmann et al. 2015 (l1 >= l2 >= l3 >= 0, divided by their sum). All finite and all in [0,

@@ -54,8 +54,7 @@ void Segmenter<Policy>::archive_work(rt::Archive& archive, const RollingGrid& gr
     work.renewed = renewed ? 1 : 0;
     bool wanting = work.wanting != 0;
     archive.value(wanting);
-    if (!reading) continue;
-    if (!wanting) continue;
+    if (!reading || !wanting) continue;
     const auto block = static_cast<BlockIndex>(&work - work_.data());
     if (grid.block(block).in_use()) {
       want(block);

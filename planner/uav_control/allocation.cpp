@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From wanted thrust and torques to the thrust of each rotor.
 #include "planner/uav_control/allocation.hpp"
 
 #include <algorithm>
@@ -31,19 +30,14 @@ Allocation::Allocation(const UavModel& model) : model_(model), most_n_(model.max
     weight_[k] = kWeights[k] / unit[k];
     for (std::uint32_t i = 0; i < model.rotors; ++i) weighted_[k][i] = weight_[k] * effect_[k][i];
   }
-  build();
-}
-
-void Allocation::build() {
-  // B' (B B')^-1, solved for all rotors at once.
-  SmallMatrix<double, 4, 4> gram;
+  // The pseudo-inverse B' (B B')^-1, solved for all rotors at once.
   SmallMatrix<double, 4, rt::kMaxRotors> effect;
   for (std::size_t r = 0; r < 4; ++r) {
-    for (std::uint32_t i = 0; i < model_.rotors; ++i) effect(r, i) = effect_[r][i];
+    for (std::uint32_t i = 0; i < model.rotors; ++i) effect(r, i) = effect_[r][i];
   }
-  gram = effect * transposed(effect);
+  SmallMatrix<double, 4, 4> gram = effect * transposed(effect);
   if (solve(gram, effect) != Status::ok) return;
-  for (std::uint32_t i = 0; i < model_.rotors; ++i) {
+  for (std::uint32_t i = 0; i < model.rotors; ++i) {
     for (std::size_t r = 0; r < 4; ++r) inverse_[i][r] = effect(r, i);
   }
 }

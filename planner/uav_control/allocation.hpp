@@ -48,7 +48,6 @@ class Allocation {
  private:
   RotorThrusts bounded(const double (&wanted)[4]) const;
   void free_solution(const bool* fixed, const double* at, const double (&wanted)[4], double* out) const;
-  void build();
 
   UavModel model_;
   double effect_[4][rt::kMaxRotors]{};  ///< thrust, roll, pitch, yaw of one newton

@@ -9,12 +9,10 @@
 
 namespace sortie::planner {
 
-/// Bounds of the iterations; the defaults serve everything that converges at all.
-struct DareLimits {
-  int doublings{60};
-  int refinements{3};
-  double residual{1e-14};  ///< refined until below
-};
+/// Bounds of the iterations; they serve everything that converges at all.
+inline constexpr int kMostDoublings = 60;
+inline constexpr int kMostRefinements = 3;
+inline constexpr double kGoodResidual = 1e-14;  ///< refined until below
 
 /// What came out, beside the gain.
 struct DareReport {
@@ -59,7 +57,7 @@ struct Dare {
 
   /// Structure-preserving doubling (Chu, Fan, Lin and Wang 2004): each step stands for twice as many steps of
   /// the value iteration as the one before. out_of_range when it does not settle within the limit.
-  [[nodiscard]] Status doubling(SmallMatrix<T, N, N>& x, const DareLimits& limits, DareReport& report) const {
+  [[nodiscard]] Status doubling(SmallMatrix<T, N, N>& x, DareReport& report) const {
     SmallMatrix<T, N, N> step = a;
     SmallMatrix<T, N, N> g;
     if (spread_input(g) != Status::ok) return Status::out_of_range;
@@ -68,7 +66,7 @@ struct Dare {
     SmallMatrix<T, N, N> core;
     SmallMatrix<T, N, N> work;
     x = q;
-    for (report.doublings = 1; report.doublings <= limits.doublings; ++report.doublings) {
+    for (report.doublings = 1; report.doublings <= kMostDoublings; ++report.doublings) {
       multiply(g, x, core);
       for (std::size_t i = 0; i < N; ++i) core(i, i) = T(1.0) + core(i, i);
       work = core;
@@ -98,8 +96,7 @@ struct Dare {
 
   /// One step of Newton's method (Kleinman 1968, Hewer 1971): the cost of going on with the present gain, by
   /// Smith's doubling. Needs a gain that is stable.
-  [[nodiscard]] Status refine(SmallMatrix<T, N, N>& x, const SmallMatrix<T, M, N>& k,
-                              const DareLimits& limits) const {
+  [[nodiscard]] Status refine(SmallMatrix<T, N, N>& x, const SmallMatrix<T, M, N>& k) const {
     SmallMatrix<T, N, N> closed;
     SmallMatrix<T, N, N> sum;
     SmallMatrix<T, N, N> more;
@@ -108,7 +105,7 @@ struct Dare {
     multiply(transposed(k) * r, k, sum);
     add(q, sum);
     symmetrise(sum);
-    for (int i = 0; i < limits.doublings; ++i) {
+    for (int i = 0; i < kMostDoublings; ++i) {
       transpose(closed);
       multiply(closed, sum, work);
       transpose(closed);
@@ -151,17 +148,15 @@ struct Dare {
 
   /// The optimal gain: doubling, then refinement until the residual is below the limit. out_of_range when the
   /// iterations did not settle, the residual stays above 1e-10 or the result is not stable.
-  [[nodiscard]] Status solve_gain(SmallMatrix<T, M, N>& k, DareReport& report,
-                                  const DareLimits& limits = {}) const {
+  [[nodiscard]] Status solve_gain(SmallMatrix<T, M, N>& k, DareReport& report) const {
     SmallMatrix<T, N, N> x;
-    const Status doubled = doubling(x, limits, report);
+    const Status doubled = doubling(x, report);
     if (doubled != Status::ok) return doubled;
     if (gain(x, k) != Status::ok) return Status::out_of_range;
     report.residual = residual(x, k);
-    for (report.refinements = 0;
-         report.refinements < limits.refinements && !(report.residual <= limits.residual);
+    for (report.refinements = 0; report.refinements < kMostRefinements && !(report.residual <= kGoodResidual);
          ++report.refinements) {
-      if (refine(x, k, limits) != Status::ok || gain(x, k) != Status::ok) return Status::out_of_range;
+      if (refine(x, k) != Status::ok || gain(x, k) != Status::ok) return Status::out_of_range;
       report.residual = residual(x, k);
     }
     judge(k, report);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Raw goals to a smooth motion toward them.
 #include "planner/uav_control/goal_profile.hpp"
 
 #include <algorithm>
@@ -34,7 +33,13 @@ GoalProfile::GoalProfile(const ProfileLimits& limits, double period_s) : limits_
   rest({}, 0.0);
 }
 
-void GoalProfile::rest(Vector3 p_m, double yaw_rad) {
+void GoalProfile::rest(const Vector3& p_m, double yaw_rad) {
+  stand(p_m, yaw_rad);
+  goal_m_ = p_m;
+  goal_yaw_rad_ = yaw_rad;
+}
+
+void GoalProfile::stand(Vector3 p_m, double yaw_rad) {
   run_.fill({});
   first_.fill({});
   second_.fill({});
@@ -42,16 +47,12 @@ void GoalProfile::rest(Vector3 p_m, double yaw_rad) {
   brake_left_ = 0;
   still_ = kWindow * 3;
   now_ = {};
-  now_.p_m = run_m_ = goal_m_ = p_m;
-  now_.yaw_rad = goal_yaw_rad_ = yaw_rad;
+  now_.p_m = run_m_ = p_m;
+  now_.yaw_rad = yaw_rad;
 }
 
 void GoalProfile::brake(const FlatReference& from) {
-  const Vector3 goal = goal_m_;
-  const double goal_yaw = goal_yaw_rad_;
-  rest(from.p_m, from.yaw_rad);
-  goal_m_ = goal;
-  goal_yaw_rad_ = goal_yaw;
+  stand(from.p_m, from.yaw_rad);
   now_ = from;
   brake_from_ = from;
   brake_from_.s_m_s4 = {};
@@ -157,13 +158,8 @@ void GoalProfile::step_brake() {
   now_.j_m_s3 = (1.0 / (length * length)) * ((12.0 * s - 6.0) * v0 + (6.0 * s - 4.0) * a0);
   now_.s_m_s4 = {};
   if (brake_left_ == 0) {
-    const double yaw = now_.yaw_rad;
     const double yaw_rate = now_.yaw_rate_rad_s;
-    const Vector3 goal = goal_m_;
-    const double goal_yaw = goal_yaw_rad_;
-    rest(now_.p_m, yaw);
-    goal_m_ = goal;
-    goal_yaw_rad_ = goal_yaw;
+    stand(now_.p_m, now_.yaw_rad);
     now_.yaw_rate_rad_s = yaw_rate;
   }
 }
@@ -188,11 +184,6 @@ void GoalProfile::step() {
   } else {
     step_run();
   }
-}
-
-bool GoalProfile::arrived() const {
-  return brake_left_ == 0 && rt::norm(goal_m_ - now_.p_m) < 1e-6 && rt::norm(now_.v_m_s) < 1e-6 &&
-         std::fabs(rt::wrap_angle(goal_yaw_rad_ - now_.yaw_rad)) < 1e-3;
 }
 
 }  // namespace sortie::planner

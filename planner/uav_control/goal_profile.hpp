@@ -42,7 +42,7 @@ class GoalProfile {
   GoalProfile(const ProfileLimits& limits, double period_s);
 
   /// At rest in `p_m` with `yaw_rad`.
-  void rest(rt::Vector3 p_m, double yaw_rad);
+  void rest(const rt::Vector3& p_m, double yaw_rad);
   /// Moving as `from` says (snap is not used); comes to rest within the limits as far as they allow.
   void brake(const FlatReference& from);
   /// Where to go from the next step on. not_finite or out_of_range (beyond 10 km): the goal before stays.
@@ -57,8 +57,6 @@ class GoalProfile {
   const FlatReference& now() const { return now_; }
   const rt::Vector3& goal_m() const { return goal_m_; }
   double goal_yaw_rad() const { return goal_yaw_rad_; }
-  /// At rest in the goal.
-  bool arrived() const;
 
   /// State to bytes and back, into one of the same limits.
   void archive(rt::Archive& archive);
@@ -73,6 +71,7 @@ class GoalProfile {
     rt::Vector3 v, a, j;
     SORTIE_FIELDS(v, a, j)
   };
+  void stand(rt::Vector3 p_m, double yaw_rad);  // the goal stays
   rt::Vector3 run_velocity() const;
   void step_run();
   void step_brake();

@@ -10,24 +10,15 @@
 
 namespace sortie::planner {
 
-/// When a rotor counts as lost.
-struct RotorWatchConfig {
-  double fast_s{0.025};     ///< low-pass of the difference
-  double slow_s{0.25};      ///< and of what the controller is told to make up for
-  double base_s{1.0};       ///< and of what was there before
-  double confirm_s{0.08};   ///< so long the difference must look like one lost rotor
-  double least_share{0.6};  ///< of the rotor's torque that is missing
-  double most_rest{0.5};    ///< of that torque, in any other direction
-};
-
 /// Differences of angular acceleration, filtered. A lost rotor leaves its own torque about roll and pitch
 /// missing, and these point in different directions for all rotors. 300 bytes, no heap.
 class RotorWatch {
  public:
   static constexpr std::uint32_t kNone = rt::kMaxRotors;
 
-  RotorWatch(const UavModel& model, const RotorWatchConfig& config, double period_s);
+  RotorWatch(const UavModel& model, double period_s);
 
+  /// Anew; also after a rotor was dropped: what was learned included its absence.
   void reset();
   /// One period: turn rate at its end, mean thrusts that the rotors were to have, the torque that they make
   /// together. Gives the number of a rotor that must be lost, once, or kNone.
@@ -35,15 +26,12 @@ class RotorWatch {
 
   /// Angular acceleration that the rotors do not explain, slowly: loads off the centre.
   const rt::Vector3& load_rad_s2() const { return slow_; }
-  /// After a rotor was dropped: what was learned included its absence.
-  void forget() { reset(); }
 
   /// State to bytes and back, into one of the same vehicle.
   void archive(rt::Archive& archive);
 
  private:
   UavModel model_;
-  RotorWatchConfig config_;
   double dt_;
   double keep_fast_;
   double keep_slow_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gains of the state controller.
 #include "planner/uav_control/state_gains.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "planner/uav_control/dare.hpp"
 #include "planner/uav_control/discretise.hpp"
 
 namespace sortie::planner {
@@ -19,7 +19,7 @@ constexpr double kGustyShare = 1.118;
 // x_last' = (u - x_last) / tau.
 template <std::size_t N>
 Status design_chain(const double (&couple)[N - 1], double tau_s, double period_s,
-                    const double (&deviation)[N], double input, double (&gain)[N], DareReport& report) {
+                    const double (&deviation)[N], double input, double (&gain)[N]) {
   SmallMatrix<Wide, N, N> a;
   SmallMatrix<Wide, N, 1> b;
   for (std::size_t i = 0; i + 1 < N; ++i) a(i, i + 1) = Wide(couple[i]);
@@ -32,6 +32,7 @@ Status design_chain(const double (&couple)[N - 1], double tau_s, double period_s
   }
   problem.r(0, 0) = Wide(1.0) / (Wide(input) * Wide(input));
   SmallMatrix<Wide, 1, N> k;
+  DareReport report;
   const Status status = problem.solve_gain(k, report);
   for (std::size_t i = 0; i < N; ++i) gain[i] = static_cast<double>(k(0, i));
   return status;
@@ -65,25 +66,22 @@ Status design_gains(const UavModel& model, double period_s, const StateWeights& 
   t.velocity_m_s /= share;
   t.input *= share;
   double tilt[6]{};
-  Status status =
-      design_chain<6>({1.0, 1.0, model.gravity_m_s2, 1.0, 1.0}, tau_s, period_s,
-                      {t.integral_m_s, t.position_m, t.velocity_m_s, t.angle_rad, t.rate_rad_s, 0.0}, t.input,
-                      tilt, gains.tilt_report);
+  Status status = design_chain<6>(
+      {1.0, 1.0, model.gravity_m_s2, 1.0, 1.0}, tau_s, period_s,
+      {t.integral_m_s, t.position_m, t.velocity_m_s, t.angle_rad, t.rate_rad_s, 0.0}, t.input, tilt);
   if (status != Status::ok) return status;
   gains.tilt = {tilt[0], tilt[1], tilt[2], tilt[3], tilt[4], tilt[5]};
 
   const AxisDeviations& l = weights.lift;
   double lift[4]{};
-  status =
-      design_chain<4>({1.0, 1.0, 1.0}, tau_s, period_s, {l.integral_m_s, l.position_m, l.velocity_m_s, 0.0},
-                      l.input, lift, gains.lift_report);
+  status = design_chain<4>({1.0, 1.0, 1.0}, tau_s, period_s,
+                           {l.integral_m_s, l.position_m, l.velocity_m_s, 0.0}, l.input, lift);
   if (status != Status::ok) return status;
   gains.lift = {lift[0], lift[1], lift[2], lift[3]};
 
   const AxisDeviations& y = weights.turn;
   double turn[3]{};
-  status = design_chain<3>({1.0, 1.0}, tau_s, period_s, {y.angle_rad, y.rate_rad_s, 0.0}, y.input, turn,
-                           gains.turn_report);
+  status = design_chain<3>({1.0, 1.0}, tau_s, period_s, {y.angle_rad, y.rate_rad_s, 0.0}, y.input, turn);
   if (status != Status::ok) return status;
   gains.turn = {turn[0], turn[1], turn[2]};
   return Status::ok;

@@ -2,7 +2,6 @@
 // Gains of the state controller, designed from the vehicle's time constants and a few weights.
 #pragma once
 
-#include "planner/uav_control/dare.hpp"
 #include "planner/uav_control/uav_model.hpp"
 
 namespace sortie::planner {
@@ -36,9 +35,6 @@ struct StateGains {
   TiltGains tilt;
   LiftGains lift;
   TurnGains turn;
-  DareReport tilt_report;
-  DareReport lift_report;
-  DareReport turn_report;
 };
 
 /// Weights of the three chains. The defaults were found with late positions, lags and thrust that are off,

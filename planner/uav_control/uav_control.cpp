@@ -20,13 +20,8 @@ bool is_finite_state(const rt::UavState& s) {
 
 UavModel usable(const UavModel& model) {
   if (check(model) == Status::ok) return model;
-  UavModel some;  // any vehicle: it is never flown, but its parts can be built
-  some.mass_kg = 1.0;
-  some.inertia_kg_m2 = {0.01, 0.01, 0.01};
-  some.thrust_n_s2 = 1e-5;
-  some.moment_m = some.tau_up_s = some.tau_down_s = 0.02;
-  some.max_speed_rad_s = 1000.0;
-  place_rotors(some, 6, 0.2, 0.5);
+  UavModel some = RegularMultirotor{}.model;  // any vehicle: it is never flown, but its parts can be built
+  place_rotors(some, some.rotors, 0.2, 0.5);
   return some;
 }
 
@@ -40,7 +35,7 @@ UavControl::UavControl(const UavControlConfig& config, const UavModel& model)
     : config_(config),
       allocation_(model),
       rotors_(model, usable_period(config.period_s)),
-      watch_(model, config.watch, usable_period(config.period_s)),
+      watch_(model, usable_period(config.period_s)),
       profile_(config.profile, usable_period(config.period_s)),
       lag_(0.5 * (model.tau_up_s + model.tau_down_s), usable_period(config.period_s)),
       tau_s_(0.5 * (config.model.tau_up_s + config.model.tau_down_s)),
@@ -158,7 +153,7 @@ void UavControl::watch_rotors(const Vector3& w) {
   if (lost == RotorWatch::kNone || allocation_.lost_count() > 0 || !allocation_.lose(lost)) return;
   ++counters_.rotors_lost;
   made_ = made_last_ = allocation_.wrench(rotors_.thrust_n());
-  watch_.forget();
+  watch_.reset();
   land();
 }
 

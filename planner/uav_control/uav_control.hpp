@@ -6,7 +6,6 @@
 
 #include "planner/uav_control/allocation.hpp"
 #include "planner/uav_control/goal_profile.hpp"
-#include "planner/uav_control/reference_lag.hpp"
 #include "planner/uav_control/rotor_model.hpp"
 #include "planner/uav_control/rotor_watch.hpp"
 #include "planner/uav_control/state_gains.hpp"
@@ -21,7 +20,6 @@ struct UavControlConfig {
   double period_s{0.01};
   StateWeights weights;
   ProfileLimits profile;
-  RotorWatchConfig watch;
   double max_tilt_rad{0.61};         ///< of the attitude that is asked for
   double max_position_error_m{0.5};  ///< errors count no more; beyond, a goal's profile starts anew
   double max_velocity_error_m_s{2.5};
@@ -98,7 +96,6 @@ class UavControl {
 
   UavPhase phase() const { return phase_; }
   const FlatReference& reference() const { return reference_; }
-  const StateGains& gains() const { return gains_; }
   const UavControlCounters& counters() const { return counters_; }
 
   /// State to bytes and back, into one of the same configuration.

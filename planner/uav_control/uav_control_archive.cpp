@@ -20,7 +20,7 @@ void Allocation::archive(rt::Archive& archive) {
 
 void RotorWatch::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "rotor watch")
-      .fixed(model_, config_, dt_, keep_fast_, keep_slow_, keep_base_, least_n_, least_torque2_)
+      .fixed(model_, dt_, keep_fast_, keep_slow_, keep_base_, least_n_, least_torque2_)
       .state(started_, last_w_, fast_, slow_, base_, fast_n_, held_s_)
       .by_hand(suspect_);
   archive.bounded(suspect_, kNone);

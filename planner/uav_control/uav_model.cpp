@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a flight controller believes about its vehicle.
 #include "planner/uav_control/uav_model.hpp"
 
 #include <algorithm>

@@ -6,8 +6,6 @@
 #include <bit>
 #include <cstdint>
 
-#include "rt/describe.hpp"
-
 namespace sortie::planner {
 
 /// A set of a brick's voxels.
@@ -21,13 +19,17 @@ struct Voxel3 {
   std::int32_t x{};
   std::int32_t y{};
   std::int32_t z{};
-  SORTIE_FIELDS(x, y, z)
   friend constexpr bool operator==(const Voxel3&, const Voxel3&) = default;
 };
 
 /// The voxel's bit in its brick.
 constexpr BrickMask brick_bit(const Voxel3& v) {
   return BrickMask{1} << ((v.x & 3) + 4 * (v.y & 3) + 16 * (v.z & 3));
+}
+
+/// The voxel of a bit of the brick with this lowest voxel.
+constexpr Voxel3 brick_voxel(const Voxel3& corner, int bit) {
+  return {corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)};
 }
 
 namespace detail {

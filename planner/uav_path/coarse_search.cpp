@@ -59,10 +59,7 @@ bool CoarseSearch::make_parts(const FlightMap& map, std::uint32_t brick) {
   if (brick_nodes_[brick] != kUnseen) return true;
   brick_nodes_[brick] = kNoNode;
   BrickMask left = map.free_bricks()[brick];
-  const auto b = static_cast<std::int32_t>(brick);
-  const float corner[3] = {static_cast<float>(4 * (b % map.bx())),
-                           static_cast<float>(4 * (b / map.bx() % map.by())),
-                           static_cast<float>(4 * (b / (map.bx() * map.by())))};
+  const VoxelPoint corner = to_point(map.corner_of(brick));
   while (left != 0) {
     if (count_ == nodes_.size()) return false;
     PathNode& node = nodes_[count_];
@@ -71,9 +68,9 @@ bool CoarseSearch::make_parts(const FlightMap& map, std::uint32_t brick) {
     left &= ~node.voxels;
     const BrickSums sums = brick_sums(node.voxels);
     const float share = 1.0f / static_cast<float>(sums.count);
-    node.middle = {corner[0] + share * static_cast<float>(sums.x),
-                   corner[1] + share * static_cast<float>(sums.y),
-                   corner[2] + share * static_cast<float>(sums.z)};
+    node.middle = {corner.x + share * static_cast<float>(sums.x),
+                   corner.y + share * static_cast<float>(sums.y),
+                   corner.z + share * static_cast<float>(sums.z)};
     node.brick = brick;
     node.place = OrderedHeap::kNowhere;
     node.sibling = brick_nodes_[brick];
@@ -84,19 +81,17 @@ bool CoarseSearch::make_parts(const FlightMap& map, std::uint32_t brick) {
 
 bool CoarseSearch::expand(const FlightMap& map, std::uint32_t index) {
   const BrickMask voxels = nodes_[index].voxels;
-  const auto b = static_cast<std::int32_t>(nodes_[index].brick);
-  const std::int32_t x = b % map.bx();
-  const std::int32_t y = b / map.bx() % map.by();
-  const std::int32_t z = b / (map.bx() * map.by());
+  const Voxel3 corner = map.corner_of(nodes_[index].brick);
   for (int dz = -1; dz <= 1; ++dz) {
     const BrickMask reach_z = detail::reach_z(voxels, dz);
-    if (z + dz < 0 || z + dz >= map.bz() || reach_z == 0) continue;
+    if (reach_z == 0) continue;
     for (int dy = -1; dy <= 1; ++dy) {
       const BrickMask reach_y = detail::reach_y(reach_z, dy);
-      if (y + dy < 0 || y + dy >= map.by() || reach_y == 0) continue;
+      if (reach_y == 0) continue;
       for (int dx = -1; dx <= 1; ++dx) {
-        if (x + dx < 0 || x + dx >= map.bx() || (dx == 0 && dy == 0 && dz == 0)) continue;
-        const auto near = static_cast<std::uint32_t>(x + dx + map.bx() * (y + dy + map.by() * (z + dz)));
+        const Voxel3 beside{corner.x + 4 * dx, corner.y + 4 * dy, corner.z + 4 * dz};
+        if (!map.is_inside(beside) || beside == corner) continue;
+        const std::uint32_t near = map.brick_of(beside);
         const BrickMask touched = detail::reach_x(reach_y, dx) & map.free_bricks()[near];
         if (touched == 0) continue;
         if (!make_parts(map, near)) return false;

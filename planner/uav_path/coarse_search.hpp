@@ -19,7 +19,6 @@ struct VoxelPoint {
   float x{};
   float y{};
   float z{};
-  SORTIE_FIELDS(x, y, z)
 };
 
 /// Distance in voxels.
@@ -80,9 +79,6 @@ class CoarseSearch {
   const PathNode& node(std::uint32_t index) const { return nodes_[index]; }
   /// Parts met so far.
   std::uint32_t size() const { return count_; }
-
-  /// State to bytes and back, into memory of the same size.
-  void archive(rt::Archive& archive);
 
   // For the heap.
   bool comes_before(std::uint32_t a, std::uint32_t b) const {

@@ -39,7 +39,7 @@ bool Corners::append(const Voxel3& v) {
   return true;
 }
 
-Status Corners::take(const FlightMap&, const FineSearch& fine) {
+Status Corners::take(const FineSearch& fine) {
   begin();
   count_ = 0;
   for (std::uint32_t slot = fine.first(); slot != kNoNode; slot = fine.before(slot)) {
@@ -65,13 +65,12 @@ Status Corners::crawl(const FlightMap& map, const CoarseSearch& coarse, const Vo
     int dz = 0;
     BrickMask aim = brick_bit(goal);
     if (next != kNoNode) {
-      const auto here = static_cast<std::int32_t>(part.brick);
-      const auto there = static_cast<std::int32_t>(coarse.node(next).brick);
-      dx = there % map.bx() - here % map.bx();
-      dy = there / map.bx() % map.by() - here / map.bx() % map.by();
-      dz = there / (map.bx() * map.by()) - here / (map.bx() * map.by());
-      aim = brick_reach(coarse.node(next).voxels, -dx, -dy, -dz) &
-            part.voxels;  // from here one step leads over
+      const Voxel3 here = map.corner_of(part.brick);
+      const Voxel3 there = map.corner_of(coarse.node(next).brick);
+      dx = (there.x - here.x) / 4;
+      dy = (there.y - here.y) / 4;
+      dz = (there.z - here.z) / 4;
+      aim = brick_reach(coarse.node(next).voxels, -dx, -dy, -dz) & part.voxels;  // one step leads over
     }
     // Waves from where we are until one touches the aim, then back along them.
     int last = 0;
@@ -87,10 +86,7 @@ Status Corners::crawl(const FlightMap& map, const CoarseSearch& coarse, const Vo
     chain[last] = lowest_voxel(waves[last] & aim);
     for (int i = last; i > 0; --i) chain[i - 1] = lowest_voxel(brick_reach(chain[i], 0, 0, 0) & waves[i - 1]);
     const auto put = [&](BrickMask bit, std::uint32_t brick) {
-      const int i = std::countr_zero(bit);
-      const auto b = static_cast<std::int32_t>(brick);
-      at = {4 * (b % map.bx()) + (i & 3), 4 * (b / map.bx() % map.by()) + (i >> 2 & 3),
-            4 * (b / (map.bx() * map.by())) + (i >> 4)};
+      at = brick_voxel(map.corner_of(brick), std::countr_zero(bit));
       return append(at);
     };
     for (int i = 1; i <= last; ++i) {

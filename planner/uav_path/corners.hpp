@@ -27,7 +27,7 @@ class Corners {
   explicit Corners(const CornerMemory& memory) : memory_(memory) {}
 
   /// The way that a fine search found. `full`: it bends more often than there is room.
-  Status take(const FlightMap& map, const FineSearch& fine);
+  Status take(const FineSearch& fine);
 
   /// A way without any search: from part to part as the coarse search leads, by breadth first within each
   /// brick. Longer, but it needs no memory of its own. Status as for take().
@@ -44,9 +44,6 @@ class Corners {
   std::uint32_t rounds() const { return rounds_; }
   /// Length in voxels.
   float length() const;
-
-  /// State to bytes and back, into memory of the same size.
-  void archive(rt::Archive& archive);
 
  private:
   static constexpr std::uint32_t kMostRounds = 6;

@@ -48,9 +48,6 @@ class FineSearch {
   }
   Voxel3 voxel(std::uint32_t slot) const;
 
-  /// State to bytes and back, into memory of the same size; `nodes`: those of the coarse search.
-  void archive(rt::Archive& archive, std::uint32_t nodes);
-
   bool comes_before(std::uint32_t a, std::uint32_t b) const {
     const FineVoxel& p = table_[a];
     const FineVoxel& q = table_[b];

@@ -38,7 +38,6 @@ FlightMap::FlightMap(const FlightMapConfig& config, std::span<BrickMask> blocked
   }
   bx_ = config.nx / 4;
   by_ = config.ny / 4;
-  bz_ = config.nz / 4;
   reach_ = static_cast<std::int32_t>(reach);
   make_offsets();
   std::fill(blocked_.begin(), blocked_.end(), config.unknown_is_blocked ? kWholeBrick : BrickMask{0});
@@ -106,8 +105,7 @@ bool FlightMap::refresh(std::uint32_t most_bricks) {
     clean = 0;
     const std::uint32_t b = hand_ * 64 + static_cast<std::uint32_t>(std::countr_zero(word));
     word &= word - 1;
-    const auto n = static_cast<std::int32_t>(b);
-    free_[b] = free_voxels(n % bx_, n / bx_ % by_, n / (bx_ * by_));
+    free_[b] = free_voxels(b);
     ++done;
   }
   if (done != 0) ++version_;  // also where no free voxel changed: exact checks ask the blocked ones
@@ -132,27 +130,28 @@ bool FlightMap::nearest_free(const rt::Vector3& from_m, double beyond_m, std::in
 }
 
 // One brick anew.
-BrickMask FlightMap::free_voxels(std::int32_t x, std::int32_t y, std::int32_t z) const {
-  const BrickMask own = blocked_[static_cast<std::uint32_t>(x + bx_ * (y + by_ * z))];
+BrickMask FlightMap::free_voxels(std::uint32_t brick) const {
+  const BrickMask own = blocked_[brick];
   if (own == kWholeBrick) return 0;
+  const Voxel3 corner = corner_of(brick);
   // Nothing blocked in any brick within reach, and the map's border is far: all of it is free.
-  const std::int32_t span = (reach_ + 3) / 4;
+  const std::int32_t span = (reach_ + 3) / 4 * 4;
   BrickMask near = 0;
   bool border = false;
-  for (std::int32_t k = z - span; k <= z + span; ++k) {
-    for (std::int32_t j = y - span; j <= y + span; ++j) {
-      for (std::int32_t i = x - span; i <= x + span; ++i) {
-        if (i < 0 || j < 0 || k < 0 || i >= bx_ || j >= by_ || k >= bz_)
-          border = true;
+  for (std::int32_t z = corner.z - span; z <= corner.z + span; z += 4) {
+    for (std::int32_t y = corner.y - span; y <= corner.y + span; y += 4) {
+      for (std::int32_t x = corner.x - span; x <= corner.x + span; x += 4) {
+        if (is_inside({x, y, z}))
+          near |= blocked_[brick_of({x, y, z})];
         else
-          near |= blocked_[static_cast<std::uint32_t>(i + bx_ * (j + by_ * k))];
+          border = true;
       }
     }
   }
   if (near == 0 && !border) return kWholeBrick;
   BrickMask free = 0;
   for (int bit = 0; bit < 64; ++bit) {
-    const Voxel3 v{4 * x + (bit & 3), 4 * y + (bit >> 2 & 3), 4 * z + (bit >> 4)};
+    const Voxel3 v = brick_voxel(corner, bit);
     bool open = (own & brick_bit(v)) == 0;
     for (std::uint32_t o = 0; open && o < offset_count_; ++o)
       open = !is_blocked({v.x + offsets_[o].x, v.y + offsets_[o].y, v.z + offsets_[o].z});
@@ -173,6 +172,21 @@ Voxel3 FlightMap::voxel_at(const rt::Vector3& p) const {
     return n >= -1.0 && n <= 1024.0 ? static_cast<std::int32_t>(n) : -1;  // a NaN lies outside
   };
   return {number(p.x, config_.origin_m.x), number(p.y, config_.origin_m.y), number(p.z, config_.origin_m.z)};
+}
+
+void FlightMap::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "flight map")
+      .fixed(config_, usable_, bx_, by_, reach_, offset_count_, offsets_)
+      .state(version_)
+      .by_hand(blocked_, free_, dirty_, hand_);
+  archive.expect(blocked_.size(), "the map has another size");
+  for (const std::span<std::uint64_t> words : {blocked_, free_, dirty_}) {
+    for (std::uint64_t& word : words) archive.value(word);
+  }
+  archive.bounded(hand_, dirty_.empty() ? 0 : dirty_.size() - 1);
+  // Bits behind the last brick would point out of the map.
+  if (const std::size_t rest = blocked_.size() % 64; archive.is_reading() && rest != 0)
+    dirty_.back() &= (std::uint64_t{1} << rest) - 1;
 }
 
 }  // namespace sortie::planner

@@ -20,10 +20,9 @@ struct FlightMapConfig {
   std::int32_t ny{};
   std::int32_t nz{};
   double voxel_m{0.2};
-  rt::Vector3 origin_m;  ///< lowest corner, world
-  rt::Vector3 radii_m{0.35, 0.35,
-                      0.15};      ///< of the ellipsoid that holds the robot at any heading: x and y equal
-  bool unknown_is_blocked{true};  ///< voxels that nobody has spoken of
+  rt::Vector3 origin_m;                   ///< lowest corner, world
+  rt::Vector3 radii_m{0.35, 0.35, 0.15};  ///< of the ellipsoid that holds the robot; x and y equal
+  bool unknown_is_blocked{true};          ///< voxels that nobody has spoken of
 
   /// The extent is written in metres, of which voxels are made; the robot's radii are parts of its airframe.
   SORTIE_KEYS(c, key) {
@@ -85,9 +84,11 @@ class FlightMap {
   std::uint32_t brick_of(const Voxel3& v) const {
     return static_cast<std::uint32_t>((v.x >> 2) + bx_ * ((v.y >> 2) + by_ * (v.z >> 2)));
   }
-  std::int32_t bx() const { return bx_; }
-  std::int32_t by() const { return by_; }
-  std::int32_t bz() const { return bz_; }
+  /// Lowest voxel of a brick.
+  Voxel3 corner_of(std::uint32_t brick) const {
+    const auto b = static_cast<std::int32_t>(brick);
+    return {4 * (b % bx_), 4 * (b / bx_ % by_), 4 * (b / (bx_ * by_))};
+  }
   const FlightMapConfig& config() const { return config_; }
 
   /// Middle of a voxel, and the voxel of a point (which may lie outside), world.
@@ -106,16 +107,15 @@ class FlightMap {
     std::int8_t z{};
   };
   void make_offsets();
-  BrickMask free_voxels(std::int32_t x, std::int32_t y, std::int32_t z) const;
+  BrickMask free_voxels(std::uint32_t brick) const;
 
   FlightMapConfig config_;
   Status usable_{Status::ok};
   std::span<BrickMask> blocked_;
   std::span<BrickMask> free_;
   std::span<std::uint64_t> dirty_;
-  std::int32_t bx_{};
+  std::int32_t bx_{};  ///< bricks along x
   std::int32_t by_{};
-  std::int32_t bz_{};
   std::int32_t reach_{};  ///< voxels, in any direction
   std::uint32_t offset_count_{};
   std::uint32_t hand_{};  ///< dirty word to look at next

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <span>
 
-#include "rt/archive.hpp"
-
 namespace sortie::planner {
 
 /// Heap over indices into somebody's items. `Order` says with comes_before(a, b) which index comes first, and
@@ -21,12 +19,6 @@ class OrderedHeap {
 
   void clear() { size_ = 0; }
   bool empty() const { return size_ == 0; }
-  bool full() const { return size_ == entries_.size(); }
-  std::uint32_t size() const { return size_; }
-  /// True when `index` stands at `place`.
-  bool holds(std::uint32_t index, std::uint32_t place) const {
-    return place < size_ && entries_[place] == index;
-  }
 
   /// Adds an index that is not in it; there must be room.
   template <class Order>
@@ -46,13 +38,6 @@ class OrderedHeap {
     const std::uint32_t last = entries_[--size_];
     if (size_ > 0) sink(last, order);
     return first;
-  }
-
-  /// State to bytes and back; it holds at most `things` entries, all below that.
-  void archive(rt::Archive& archive, std::uint32_t things) {
-    rt::Members(archive, *this, "heap").by_hand(entries_, size_);
-    archive.bounded(size_, things < entries_.size() ? things : entries_.size());
-    for (std::uint32_t& entry : entries_.first(size_)) archive.bounded(entry, things == 0 ? 0 : things - 1);
   }
 
  private:

@@ -22,32 +22,29 @@ bool overlap(const Bounds& a, const Bounds& b) {
          a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
 
-// Does the line pass the box, grown by the robot's radii? A cheap no for most boxes beside a slanted line.
-bool line_meets(const rt::Vector3& a, const rt::Vector3& d, const Bounds& box, const rt::Vector3& grow) {
-  double first = 0.0;
-  double last = 1.0;
-  const double from[3] = {a.x, a.y, a.z};
-  const double way[3] = {d.x, d.y, d.z};
-  const double low[3] = {box.low.x - grow.x, box.low.y - grow.y, box.low.z - grow.z};
-  const double high[3] = {box.high.x + grow.x, box.high.y + grow.y, box.high.z + grow.z};
-  for (int i = 0; i < 3; ++i) {
-    if (way[i] == 0.0) {
-      if (from[i] < low[i] || from[i] > high[i]) return false;
-      continue;
-    }
-    const double one = (low[i] - from[i]) / way[i];
-    const double other = (high[i] - from[i]) / way[i];
-    first = std::max(first, std::min(one, other));
-    last = std::min(last, std::max(one, other));
-  }
-  return first <= last;
-}
-
 // A part of the line, 0 at its start and 1 at its end; empty where `first` is greater.
 struct Part {
   double first{0.0};
   double last{1.0};
+
+  bool empty() const { return !(first <= last); }
+  // What of it lies between two places of an axis, along which the line goes `way` from `from`.
+  Part between(double low, double high, double from, double way) const {
+    if (way == 0.0) return from < low || from > high ? Part{1.0, 0.0} : *this;
+    const double one = (low - from) / way;
+    const double other = (high - from) / way;
+    return {std::max(first, std::min(one, other)), std::min(last, std::max(one, other))};
+  }
 };
+
+// Does the line pass the box, grown by the robot's radii? A cheap no for most boxes beside a slanted line.
+bool line_meets(const rt::Vector3& a, const rt::Vector3& d, const Bounds& box, const rt::Vector3& grow) {
+  const Part part = Part{}
+                        .between(box.low.x - grow.x, box.high.x + grow.x, a.x, d.x)
+                        .between(box.low.y - grow.y, box.high.y + grow.y, a.y, d.y)
+                        .between(box.low.z - grow.z, box.high.z + grow.z, a.z, d.z);
+  return !part.empty();
+}
 
 // Bricks from the map's low corner along one axis.
 struct Bricks {
@@ -68,12 +65,7 @@ struct Axis {
   double slack() const { return radius + 1e-6 * brick; }
   // The part of `part` along which the robot may touch brick number `i`.
   Part beside(const Part& part, std::int32_t i) const {
-    const double low = origin + brick * i - slack();
-    const double high = origin + brick * (i + 1) + slack();
-    if (way == 0.0) return from < low || from > high ? Part{1.0, 0.0} : part;
-    const double one = (low - from) / way;
-    const double other = (high - from) / way;
-    return {std::max(part.first, std::min(one, other)), std::min(part.last, std::max(one, other))};
+    return part.between(origin + brick * i - slack(), origin + brick * (i + 1) + slack(), from, way);
   }
   // The bricks that the robot may touch along a part that is not empty.
   Bricks along(const Part& part) const {
@@ -114,14 +106,14 @@ class Sweep {
   }
   // x, y and z of a way within the map.
   std::array<Axis, 3> axes() const {
-    const rt::Vector3& origin = map_.config().origin_m;
+    const FlightMapConfig& c = map_.config();
+    const rt::Vector3& origin = c.origin_m;
     const Voxel3 low = map_.voxel_at(swept_.low);
     const Voxel3 high = map_.voxel_at(swept_.high);
     const double edge = 4 * h_;
-    return {
-        Axis{a_m_.x, way_m_.x, margin_.x, origin.x, edge, {low.x / 4, std::min(high.x / 4, map_.bx() - 1)}},
-        Axis{a_m_.y, way_m_.y, margin_.y, origin.y, edge, {low.y / 4, std::min(high.y / 4, map_.by() - 1)}},
-        Axis{a_m_.z, way_m_.z, margin_.z, origin.z, edge, {low.z / 4, std::min(high.z / 4, map_.bz() - 1)}}};
+    return {Axis{a_m_.x, way_m_.x, margin_.x, origin.x, edge, {low.x / 4, std::min(high.x, c.nx - 1) / 4}},
+            Axis{a_m_.y, way_m_.y, margin_.y, origin.y, edge, {low.y / 4, std::min(high.y, c.ny - 1) / 4}},
+            Axis{a_m_.z, way_m_.z, margin_.z, origin.z, edge, {low.z / 4, std::min(high.z, c.nz - 1) / 4}}};
   }
   void use(std::uint64_t steps) { steps_ -= std::min(steps_, steps); }
   // The robot may touch something in the brick whose low corner this is.
@@ -137,8 +129,7 @@ class Sweep {
     use(SweptWalk::kCloser);
     for (int bit = 0; bit < 64; ++bit) {
       if ((blocked >> bit & 1u) == 0) continue;
-      const rt::Vector3 m =
-          map_.middle_m({corner.x + (bit & 3), corner.y + (bit >> 2 & 3), corner.z + (bit >> 4)});
+      const rt::Vector3 m = map_.middle_m(brick_voxel(corner, bit));
       const rt::Vector3 half{0.5 * h_, 0.5 * h_, 0.5 * h_};
       const Bounds box{m - half, m + half};
       if (overlap(swept_, box) && line_meets(a_m_, way_m_, box, margin_) && hits(voxel_, m)) return true;
@@ -187,11 +178,11 @@ bool SweptWalk::run(const FlightMap& map, std::uint64_t& steps) {
   for (std::int32_t z = std::max(along_z.all.low, next_[2]); z <= along_z.all.high; ++z) {
     const Part layer = along_z.beside({}, z);
     const bool same_layer = z == next_[2];
-    const Bricks rows = layer.first <= layer.last ? along_y.along(layer) : Bricks{0, -1};
+    const Bricks rows = layer.empty() ? Bricks{0, -1} : along_y.along(layer);
     for (std::int32_t y = same_layer ? std::max(rows.low, next_[1]) : rows.low; y <= rows.high; ++y) {
       const Part row = along_y.beside(layer, y);
       const bool same_row = same_layer && y == next_[1];
-      const Bricks near = row.first <= row.last ? along_x.along(row) : Bricks{0, -1};
+      const Bricks near = row.empty() ? Bricks{0, -1} : along_x.along(row);
       for (std::int32_t x = same_row ? std::max(near.low, next_[0]) : near.low; x <= near.high; ++x) {
         if (steps == 0) {
           next_[0] = x;
@@ -235,14 +226,6 @@ void WayWalk::archive(rt::Archive& archive) {
   archive.bounded(line_, kMostLines);
   if (archive.is_reading() && !(share_ > 0.0 && share_ <= 1.0))
     archive.fail(Status::malformed, "a share of the robot's size");
-}
-
-SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {
-  SweptWalk walk;
-  walk.begin(a_m, b_m);
-  std::uint64_t steps = UINT64_MAX;
-  static_cast<void>(walk.run(map, steps));  // so much ends every line
-  return walk.result();
 }
 
 }  // namespace sortie::planner

@@ -78,7 +78,4 @@ class WayWalk {
   bool is_free_{};
 };
 
-/// A line judged at once, whatever it costs: for tests and for the desk.
-SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m);
-
 }  // namespace sortie::planner

@@ -110,7 +110,7 @@ void UavPath::search(const FlightMap& map, std::uint64_t& units) {
   // Read off at once; counted all the same.
   Status taken = Status::ok;
   if (search == SearchState::found) {
-    taken = corners_.take(map, fine_);
+    taken = corners_.take(fine_);
   } else {
     ++work_.crawled;
     taken = corners_.crawl(map, coarse_, start_, goal_);
@@ -199,13 +199,6 @@ double UavPath::length_m() const {
   double sum = 0.0;
   for (std::uint32_t i = 1; i < waypoint_count_; ++i) sum += rt::norm(waypoints_[i] - waypoints_[i - 1]);
   return sum;
-}
-
-bool UavPath::is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints) {
-  WayWalk walk;
-  std::uint64_t steps = UINT64_MAX;
-  static_cast<void>(walk.run(map, waypoints, steps));  // so much ends every way
-  return walk.is_free();
 }
 
 }  // namespace sortie::planner

@@ -37,14 +37,11 @@ struct UavPathMemory {
 /// What was done, for reports.
 struct UavPathWork {
   std::uint64_t units{};
-  std::uint32_t parts{};  ///< connected parts of bricks that were met
-  std::uint32_t
-      crawled{};           ///< plans whose fine search ran out of memory and that were led by the parts alone
-  std::uint32_t exact{};   ///< pairs that the exact check judged, all plans
-  std::uint32_t bricks{};  ///< that it looked at
-  std::uint32_t
-      unsafe{};  ///< ways that the exact check refused: a fault of this program, never shown as a way
-  SORTIE_FIELDS(units, parts, crawled, exact, bricks, unsafe)
+  std::uint32_t parts{};    ///< connected parts of bricks that were met
+  std::uint32_t crawled{};  ///< plans that were led by the parts alone: no memory for the fine search
+  std::uint32_t exact{};    ///< pairs that the exact check judged, all plans
+  std::uint32_t bricks{};   ///< that it looked at
+  std::uint32_t unsafe{};   ///< ways that the exact check refused: a fault of this program, never shown
 };
 
 /// Plans one way at a time. No heap, no clock; the result does not depend on how the work is sliced. Memory
@@ -81,12 +78,6 @@ class UavPath {
 
   PathState state() const { return state_; }
   const UavPathWork& work() const { return work_; }
-
-  /// True when the way of `waypoints` is still safe in a map that changed: exact.
-  static bool is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints);
-
-  /// State to bytes and back, into a planner with as much memory: a plan goes on where it was.
-  void archive(rt::Archive& archive);
 
  private:
   enum class Phase : std::uint8_t { lead_in, coarse, fine, judge, shorten };

@@ -84,20 +84,19 @@ TEST_CASE("A box has the features that its edges give") {
 TEST_CASE("Sums can be added up in any order, and a map's segments are the same 10 km out") {
   tests::WorldRandom random(11);
   mapping::SegmentMoments whole;
-  mapping::SegmentMoments parts[3];
-  for (int i = 0; i < 300; ++i) {
-    const std::int32_t p[3] = {static_cast<std::int32_t>(random.below(100000)) - 50000,
-                               static_cast<std::int32_t>(random.below(1000)),
-                               -static_cast<std::int32_t>(random.below(9))};
-    whole.add(p);
-    parts[random.below(3)].add(p);
+  mapping::SegmentMoments backwards;
+  std::int32_t p[300][3];
+  for (auto& at : p) {
+    at[0] = static_cast<std::int32_t>(random.below(100000)) - 50000;
+    at[1] = static_cast<std::int32_t>(random.below(1000));
+    at[2] = -static_cast<std::int32_t>(random.below(9));
+    whole.add(at);
   }
-  parts[2].add(parts[0]);
-  parts[2].add(parts[1]);
-  CHECK(parts[2].square[0] == whole.square[0]);
-  CHECK(parts[2].product[1] == whole.product[1]);
-  CHECK(parts[2].least[2] == whole.least[2]);
-  CHECK(parts[2].count == whole.count);
+  for (int i = 300; i-- > 0;) backwards.add(p[i]);
+  CHECK(backwards.square[0] == whole.square[0]);
+  CHECK(backwards.product[1] == whole.product[1]);
+  CHECK(backwards.least[2] == whole.least[2]);
+  CHECK(backwards.count == whole.count);
 
   mapping::RollingGridConfig config;
   mapping::SegmenterConfig segments;

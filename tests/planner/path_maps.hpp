@@ -104,7 +104,7 @@ inline void judge_map(std::uint32_t seed, std::uint32_t n, MapTally& tally) {
   CHECK(memory.path.is_whole());
   CHECK(memory.path.work().unsafe == 0);
   const auto way = memory.path.waypoints();
-  CHECK(UavPath::is_still_free(owned.map, way));
+  CHECK(is_still_free(owned.map, way));
   double nearest = HUGE_VAL;
   for (std::size_t i = 1; i < way.size(); ++i) {
     const rt::Vector3 d = way[i] - way[i - 1];

@@ -106,6 +106,23 @@ inline void build_hall(FlightMap& map, std::uint32_t seed, int walls, int pillar
   map.refresh(UINT32_MAX);
 }
 
+/// A line judged at once, whatever it costs.
+inline SweptCheck check_swept(const FlightMap& map, const rt::Vector3& a_m, const rt::Vector3& b_m) {
+  SweptWalk walk;
+  walk.begin(a_m, b_m);
+  std::uint64_t steps = UINT64_MAX;
+  static_cast<void>(walk.run(map, steps));  // so much ends every line
+  return walk.result();
+}
+
+/// True when a way is safe in a map: exact.
+inline bool is_still_free(const FlightMap& map, std::span<const rt::Vector3> waypoints) {
+  WayWalk walk;
+  std::uint64_t steps = UINT64_MAX;
+  static_cast<void>(walk.run(map, waypoints, steps));  // so much ends every way
+  return walk.is_free();
+}
+
 /// A free voxel in the given range of x.
 inline Voxel3 any_free(const FlightMap& map, std::mt19937& random, std::int32_t low_x, std::int32_t high_x) {
   const FlightMapConfig& c = map.config();

@@ -50,7 +50,7 @@ TEST_CASE("A ray's worth is the published one, from p = 1e-7 to 1 - 1e-7, to a p
       const rt::Vector3 direction{turn.cos * 0.98, turn.sin * 0.98, std::sqrt(1 - 0.98 * 0.98)};
       const mapping::VoxelWalk walk = make_walk(map.map.view(), {110.3, 160.7, 12.2}, direction, 240);
       const auto exact = static_cast<double>(published_worth(model, walk, map.cells.data()));
-      const double own = model.fresh(walk, map.cells.data()).fresh;
+      const double own = model.trace(walk, map.cells.data()).fresh;
       worst = std::max(worst, std::fabs(own / exact - 1));
     }
   }
@@ -90,13 +90,13 @@ TEST_CASE("A worth never rises as other rays are entered, not even by rounding")
     std::vector<planner::RayModel::Passed> scratch(200);
     std::vector<double> before(96);
     for (std::uint32_t j = 0; j < 96; ++j)
-      before[j] = scheduler.model().fresh(scheduler.walk(0, j), cells).fresh;
+      before[j] = scheduler.model().trace(scheduler.walk(0, j), cells).fresh;
     for (std::uint32_t chosen = 0; chosen < 96; chosen += 9) {
       planner::RayWorth worth;
       REQUIRE(scheduler.model().cover(scheduler.walk(0, chosen), cells, table, scratch, worth));
       CHECK(worth.current == before[chosen]);
       for (std::uint32_t j = 0; j < 96; ++j) {
-        const double now = scheduler.model().both(scheduler.walk(0, j), cells, table).current;
+        const double now = scheduler.model().trace(scheduler.walk(0, j), cells, &table).current;
         CHECK(now == scheduler.model().current(scheduler.walk(0, j), cells, table).current);
         rises += now > before[j] ? 1 : 0;
         falls += now < before[j] ? 1 : 0;
@@ -112,7 +112,7 @@ TEST_CASE("What is unknown ends a ray, or stands for the prior, by policy") {
   RayMap map;
   planner::RayModelConfig config;
   const mapping::VoxelWalk walk = make_walk(map.map.view(), {110.5, 160.5, 15.5}, {1, 0, 0}, 240);
-  CHECK(planner::RayModel(config).fresh(walk, map.cells.data()).cells > 40);
+  CHECK(planner::RayModel(config).trace(walk, map.cells.data()).cells > 40);
   config.unknown = planner::UnknownSpace::stop;
-  CHECK(planner::RayModel(config).fresh(walk, map.cells.data()).cells == 1);
+  CHECK(planner::RayModel(config).trace(walk, map.cells.data()).cells == 1);
 }

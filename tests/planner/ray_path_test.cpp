@@ -49,10 +49,10 @@ TEST_CASE("Rays that are kept have the cells and the worths of their walks") {
     for (std::uint32_t ray = 0; ray < 96; ++ray) {
       REQUIRE(paths.begin(200));
       const mapping::VoxelWalk walk = scheduler.walk(0, ray);
-      const planner::RayWorth noted = ray % 2 == 0 ? model.fresh(walk, view.cells, paths)
-                                                   : model.both(walk, view.cells, covered.table, paths);
+      const planner::CoverageTable* const table = ray % 2 == 0 ? nullptr : &covered.table;
+      const planner::RayWorth noted = model.trace(walk, view.cells, table, &paths);
       numbers.push_back(paths.end(walk));
-      unlike += noted.fresh == model.fresh(walk, view.cells).fresh ? 0 : 1;
+      unlike += noted.fresh == model.trace(walk, view.cells).fresh ? 0 : 1;
     }
     for (std::uint32_t ray = 0; ray < 96; ++ray) {
       mapping::VoxelWalk walk = scheduler.walk(0, ray);

@@ -96,6 +96,13 @@ inline bool cast_ray(const Street& street, const mapping::OccupancyView& view, c
   return false;
 }
 
+/// Unit vector of a ray in the sensor's frame.
+inline rt::Vector3 ray_direction(const planner::RaySensor& sensor, std::uint32_t ray) {
+  const rt::SinCos azimuth = planner::ray_angle(ray % sensor.columns, sensor.columns, sensor.width_rad);
+  const rt::SinCos elevation = planner::ray_angle(ray / sensor.columns, sensor.rows, sensor.height_rad);
+  return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};
+}
+
 /// A pose in the street `forward_m` from where the window is centred.
 inline mapping::SensorPose street_pose(const Street& street, const mapping::OccupancyView& view,
                                        double forward_m) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rays where nothing better is known: each direction once before any twice, spread in every command.
-#include "planner/ray_stride.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 #include <vector>
+
+#include "planner/ssl_choice.hpp"
 
 namespace sortie::planner {
 

@@ -100,7 +100,7 @@ TEST_CASE(
   CHECK(rig.guide.counts().hopeless == 0);
   std::vector<rt::Vector3> points;
   for (std::uint32_t i = 0; i < way.points; ++i) points.push_back({way.x_m[i], way.y_m[i], way.z_m[i]});
-  CHECK(UavPath::is_still_free(rig.map.map, points));
+  CHECK(test::is_still_free(rig.map.map, points));
   CHECK(points.back().x > 3.0);  // at the wall, before the opening
 }
 

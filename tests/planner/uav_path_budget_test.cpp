@@ -91,7 +91,7 @@ TEST_CASE("uav path: a whole way in slices is free when each of its lines is") {
     std::uint64_t steps = 1 + random() % 30;
     while (!walk.run(owned.map, way, steps)) steps = 1 + random() % 30;
     CHECK(walk.is_free() == expected);
-    CHECK(UavPath::is_still_free(owned.map, way) == expected);
+    CHECK(is_still_free(owned.map, way) == expected);
     clear += expected ? 1 : 0;
   }
   CHECK(clear > 100);
@@ -125,7 +125,7 @@ TEST_CASE("uav path: on a map of 4.2 million cells no slice looks at more than i
       before = path.work();
     }
     CHECK((state == PathState::done || state == PathState::bad_start));
-    if (state == PathState::done) CHECK(UavPath::is_still_free(map, path.waypoints()));
+    if (state == PathState::done) CHECK(is_still_free(map, path.waypoints()));
   }
   CHECK(leads >= 2);
   CHECK(path.work().bricks > 5000);

@@ -212,7 +212,7 @@ TEST_CASE("uav path: bad questions, a map that changes, and a way that is cut") 
   while (state == PathState::running || state == PathState::found) state = path.step(map, 1000);
   REQUIRE(state == PathState::done);
   CHECK(rt::norm(path.waypoints().front() - tight) == 0.0);
-  CHECK(UavPath::is_still_free(map, path.waypoints()));
+  CHECK(is_still_free(map, path.waypoints()));
   // A wall grows across the way.
   const std::vector<rt::Vector3> old(path.waypoints().begin(), path.waypoints().end());
   CHECK(path.begin(map, inside, beyond) == PathState::running);
@@ -221,7 +221,7 @@ TEST_CASE("uav path: bad questions, a map that changes, and a way that is cut") 
     for (std::int32_t z = 0; z < 16; ++z) static_cast<void>(owned.map.set_blocked({45, y, z}, true));
   owned.map.refresh(UINT32_MAX);
   CHECK(path.step(map, 20) == PathState::outdated);
-  CHECK_FALSE(UavPath::is_still_free(map, old));
+  CHECK_FALSE(is_still_free(map, old));
   CHECK(plan(path, map, {10, 20, 8}, {55, 20, 8}, 1000) == PathState::none);
   // Too little memory says so.
   OwnedPath small(map, 8);

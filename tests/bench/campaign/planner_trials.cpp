@@ -84,7 +84,7 @@ CampaignOutcome run_path_trial(std::span<const CampaignOp> ops) {
       }
       trial.see(path->path.length_m(), "the way's length is not finite");
       const bool shown = state == planner::PathState::found || state == planner::PathState::done;
-      trial.need(!shown || !current || planner::UavPath::is_still_free(map, path->path.waypoints()),
+      trial.need(!shown || !current || planner::test::is_still_free(map, path->path.waypoints()),
                  "a way is shown that is not free");
       trial.need(!shown || path->path.waypoints().size() >= 2, "a way was found that has no points");
     }

@@ -10,12 +10,17 @@ namespace sortie::bench {
 template <class Map>
 double most_map_bytes(const Map& map) {
   const auto& output = map.grid().output();
+  const auto voxel =
+      static_cast<double>(sizeof(mapping::Centroid) +
+                          (Map::kNormals ? sizeof(mapping::SurfaceNormal) + sizeof(mapping::NormalSums) : 0));
+  const double voxels = output.most_chunks * mapping::Block::kChunk * voxel;
   const double nodes = map.segmenter().graph().most_in_use() *
                        static_cast<double>(sizeof(mapping::FragmentNode) + sizeof(mapping::NodeWork) +
                                            sizeof(mapping::SegmentComponent) + 2);
-  double blocks = output.most_blocks * static_cast<double>(sizeof(mapping::BlockWork) + 4);
+  double blocks =
+      output.most_blocks * static_cast<double>(sizeof(mapping::Block) + sizeof(mapping::BlockWork) + 4);
   if (Map::kNormals) blocks += output.most_blocks * static_cast<double>(sizeof(mapping::NormalWork) + 4);
-  return static_cast<double>(map.grid().most_bytes()) + nodes + blocks;
+  return voxels + nodes + blocks;
 }
 
 }  // namespace sortie::bench

@@ -36,7 +36,7 @@ struct RayBench {
     for (const std::uint16_t ray : scheduler.rays(0)) {
       rt::Vector3 to;
       const bool hit = tests::cast_ray(street, map.map.view(), from.p_world_sensor_m,
-                                       ray_direction(config.sensor, ray), config.sensor.range_m, to);
+                                       tests::ray_direction(config.sensor, ray), config.sensor.range_m, to);
       (void)map.map.update_ray(from.p_world_sensor_m, to, hit);
     }
     const double forward = 4.0 * static_cast<double>(poses.size());

@@ -98,7 +98,7 @@ StabilityFigures product_of_probabilities() {
     sum = sum + DoubleDouble(entropy) * (wide[i] - wide[n]);
   }
   const auto truth = static_cast<double>(sum);
-  return {std::fabs(model.fresh(walk, cells.data()).fresh / truth - 1), std::fabs(naive / truth - 1)};
+  return {std::fabs(model.trace(walk, cells.data()).fresh / truth - 1), std::fabs(naive / truth - 1)};
 }
 
 StabilityFigures thousands_of_rays() {
@@ -164,7 +164,7 @@ StabilityFigures stiff_riccati() {
     const auto plain = lagged_chain<double>(dt_s, 1e-4, 1e8, 1e-10);
     SmallMatrix<double, 6, 6> x;
     SmallMatrix<double, 1, 6> plain_k;
-    static_cast<void>(plain.doubling(x, {}, report));
+    static_cast<void>(plain.doubling(x, report));
     static_cast<void>(plain.gain(x, plain_k));
     SmallMatrix<DoubleDouble, 6, 6> wide_x;
     SmallMatrix<DoubleDouble, 1, 6> wide_k;
