@@ -74,6 +74,10 @@ class FlipperPostures {
 
   void archive(rt::Archive& archive) {
     rt::Members(archive, *this, "flipper postures").fixed(config_, postures_, size_).state(output_, started_);
+    if (archive.is_reading() && output_.posture != 0 && (output_.posture < 0 || output_.posture >= size())) {
+      archive.fail(Status::malformed, "a posture that does not exist");
+      output_.posture = 0;
+    }
   }
 
  private:

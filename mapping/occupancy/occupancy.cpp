@@ -13,6 +13,7 @@ namespace sortie::mapping {
 namespace {
 
 constexpr double kFarthestCell = 268435456.0;  // 2^28
+constexpr std::int32_t kFarthestLow = 1 << 29;
 // Odd, so that no two histories that differ in one cell come together again.
 constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
 
@@ -221,6 +222,13 @@ void OccupancyMap::archive(rt::Archive& archive) {
       .fixed(config_, usable_, prior_code_, hit_steps_, miss_steps_)
       .by_hand(cells_)
       .state(output_);
+  if (archive.is_reading()) {
+    for (std::int32_t* const low : {&output_.low_x, &output_.low_y, &output_.low_z}) {
+      if (*low >= -kFarthestLow && *low <= kFarthestLow) continue;
+      archive.fail(Status::malformed, "a window farther off than any map reaches");
+      *low = 0;
+    }
+  }
   archive.expect(cells_.size(), "the map has another size");
   for (std::int8_t& cell : cells_) archive.value(cell);
 }

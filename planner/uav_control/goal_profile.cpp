@@ -77,10 +77,12 @@ Status GoalProfile::set_goal(const Vector3& p_m, double yaw_rad) {
 }
 
 void GoalProfile::stop() {
-  // What the averages still hold is run out; the straight run itself ends here.
-  goal_m_ = brake_left_ > 0 ? now_.p_m : run_m_;
+  // What the averages still hold is run out; the straight run itself ends here. A brake goes on to its end.
+  const double length = brake_length_s_;
+  goal_m_ = brake_left_ > 0
+                ? brake_from_.p_m + length * (0.5 * brake_from_.v_m_s + (length / 12) * brake_from_.a_m_s2)
+                : run_m_;
   goal_yaw_rad_ = now_.yaw_rad;
-  if (brake_left_ > 0) brake(now_);
 }
 
 Vector3 GoalProfile::run_velocity() const {

@@ -2,9 +2,12 @@
 // The occupancy map beside a twin that keeps every cell of the world in double, and the walk along a ray.
 #include "mapping/occupancy/occupancy.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -242,6 +245,18 @@ TEST_CASE("The map's state goes to bytes and back") {
   CHECK(read.status() == Status::ok);
   CHECK(cells == others);
   CHECK(other.output().known == map.output().known);
+  // A window that no map can have is refused, and nothing overflows.
+  const std::int32_t low[3] = {map.output().low_x, map.output().low_y, map.output().low_z};
+  std::uint8_t pattern[sizeof low];
+  std::memcpy(pattern, low, sizeof low);
+  const auto found = std::search(bytes.begin(), bytes.end(), std::begin(pattern), std::end(pattern));
+  REQUIRE(found != bytes.end());
+  const std::int32_t far = std::numeric_limits<std::int32_t>::min();
+  std::memcpy(&*found, &far, sizeof far);
+  rt::Archive broken = rt::Archive::reading(bytes);
+  other.archive(broken);
+  CHECK(broken.status() == Status::malformed);
+  CHECK(other.centre_on({1e6, 1e6, 1e6}) == Status::ok);
 }
 
 TEST_CASE("Every cell that a ray changes moves the chain of changes") {

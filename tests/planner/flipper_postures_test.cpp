@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 using namespace sortie;
@@ -117,4 +118,19 @@ TEST_CASE("Postures that do not exist, bad set-ups and bad times are refused") {
   CHECK(other.set_up(kPostures, {0.0, 0.05, 0}) == Status::out_of_range);
   const FlipperPosture bad[] = {{{0, std::numeric_limits<double>::infinity(), 0, 0}}};
   CHECK(other.set_up(bad, {}) == Status::not_finite);
+}
+
+TEST_CASE("A state with a posture that these flippers do not have is refused") {
+  FlipperPostures flippers = usual_postures(), others;
+  REQUIRE(flippers.update(2, false, kTick_ns) == Status::ok);
+  rt::Archive measure = rt::Archive::measuring();
+  flippers.archive(measure);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
+  rt::Archive write = rt::Archive::writing(bytes);
+  flippers.archive(write);
+  REQUIRE(others.set_up(std::span{kPostures}.first(2), {0.8, 0.05, 0}) == Status::ok);
+  rt::Archive read = rt::Archive::reading(bytes);
+  others.archive(read);
+  CHECK(read.status() == Status::malformed);
+  CHECK(others.update(-1, false, 2 * kTick_ns) == Status::ok);
 }

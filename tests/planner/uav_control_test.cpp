@@ -106,6 +106,31 @@ TEST_CASE("A profile neither overshoots nor loses its way after braking") {
   CHECK(profile->set_goal({std::nan(""), 0, 0}, 0) == Status::not_finite);
 }
 
+TEST_CASE("A stop while a profile brakes lets it brake, and it stays where that ends") {
+  for (const int before : {0, 1, 20}) {
+    CAPTURE(before);
+    auto profile = std::make_unique<GoalProfile>(planner::ProfileLimits{}, kProfileStep);
+    FlatReference moving;
+    moving.p_m = {3, 2, 5};
+    moving.v_m_s = {2, 0, -0.5};
+    moving.a_m_s2 = {-0.5, 0, 0};
+    profile->rest(moving.p_m, 0);
+    profile->brake(moving);
+    for (int k = 0; k < before; ++k) profile->step();
+    Vector3 last = profile->now().v_m_s;
+    profile->stop();
+    for (int k = 0; k < 500; ++k) {
+      profile->step();
+      REQUIRE(rt::norm(profile->now().v_m_s - last) < 0.05);
+      REQUIRE(profile->now().v_m_s.x > -1e-9);  // it does not come back
+      last = profile->now().v_m_s;
+    }
+    CHECK(rt::norm(last) < 1e-9);
+    CHECK(profile->now().p_m.x > 3.5);
+    CHECK(rt::norm(profile->now().p_m - profile->goal_m()) < 1e-9);
+  }
+}
+
 TEST_CASE("Flat rates and accelerations agree with differences of the attitude") {
   const auto reference = [](double t) {
     FlatReference r;
