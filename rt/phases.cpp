@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/phases.hpp"
 
+#include <numeric>
+
 #include "rt/release_walk.hpp"
 
 namespace sortie::rt {
@@ -35,8 +37,6 @@ Cost cost_of(const ScheduleTable& table, GroupSet set, std::uint32_t visits) {
   return cost;
 }
 
-std::uint64_t multiple(std::uint64_t a, std::uint64_t b) { return a / greatest_divisor(a, b) * b; }
-
 // Phases of `group` that differ in how it meets the groups of `set`: gcd(its period, lcm(theirs)), by a form
 // that cannot overflow. Groups on other processors do not count, unless one that may run anywhere ties them
 // together.
@@ -48,7 +48,7 @@ std::uint64_t alignments(const ScheduleTable& table, std::uint32_t group, GroupS
   for (std::uint32_t i = 0; i < table.groups.size(); ++i) {
     const bool meets = tied || table.groups[i].core == table.groups[group].core;
     if ((set & bit(i) & ~bit(group)) != 0 && meets)
-      result = multiple(result, greatest_divisor(period, table.groups[i].timing.period));
+      result = std::lcm(result, std::gcd(period, std::uint64_t{table.groups[i].timing.period}));
   }
   return result;
 }

@@ -120,11 +120,4 @@ class SpscSpanRing {
   Protocol protocol_{0};
 };
 
-/// The smallest legal ring capacity that holds at least `n` elements (n <= 2^31).
-constexpr std::uint32_t ring_capacity_for(std::uint32_t n) {
-  std::uint32_t capacity = 1;
-  while (capacity < n) capacity <<= 1;
-  return capacity;
-}
-
 }  // namespace sortie::rt

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -27,9 +28,7 @@ void copy_text(char (&to)[N], const std::string& from) {
 }
 
 std::uint32_t power_of_two(std::uint64_t at_least) {
-  std::uint32_t slots = 16;
-  while (slots < at_least && slots < (1u << 24)) slots *= 2;
-  return slots;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_ceil(at_least), 16, 1u << 24));
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {

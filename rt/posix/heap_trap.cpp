@@ -10,6 +10,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <bit>
 #include <cerrno>
 #include <cstddef>
 
@@ -51,8 +52,6 @@ constinit std::atomic<sortie::rt::posix::HeapTrapAction> chosen_action{
 inline void check() noexcept {
   if (__builtin_expect(armed_depth != 0, 0)) trapped();
 }
-
-bool is_power_of_two(std::size_t n) { return n != 0 && (n & (n - 1)) == 0; }
 
 }  // namespace
 
@@ -102,7 +101,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
 
 int posix_memalign(void** out, std::size_t alignment, std::size_t bytes) noexcept {
   check();
-  if (!is_power_of_two(alignment) || alignment % sizeof(void*) != 0) return EINVAL;
+  if (!std::has_single_bit(alignment) || alignment % sizeof(void*) != 0) return EINVAL;
   void* const memory = __libc_memalign(alignment, bytes);
   if (memory == nullptr) return ENOMEM;
   *out = memory;
