@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The clocks of the operating system.
 #include "rt/posix/clock.hpp"
 
 #include <cerrno>

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a thread asks of the kernel before it becomes a real-time thread.
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "rt/posix/realtime.hpp"
 
 #include <malloc.h>
