@@ -15,6 +15,9 @@ struct [[nodiscard]] SetupResult {
   char reason[200]{};
 };
 
+/// A step that was refused, and why, as printf has it; cut to what fits.
+[[gnu::format(printf, 1, 2)]] SetupResult refusal(const char* format, ...) noexcept;
+
 /// SCHED_FIFO at `priority` (1..99) for the calling thread. Needs CAP_SYS_NICE or an RLIMIT_RTPRIO.
 SetupResult set_fifo_priority(int priority) noexcept;
 

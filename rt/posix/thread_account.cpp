@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
 namespace sortie::rt::posix {
@@ -29,14 +28,12 @@ ThreadAccountFile::~ThreadAccountFile() {
 SetupResult ThreadAccountFile::open_for_this_thread() noexcept {
   if (file_ >= 0) close(file_);
   file_ = open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);
-  SetupResult result;
   ThreadAccount account;
-  if (file_ >= 0 && read(account)) return result;
-  result.ok = false;
-  std::snprintf(result.reason, sizeof(result.reason),
-                "causes of delays: /proc/thread-self/schedstat: %s; mount /proc, or use a kernel with "
-                "CONFIG_SCHED_INFO",
-                file_ < 0 ? std::strerror(errno) : "holds no numbers");
+  if (file_ >= 0 && read(account)) return {};
+  const SetupResult result = refusal(
+      "causes of delays: /proc/thread-self/schedstat: %s; mount /proc, or use a kernel with "
+      "CONFIG_SCHED_INFO",
+      file_ < 0 ? std::strerror(errno) : "holds no numbers");
   if (file_ >= 0) close(file_);
   file_ = -1;
   return result;
