@@ -52,6 +52,14 @@ bool is_special_file(const std::string& path) noexcept {
   return stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode);
 }
 
+bool is_being_written(const std::string& path) noexcept {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return false;
+  const bool lives = is_locked(file, LOCK_SH);
+  close(file);
+  return lives;
+}
+
 FilePlace::FilePlace(const std::string& path, unsigned mode) : path_(place_of(path)) {
   if (is_special_file(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -62,11 +70,7 @@ FilePlace::FilePlace(const std::string& path, unsigned mode) : path_(place_of(pa
   struct stat found {};
   if (stat(path_.c_str(), &found) == 0 && S_ISDIR(found.st_mode))
     refuse(path_, "it is a folder; give a file");
-  if (const int former = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); former >= 0) {
-    const bool lives = is_locked(former, LOCK_SH);
-    close(former);
-    if (lives) refuse(path_, "a run that is still going uses it; choose another file");
-  }
+  if (is_being_written(path_)) refuse(path_, "a run that is still going uses it; choose another file");
   open_part(mode);
 }
 

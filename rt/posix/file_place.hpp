@@ -20,6 +20,9 @@ std::string place_of(const std::string& path);
 /// directly.
 bool is_special_file(const std::string& path) noexcept;
 
+/// True while a process that makes or writes the file at `path` holds its lock.
+bool is_being_written(const std::string& path) noexcept;
+
 /// What becomes of what stood at the place.
 enum class FormerFile {
   replaced,  ///< gone
