@@ -116,8 +116,16 @@ class DelayObserver {
   DelayStatistics statistics_;
 };
 
-/// wait_for_release of rt/posix/clock.hpp, and the observer is told. The same system calls and one more where
-/// the thread slept; none more with an observer that is off.
+/// How a wait for a release went.
+struct ReleaseWait {
+  Nanoseconds woke_ns{};       ///< end of the wait, never before the release
+  Nanoseconds overslept_ns{};  ///< how much later than asked the sleep ended; -1: there was no time to sleep
+  Nanoseconds spun_ns{};       ///< time spent spinning
+};
+
+/// Sleeps until `margin_ns` before the release, then spins to it: lateness falls from tens of microseconds to
+/// tens of nanoseconds for that much busy time. The observer is told. At most one system call, and one more
+/// with an observer that is on.
 ReleaseWait wait_for_release(DelayObserver& observer, Tick tick, Nanoseconds release_ns,
                              Nanoseconds margin_ns);
 

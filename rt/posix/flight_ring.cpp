@@ -12,10 +12,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <stdexcept>
 
+#include "rt/posix/clock.hpp"
 #include "rt/posix/flight_reader.hpp"
 #include "rt/posix/memory_file_system.hpp"
 
@@ -256,9 +256,7 @@ void FlightRing::died(int signal, int code, const void* address) noexcept {
   if (!std::atomic_ref<std::uint32_t>(state_->signal)
            .compare_exchange_strong(none, static_cast<std::uint32_t>(signal)))
     return;
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);  // one of the calls that a handler may make
-  state_->signal_ns = now.tv_sec * kNanosecondsPerSecond + now.tv_nsec;
+  state_->signal_ns = monotonic_now();
   state_->signal_code = code;
   state_->signal_address = reinterpret_cast<std::uintptr_t>(address);
   const SpanTrack* track = this_thread_spans;

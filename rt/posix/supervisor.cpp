@@ -19,12 +19,6 @@ constexpr Nanoseconds kStuckEventEvery =
 constexpr Nanoseconds kLongestLook = 20 * kNanosecondsPerMillisecond;
 // A missed job where there is room is not the processors' fault: shedding would not help.
 constexpr double kBusyCore = 0.5;
-
-Nanoseconds read_cpu_clock(clockid_t clock) {
-  timespec t{};
-  if (clock_gettime(clock, &t) != 0) return 0;
-  return Nanoseconds{t.tv_sec} * kNanosecondsPerSecond + t.tv_nsec;
-}
 }  // namespace
 
 double declared_load(const Executive& executive, std::uint32_t index, std::uint8_t level) {
@@ -191,7 +185,7 @@ bool Supervisor::load_of(Member& member, Nanoseconds window, double& load) const
   const WorkerPulse& pulse = pulses_[member.group];
   if (!pulse.has_cpu_clock.load(std::memory_order_acquire)) return false;
   const Nanoseconds before = member.busy_ns;
-  member.busy_ns = read_cpu_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
+  member.busy_ns = read_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
   if (before < 0) return false;  // set-up work of a thread is no load of the run
   load = static_cast<double>(member.busy_ns - before) / static_cast<double>(window);
   return true;
