@@ -34,22 +34,14 @@ class DelayObserver {
   bool on() const noexcept { return account_file_.is_open(); }
 
   /// The thread is about to sleep until `planned_ns`, for the release at `release_ns`.
-  void before_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept {
-    if (on()) note_sleep(now_ns, planned_ns, release_ns);
-  }
+  void before_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept;
   /// The thread is awake again. The one system call of every tick.
-  void after_sleep(Nanoseconds now_ns) noexcept {
-    if (on()) note_wake(now_ns);
-  }
+  void after_sleep(Nanoseconds now_ns) noexcept;
   /// The wait is over: `now_ns` >= release. `before_ns`: the clock's last reading before that, while
   /// spinning.
-  void at_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept {
-    if (on()) note_release(tick, release_ns, now_ns, before_ns);
-  }
+  void at_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept;
   /// The job that began at `start_ns` has ended. `budget_ns`: declared for all of the group's tasks, 0: none.
-  void after_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept {
-    if (on()) note_job(tick, start_ns, now_ns, budget_ns);
-  }
+  void after_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept;
   /// Explains what is still open with the evidence there is. When the worker has ended and the witnesses have
   /// had their last look. May be called twice.
   void finish() noexcept;
@@ -82,10 +74,6 @@ class DelayObserver {
   };
   static constexpr std::uint32_t kOpen = 64;
 
-  void note_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept;
-  void note_wake(Nanoseconds now_ns) noexcept;
-  void note_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept;
-  void note_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept;
   Passed read_since_last(Nanoseconds now_ns) noexcept;
   void open_case(const Open& open) noexcept;
   void hear_witnesses(Open& open) const noexcept;
