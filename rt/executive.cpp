@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/executive.hpp"
 
-#include "rt/declared_table.hpp"
 #include "rt/phases.hpp"
 
 namespace sortie::rt {
@@ -225,6 +224,24 @@ std::uint64_t Executive::digest() const {
   std::uint64_t chain = 0;
   for (std::uint32_t i = 0; i < tasks_.size(); ++i) chain = chain_digest(chain, i, tasks_[i]->chain());
   return chain;
+}
+
+ScheduleTable declared_table(const Executive& executive) {
+  ScheduleTable table;
+  table.base_tick_ns = executive.base_tick_ns();
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
+    const Group& group = executive.group(i);
+    DeclaredGroup declared;
+    declared.timing = group.timing;
+    declared.core = group.spec.core;
+    // Both hold as many as an executive does.
+    for (const TaskBase* task : group.tasks) {
+      static_cast<void>(declared.tasks.push_back(
+          {std::uint64_t{task->budget_us()} * kNanosecondsPerMicrosecond, task->spec().criticality}));
+    }
+    static_cast<void>(table.groups.push_back(declared));
+  }
+  return table;
 }
 
 }  // namespace sortie::rt

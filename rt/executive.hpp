@@ -22,6 +22,8 @@
 
 namespace sortie::rt {
 
+struct ScheduleTable;
+
 /// What a live run does with releases of a group whose time has passed.
 enum class OverrunPolicy : std::uint8_t {
   skip,      ///< leaves out whole periods, keeps the phase; waiting samples go to the next job
@@ -263,5 +265,9 @@ class Executive {
   bool record_fields_{};
   bool digests_{true};
 };
+
+/// What the executive's groups and tasks declare, in their order, as the plain table that the analysis works
+/// on (rt/schedule.hpp). Before it is sealed all phases are 0.
+ScheduleTable declared_table(const Executive& executive);
 
 }  // namespace sortie::rt

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How large the tables of the executive are. SORTIE_SMALL_BOARD, set for the whole program, makes them fit a
-// microcontroller; outputs and digests do not depend on it.
+// How large the tables of the executive are, and how far apart data of two threads lie. SORTIE_SMALL_BOARD,
+// set for the whole program, makes tables fit a microcontroller; outputs and digests do not depend on it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace sortie::rt {
@@ -35,5 +36,8 @@ inline constexpr std::uint32_t kHistogramSubBits = 6;
 /// Named allocations that an arena's report can hold.
 inline constexpr std::uint32_t kMaxArenaPools = 128;
 #endif
+
+/// Distance that keeps two threads off each other's cache line. 64 bytes on x86-64 and Cortex-A.
+inline constexpr std::size_t kCacheLineBytes = 64;
 
 }  // namespace sortie::rt

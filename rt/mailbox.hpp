@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "rt/cache_line.hpp"
+#include "rt/limits.hpp"
 
 namespace sortie::rt {
 

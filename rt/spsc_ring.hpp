@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "rt/cache_line.hpp"
+#include "rt/limits.hpp"
 #include "rt/spsc_protocol.hpp"
 
 namespace sortie::rt {
