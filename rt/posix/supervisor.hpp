@@ -19,9 +19,9 @@ namespace sortie::rt::posix {
 
 /// How the supervisor works.
 struct SupervisorOptions {
-  Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at tick 0
-  bool realtime{true};
-  int priority{90};  ///< above every worker
+  Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at tick 0; must lie in the future
+  bool realtime{true};     ///< ask for SCHED_FIFO, mlockall and pinning; what is refused becomes a warning
+  int priority{};  ///< above every worker; a LiveRunner takes 0 for ten above the fastest group, 99 at most
   LadderConfig ladder{};
   /// Processors that groups without a core of their own may use. 0: those that are there when it starts.
   double processors{};
