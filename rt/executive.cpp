@@ -23,18 +23,14 @@ GroupId Executive::add_group(const GroupSpec& spec) {
 Status Executive::seal() {
   if (error_ == nullptr && groups_.size() == 0) error_ = "no groups: nothing would ever run";
   if (error_ != nullptr) return Status::out_of_range;
-  choose_phases();
+  ScheduleTable table = declared_table(*this);
+  choose_phases(table);
+  for (std::uint32_t i = 0; i < groups_.size(); ++i) groups_[i].timing.phase = table.groups[i].timing.phase;
   if (!allocate_channels()) {
     error_ = "arena full";
     return Status::full;
   }
   return Status::ok;
-}
-
-void Executive::choose_phases() {
-  ScheduleTable table = declared_table(*this);
-  rt::choose_phases(table);
-  for (std::uint32_t i = 0; i < groups_.size(); ++i) groups_[i].timing.phase = table.groups[i].timing.phase;
 }
 
 bool Executive::allocate_channels() {

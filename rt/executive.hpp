@@ -246,7 +246,6 @@ class Executive {
   JobRecord& open_record(std::uint32_t index, std::uint64_t job, const JobOrder& order);
   void latch(Group& group, JobRecord& record, const JobOrder& order);
   Nanoseconds run_tasks(Group& group, JobRecord& record, const JobOrder& order);
-  void choose_phases();
   bool allocate_channels();
 
   Arena& arena_;

@@ -199,8 +199,8 @@ TickLoad worst_tick(const ScheduleTable& table, GroupSet set, std::uint32_t most
   return load;
 }
 
-void choose_phases(ScheduleTable& table, const PhaseSearch& search) {
-  if (search_whole(table, search.exhaustive)) return;
+void choose_phases(ScheduleTable& table, std::uint64_t whole) {
+  if (search_whole(table, whole)) return;
   for (DeclaredGroup& group : table.groups) group.timing.phase = 0;
   const FixedVector<std::uint32_t, kMaxGroups> order = placing_order(table);
   GroupSet placed = 0;

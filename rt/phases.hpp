@@ -31,22 +31,15 @@ GroupSet groups_on(const ScheduleTable& table, int core);
 /// The processors that a table names, lowest first; -1 alone when it names none.
 FixedVector<int, kMaxGroups> cores_of(const ScheduleTable& table);
 
-/// How long the chooser may look.
-struct PhaseSearch {
-  /// Tables with at most this many visits (releases times combinations) are searched whole: no choice is
-  /// better.
-  std::uint64_t exhaustive{1u << 18};
-};
-
 /// Chooses the phase of every group. What is made small is, first, the sum over processors of the work that
 /// waits in their worst tick, and second, of the work that releases meet on average. Among equals the earlier
 /// phases are taken.
 ///
 /// Only declared numbers enter, by integer arithmetic, so a table has the same phases on every machine. Of a
-/// group's phases only those are tried that differ in how it meets the others. Small tables are searched
-/// whole. For others groups are placed one by one, most budget first, then each is moved to where it loads
-/// least until nothing improves (tests compare this with a search of everything). Set-up only: up to some 10
-/// ms.
-void choose_phases(ScheduleTable& table, const PhaseSearch& search = {});
+/// group's phases only those are tried that differ in how it meets the others. Tables with at most `whole`
+/// visits (releases times combinations) are searched whole: no choice is better. For others groups are placed
+/// one by one, most budget first, then each is moved to where it loads least until nothing improves (tests
+/// compare this with a search of everything). Set-up only: up to some 10 ms.
+void choose_phases(ScheduleTable& table, std::uint64_t whole = 1u << 18);
 
 }  // namespace sortie::rt
