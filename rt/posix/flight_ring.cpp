@@ -186,15 +186,12 @@ void FlightRing::map_file(const FlightHeader& header) {
   const auto words_at = [this](const FlightPlace& place) {
     return reinterpret_cast<std::uint32_t*>(map_ + place.offset);
   };
-  for (std::uint32_t i = 0; i < header.groups; ++i) {
-    jobs_[i].first = words_at(header.group[i].jobs);
-    jobs_[i].mask = header.group[i].jobs.slots - 1;
-  }
+  for (std::uint32_t i = 0; i < header.groups; ++i)
+    jobs_[i] = {words_at(header.group[i].jobs), header.group[i].jobs.slots - 1, 0};
   tracks_ = std::make_unique<SpanTrack[]>(kMaxFlightTracks);
   for (std::uint32_t i = 0; i < header.tracks; ++i)
     tracks_[i] = SpanTrack(words_at(header.track[i].spans), header.track[i].spans.slots);
-  events_ = words_at(header.events);
-  event_mask_ = header.events.slots - 1;
+  events_ = {words_at(header.events), header.events.slots - 1, 0};
 }
 
 void FlightRing::set_clock(std::int64_t start_ns, std::int64_t utc_minus_monotonic_ns) {
@@ -208,7 +205,7 @@ void FlightRing::set_clock(std::int64_t start_ns, std::int64_t utc_minus_monoton
 
 void FlightRing::job(const JobRecord& record) noexcept {
   if (record.group >= kMaxGroups) return;
-  JobWriter& writer = jobs_[record.group];
+  FlightWriter& writer = jobs_[record.group];
   if (writer.first == nullptr) return;
   SpanTrack*& spans = this_thread_spans;
   if (spans != &tracks_[record.group]) spans = &tracks_[record.group];
@@ -225,9 +222,7 @@ void FlightRing::job(const JobRecord& record) noexcept {
     words[6 + i] = record.duration_ns[i];
     words[6 + kMaxTasksPerGroup + i] = record.units[i];
   }
-  std::uint32_t* entry = writer.first + std::size_t{writer.next & writer.mask} * kJobWords;
-  write_flight_entry(entry, 2 * writer.next + 2, words, kJobWords - 2);
-  ++writer.next;
+  writer.add(words);
 }
 
 void FlightRing::event(Nanoseconds time_ns, Tick tick, std::string_view text) {
@@ -241,9 +236,7 @@ void FlightRing::event(Nanoseconds time_ns, Tick tick, std::string_view text) {
   words[4] = static_cast<std::uint32_t>(length);
   std::memcpy(words + 5, text.data(), length);
   const std::lock_guard lock(event_mutex_);
-  std::uint32_t* entry = events_ + std::size_t{next_event_ & event_mask_} * kEventWords;
-  write_flight_entry(entry, 2 * next_event_ + 2, words, kEventWords - 2);
-  ++next_event_;
+  events_.add(words);
 }
 
 std::atomic<std::uint32_t>* FlightRing::running(std::uint32_t group) noexcept {

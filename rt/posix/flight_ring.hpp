@@ -99,12 +99,6 @@ class FlightRing {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
-  struct alignas(64) JobWriter {
-    std::uint32_t* first{};
-    std::uint32_t mask{};
-    std::uint32_t next{};
-  };
-
   void lay_out(const FlightPlan& plan, FlightHeader& header);
   void look_at_former();
   void rescue_part();
@@ -117,12 +111,10 @@ class FlightRing {
   std::byte* map_{};
   std::size_t bytes_{};
   FlightState* state_{};
-  JobWriter jobs_[kMaxGroups];
+  FlightWriter jobs_[kMaxGroups];
   std::unique_ptr<SpanTrack[]> tracks_;
   std::mutex event_mutex_;
-  std::uint32_t* events_{};
-  std::uint32_t event_mask_{};
-  std::uint32_t next_event_{};
+  FlightWriter events_;
   std::vector<std::string> warnings_;
 };
 
