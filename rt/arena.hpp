@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All memory of the runtime is taken here at start-up, by name, so that a scene's memory can be listed and
-// checked.
+// All memory of the runtime is taken here at start-up, by name, so that it can be listed and checked.
 #pragma once
 
 #include <cstddef>
@@ -56,8 +55,7 @@ class Arena {
     return one.empty() ? nullptr : one.data();
   }
 
-  /// From here on the arena ends at `bytes`, but behind all that was taken: what comes later and does not fit
-  /// is refused.
+  /// From here on the arena ends at `bytes`, but behind all that was taken; what does not fit is refused.
   void end_at(std::uint64_t bytes) {
     if (bytes < used_) bytes = used_;
     if (bytes < memory_.size()) memory_ = memory_.first(static_cast<std::size_t>(bytes));

@@ -83,8 +83,7 @@ struct JobOrder {
   std::uint8_t level{};    ///< live: level of the degrade ladder
 };
 
-/// The table and the state of a run. Everything is built between construction and seal(); afterwards nothing
-/// allocates.
+/// The table and the state of a run. Everything is built before seal(); afterwards nothing allocates.
 class Executive {
  public:
   /// Monotonic run clock, read for statistics and for live deadlines only.
@@ -174,8 +173,7 @@ class Executive {
     return outlet;
   }
 
-  /// Checks the table, chooses phases, allocates channels. Status: ok, or out_of_range with error() telling
-  /// what.
+  /// Checks the table, chooses phases, allocates channels. Status: ok, out_of_range or full; see error().
   Status seal();
   /// Why the set-up failed, or null.
   const char* error() const { return error_; }
@@ -189,8 +187,7 @@ class Executive {
     clock_ = clock;
     clock_self_ = self;
   }
-  /// Called with true before the first and with false after the last task of each job: traps are armed here.
-  /// Null: off.
+  /// Called with true before a job's first task and with false after its last: to arm traps. Null: off.
   void set_guard(void (*guard)(bool entering)) { guard_ = guard; }
   /// Called with true just before and with false just after each task: what a task costs is counted there.
   /// Null: off, for one predictable branch.

@@ -40,8 +40,7 @@ Reduced reduce_any(double x) {
   const std::uint64_t bits = bits_of(x);
   const int exponent = static_cast<int>((bits >> 52) & 0x7ff) - 1075;
   const std::uint64_t mantissa = (bits & 0x000fffffffffffffu) | 0x0010000000000000u;
-  // The digit behind the point with number exponent - 1 is the first that matters; the table has 64 zeros in
-  // front.
+  // Digit number exponent - 1 behind the point is the first that matters; 64 zeros stand in front.
   const unsigned first = static_cast<unsigned>(exponent - 1 + 63);
   const std::uint64_t* const words = kTwoOverPi + first / 64;
   const unsigned shift = first % 64;
@@ -85,8 +84,7 @@ Reduced reduce_any(double x) {
 }
 
 // Cody and Waite: pi/2 in three parts, of which the first two have 33 bits, so that their products with the
-// multiple are exact. Where the subtraction leaves next to nothing, the long way is taken. Needs |x| finite,
-// > pi/4.
+// multiple are exact. Where the subtraction leaves next to nothing: the long way. Needs |x| finite, > pi/4.
 Reduced reduce(double x) {
   constexpr double kTwoOverPiRounded = 0x1.45f306dc9c883p-1;
   constexpr double kPart1 = 0x1.921fb544p+0;
@@ -184,8 +182,7 @@ SinCos sincos(double x) {
   return turn(sin_kernel(r.high, r.low), cos_kernel(r.high, r.low), r.quadrant);
 }
 
-// sin/cos, each as high + low, because the errors of two rounded values and of their quotient would add up to
-// more than one ulp.
+// sin/cos, each as high + low: the errors of two rounded values and of their quotient add up to over an ulp.
 double tan(double x) {
   const Size size = size_of(x);
   if (size == Size::tiny) return x;

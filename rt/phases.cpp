@@ -38,8 +38,7 @@ Cost cost_of(const ScheduleTable& table, GroupSet set, std::uint32_t visits) {
 }
 
 // Phases of `group` that differ in how it meets the groups of `set`: gcd(its period, lcm(theirs)), by a form
-// that cannot overflow. Groups on other processors do not count, unless one that may run anywhere ties them
-// together.
+// that cannot overflow. Groups on other processors count only where one that may run anywhere ties all.
 std::uint64_t alignments(const ScheduleTable& table, std::uint32_t group, GroupSet set) {
   const std::uint64_t period = table.groups[group].timing.period;
   bool tied = false;
@@ -69,8 +68,7 @@ FixedVector<std::uint32_t, kMaxGroups> placing_order(const ScheduleTable& table)
   return order;
 }
 
-// Moves one group to the phase where the groups of `set` load each other least; it stays where that is no
-// better.
+// Moves one group to the phase where the groups of `set` load each other least, if that is any better.
 bool place(ScheduleTable& table, std::uint32_t group, GroupSet set, bool anywhere) {
   const std::uint64_t ways = alignments(table, group, set);
   const std::uint64_t stride = (ways + kMostCandidates - 1) / kMostCandidates;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a job reads: streams of samples from outside, and other groups' outputs. Both are latched at the
-// release.
+// What a job reads, latched at its release: streams of samples from outside, and other groups' outputs.
 #pragma once
 
 #include <atomic>
@@ -33,8 +32,7 @@ class StreamBase {
   std::uint32_t batch() const { return batch_; }
   /// Samples that wait now.
   virtual std::uint32_t waiting() const = 0;
-  /// Samples refused because the ring was full, or because no log could hold them; stays at 4,294,967,295.
-  /// Any thread.
+  /// Samples refused: the ring was full, or no log could hold them; stays at 4,294,967,295. Any thread.
   std::uint32_t refused() const { return refused_.value(); }
   /// Most samples that ever waited at a release.
   std::uint32_t high_water() const { return high_water_.load(std::memory_order_relaxed); }
@@ -51,8 +49,7 @@ class StreamBase {
   /// Jobs that found the stream stale.
   std::uint64_t stale_jobs() const { return stale_jobs_; }
 
-  /// Executive: takes up to `limit` samples for the job that is released at `release` and writes the range
-  /// down.
+  /// Executive: takes up to `limit` samples for the job released at `release` and writes the range down.
   void latch(Tick release, std::uint32_t limit, StreamRange& range) {
     const std::uint32_t there = waiting();
     if (there > high_water_.load(std::memory_order_relaxed))
@@ -98,8 +95,7 @@ class StreamBase {
   std::uint32_t batch_;
 };
 
-/// Stream of plain samples: one producer thread pushes, one group consumes. No heap; memory given at
-/// start-up.
+/// Stream of plain samples: one producer thread pushes, one group consumes. Its memory is given, no heap.
 template <class T>
 class Stream final : public StreamBase {
  public:
@@ -261,8 +257,7 @@ class Input final : public InputBase {
       std::uint64_t made_by = 0;
       if (done ? !(*channel_)->read(number, values_[taken_], made_by)
                : (*channel_)->ledger().overtook(number)) {
-        // Overtaken by the writer, whose own record may say done: keep only what comes after the hole, so
-        // that a range tells it all.
+        // Overtaken by the writer, whose record may say done: keep what comes after the hole, as one range.
         taken_ = 0;
         newest_made = -1;
         range = InputRange{};

@@ -10,8 +10,7 @@
 namespace sortie::rt {
 
 /// Visits releases from tick 0 through the last phase and two hyperperiods: by then a table that does not ask
-/// for more than it gets has begun to repeat itself. Cost: a few ns for each group and release; no memory but
-/// this.
+/// for more than it gets has begun to repeat itself. Cost: a few ns for each group and release.
 class ReleaseWalk {
  public:
   ReleaseWalk(const ScheduleTable& table, GroupSet set) : table_(table) {

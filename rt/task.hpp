@@ -87,8 +87,7 @@ class TaskBase {
   virtual void execute(JobContext& context) = 0;
   /// In place of execute() in a job in which the task is shed: the last output stands, with its old stamp.
   virtual void hold(JobContext& context) = 0;
-  /// Gives the LET channel its memory; called once when the executive is sealed. `words` is null if nobody
-  /// reads.
+  /// Gives the LET channel its memory, once, when the executive is sealed and if another group reads it.
   virtual std::uint32_t channel_words() const = 0;
   virtual void attach_channel(JobLedger& ledger, std::atomic<std::uint32_t>* words) = 0;
 
@@ -127,8 +126,7 @@ class TaskBase {
   PlantedFault fault_{};
 };
 
-/// A task with output T. Between jobs `value()` holds the last output; tasks of the same group read it
-/// directly.
+/// A task with output T. Between jobs `value()` holds the last output, for tasks of the same group.
 template <Described T>
 class Task : public TaskBase {
  public:

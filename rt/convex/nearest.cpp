@@ -11,8 +11,7 @@ constexpr double kExact_m = 1e-10;  // shorter than this is no distance
 constexpr double kRelative = 1e-6;  // known to this share, the direction is right to a milliradian and its
                                     // overlap, which is flat there, to a millionth
 
-// The part of a simplex that is nearest to the origin so far: up to three corners, in order, and their
-// weights.
+// The part of a simplex that is nearest to the origin so far: up to three corners in order, and weights.
 struct Part {
   std::uint32_t corners[3]{};
   double weights[3]{};

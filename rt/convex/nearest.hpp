@@ -34,8 +34,7 @@ struct NearestResult {
 
 /// Nearest points of b and of a moved by `shift_m`; `start` is the first direction tried (from b into a).
 /// Stops when the distance is known to a millionth or the budget is used up. `simplex` is empty at first;
-/// given again for the same bodies with another shift, it saves most of the work. 30-50 ns a round besides
-/// support().
+/// given again for the same bodies with another shift, it saves most work. 30-50 ns a round and support().
 NearestResult nearest_points(const Convex& a, const Vector3& shift_m, const Convex& b, const Vector3& start,
                              std::uint32_t budget, Simplex& simplex);
 

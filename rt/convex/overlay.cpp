@@ -157,8 +157,7 @@ void measure_insets(Result& result, const Flat& outline, const Flat& common, boo
   out.middle_depth_m = share * depth;
 }
 
-// `cutter` is flat; the other one is cut by its outline. `flip`: the outline goes round clockwise in this
-// view.
+// `cutter` is flat; the other one is cut by its outline.
 void against_polygon(Result& result, const Feature& cutter, const Feature& other, bool cutter_is_a) {
   const Flat outline = result.view.project(cutter);
   Flat rest = result.view.project(other);

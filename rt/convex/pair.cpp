@@ -13,10 +13,9 @@
 namespace sortie::rt::convex {
 namespace {
 
-constexpr double kSettled_m =
-    1e-7;  // facing points this near to the axis's overlap: no direction beside it is better
-constexpr double kProven_m = 1e-4;         // what proven() may overlook
-constexpr double kDoubt_m = 1e-7;          // what two searches may differ by
+constexpr double kSettled_m = 1e-7;  // facing points this near to the overlap: no direction beside is better
+constexpr double kProven_m = 1e-4;   // what proven() may overlook
+constexpr double kDoubt_m = 1e-7;    // what two searches may differ by
 constexpr std::uint32_t kPointCalls = 48;  // a contact of two points is worth these beyond the budget
 
 Vector3 support_of(const void* body, const Vector3& direction) {
@@ -116,8 +115,7 @@ class Judge {
            proven_by_wheel(a_) || proven_by_wheel(b_);
   }
 
-  // The same for a wheel's line: round the axis the wheel reaches out by its radius, along it by what is left
-  // of the line.
+  // The same for a wheel's line: it reaches out by the radius, and along the axis by what is left of it.
   bool proven_by_wheel(const Convex& track) const {
     const double overlap = out_.axis.overlap_m;
     return track.kind == Kind::track && shared_depth_m_ >= overlap - kProven_m &&
@@ -151,8 +149,7 @@ class Judge {
     return true;
   }
 
-  // The direction between the nearest points of a pair that is apart. False when the gap is wider than the
-  // margin.
+  // The direction between the nearest points of a pair that is apart. False: by more than the margin.
   bool measure_gap() {
     const Descent gap = nearest_direction(a_, b_, out_.axis.direction, polish_left_);
     return !gap.found || adopt(gap);

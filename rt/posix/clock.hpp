@@ -24,8 +24,7 @@ Nanoseconds utc_minus_monotonic();
 /// CPU time that the calling thread has used [ns]. About 0.4 us. Time stolen by a hypervisor is not in it.
 Nanoseconds thread_cpu_now();
 
-/// Sleeps until CLOCK_MONOTONIC reaches `wake_ns`; returns at once when that is past. Signals do not cut it
-/// short.
+/// Sleeps until CLOCK_MONOTONIC reaches `wake_ns`, whatever signals come; not at all when that is past.
 void sleep_until(Nanoseconds wake_ns);
 
 /// The same in naps of 10 ms, for who waits for a run to begin: it ends within a nap of `stop` being set.

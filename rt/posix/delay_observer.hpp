@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Watches one worker of a live run: for each job that starts late or runs long it collects the evidence and
-// finds the cause.
+// Watches one worker of a live run: collects evidence and finds the cause of each late start and long job.
 //
 // Cost: one more system call a tick (the thread's account, read after the sleep and before the release, so
 // that it delays nothing), three more for a job that is late. Nothing at all while it is off.
@@ -15,8 +14,7 @@
 
 namespace sortie::rt::posix {
 
-/// What a worker's observer knows of its surroundings. Both witnesses may be null: then there is less
-/// evidence.
+/// What a worker's observer knows of its surroundings. A witness that is null gives no evidence.
 struct DelayOptions {
   Nanoseconds threshold_ns{100'000};  ///< delays up to here need no explanation
   const CoreEvidence* cores{};        ///< interrupts, steal clock
@@ -28,8 +26,7 @@ struct DelayOptions {
 /// read by it, or after it has ended. Memory: 55 kB inline.
 class DelayObserver {
  public:
-  /// Set-up, on the worker's own thread. Refused where the kernel keeps no account of threads: then it stays
-  /// off.
+  /// Set-up, on the worker's own thread. Refused, and off, where the kernel keeps no account of threads.
   SetupResult open(const DelayOptions& options) noexcept;
   bool on() const noexcept { return account_file_.is_open(); }
 
@@ -37,8 +34,7 @@ class DelayObserver {
   void before_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept;
   /// The thread is awake again. The one system call of every tick.
   void after_sleep(Nanoseconds now_ns) noexcept;
-  /// The wait is over: `now_ns` >= release. `before_ns`: the clock's last reading before that, while
-  /// spinning.
+  /// The wait is over: `now_ns` >= release. `before_ns`: the last reading before, while spinning.
   void at_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept;
   /// The job that began at `start_ns` has ended. `budget_ns`: declared for all of the group's tasks, 0: none.
   void after_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept;

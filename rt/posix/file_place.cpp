@@ -21,8 +21,7 @@ namespace {
 
 bool is_locked(int file, int how) { return flock(file, how | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
-/// What lies at `part` is a link, or a file of another user that no process writes: removed if that is
-/// allowed.
+/// What lies at `part` is a link, or another user's file that no process writes: removed if that is allowed.
 bool clear_abandoned(const std::string& part) {
   const int file = open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   const bool lives = file < 0 ? errno != ELOOP : is_locked(file, LOCK_SH);
@@ -109,8 +108,7 @@ bool FilePlace::occupied() const noexcept {
   return !taken_ && lstat(path_.c_str(), &found) == 0;
 }
 
-// By a second name, so that no kill finds the place empty; a file system without hard links takes two
-// renames.
+// By a second name, so that no kill finds the place empty; without hard links it takes two renames.
 bool FilePlace::keep_former() noexcept {
   const std::string spare = previous() + ".part";
   unlink(spare.c_str());

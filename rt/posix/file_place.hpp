@@ -13,11 +13,9 @@
 
 namespace sortie::rt::posix {
 
-/// PATH, or where it leads if it is a symbolic link to something: a rename must not replace the link itself.
-/// Takes heap.
+/// PATH, or where it leads as a symbolic link: a rename must not replace the link itself. Takes heap.
 std::string place_of(const std::string& path);
-/// True when something stands there that no rename may replace: a device, a pipe, a socket. It is written
-/// directly.
+/// True when a device, a pipe or a socket stands there: no rename may replace it, it is written directly.
 bool is_special_file(const std::string& path) noexcept;
 
 /// True while a process that makes or writes the file at `path` holds its lock.

@@ -136,8 +136,7 @@ void FlightRing::look_at_former() {
   if (former_unfinished_) tell_kept();
 }
 
-// A run that died within its first job, before anybody put its ring into its place, is worth as much as any
-// other.
+// A run that died within its first job, before its ring took its place, is worth as much as any other.
 void FlightRing::rescue_part() {
   const std::string part = path_ + ".part";
   if (!FlightReader::was_left(part)) return;

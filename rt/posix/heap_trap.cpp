@@ -29,8 +29,7 @@ void* __libc_pvalloc(std::size_t);
 
 namespace {
 
-// Initial-exec storage lies in the thread's static block: the general model may itself call malloc on first
-// touch.
+// Initial-exec storage lies in the thread's static block: the general model may call malloc on first touch.
 [[gnu::tls_model("initial-exec")]] constinit thread_local std::uint32_t armed_depth = 0;
 [[gnu::tls_model("initial-exec")]] constinit thread_local std::uint64_t thread_calls = 0;
 constinit std::atomic<std::uint64_t> all_calls{0};

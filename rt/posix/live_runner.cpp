@@ -56,8 +56,7 @@ void LiveRunner::start() {
 void LiveRunner::make_threads() {
   const std::uint32_t count = executive_.group_count();
   running_.store(count, std::memory_order_release);
-  // The clock and the counters are kept without a worker's help. Missing evidence only means more unknown
-  // causes.
+  // Keeps the clock and the counters. Missing evidence only means more unknown causes.
   static_cast<void>(housekeeper_.start());
   if (options_.supervised) {
     SupervisorOptions above = options_;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs an executive on the real clock: one SCHED_FIFO worker a group, rate-monotonic priorities, one
-// supervisor above them.
+// Runs an executive on the real clock: one SCHED_FIFO worker a group, rate-monotonic, a supervisor above.
 #pragma once
 
 #include <atomic>
@@ -37,8 +36,7 @@ struct LiveOptions : SupervisorOptions {
   bool supervised{true};  ///< start the supervisor: watchdog and degrade ladder
   /// Anytime tasks are cut at this share of the time between release and deadline. 0: never.
   double cut_at{0.9};
-  /// Called on each worker before its first and after its last job (the heap trap is armed here). May be
-  /// null.
+  /// Called on each worker before its first and after its last job (arms the heap trap). May be null.
   void (*on_worker)(bool starts){};
 
   /// What a scene may say. Start, length, priorities and what is called are the run's own.

@@ -31,8 +31,7 @@ int thread_number() noexcept;
 /// end leaves the processor to ordinary threads from then on.
 SetupResult take_priority_from(int thread) noexcept;
 
-/// Keeps all present and future pages of the process in memory (mlockall), and keeps malloc from giving pages
-/// back.
+/// Keeps all present and future pages of the process in memory (mlockall); malloc gives none back then.
 SetupResult lock_memory() noexcept;
 
 /// Bounds the stack of every thread that is made from now on to `bytes`. Locked memory holds a stack whole

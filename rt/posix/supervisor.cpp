@@ -12,8 +12,7 @@ namespace sortie::rt::posix {
 
 namespace {
 constexpr Nanoseconds kFastestLook = kNanosecondsPerMillisecond / 2;
-constexpr Nanoseconds kStuckEventEvery =
-    100 * kNanosecondsPerMillisecond;  // a storm must not hide other events
+constexpr Nanoseconds kStuckEventEvery = 100 * kNanosecondsPerMillisecond;  // no storm hides other events
 // While nobody looked, the task may have been kept from its processor as the supervisor was: a paused machine
 // is no reason to leave the process.
 constexpr Nanoseconds kLongestLook = 20 * kNanosecondsPerMillisecond;
@@ -172,8 +171,7 @@ void Supervisor::look_for_stuck(Nanoseconds now, Nanoseconds looked) {
     }
     if (options_.stuck_limit_ns != 0 && watch.watched_ns > options_.stuck_limit_ns && !watch.limit_reached) {
       watch.limit_reached = true;
-      // Where it holds the only processor, and the kernel does not throttle real-time threads, nobody else
-      // could end the process.
+      // Where it holds the only processor, and the kernel throttles none, nobody could end the process.
       if (const int thread = pulses_[index].thread.load(std::memory_order_acquire); thread != 0)
         static_cast<void>(take_priority_from(thread));  // refused: it has ended, or was ordinary all along
       if (options_.on_stuck_limit != nullptr) options_.on_stuck_limit(options_.on_stuck_self, event);
