@@ -11,6 +11,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <string>
 
 #include "rt/job_record.hpp"
 
@@ -103,6 +105,12 @@ static_assert(sizeof(FlightState) == 128 && sizeof(FlightPlace) == 16 && sizeof(
 static_assert(sizeof(FlightGroup) == 24 + 24 + 48 + 288 + 16);
 static_assert(sizeof(FlightHeader) == 88 + 40 + 48 + 32 + 64 + 8 * 400 + 16 * 40 + 64 * 32 + 16);
 static_assert(sizeof(FlightHeader) <= kFlightStateOffset);
+
+/// Fills a text of the header that is empty; what is too long is cut.
+template <std::size_t N>
+void copy_text(char (&to)[N], const std::string& from) {
+  std::strncpy(to, from.c_str(), N - 1);
+}
 
 /// Check word of an entry over `count` words and its sequence word. Two running sums, so that order matters;
 /// joined by an even factor, so that no change of a single word goes unseen.

@@ -22,11 +22,6 @@
 namespace sortie::rt::posix {
 namespace {
 
-template <std::size_t N>
-void copy_text(char (&to)[N], const std::string& from) {
-  std::strncpy(to, from.c_str(), N - 1);
-}
-
 std::uint32_t power_of_two(std::uint64_t at_least) {
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_ceil(at_least), 16, 1u << 24));
 }
@@ -52,7 +47,7 @@ std::string boot_id() {
 }  // namespace
 
 FlightRing::FlightRing(const std::string& path, const FlightPlan& plan) : path_(path) {
-  const auto header = std::make_unique<FlightHeader>();
+  const auto header = std::make_unique<FlightHeader>(plan.header);
   lay_out(plan, *header);
   look_at_former();
   rescue_part();
@@ -75,32 +70,15 @@ void FlightRing::lay_out(const FlightPlan& plan, FlightHeader& header) {
   std::memcpy(header.magic, kFlightMagic, sizeof(header.magic));
   header.version = kFlightVersion;
   header.header_bytes = kFlightHeaderBytes;
-  header.base_tick_ns = plan.base_tick_ns;
-  header.epoch_ns = plan.epoch_ns;
-  header.start_ns = plan.start_ns;
-  header.utc_minus_monotonic_ns = plan.utc_minus_monotonic_ns;
-  header.scene_hash = plan.scene_hash;
   header.pid = static_cast<std::uint32_t>(getpid());
   copy_text(header.boot_id, boot_id());
-  copy_text(header.scene, plan.scene);
-  copy_text(header.vehicle, plan.vehicle);
-  copy_text(header.version_text, plan.version);
-  header.groups = static_cast<std::uint32_t>(std::min<std::size_t>(plan.groups.size(), kMaxGroups));
+  header.groups = std::min(header.groups, kMaxGroups);
   header.file_bytes = kFlightHeaderBytes;
   for (std::uint32_t i = 0; i < header.groups; ++i) {
-    const FlightGroupPlan& from = plan.groups[i];
     FlightGroup& group = header.group[i];
-    copy_text(group.name, from.name);
-    copy_text(header.track[i].name, from.name);
-    group.period_ticks = std::max(from.period_ticks, 1u);
-    group.phase_ticks = from.phase_ticks;
-    group.deadline_ticks = from.deadline_ticks;
-    group.core = from.core;
-    group.tasks = static_cast<std::uint32_t>(std::min<std::size_t>(from.tasks.size(), kMaxTasksPerGroup));
-    for (std::uint32_t task = 0; task < group.tasks; ++task) {
-      copy_text(group.task[task], from.tasks[task]);
-      group.budget_us[task] = task < from.budget_us.size() ? from.budget_us[task] : 0;
-    }
+    copy_text(header.track[i].name, group.name);
+    group.period_ticks = std::max(group.period_ticks, 1u);
+    group.tasks = std::min(group.tasks, kMaxTasksPerGroup);
     group.jobs = take(header.file_bytes, power_of_two(plan.ticks / group.period_ticks + 1), kJobWords);
   }
   const auto tracks = std::min<std::size_t>(header.groups + plan.more_tracks.size(), kMaxFlightTracks);
