@@ -12,8 +12,8 @@
 
 #include "firmware_like/log/flight_ending.hpp"
 #include "firmware_like/log/log_recorder.hpp"
+#include "rt/posix/file_place.hpp"
 #include "rt/posix/flight_reader.hpp"
-#include "rt/posix/memory_file_system.hpp"
 
 namespace sortie::firmware {
 namespace {

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -57,6 +58,16 @@ bool is_being_written(const std::string& path) noexcept {
   const bool lives = is_locked(file, LOCK_SH);
   close(file);
   return lives;
+}
+
+bool on_memory_file_system(int file) noexcept {
+  constexpr unsigned long kTmpfs = 0x01021994ul;
+  constexpr unsigned long kRamfs = 0x858458f6ul;
+  constexpr unsigned long kHugetlbfs = 0x958458f6ul;
+  struct statfs found {};
+  if (fstatfs(file, &found) != 0) return false;
+  const unsigned long type = static_cast<unsigned long>(found.f_type) & 0xfffffffful;
+  return type == kTmpfs || type == kRamfs || type == kHugetlbfs;
 }
 
 FilePlace::FilePlace(const std::string& path, unsigned mode) : path_(place_of(path)) {

@@ -17,7 +17,6 @@
 
 #include "rt/posix/clock.hpp"
 #include "rt/posix/flight_reader.hpp"
-#include "rt/posix/memory_file_system.hpp"
 
 namespace sortie::rt::posix {
 namespace {

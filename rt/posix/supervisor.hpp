@@ -3,7 +3,6 @@
 // of each core. It reads what the workers publish and never touches their data.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <thread>
 #include <vector>

@@ -6,7 +6,6 @@
 //   { const rt::posix::TraceSpan span(kMerge); merge(); }  // in a task
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "rt/posix/fast_clock.hpp"
