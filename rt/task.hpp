@@ -109,11 +109,7 @@ class TaskBase {
       record.field_bytes += bytes;
     }
   }
-  static bool wants_canonical(const JobContext& context) {
-    return context.digests_ || context.record_fields_;
-  }
-  bool fault_now(Tick tick) const { return fault_.armed && fault_.tick == tick; }
-  std::uint32_t fault_byte() const { return fault_.byte; }
+  PlantedFault fault_{};
 
  private:
   TaskSpec spec_;
@@ -123,7 +119,6 @@ class TaskBase {
   LatencyHistogram wall_time_;
   std::uint64_t over_budget_{};
   std::uint64_t chain_{};
-  PlantedFault fault_{};
 };
 
 /// A task with output T. Between jobs `value()` holds the last output, for tasks of the same group.
@@ -181,11 +176,11 @@ class Task : public TaskBase {
 
   void execute(JobContext& context) final {
     run(context, value_);
-    if (wants_canonical(context)) {
+    if (context.digests_ || context.record_fields_) {
       std::uint8_t canonical[canonical_size<T>()];
       encode_canonical(value_, canonical);
-      if (fault_now(context.tick)) {
-        canonical[fault_byte() % canonical_size<T>()] ^= 1u;
+      if (fault_.armed && fault_.tick == context.tick) {
+        canonical[fault_.byte % canonical_size<T>()] ^= 1u;
         decode_canonical(canonical, value_);
       }
       note(context, canonical, static_cast<std::uint32_t>(canonical_size<T>()));

@@ -46,7 +46,7 @@ class Judge {
     const bool overlap = out_.axis.overlap_m >= -kTouching_m;
     if (overlap && !exact() && !ask_portal()) return apart();
     if (out_.axis.overlap_m < -kTouching_m) {
-      if (!measure_gap()) return apart();
+      if (!adopt(nearest_direction(a_, b_, out_.axis.direction, polish_left_))) return apart();
     } else {
       if ((!settled || improved_by_portal_) && !improve(out_.axis.direction)) return apart();
       if (!exact() && !improve_rims()) return apart();
@@ -149,19 +149,11 @@ class Judge {
     return true;
   }
 
-  // The direction between the nearest points of a pair that is apart. False: by more than the margin.
-  bool measure_gap() {
-    const Descent gap = nearest_direction(a_, b_, out_.axis.direction, polish_left_);
-    return !gap.found || adopt(gap);
-  }
+  bool improve(const Vector3& start) { return adopt(descend(a_, b_, start, clearance_m_, polish_left_)); }
 
-  // False when a gap wider than the margin was proved.
-  bool improve(const Vector3& start) {
-    const Descent descent = descend(a_, b_, start, clearance_m_, polish_left_);
-    return !descent.found || adopt(descent);
-  }
-
+  // Of both: false when a gap wider than the margin was proved.
   bool adopt(const Descent& descent) {
+    if (!descent.found) return true;
     if (search_.consider(descent.axis.direction, preference_m_)) return false;
     if (!nearest_.found || descent.axis.overlap_m < nearest_.axis.overlap_m) nearest_ = descent;
     return true;
