@@ -7,16 +7,15 @@ namespace sortie::rt {
 
 GroupId Executive::add_group(const GroupSpec& spec) {
   const auto index = static_cast<std::uint16_t>(groups_.size());
-  if (spec.period_ticks == 0) fail<void>("a group's period must be at least one tick");
-  if (spec.deadline_ticks > spec.period_ticks)
-    fail<void>("a group's deadline must not lie beyond its period");
+  if (spec.period_ticks == 0) fail("a group's period must be at least one tick");
+  if (spec.deadline_ticks > spec.period_ticks) fail("a group's deadline must not lie beyond its period");
   Group group;
   group.spec = spec;
   group.timing.period = spec.period_ticks == 0 ? 1 : spec.period_ticks;
   group.timing.deadline = spec.deadline_ticks == 0 ? group.timing.period : spec.deadline_ticks;
-  if (spec.firm.k > 64 || spec.firm.m > spec.firm.k) fail<void>("a firm promise needs m <= k <= 64");
+  if (spec.firm.k > 64 || spec.firm.m > spec.firm.k) fail("a firm promise needs m <= k <= 64");
   group.misses = MissWindow(spec.firm);
-  if (!groups_.push_back(group)) fail<void>("too many groups");
+  if (!groups_.push_back(group)) fail("too many groups");
   return GroupId{index};
 }
 

@@ -4,6 +4,7 @@
 // thread, or a virtual clock with one worker a group. Outputs are the same in all of them.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -103,10 +104,9 @@ class Executive {
     const std::span<T> taken = arena_.make_array<T>("batches", batch);
     auto* stream = make<Stream<T>>("streams", name, static_cast<std::uint16_t>(streams_.size()), ring.data(),
                                    capacity, taken.data(), batch);
-    if (ring.empty() || taken.empty() || stream == nullptr) return fail<Stream<T>>("arena full");
-    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream)) {
-      return fail<Stream<T>>("too many streams");
-    }
+    if (ring.empty() || taken.empty() || stream == nullptr) return fail("arena full");
+    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream))
+      return fail("too many streams");
     return stream;
   }
 
@@ -116,22 +116,19 @@ class Executive {
   PooledStream<Header, Element>* add_pooled_stream(GroupId reader, const char* name, std::uint32_t slots,
                                                    std::uint32_t slot_size) {
     using Pooled = PooledStream<Header, Element>;
-    std::uint32_t ring = 2;
-    while (ring < slots) ring *= 2;
+    const std::uint32_t ring = std::bit_ceil(slots < 2 ? 2u : slots);
     const std::uint32_t batch = slots < 2 ? 1 : slots / 2;
     const auto elements = arena_.make_array<Element>(name, static_cast<std::size_t>(slots) * slot_size);
     const auto tickets = arena_.make_array<typename Pooled::Ticket>("streams", ring);
     const auto free_slots = arena_.make_array<std::uint32_t>("streams", ring);
     const auto taken = arena_.make_array<typename Pooled::Ticket>("batches", batch);
-    if (elements.empty() || tickets.empty() || free_slots.empty() || taken.empty())
-      return fail<Pooled>("arena full");
+    if (elements.empty() || tickets.empty() || free_slots.empty() || taken.empty()) return fail("arena full");
     auto* stream =
         make<Pooled>("streams", name, static_cast<std::uint16_t>(streams_.size()), elements.data(), slots,
                      slot_size, tickets.data(), free_slots.data(), ring, taken.data(), batch);
-    if (stream == nullptr) return fail<Pooled>("arena full");
-    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream)) {
-      return fail<Pooled>("too many streams");
-    }
+    if (stream == nullptr) return fail("arena full");
+    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream))
+      return fail("too many streams");
     return stream;
   }
 
@@ -139,9 +136,8 @@ class Executive {
   template <Described T, class F>
   Task<T>* add_task(GroupId group, const TaskSpec& spec, F function) {
     auto* task = make<FunctionTask<T, F>>("tasks", spec, group.index, std::move(function));
-    if (task == nullptr) return fail<Task<T>>("arena full");
-    if (!tasks_.push_back(task) || !groups_[group.index].tasks.push_back(task))
-      return fail<Task<T>>("too many tasks");
+    if (task == nullptr) return fail("arena full");
+    if (!tasks_.push_back(task) || !groups_[group.index].tasks.push_back(task)) return fail("too many tasks");
     return task;
   }
 
@@ -159,8 +155,8 @@ class Executive {
     std::uint16_t index = 0;
     while (tasks_[index] != task) ++index;
     auto* input = make<Input<T>>("inputs", task->group(), index, history, values.data(), task->channel());
-    if (values.empty() || input == nullptr) return fail<Input<T>>("arena full");
-    if (!groups_[reader.index].inputs.push_back(input)) return fail<Input<T>>("too many inputs");
+    if (values.empty() || input == nullptr) return fail("arena full");
+    if (!groups_[reader.index].inputs.push_back(input)) return fail("too many inputs");
     return input;
   }
 
@@ -168,8 +164,8 @@ class Executive {
   template <class T>
   CommandOutlet<T>* add_outlet(GroupId group) {
     auto* outlet = make<CommandOutlet<T>>("outlets", base_tick_ns_, epoch_ns_);
-    if (outlet == nullptr) return fail<CommandOutlet<T>>("arena full");
-    if (!groups_[group.index].outlets.push_back(outlet)) return fail<CommandOutlet<T>>("too many outlets");
+    if (outlet == nullptr) return fail("arena full");
+    if (!groups_[group.index].outlets.push_back(outlet)) return fail("too many outlets");
     return outlet;
   }
 
@@ -233,8 +229,7 @@ class Executive {
     const std::span<std::byte> memory = arena_.make_array<std::byte>(pool, sizeof(U), alignof(U));
     return memory.empty() ? nullptr : new (memory.data()) U(std::forward<Args>(args)...);
   }
-  template <class U>
-  U* fail(const char* why) {
+  std::nullptr_t fail(const char* why) {
     if (error_ == nullptr) error_ = why;
     return nullptr;
   }
