@@ -138,17 +138,14 @@ Size size_of(double x) {
   return magnitude < 0x7ff0000000000000u ? Size::large : Size::not_finite;
 }
 
-SinCos turn(double sine, double cosine, unsigned quadrant) {
-  switch (quadrant) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+double sin_of(const Reduced& r) {
+  const double value = (r.quadrant & 1u) != 0 ? cos_kernel(r.high, r.low) : sin_kernel(r.high, r.low);
+  return (r.quadrant & 2u) != 0 ? -value : value;
+}
+
+double cos_of(const Reduced& r) {
+  const double value = (r.quadrant & 1u) != 0 ? sin_kernel(r.high, r.low) : cos_kernel(r.high, r.low);
+  return ((r.quadrant + 1u) & 2u) != 0 ? -value : value;
 }
 
 }  // namespace
@@ -158,9 +155,7 @@ double sin(double x) {
   if (size == Size::small) return sin_kernel(x, 0.0);
   if (size == Size::tiny) return x;
   if (size == Size::not_finite) return quiet_nan();
-  const Reduced r = reduce(x);
-  const double value = (r.quadrant & 1u) != 0 ? cos_kernel(r.high, r.low) : sin_kernel(r.high, r.low);
-  return (r.quadrant & 2u) != 0 ? -value : value;
+  return sin_of(reduce(x));
 }
 
 double cos(double x) {
@@ -168,9 +163,7 @@ double cos(double x) {
   if (size == Size::small) return cos_kernel(x, 0.0);
   if (size == Size::tiny) return 1.0;
   if (size == Size::not_finite) return quiet_nan();
-  const Reduced r = reduce(x);
-  const double value = (r.quadrant & 1u) != 0 ? sin_kernel(r.high, r.low) : cos_kernel(r.high, r.low);
-  return ((r.quadrant + 1u) & 2u) != 0 ? -value : value;
+  return cos_of(reduce(x));
 }
 
 SinCos sincos(double x) {
@@ -179,7 +172,7 @@ SinCos sincos(double x) {
   if (size == Size::tiny) return {x, 1.0};
   if (size == Size::not_finite) return {quiet_nan(), quiet_nan()};
   const Reduced r = reduce(x);
-  return turn(sin_kernel(r.high, r.low), cos_kernel(r.high, r.low), r.quadrant);
+  return {sin_of(r), cos_of(r)};
 }
 
 // sin/cos, each as high + low: the errors of two rounded values and of their quotient add up to over an ulp.
