@@ -185,8 +185,7 @@ class Executive {
   }
   /// Called with true before a job's first task and with false after its last: to arm traps. Null: off.
   void set_guard(void (*guard)(bool entering)) { guard_ = guard; }
-  /// Called with true just before and with false just after each task: what a task costs is counted there.
-  /// Null: off, for one predictable branch.
+  /// Called with true just before and with false just after each task: to count what it costs. Null: off.
   using TaskProbe = void (*)(void* self, const TaskBase& task, Tick tick, bool entering);
   void set_task_probe(TaskProbe probe, void* self) {
     task_probe_ = probe;

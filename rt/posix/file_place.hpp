@@ -21,8 +21,7 @@ bool is_special_file(const std::string& path) noexcept;
 /// True while a process that makes or writes the file at `path` holds its lock.
 bool is_being_written(const std::string& path) noexcept;
 
-/// True when an open file lies in memory only (tmpfs, ramfs, hugetlbfs): stores into its map never wait for a
-/// disk then.
+/// True when an open file lies in memory (tmpfs, ramfs, hugetlbfs): no store into its map waits for a disk.
 bool on_memory_file_system(int file) noexcept;
 
 /// What becomes of what stood at the place.
