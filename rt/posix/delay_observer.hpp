@@ -108,8 +108,7 @@ struct ReleaseWait {
 };
 
 /// Sleeps until `margin_ns` before the release, then spins to it: lateness falls from tens of microseconds to
-/// tens of nanoseconds for that much busy time. At most one system call, and one more of an observer's that
-/// is on.
+/// tens of nanoseconds for that much busy time. At most one system call; two with an observer that is on.
 ReleaseWait wait_for_release(DelayObserver& observer, Tick tick, Nanoseconds release_ns,
                              Nanoseconds margin_ns);
 
