@@ -24,7 +24,7 @@ struct SupervisorOptions {
   LadderConfig ladder{};
   /// Processors that groups without a core of their own may use. 0: those that are there when it starts.
   double processors{};
-  /// One update of the ladder a window; longer where a core's slowest group has a period of over kMostSpan.
+  /// One update of the ladder a window; longer where a core's slowest period is more than kMostSpan of them.
   Nanoseconds window_ns{10 * kNanosecondsPerMillisecond};
   /// A task that is stuck for so long ends the run: its worker loses its real-time priority, so that ordinary
   /// threads have a processor, and `on_stuck_limit` is called once, on this thread. Of a
