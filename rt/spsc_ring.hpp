@@ -18,8 +18,9 @@ namespace detail {
 template <class T, class Memory, template <class> class Atomic>
 class SpscCalls {
  public:
+  SpscCalls() : SpscCalls(0) {}
   /// An empty ring whose indices start at `first_index`: brings their wrap-around within a test's reach.
-  explicit SpscCalls(std::uint32_t first_index = 0) : protocol_(first_index) {}
+  explicit SpscCalls(std::uint32_t first_index) : protocol_(first_index) {}
   SpscCalls(const SpscCalls&) = delete;
   SpscCalls& operator=(const SpscCalls&) = delete;
 
