@@ -4,12 +4,12 @@
 #if defined(__linux__)
 #include <linux/can/error.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
 
 #include "drivers/kernel_stamp.hpp"
+#include "rt/posix/clock.hpp"
 #endif
 
 namespace sortie::drivers {
@@ -20,12 +20,6 @@ namespace {
 
 constexpr rt::Nanoseconds kProbeEvery = 100 * rt::kNanosecondsPerMillisecond;
 constexpr rt::Nanoseconds kReopenEvery = 250 * rt::kNanosecondsPerMillisecond;
-
-rt::Nanoseconds monotonic_ns() {
-  timespec t{};
-  ::clock_gettime(CLOCK_MONOTONIC, &t);
-  return static_cast<rt::Nanoseconds>(t.tv_sec) * rt::kNanosecondsPerSecond + t.tv_nsec;
-}
 
 // Errors that no waiting ends: the interface was taken away, or the other end of a local socket.
 bool means_gone(int error) {
@@ -67,7 +61,7 @@ void CanSocketPath::close() noexcept {
 }
 
 bool CanSocketPath::try_again(rt::Nanoseconds every_ns) noexcept {
-  const rt::Nanoseconds now_ns = monotonic_ns();
+  const rt::Nanoseconds now_ns = rt::posix::monotonic_now();
   if (now_ns - tried_ns_ < every_ns) return false;
   tried_ns_ = now_ns;
   return true;
@@ -144,7 +138,7 @@ void CanSocketPath::note_error(std::uint32_t error_class, std::uint8_t controlle
   const bool active = (error_class & CAN_ERR_CRTL) != 0 && (controller & CAN_ERR_CRTL_ACTIVE) != 0;
   if (off && !bus_off_) {
     ++counters_.bus_off;
-    tried_ns_ = monotonic_ns();
+    tried_ns_ = rt::posix::monotonic_now();
   }
   if (off) bus_off_ = true;
   if ((error_class & CAN_ERR_RESTARTED) != 0 || active) bus_off_ = false;

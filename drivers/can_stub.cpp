@@ -2,6 +2,7 @@
 // The CAN bus in memory: set-up. What happens while it runs is in can_stub_run.cpp.
 #include "drivers/can_stub.hpp"
 
+#include <bit>
 #include <stdexcept>
 #include <string>
 
@@ -26,7 +27,7 @@ std::uint32_t queue_size(std::uint32_t frames, const char* name) {
   if (frames == 0 || frames > kMaxQueue) {
     throw std::runtime_error(std::string("CAN stub: ") + name + " must lie in 1..1048576");
   }
-  return rt::ring_capacity_for(frames);
+  return std::bit_ceil(frames);
 }
 
 }  // namespace

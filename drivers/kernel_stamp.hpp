@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-#include "rt/time.hpp"
+#include "rt/posix/clock.hpp"
 
 namespace sortie::drivers {
 
@@ -31,20 +31,15 @@ inline KernelNote read_kernel_note(msghdr& message) noexcept {
   const auto to_ns = [](const timespec& t) {
     return static_cast<rt::Nanoseconds>(t.tv_sec) * rt::kNanosecondsPerSecond + t.tv_nsec;
   };
-  const auto clock_ns = [&to_ns](clockid_t clock) {
-    timespec t{};
-    ::clock_gettime(clock, &t);
-    return to_ns(t);
-  };
   // Whoever is interrupted between the two clocks would blame it on the stamp: the narrowest of three looks
   // counts.
-  rt::Nanoseconds now_ns = clock_ns(CLOCK_MONOTONIC);
+  rt::Nanoseconds now_ns = rt::posix::monotonic_now();
   rt::Nanoseconds utc_ns = now_ns;
   rt::Nanoseconds narrowest = std::numeric_limits<rt::Nanoseconds>::max();
   rt::Nanoseconds before = now_ns;
   for (int look = 0; look < 3 && narrowest > 2000; ++look) {
-    const rt::Nanoseconds utc = clock_ns(CLOCK_REALTIME);
-    const rt::Nanoseconds after = clock_ns(CLOCK_MONOTONIC);
+    const rt::Nanoseconds utc = rt::posix::read_clock(CLOCK_REALTIME);
+    const rt::Nanoseconds after = rt::posix::monotonic_now();
     if (after - before < narrowest) {
       narrowest = after - before;
       now_ns = before;

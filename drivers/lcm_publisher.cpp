@@ -49,7 +49,7 @@ LcmPublisher::LcmPublisher(const LcmPublisherConfig& config) : config_(config) {
   problem_ = check_url(config.url);
   if (!problem_.empty()) return;
 
-  const std::uint32_t slots = rt::ring_capacity_for(config.slots);
+  const std::uint32_t slots = std::bit_ceil(config.slots);
   bytes_ = std::make_unique<std::uint8_t[]>(slots * config.slot_bytes);
   free_slots_ = std::make_unique<std::uint32_t[]>(slots);
   ready_slots_ = std::make_unique<Ready[]>(slots);

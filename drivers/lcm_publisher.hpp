@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -71,7 +72,7 @@ class LcmPublisher {
   /// Memory of a publisher that is on; what liblcm takes for itself is not in it.
   [[nodiscard]] static std::size_t bytes_for(const LcmPublisherConfig& config) noexcept {
     const std::size_t slot = config.slot_bytes + sizeof(std::uint32_t) + sizeof(Ready);
-    return sizeof(LcmPublisher) + rt::ring_capacity_for(config.slots) * slot;
+    return sizeof(LcmPublisher) + std::bit_ceil(config.slots) * slot;
   }
 
  private:

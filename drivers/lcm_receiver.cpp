@@ -14,6 +14,8 @@
 #include <ctime>
 #include <stdexcept>
 
+#include "rt/posix/clock.hpp"
+
 namespace sortie::drivers {
 namespace {
 
@@ -36,9 +38,7 @@ rt::Nanoseconds arrival(msghdr& header) {
     return std::int64_t{time.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{time.tv_nsec};
   }
   // No stamp from this kernel (emulators have none): the time of taking it has to do.
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{now.tv_nsec};
+  return rt::posix::read_clock(CLOCK_REALTIME);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// State to bytes and back: one function of an object serves both directions, so that saving and restoring
-// cannot drift apart.
+// State to bytes and back: one function of an object serves both directions, so they cannot drift apart.
 //
 //   class Filter {
 //    public:
@@ -15,11 +14,8 @@
 #pragma once
 
 #include <array>
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -54,8 +50,7 @@ constexpr bool is_archivable() {
 }
 }  // namespace detail
 
-/// A type that an archive takes: it archives itself, lists its fields, is a number or an enum, or is an array
-/// of such.
+/// What an archive takes: what archives itself or lists its fields, a number, an enum, or an array of such.
 template <class T>
 concept Archivable = detail::is_archivable<T>();
 

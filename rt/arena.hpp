@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All memory of the runtime is taken here at start-up, by name, so that a scene's memory can be listed and
-// checked.
+// All memory of the runtime is taken here at start-up, by name, so that it can be listed and checked.
 #pragma once
 
 #include <cstddef>
@@ -27,9 +26,6 @@ struct PoolRecord {
 /// refused stands in the report, with needed_bytes() as the cure.
 class Arena {
  public:
-  /// Named allocations that the report can hold; more are refused.
-  static constexpr std::uint32_t kMaxPools = kMaxArenaPools;
-
   /// An arena over `memory`, which may have any alignment.
   explicit Arena(std::span<std::byte> memory) : memory_(memory) {}
   Arena(const Arena&) = delete;
@@ -49,15 +45,7 @@ class Arena {
     return {elements, capacity};
   }
 
-  /// One value-initialised object under a name, or nullptr when there is no room.
-  template <class T>
-  [[nodiscard]] T* make(const char* name) {
-    const std::span<T> one = make_array<T>(name, 1);
-    return one.empty() ? nullptr : one.data();
-  }
-
-  /// From here on the arena ends at `bytes`, but behind all that was taken: what comes later and does not fit
-  /// is refused.
+  /// From here on the arena ends at `bytes`, but behind all that was taken; what does not fit is refused.
   void end_at(std::uint64_t bytes) {
     if (bytes < used_) bytes = used_;
     if (bytes < memory_.size()) memory_ = memory_.first(static_cast<std::size_t>(bytes));
@@ -79,7 +67,7 @@ class Arena {
     const std::size_t offset = static_cast<std::size_t>(at - start);
     const bool overflows = element_bytes != 0 && capacity > SIZE_MAX / 2 / element_bytes;
     const std::uint64_t body = std::uint64_t{capacity} * element_bytes;
-    const bool listed = records_used_ < kMaxPools;
+    const bool listed = records_used_ < kMaxArenaPools;
     const bool fits = !overflows && listed && offset <= memory_.size() && body <= memory_.size() - offset;
     if (listed) {
       PoolRecord& record = records_[records_used_++];
@@ -105,7 +93,7 @@ class Arena {
   std::uint64_t needed_{0};
   std::uint32_t refused_{0};
   std::uint32_t records_used_{0};
-  PoolRecord records_[kMaxPools]{};
+  PoolRecord records_[kMaxArenaPools]{};
 };
 
 }  // namespace sortie::rt

@@ -18,8 +18,7 @@ inline constexpr std::uint32_t kWordsOf = static_cast<std::uint32_t>((sizeof(T) 
                                                                      sizeof(Raw));
 
 /// Stores a value. Every word is a release: who sees it sees all that the writer did before, the counter's
-/// step above all. Free on x86-64, one stlr a word on ARMv8. (GCC unrolls nothing at -O2 by itself: half the
-/// instructions.)
+/// step above all. Free on x86-64, one stlr a word on ARMv8. (GCC at -O2 unrolls nothing by itself.)
 template <class T, class Word>
 void store_words(Word* words, const T& value) {
   static_assert(std::is_trivially_copyable_v<T>, "copied word by word");

@@ -16,8 +16,7 @@ inline constexpr std::uint32_t kMaxChainLegs = 8;
 /// every backward read on the way, which sees the value of the job before.
 struct ChainLeg {
   std::uint16_t group{};
-  std::uint16_t
-      port{};  ///< how it is entered: number of the stream (first leg) or of the input within the group
+  std::uint16_t port{};  ///< entered by: number of the stream (first leg) or of the input within the group
   std::uint32_t jobs_back{};
 };
 
@@ -25,16 +24,14 @@ struct ChainLeg {
 struct ChainStep {
   std::uint16_t leg{};
   std::uint16_t task{};  ///< number within its group
-  bool backward{};  ///< stands before the task that it reads, in the same group: sees the value of the job
-                    ///< before
+  bool backward{};       ///< stands before the task of its group that it reads: sees the job before's value
 };
 inline constexpr std::uint32_t kMaxChainSteps = 24;
 
 /// A path through the table.
 struct Chain {
   FixedVector<ChainLeg, kMaxChainLegs> legs;
-  FixedVector<ChainStep, kMaxChainSteps>
-      steps;           ///< for those who follow values; the bounds need the legs only
+  FixedVector<ChainStep, kMaxChainSteps> steps;  ///< for those who follow values; bounds need legs only
   bool from_stream{};  ///< it begins with samples of a stream; otherwise with the first task's own release
   /// Longest time between two samples of the stream. 0: one arrives for every release.
   Nanoseconds source_interval_ns{};
@@ -48,13 +45,11 @@ struct ChainBound {
   /// Oldest that the newest sample behind an output can be when that output becomes visible. For samples that
   /// come less often than the first group is released, their interval is part of it.
   std::uint64_t age_ns{};
-  bool exact{};  ///< false: the pattern of these groups is too long to be walked; a bound from each hop's
-                 ///< worst
+  bool exact{};  ///< false: the groups' pattern is too long to be walked; a bound from each hop's worst
 };
 
 /// Follows every job of the chain's first and last group through one hyperperiod of the groups on the way, or
-/// bounds hop by hop when those are more than kMostReleases jobs. Set-up only. The chain has at least one
-/// leg.
+/// bounds hop by hop when those are more than kMostReleases jobs. Set-up only. Needs a leg or more.
 ChainBound chain_bound(const ScheduleTable& table, const Chain& chain);
 
 }  // namespace sortie::rt

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The list of fields of a struct (rt/fields.hpp) in one line, for structs whose fields need no other name in
-// tables and logs.
+// The list of a struct's fields (rt/fields.hpp) in one line, where tables and logs use the members' names.
 #pragma once
 
 #include "rt/fields.hpp"

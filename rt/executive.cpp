@@ -1,41 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/executive.hpp"
 
-#include "rt/declared_table.hpp"
 #include "rt/phases.hpp"
 
 namespace sortie::rt {
 
 GroupId Executive::add_group(const GroupSpec& spec) {
   const auto index = static_cast<std::uint16_t>(groups_.size());
-  if (spec.period_ticks == 0) fail<void>("a group's period must be at least one tick");
-  if (spec.deadline_ticks > spec.period_ticks)
-    fail<void>("a group's deadline must not lie beyond its period");
+  if (spec.period_ticks == 0) fail("a group's period must be at least one tick");
+  if (spec.deadline_ticks > spec.period_ticks) fail("a group's deadline must not lie beyond its period");
   Group group;
   group.spec = spec;
   group.timing.period = spec.period_ticks == 0 ? 1 : spec.period_ticks;
   group.timing.deadline = spec.deadline_ticks == 0 ? group.timing.period : spec.deadline_ticks;
-  if (spec.firm.k > 64 || spec.firm.m > spec.firm.k) fail<void>("a firm promise needs m <= k <= 64");
+  if (spec.firm.k > 64 || spec.firm.m > spec.firm.k) fail("a firm promise needs m <= k <= 64");
   group.misses = MissWindow(spec.firm);
-  if (!groups_.push_back(group)) fail<void>("too many groups");
+  if (!groups_.push_back(group)) fail("too many groups");
   return GroupId{index};
 }
 
 Status Executive::seal() {
   if (error_ == nullptr && groups_.size() == 0) error_ = "no groups: nothing would ever run";
   if (error_ != nullptr) return Status::out_of_range;
-  choose_phases();
+  ScheduleTable table = declared_table(*this);
+  choose_phases(table);
+  for (std::uint32_t i = 0; i < groups_.size(); ++i) groups_[i].timing.phase = table.groups[i].timing.phase;
   if (!allocate_channels()) {
     error_ = "arena full";
     return Status::full;
   }
   return Status::ok;
-}
-
-void Executive::choose_phases() {
-  ScheduleTable table = declared_table(*this);
-  rt::choose_phases(table);
-  for (std::uint32_t i = 0; i < groups_.size(); ++i) groups_[i].timing.phase = table.groups[i].timing.phase;
 }
 
 bool Executive::allocate_channels() {
@@ -225,6 +219,24 @@ std::uint64_t Executive::digest() const {
   std::uint64_t chain = 0;
   for (std::uint32_t i = 0; i < tasks_.size(); ++i) chain = chain_digest(chain, i, tasks_[i]->chain());
   return chain;
+}
+
+ScheduleTable declared_table(const Executive& executive) {
+  ScheduleTable table;
+  table.base_tick_ns = executive.base_tick_ns();
+  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
+    const Group& group = executive.group(i);
+    DeclaredGroup declared;
+    declared.timing = group.timing;
+    declared.core = group.spec.core;
+    // Both hold as many as an executive does.
+    for (const TaskBase* task : group.tasks) {
+      static_cast<void>(declared.tasks.push_back(
+          {std::uint64_t{task->budget_us()} * kNanosecondsPerMicrosecond, task->spec().criticality}));
+    }
+    static_cast<void>(table.groups.push_back(declared));
+  }
+  return table;
 }
 
 }  // namespace sortie::rt

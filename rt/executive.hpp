@@ -4,6 +4,7 @@
 // thread, or a virtual clock with one worker a group. Outputs are the same in all of them.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -21,6 +22,8 @@
 #include "rt/task.hpp"
 
 namespace sortie::rt {
+
+struct ScheduleTable;
 
 /// What a live run does with releases of a group whose time has passed.
 enum class OverrunPolicy : std::uint8_t {
@@ -81,8 +84,7 @@ struct JobOrder {
   std::uint8_t level{};    ///< live: level of the degrade ladder
 };
 
-/// The table and the state of a run. Everything is built between construction and seal(); afterwards nothing
-/// allocates.
+/// The table and the state of a run. Everything is built before seal(); afterwards nothing allocates.
 class Executive {
  public:
   /// Monotonic run clock, read for statistics and for live deadlines only.
@@ -102,10 +104,9 @@ class Executive {
     const std::span<T> taken = arena_.make_array<T>("batches", batch);
     auto* stream = make<Stream<T>>("streams", name, static_cast<std::uint16_t>(streams_.size()), ring.data(),
                                    capacity, taken.data(), batch);
-    if (ring.empty() || taken.empty() || stream == nullptr) return fail<Stream<T>>("arena full");
-    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream)) {
-      return fail<Stream<T>>("too many streams");
-    }
+    if (ring.empty() || taken.empty() || stream == nullptr) return fail("arena full");
+    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream))
+      return fail("too many streams");
     return stream;
   }
 
@@ -115,22 +116,19 @@ class Executive {
   PooledStream<Header, Element>* add_pooled_stream(GroupId reader, const char* name, std::uint32_t slots,
                                                    std::uint32_t slot_size) {
     using Pooled = PooledStream<Header, Element>;
-    std::uint32_t ring = 2;
-    while (ring < slots) ring *= 2;
+    const std::uint32_t ring = std::bit_ceil(slots < 2 ? 2u : slots);
     const std::uint32_t batch = slots < 2 ? 1 : slots / 2;
     const auto elements = arena_.make_array<Element>(name, static_cast<std::size_t>(slots) * slot_size);
     const auto tickets = arena_.make_array<typename Pooled::Ticket>("streams", ring);
     const auto free_slots = arena_.make_array<std::uint32_t>("streams", ring);
     const auto taken = arena_.make_array<typename Pooled::Ticket>("batches", batch);
-    if (elements.empty() || tickets.empty() || free_slots.empty() || taken.empty())
-      return fail<Pooled>("arena full");
+    if (elements.empty() || tickets.empty() || free_slots.empty() || taken.empty()) return fail("arena full");
     auto* stream =
         make<Pooled>("streams", name, static_cast<std::uint16_t>(streams_.size()), elements.data(), slots,
                      slot_size, tickets.data(), free_slots.data(), ring, taken.data(), batch);
-    if (stream == nullptr) return fail<Pooled>("arena full");
-    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream)) {
-      return fail<Pooled>("too many streams");
-    }
+    if (stream == nullptr) return fail("arena full");
+    if (!streams_.push_back(stream) || !groups_[reader.index].streams.push_back(stream))
+      return fail("too many streams");
     return stream;
   }
 
@@ -138,9 +136,8 @@ class Executive {
   template <Described T, class F>
   Task<T>* add_task(GroupId group, const TaskSpec& spec, F function) {
     auto* task = make<FunctionTask<T, F>>("tasks", spec, group.index, std::move(function));
-    if (task == nullptr) return fail<Task<T>>("arena full");
-    if (!tasks_.push_back(task) || !groups_[group.index].tasks.push_back(task))
-      return fail<Task<T>>("too many tasks");
+    if (task == nullptr) return fail("arena full");
+    if (!tasks_.push_back(task) || !groups_[group.index].tasks.push_back(task)) return fail("too many tasks");
     return task;
   }
 
@@ -158,8 +155,8 @@ class Executive {
     std::uint16_t index = 0;
     while (tasks_[index] != task) ++index;
     auto* input = make<Input<T>>("inputs", task->group(), index, history, values.data(), task->channel());
-    if (values.empty() || input == nullptr) return fail<Input<T>>("arena full");
-    if (!groups_[reader.index].inputs.push_back(input)) return fail<Input<T>>("too many inputs");
+    if (values.empty() || input == nullptr) return fail("arena full");
+    if (!groups_[reader.index].inputs.push_back(input)) return fail("too many inputs");
     return input;
   }
 
@@ -167,13 +164,12 @@ class Executive {
   template <class T>
   CommandOutlet<T>* add_outlet(GroupId group) {
     auto* outlet = make<CommandOutlet<T>>("outlets", base_tick_ns_, epoch_ns_);
-    if (outlet == nullptr) return fail<CommandOutlet<T>>("arena full");
-    if (!groups_[group.index].outlets.push_back(outlet)) return fail<CommandOutlet<T>>("too many outlets");
+    if (outlet == nullptr) return fail("arena full");
+    if (!groups_[group.index].outlets.push_back(outlet)) return fail("too many outlets");
     return outlet;
   }
 
-  /// Checks the table, chooses phases, allocates channels. Status: ok, or out_of_range with error() telling
-  /// what.
+  /// Checks the table, chooses phases, allocates channels. Status: ok, out_of_range or full; see error().
   Status seal();
   /// Why the set-up failed, or null.
   const char* error() const { return error_; }
@@ -187,11 +183,9 @@ class Executive {
     clock_ = clock;
     clock_self_ = self;
   }
-  /// Called with true before the first and with false after the last task of each job: traps are armed here.
-  /// Null: off.
+  /// Called with true before a job's first task and with false after its last: to arm traps. Null: off.
   void set_guard(void (*guard)(bool entering)) { guard_ = guard; }
-  /// Called with true just before and with false just after each task: what a task costs is counted there.
-  /// Null: off, for one predictable branch.
+  /// Called with true just before and with false just after each task: to count what it costs. Null: off.
   using TaskProbe = void (*)(void* self, const TaskBase& task, Tick tick, bool entering);
   void set_task_probe(TaskProbe probe, void* self) {
     task_probe_ = probe;
@@ -234,8 +228,7 @@ class Executive {
     const std::span<std::byte> memory = arena_.make_array<std::byte>(pool, sizeof(U), alignof(U));
     return memory.empty() ? nullptr : new (memory.data()) U(std::forward<Args>(args)...);
   }
-  template <class U>
-  U* fail(const char* why) {
+  std::nullptr_t fail(const char* why) {
     if (error_ == nullptr) error_ = why;
     return nullptr;
   }
@@ -244,7 +237,6 @@ class Executive {
   JobRecord& open_record(std::uint32_t index, std::uint64_t job, const JobOrder& order);
   void latch(Group& group, JobRecord& record, const JobOrder& order);
   Nanoseconds run_tasks(Group& group, JobRecord& record, const JobOrder& order);
-  void choose_phases();
   bool allocate_channels();
 
   Arena& arena_;
@@ -263,5 +255,9 @@ class Executive {
   bool record_fields_{};
   bool digests_{true};
 };
+
+/// What the executive's groups and tasks declare, in their order, as the plain table that the analysis works
+/// on (rt/schedule.hpp). Before it is sealed all phases are 0.
+ScheduleTable declared_table(const Executive& executive);
 
 }  // namespace sortie::rt

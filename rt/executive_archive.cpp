@@ -29,8 +29,7 @@ void Executive::archive(Archive& archive, Tick tick) {
     for (CommandOutletBase* outlet : group.outlets) outlet->archive(archive);
     group.ledger->archive(archive);
   }
-  // Of a channel only what a reader may still take. The inputs and verdicts that decide it are in place by
-  // now.
+  // Of a channel only what a reader may still take: inputs and verdicts, which decide it, are in place.
   for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
     const Group& writer = groups_[tasks_[i]->group()];
     const std::uint64_t end = released_before(writer.timing, tick);

@@ -13,8 +13,7 @@
 //     }
 //   };
 //
-// Allowed field types: arithmetic types, enums, fixed C arrays of them, and structs that list their own
-// fields.
+// Allowed field types: arithmetic types, enums, C arrays of them, and structs that list their own fields.
 #pragma once
 
 #include <bit>
@@ -39,8 +38,7 @@ concept Described = requires(T& value) {
   T::fields(value, detail::NullVisitor{});
 };
 
-/// Bytes of the canonical form of T: every field in declaration order, little endian, no padding. Known at
-/// compile time.
+/// Bytes of the canonical form of T: every field in order, little endian, no padding; at compile time.
 template <class T>
 constexpr std::size_t canonical_size() {
   if constexpr (std::is_array_v<T>) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Distribution of durations in fixed memory: worst case and percentiles of every task, always on.
 //
-// Log-linear buckets: exact below 64 ns, then 64 equal buckets per doubling, so a bucket is at most 1/64 (1.6
-// %) of its value wide, up to 2^36 ns (68.7 s). Longer durations share one last bucket; min, max, count and
-// sum are exact for all.
+// Log-linear buckets: exact below 64 ns, then 64 equal ones per doubling, each at most 1/64 (1.6 %) of its
+// value wide, up to 2^36 ns (68.7 s). Longer ones share a last bucket; min, max, count and sum are exact.
 #pragma once
 
 #include <bit>
@@ -24,15 +23,8 @@ class LatencyHistogram {
   /// Number of buckets, the overflow bucket included.
   static constexpr std::uint32_t kBuckets = (36 - kSubBits + 1) * (1u << kSubBits) + 1;
 
-  /// Counts one duration. A handful of instructions, no branch that depends on the distribution but the
-  /// clamp.
-  void record(std::uint64_t ns) {
-    ++buckets_[index_of(ns)];
-    ++count_;
-    sum_ += ns;
-    min_ = ns < min_ ? ns : min_;
-    max_ = ns > max_ ? ns : max_;
-  }
+  /// Counts one duration. A handful of instructions, no branch that depends on it but the clamp.
+  void record(std::uint64_t ns) { record_many(ns, 1); }
 
   /// Counts one duration `times` times.
   void record_many(std::uint64_t ns, std::uint64_t times) {
@@ -61,8 +53,7 @@ class LatencyHistogram {
   std::uint64_t percentile(double q) const {
     if (count_ == 0) return 0;
     const double share = q > 0.0 ? (q < 1.0 ? q : 1.0) : 0.0;  // a NaN becomes 0
-    // 0.07 * 100 is a hair above 7 in binary; the factor keeps such products from rounding up to the next
-    // rank.
+    // 0.07 * 100 is a hair above 7 in binary; the factor keeps such products off the next rank.
     const double exact = share * static_cast<double>(count_) * (1.0 - 0x1p-50);
     std::uint64_t rank = static_cast<std::uint64_t>(exact);
     if (static_cast<double>(rank) < exact) ++rank;
@@ -76,8 +67,7 @@ class LatencyHistogram {
     return max_;
   }
 
-  /// Adds everything that `other` has counted, as if it had been recorded here. Cost: one pass over the
-  /// buckets.
+  /// Adds all that `other` has counted, as if it had been recorded here. Cost: one pass over the buckets.
   void merge(const LatencyHistogram& other) {
     for (std::uint32_t i = 0; i < kBuckets; ++i) buckets_[i] += other.buckets_[i];
     count_ += other.count_;

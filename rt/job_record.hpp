@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one job consumed, decided and produced. Everything that a replay needs to take the same decisions
-// again.
+// What one job consumed, decided and produced: all that a replay needs to take the same decisions again.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +9,7 @@
 
 namespace sortie::rt {
 
-/// Outcome of a job, decided exactly once. A missed job ran, but its outputs were never seen by another
-/// group.
+/// Outcome of a job, decided exactly once. A missed job ran, but no other group ever saw its outputs.
 enum class Verdict : std::uint8_t { pending = 0, done = 1, missed = 2 };
 
 /// The samples that a job took from one stream: `count` of them from sequence number `first`.

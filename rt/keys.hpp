@@ -95,8 +95,7 @@ struct NullKey {
 }  // namespace detail
 
 /// A struct that lists its keys: key(name, member, spec), or key(name, member, spec, setter) where a number
-/// may change while a run goes on: a Status setter(owner, value) with what the member would hold, called on
-/// the group's thread.
+/// may change while a run goes on: Status setter(owner, what the member would hold), on the group's thread.
 template <class T>
 concept Keyed = requires(T& value) {
   T::keys(value, detail::NullKey{});

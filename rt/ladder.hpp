@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The degrade ladder: who gives way, and how far, when a core has more to do than it can. Pure decisions; who
-// measures the load and when is the business of a runner. A level is recorded with every job, and a replay
-// takes the same.
+// measures the load and when is a runner's business. A level is recorded with every job, for its replay.
 #pragma once
 
 #include <array>
@@ -94,8 +93,7 @@ class Ladder {
     for (std::uint8_t i = 0; i < span; ++i) sum += loads_[i];
     return sum / span;
   }
-  // Measured load at `level`, foreseen from the one at the present level: all tasks take the same share of
-  // their budgets.
+  // Load at `level`, foreseen from the present level's: all tasks take the same share of their budgets.
   double foreseen(double load, std::uint8_t level) const {
     const double now = declared_[level_];
     return now > 0 ? load * declared_[level] / now : declared_[level];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One verdict per job. Whether a job met its deadline is decided once, by whoever asks first after the
-// deadline (the writer or a reader), and both obey. "Newest value that is visible now" would let thread
-// timing into the outputs.
+// deadline (the writer or a reader), and both obey. "Newest value now" would let timing into the outputs.
 #pragma once
 
 #include <atomic>

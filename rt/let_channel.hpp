@@ -14,8 +14,7 @@
 
 namespace sortie::rt {
 
-/// When a group's jobs are released and due, in ticks. Job j: release = phase + j * period, due = release +
-/// deadline.
+/// When a group's jobs are released and due, in ticks. Job j: at phase + j * period, and a deadline later.
 struct GroupTiming {
   std::uint32_t period{1};
   std::uint32_t phase{};
@@ -38,8 +37,7 @@ struct GroupTiming {
 };
 
 /// Slots of the ring that a channel needs so that a reader that is up to one of its own deadlines late still
-/// finds every value it may take. `history`: how many jobs back it reads (1 = the newest). Always a power of
-/// two.
+/// finds every value it may take. `history`: how many jobs back it reads (1 = the newest). A power of two.
 constexpr std::uint32_t channel_depth(const GroupTiming& writer, const GroupTiming& reader,
                                       std::uint32_t history) {
   const std::uint32_t during = (reader.deadline + writer.period - 1) / writer.period;

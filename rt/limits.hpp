@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How large the tables of the executive are. SORTIE_SMALL_BOARD, set for the whole program, makes them fit a
-// microcontroller; outputs and digests do not depend on it.
+// How large the tables of the executive are, and how far apart data of two threads lie. SORTIE_SMALL_BOARD,
+// set for the whole program, makes tables fit a microcontroller; outputs and digests do not depend on it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace sortie::rt {
@@ -32,8 +33,11 @@ inline constexpr std::uint32_t kMaxOutletsPerGroup = 4;
 inline constexpr std::uint32_t kMaxFieldBytes = 2048;
 /// Buckets of a latency histogram per doubling, as a power of two: steps of 1.6 %, 15.9 kB.
 inline constexpr std::uint32_t kHistogramSubBits = 6;
-/// Named allocations that an arena's report can hold.
+/// Named allocations that an arena and its report can hold; more are refused.
 inline constexpr std::uint32_t kMaxArenaPools = 128;
 #endif
+
+/// Distance that keeps two threads off each other's cache line. 64 bytes on x86-64 and Cortex-A.
+inline constexpr std::size_t kCacheLineBytes = 64;
 
 }  // namespace sortie::rt

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Latest value from one writer thread to one reader thread: three buffers, wait-free on both sides, never
-// torn.
+// Latest value from one writer thread to one reader thread: three buffers, wait-free for both, never torn.
 //
 // The writer owns one buffer, the reader one, and the third lies in the middle. Publishing and taking each
 // swap the own buffer with the middle one in a single exchange; a bit beside its index says whether the
@@ -11,7 +10,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "rt/cache_line.hpp"
+#include "rt/limits.hpp"
 
 namespace sortie::rt {
 
@@ -47,12 +46,10 @@ class Mailbox {
     return true;
   }
 
-  /// Reader: the value held since the last refresh(); a default T before the first. Valid until the next
-  /// refresh().
+  /// Reader: the value held from the last refresh() to the next; a default T before the first.
   const T& value() const { return buffers_[reader_].value; }
 
-  /// Reader: copies the newest value. True when it is newer than the one read before; `out` is written either
-  /// way.
+  /// Reader: copies the newest value in any case. True when it is newer than the one read before.
   bool read(T& out) {
     const bool fresh = refresh();
     out = value();

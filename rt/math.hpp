@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elementary functions with the same bits on every compiler, optimisation level and processor. The system's
-// libm picks its code by CPU, so its last bits differ between machines; nothing whose output enters a digest
-// may call it.
+// Elementary functions with the same bits on every compiler, optimisation level and processor. libm picks its
+// code by CPU, so its last bits differ between machines: nothing whose output enters a digest may call it.
 //
 // Only + - * / sqrt, integer and bit operations are used, in round-to-nearest and with denormals on, compiled
 // without contraction to fused multiply-add. Every function is within 1 ulp of the exact value over its whole
-// range, takes bounded time, touches constant tables only, and returns one and the same quiet NaN for every
-// NaN.
+// range, takes bounded time, touches constant tables only, and returns one quiet NaN for every NaN.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +38,7 @@ double acos(double x);
 /// Arc tangent [-pi/2, pi/2].
 double atan(double x);
 
-/// Angle [-pi, pi] of the point (x, y), with the signs of zeros and infinities as in C's Annex F: atan2(-0,
-/// -1) is -pi.
+/// Angle [-pi, pi] of the point (x, y), signs of zeros and infinities as in C's Annex F: -pi of (-1, -0).
 double atan2(double y, double x);
 
 /// e^x; infinity above 709.78, gradual underflow to 0 below -708.4.
@@ -54,8 +51,7 @@ double log(double x);
 double hypot(double x, double y);
 
 /// Largest whole number that is not above x; x itself for an infinity, a NaN and both zeros. (Some C
-/// libraries for small boards have a std::floor of doubles that is wrong where doubles are computed in
-/// software.)
+/// libraries for small boards have a std::floor that is wrong where doubles are computed in software.)
 inline double floor(double x) {
   constexpr double kWhole = 4503599627370496.0;  // 2^52: every double from there on is whole
   if (!(x > -kWhole && x < kWhole)) return x;
@@ -65,8 +61,7 @@ inline double floor(double x) {
 }
 
 /// True when this thread computes as the digests assume: round to nearest, denormals kept, products rounded
-/// before they are added to. Checked at start-up, as a library may have switched the processor to flush
-/// denormals.
+/// before they are added to. Checked at start-up: a library may have told the processor to flush denormals.
 bool arithmetic_is_strict();
 
 }  // namespace sortie::rt

@@ -19,8 +19,7 @@ namespace sortie::rt::detail {
 inline constexpr HighLow kPiOver2{0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 inline constexpr HighLow kPi{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 inline constexpr double kInfinity = __builtin_huge_val();
-// Added to a double below 2^51 and taken off again, rounds it to an integer, which also stands in the low
-// bits.
+// Added to a double below 2^51 and taken off, rounds it to an integer, which also stands in the low bits.
 inline constexpr double kRoundShift = 0x1.8p52;
 
 inline std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }

@@ -8,8 +8,7 @@ namespace {
 
 using namespace detail;
 
-// (main + small) 2^k below the normal range, rounded once: adding 2^(-1022 - k) puts the last place where the
-// result will have it.
+// (main + small) 2^k below the normal range, rounded once: 2^(-1022 - k) puts the last place where it is due.
 double exp_subnormal(double main, double small, int k) {
   const double anchor = power_of_two(-1022 - k);
   const HighLow value = fast_two_sum(main, small);
@@ -118,8 +117,7 @@ bool arithmetic_is_strict() {
   const bool keeps_denormals = denormal != 0.0 && denormal * 2.0 == smallest_normal;
   const bool rounds_to_nearest =
       one + half_ulp == 1.0 && one + 0x1.8p-53 == 1.0 + 0x1p-52 && -one - half_ulp == -1.0;
-  // The product rounds to 1; a fused multiply-add would keep the -2^-60 and betray a build without
-  // -ffp-contract=off.
+  // The product rounds to 1; a fused multiply-add (no -ffp-contract=off) would keep the -2^-60.
   const volatile double above = 1.0 + 0x1p-30;
   const volatile double below = 1.0 - 0x1p-30;
   const bool rounds_products = above * below - one == 0.0;

@@ -47,8 +47,7 @@ HighLow atan_ratio(double a, double b) {
     const double tail = first + z2 * z2 * second;
     return {ratio, rest + ratio * (z * tail)};
   }
-  // With c = i/32 next to a/b: atan(a/b) = atan(c) + atan((a - c b)/(b + c a)), the second at most 1/15 of
-  // the first.
+  // With c = i/32 next to a/b: atan(a/b) = atan(c) + atan((a - c b)/(b + c a)), 1/15 of it at most.
   const int cell =
       static_cast<int>(ratio * 32.0 + 0.5);  // NOLINT(bugprone-incorrect-roundings): any near cell will do
   const double c = static_cast<double>(cell) * 0x1p-5;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Constant tables of the elementary functions, computed with 400-bit arithmetic. Pairs are an unevaluated sum
-// high + low.
+// Constant tables of the elementary functions, computed with 400 bits. Pairs are an unevaluated high + low.
 #pragma once
 
 #include <cstdint>
@@ -173,8 +172,7 @@ inline constexpr HighLow kAtanTable[25] = {
     {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55},
 };
 
-// Binary digits of 2/pi behind the point, after one word of zeros for arguments below 2^63. The largest
-// double needs 1162 digits.
+// Binary digits of 2/pi behind the point, after a word of zeros for arguments below 2^63; 1162 are needed.
 inline constexpr std::uint64_t kTwoOverPi[21] = {
     0,
     0xa2f9836e4e441529,

@@ -40,8 +40,7 @@ Reduced reduce_any(double x) {
   const std::uint64_t bits = bits_of(x);
   const int exponent = static_cast<int>((bits >> 52) & 0x7ff) - 1075;
   const std::uint64_t mantissa = (bits & 0x000fffffffffffffu) | 0x0010000000000000u;
-  // The digit behind the point with number exponent - 1 is the first that matters; the table has 64 zeros in
-  // front.
+  // Digit number exponent - 1 behind the point is the first that matters; 64 zeros stand in front.
   const unsigned first = static_cast<unsigned>(exponent - 1 + 63);
   const std::uint64_t* const words = kTwoOverPi + first / 64;
   const unsigned shift = first % 64;
@@ -85,8 +84,7 @@ Reduced reduce_any(double x) {
 }
 
 // Cody and Waite: pi/2 in three parts, of which the first two have 33 bits, so that their products with the
-// multiple are exact. Where the subtraction leaves next to nothing, the long way is taken. Needs |x| finite,
-// > pi/4.
+// multiple are exact. Where the subtraction leaves next to nothing: the long way. Needs |x| finite, > pi/4.
 Reduced reduce(double x) {
   constexpr double kTwoOverPiRounded = 0x1.45f306dc9c883p-1;
   constexpr double kPart1 = 0x1.921fb544p+0;
@@ -140,17 +138,14 @@ Size size_of(double x) {
   return magnitude < 0x7ff0000000000000u ? Size::large : Size::not_finite;
 }
 
-SinCos turn(double sine, double cosine, unsigned quadrant) {
-  switch (quadrant) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+double sin_of(const Reduced& r) {
+  const double value = (r.quadrant & 1u) != 0 ? cos_kernel(r.high, r.low) : sin_kernel(r.high, r.low);
+  return (r.quadrant & 2u) != 0 ? -value : value;
+}
+
+double cos_of(const Reduced& r) {
+  const double value = (r.quadrant & 1u) != 0 ? sin_kernel(r.high, r.low) : cos_kernel(r.high, r.low);
+  return ((r.quadrant + 1u) & 2u) != 0 ? -value : value;
 }
 
 }  // namespace
@@ -160,9 +155,7 @@ double sin(double x) {
   if (size == Size::small) return sin_kernel(x, 0.0);
   if (size == Size::tiny) return x;
   if (size == Size::not_finite) return quiet_nan();
-  const Reduced r = reduce(x);
-  const double value = (r.quadrant & 1u) != 0 ? cos_kernel(r.high, r.low) : sin_kernel(r.high, r.low);
-  return (r.quadrant & 2u) != 0 ? -value : value;
+  return sin_of(reduce(x));
 }
 
 double cos(double x) {
@@ -170,9 +163,7 @@ double cos(double x) {
   if (size == Size::small) return cos_kernel(x, 0.0);
   if (size == Size::tiny) return 1.0;
   if (size == Size::not_finite) return quiet_nan();
-  const Reduced r = reduce(x);
-  const double value = (r.quadrant & 1u) != 0 ? sin_kernel(r.high, r.low) : cos_kernel(r.high, r.low);
-  return ((r.quadrant + 1u) & 2u) != 0 ? -value : value;
+  return cos_of(reduce(x));
 }
 
 SinCos sincos(double x) {
@@ -181,11 +172,10 @@ SinCos sincos(double x) {
   if (size == Size::tiny) return {x, 1.0};
   if (size == Size::not_finite) return {quiet_nan(), quiet_nan()};
   const Reduced r = reduce(x);
-  return turn(sin_kernel(r.high, r.low), cos_kernel(r.high, r.low), r.quadrant);
+  return {sin_of(r), cos_of(r)};
 }
 
-// sin/cos, each as high + low, because the errors of two rounded values and of their quotient would add up to
-// more than one ulp.
+// sin/cos, each as high + low: the errors of two rounded values and of their quotient add up to over an ulp.
 double tan(double x) {
   const Size size = size_of(x);
   if (size == Size::tiny) return x;

@@ -61,17 +61,6 @@ class MissWindow {
         .state(history_, missed_, in_row_, worst_in_row_, broken_, holds_);
   }
 
-  /// Everything but the promise, which belongs to the table.
-  template <class Self, class Visitor>
-  static constexpr void fields(Self& self, Visitor&& visit) {
-    visit("history", self.history_);
-    visit("missed", self.missed_);
-    visit("in_row", self.in_row_);
-    visit("worst_in_row", self.worst_in_row_);
-    visit("broken", self.broken_);
-    visit("holds", self.holds_);
-  }
-
  private:
   FirmPromise promise_{};
   std::uint64_t history_{};

@@ -13,7 +13,7 @@
 #include <type_traits>
 
 #include "rt/atomic_words.hpp"
-#include "rt/cache_line.hpp"
+#include "rt/limits.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::rt {

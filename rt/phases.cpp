@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/phases.hpp"
 
+#include <numeric>
+
 #include "rt/release_walk.hpp"
 
 namespace sortie::rt {
@@ -35,11 +37,8 @@ Cost cost_of(const ScheduleTable& table, GroupSet set, std::uint32_t visits) {
   return cost;
 }
 
-std::uint64_t multiple(std::uint64_t a, std::uint64_t b) { return a / greatest_divisor(a, b) * b; }
-
 // Phases of `group` that differ in how it meets the groups of `set`: gcd(its period, lcm(theirs)), by a form
-// that cannot overflow. Groups on other processors do not count, unless one that may run anywhere ties them
-// together.
+// that cannot overflow. Groups on other processors count only where one that may run anywhere ties all.
 std::uint64_t alignments(const ScheduleTable& table, std::uint32_t group, GroupSet set) {
   const std::uint64_t period = table.groups[group].timing.period;
   bool tied = false;
@@ -48,7 +47,7 @@ std::uint64_t alignments(const ScheduleTable& table, std::uint32_t group, GroupS
   for (std::uint32_t i = 0; i < table.groups.size(); ++i) {
     const bool meets = tied || table.groups[i].core == table.groups[group].core;
     if ((set & bit(i) & ~bit(group)) != 0 && meets)
-      result = multiple(result, greatest_divisor(period, table.groups[i].timing.period));
+      result = std::lcm(result, std::gcd(period, std::uint64_t{table.groups[i].timing.period}));
   }
   return result;
 }
@@ -69,8 +68,7 @@ FixedVector<std::uint32_t, kMaxGroups> placing_order(const ScheduleTable& table)
   return order;
 }
 
-// Moves one group to the phase where the groups of `set` load each other least; it stays where that is no
-// better.
+// Moves one group to the phase where the groups of `set` load each other least, if that is any better.
 bool place(ScheduleTable& table, std::uint32_t group, GroupSet set, bool anywhere) {
   const std::uint64_t ways = alignments(table, group, set);
   const std::uint64_t stride = (ways + kMostCandidates - 1) / kMostCandidates;
@@ -199,8 +197,8 @@ TickLoad worst_tick(const ScheduleTable& table, GroupSet set, std::uint32_t most
   return load;
 }
 
-void choose_phases(ScheduleTable& table, const PhaseSearch& search) {
-  if (search_whole(table, search.exhaustive)) return;
+void choose_phases(ScheduleTable& table, std::uint64_t whole) {
+  if (search_whole(table, whole)) return;
   for (DeclaredGroup& group : table.groups) group.timing.phase = 0;
   const FixedVector<std::uint32_t, kMaxGroups> order = placing_order(table);
   GroupSet placed = 0;

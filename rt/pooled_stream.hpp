@@ -44,8 +44,7 @@ class PooledStream final : public StreamBase {
   std::uint32_t slot_size() const { return slot_size_; }
   std::uint32_t slots() const { return slots_; }
 
-  /// Producer: room for `count` elements, or null (no free slot, or more than a slot holds; counted). One at
-  /// a time.
+  /// Producer: room for `count` elements, or null (no slot, or more than one holds; counted). One at a time.
   Element* reserve(std::uint32_t count) {
     if (reserved_ || count > slot_size_ || (!spare_ && !free_.try_pop(slot_))) {
       refused_.add();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a job reads: streams of samples from outside, and other groups' outputs. Both are latched at the
-// release.
+// What a job reads, latched at its release: streams of samples from outside, and other groups' outputs.
 #pragma once
 
 #include <atomic>
@@ -21,8 +20,29 @@ struct StaleRule {
   bool hide{};                  ///< a stale value is not shown at all (Input::latest() is null)
 };
 
+/// How old the newest of what a job reads is.
+class Freshness {
+ public:
+  /// Says when what comes in is stale, and of an input whether it is hidden then. Set-up only.
+  void set_stale_rule(StaleRule rule) { stale_rule_ = rule; }
+  /// Ticks to the job's release: of a stream since its newest sample was taken; of an input since the release
+  /// of the job that made its newest value, which a shed task may only have held on to. Since the run began
+  /// when there is none. The job's thread only.
+  std::uint64_t age_ticks() const { return release_ - newest_; }
+  /// True when that is more than the rule allows.
+  bool stale() const { return stale_rule_.after_ticks != 0 && age_ticks() > stale_rule_.after_ticks; }
+  /// Jobs that found it stale.
+  std::uint64_t stale_jobs() const { return stale_jobs_; }
+
+ protected:
+  Tick release_{};
+  Tick newest_{};
+  std::uint64_t stale_jobs_{};
+  StaleRule stale_rule_{};
+};
+
 /// A stream of samples from outside, as the executive sees it.
-class StreamBase {
+class StreamBase : public Freshness {
  public:
   StreamBase(const char* name, std::uint16_t id, std::uint32_t batch) : name_(name), id_(id), batch_(batch) {}
   virtual ~StreamBase() = default;
@@ -33,8 +53,7 @@ class StreamBase {
   std::uint32_t batch() const { return batch_; }
   /// Samples that wait now.
   virtual std::uint32_t waiting() const = 0;
-  /// Samples refused because the ring was full, or because no log could hold them; stays at 4,294,967,295.
-  /// Any thread.
+  /// Samples refused: the ring was full, or no log could hold them; stays at 4,294,967,295. Any thread.
   std::uint32_t refused() const { return refused_.value(); }
   /// Most samples that ever waited at a release.
   std::uint32_t high_water() const { return high_water_.load(std::memory_order_relaxed); }
@@ -42,17 +61,7 @@ class StreamBase {
   /// Number of the next sample that is admitted. When no job runs and nobody pushes.
   std::uint64_t next_admitted() const { return next_ + waiting(); }
 
-  /// Says when silence makes the stream stale. Set-up only.
-  void set_stale_rule(StaleRule rule) { stale_rule_ = rule; }
-  /// Ticks since the newest sample was taken, or since the run began. The job's thread only.
-  std::uint64_t age_ticks() const { return release_ - newest_; }
-  /// True when the stream has been silent for longer than its rule allows.
-  bool stale() const { return stale_rule_.after_ticks != 0 && age_ticks() > stale_rule_.after_ticks; }
-  /// Jobs that found the stream stale.
-  std::uint64_t stale_jobs() const { return stale_jobs_; }
-
-  /// Executive: takes up to `limit` samples for the job that is released at `release` and writes the range
-  /// down.
+  /// Executive: takes up to `limit` samples for the job released at `release` and writes the range down.
   void latch(Tick release, std::uint32_t limit, StreamRange& range) {
     const std::uint32_t there = waiting();
     if (there > high_water_.load(std::memory_order_relaxed))
@@ -89,17 +98,12 @@ class StreamBase {
  private:
   const char* name_;
   std::uint64_t next_{};
-  Tick release_{};
-  Tick newest_{};
-  std::uint64_t stale_jobs_{};
-  StaleRule stale_rule_{};
   std::atomic<std::uint32_t> high_water_{};
   std::uint16_t id_;
   std::uint32_t batch_;
 };
 
-/// Stream of plain samples: one producer thread pushes, one group consumes. No heap; memory given at
-/// start-up.
+/// Stream of plain samples: one producer thread pushes, one group consumes. Its memory is given, no heap.
 template <class T>
 class Stream final : public StreamBase {
  public:
@@ -153,7 +157,7 @@ class Stream final : public StreamBase {
 };
 
 /// Another group's output, as the executive sees it.
-class InputBase {
+class InputBase : public Freshness {
  public:
   InputBase(std::uint16_t writer_group, std::uint16_t task, std::uint32_t history)
       : writer_group_(writer_group), task_(task), history_(history) {}
@@ -162,16 +166,6 @@ class InputBase {
   std::uint16_t writer_group() const { return writer_group_; }
   std::uint16_t task() const { return task_; }
   std::uint32_t history() const { return history_; }
-
-  /// Says when the newest value is stale, and whether it is then hidden. Set-up only.
-  void set_stale_rule(StaleRule rule) { stale_rule_ = rule; }
-  /// Ticks since the release of the job that made the newest value; a value that a shed task only held on to
-  /// keeps growing older. Since the run began when there is none. The job's thread only.
-  std::uint64_t age_ticks() const { return release_ - made_at_; }
-  /// True when the newest value is older than the rule allows, or there has been none for that long.
-  bool stale() const { return stale_rule_.after_ticks != 0 && age_ticks() > stale_rule_.after_ticks; }
-  /// Jobs that found the input stale.
-  std::uint64_t stale_jobs() const { return stale_jobs_; }
 
   /// Executive: takes what is visible at `release`. `forced`: the range that a recorded job took, or null.
   void latch(const GroupTiming& writer, Tick release, const InputRange* forced, InputRange& range) {
@@ -187,7 +181,7 @@ class InputBase {
     considered_ = newest > considered_ ? newest : considered_;
     range = collect(oldest, last);
     release_ = release;
-    if (newest_made_ >= 0) made_at_ = writer.release(static_cast<std::uint64_t>(newest_made_));
+    if (newest_made_ >= 0) newest_ = writer.release(static_cast<std::uint64_t>(newest_made_));
     stale_jobs_ += stale() ? 1u : 0u;
   }
 
@@ -197,7 +191,7 @@ class InputBase {
   virtual void archive(Archive& archive) {
     Members(archive, *this, "an input")
         .fixed(writer_group_, task_, history_, stale_rule_)
-        .state(considered_, newest_made_, release_, made_at_, stale_jobs_);
+        .state(considered_, newest_made_, release_, newest_, stale_jobs_);
     if (considered_ < -1 || considered_ > (std::int64_t{1} << 62)) {
       considered_ = -1;
       archive.fail(Status::malformed, "an input has seen a job that cannot be");
@@ -214,10 +208,6 @@ class InputBase {
   std::uint16_t task_;
   std::uint32_t history_;
   std::int64_t considered_{-1};
-  Tick release_{};
-  Tick made_at_{};
-  std::uint64_t stale_jobs_{};
-  StaleRule stale_rule_{};
 };
 
 /// Values of type T from another group. `latest()` stays the last one taken when nothing new is visible.
@@ -261,8 +251,7 @@ class Input final : public InputBase {
       std::uint64_t made_by = 0;
       if (done ? !(*channel_)->read(number, values_[taken_], made_by)
                : (*channel_)->ledger().overtook(number)) {
-        // Overtaken by the writer, whose own record may say done: keep only what comes after the hole, so
-        // that a range tells it all.
+        // Overtaken by the writer, whose record may say done: keep what comes after the hole, as one range.
         taken_ = 0;
         newest_made = -1;
         range = InputRange{};

@@ -9,19 +9,8 @@
 
 namespace sortie::rt {
 
-/// Greatest common divisor; of 0 and x it is x.
-constexpr std::uint64_t greatest_divisor(std::uint64_t a, std::uint64_t b) {
-  while (b != 0) {
-    const std::uint64_t rest = a % b;
-    a = b;
-    b = rest;
-  }
-  return a;
-}
-
 /// Visits releases from tick 0 through the last phase and two hyperperiods: by then a table that does not ask
-/// for more than it gets has begun to repeat itself. Cost: a few ns for each group and release; no memory but
-/// this.
+/// for more than it gets has begun to repeat itself. Cost: a few ns for each group and release.
 class ReleaseWalk {
  public:
   ReleaseWalk(const ScheduleTable& table, GroupSet set) : table_(table) {

@@ -22,8 +22,7 @@ enum ImuFlags : std::uint32_t {
   kImuOnlyAccSaturated = 16u,  ///< beside kImuSaturated: the accelerometer's alone, the rates are whole
 };
 
-/// One reading of an inertial sensor, already rotated into the body frame. acc is specific force (+9.81 z at
-/// rest).
+/// One reading of an inertial sensor, rotated into the body frame. acc is specific force (+9.81 z at rest).
 struct ImuSample {
   Nanoseconds stamp_ns{};
   double gyr_rad_s[3]{};
@@ -32,8 +31,7 @@ struct ImuSample {
   SORTIE_FIELDS(stamp_ns, gyr_rad_s, acc_m_s2, flags)
 };
 
-/// Travel of the two tracks (or wheel sides) since start, positive forward. Cumulative: a lost sample loses
-/// nothing.
+/// Travel of the two tracks (or wheel sides) since start, positive forward: a lost sample loses nothing.
 struct TrackSample {
   Nanoseconds stamp_ns{};
   double left_m{};
@@ -54,8 +52,7 @@ struct ScanPoint {
 
 /// Bits of ScanHeader::flags.
 enum ScanFlags : std::uint32_t {
-  kScanPosed =
-      1u,  ///< p_world_sensor_m and q_world_sensor come with the scan; otherwise the odometry poses it
+  kScanPosed = 1u,  ///< p_world_sensor_m and q_world_sensor are given; otherwise the odometry poses it
 };
 
 /// What travels with a scan; the points lie in a pooled buffer.
@@ -86,8 +83,7 @@ struct AttitudeEstimate {
   SORTIE_FIELDS(stamp_ns, q_world_body, w_body_rad_s, bias_rad_s, delta_heading_rad, rejected, flags)
 };
 
-/// Pose and twist of the body with a 6x6 covariance of (position in world, rotation in body), row-major, m^2
-/// and rad^2.
+/// Pose and twist of the body, 6x6 covariance of (position in world, rotation in body) by rows [m^2, rad^2].
 struct PoseEstimate {
   Nanoseconds stamp_ns{};
   double p_world_body_m[3]{};
@@ -104,9 +100,8 @@ struct PoseEstimate {
 
 /// Bits of DriveCommand::flags and, the first, of FlipperCommand::flags.
 enum CommandFlags : std::uint32_t {
-  kCommandEnabled = 1u,  ///< the motors shall follow
-  kCommandWanted =
-      128u,  ///< somebody wants motion, also while something makes the robot wait: torque stays on
+  kCommandEnabled = 1u,      ///< the motors shall follow
+  kCommandWanted = 128u,     ///< somebody wants motion, also while the robot is made to wait: torque stays on
   kCommandEmergency = 256u,  ///< as an emergency stop that is pressed
 };
 
@@ -173,8 +168,7 @@ struct FlipperCommand {
 /// A command that leaves the flippers to their brakes (rt/command_outlet.hpp).
 constexpr bool stops(const FlipperCommand& command) { return (command.flags & 1u) == 0; }
 
-/// Where the flippers are, and what turns them. Angles as in FlipperCommand; a torque is positive where the
-/// drive turns the tip up.
+/// Where the flippers are, and what turns them. Angles as in FlipperCommand; torques > 0 turn the tip up.
 struct FlipperSample {
   Nanoseconds stamp_ns{};
   double angle_rad[kFlippers]{};

@@ -9,8 +9,7 @@
 namespace sortie::rt {
 
 /// Counts to kTop = 4,294,967,295 and stays there: a full count is a lower bound, never a small number again.
-/// One writer thread; any number of readers. Wait-free: one load and one store, no read-modify-write. 4
-/// bytes, no heap.
+/// One writer thread; any number of readers. Wait-free: a load and a store, no read-modify-write. 4 bytes.
 class SaturatingCount {
  public:
   /// The highest count; at this value there were so many or more.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/schedule.hpp"
 
+#include <numeric>
+
 #include "rt/release_walk.hpp"
 
 namespace sortie::rt {
@@ -24,7 +26,7 @@ std::uint64_t hyperperiod(const ScheduleTable& table, GroupSet set) {
   for (std::uint32_t i = 0; i < table.groups.size(); ++i) {
     if (!contains(set, i)) continue;
     const std::uint64_t period = table.groups[i].timing.period;
-    const std::uint64_t factor = period / greatest_divisor(result, period);
+    const std::uint64_t factor = period / std::gcd(result, period);
     if (factor > kLongest / result) return 0;
     result *= factor;
   }

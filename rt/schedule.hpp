@@ -62,8 +62,7 @@ struct OddPair {
 /// The first such pair in table order, or none.
 OddPair not_harmonic(const ScheduleTable& table);
 
-/// Rate-monotonic: true if `a` runs before `b` when both are ready. The shorter period wins, ties go to the
-/// table.
+/// Rate-monotonic: true if `a` runs before `b` when both are ready. The shorter period, then the table.
 bool runs_before(const ScheduleTable& table, std::uint32_t a, std::uint32_t b);
 
 /// The groups that can keep `group` waiting, directly or through others: of higher priority, and able to meet
@@ -80,8 +79,7 @@ bool overloads(const ScheduleTable& table, GroupSet set);
 /// Worst response of a group [ns], and how it is known.
 struct ResponseBound {
   std::uint64_t ns{};
-  bool
-      known{};  ///< false: grows without bound, or was not found within the limit; `ns` is then what was seen
+  bool known{};  ///< false: grows without bound, or not found within the limit; `ns` is then what was seen
 };
 
 /// Worst response if all rivals were released in the same instant, whatever the phases: iterated to its fixed

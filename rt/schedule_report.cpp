@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/schedule_report.hpp"
 
-#include "rt/release_walk.hpp"
-
 namespace sortie::rt {
 
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verdict on a declared table: what every group and every processor has to bear, and what is worth
-// saying.
+// The verdict on a declared table: what every group and processor has to bear, and what is worth saying.
 #pragma once
 
 #include <cstdint>

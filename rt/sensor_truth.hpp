@@ -8,8 +8,7 @@
 
 namespace sortie::rt {
 
-/// Truth of one IMU sample's interval, body axes, and of the belts since start. Lost samples have theirs,
-/// too.
+/// Truth of one IMU sample's interval, body axes, and of the belts since start; of lost samples, too.
 struct SensorTruth {
   Nanoseconds stamp_ns{};      ///< true end of the interval; the sample's own stamp may be off
   double gyr_rad_s[3]{};       ///< mean turn rate over the interval
@@ -18,9 +17,9 @@ struct SensorTruth {
   double acc_bias_m_s2[3]{};
   double belt_left_m{};  ///< travel of the belt, as a perfect encoder would show it
   double belt_right_m{};
-  double ground_left_m{};  ///< way of the body along its x axis over the middle line of that track: belt less
-                           ///< ground
-  double ground_right_m{};  ///< is slip
+  /// Way of the body along its x axis over the middle line of that track: belt less ground is slip.
+  double ground_left_m{};
+  double ground_right_m{};
   SORTIE_FIELDS(stamp_ns, gyr_rad_s, acc_m_s2, gyr_bias_rad_s, acc_bias_m_s2, belt_left_m, belt_right_m,
                 ground_left_m, ground_right_m)
 };

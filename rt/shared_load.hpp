@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How full processors are that several groups share. One rule for what is measured and for what is declared:
-// a group is one thread, so it can use one processor at most, however many there are; all groups together can
-// use all of them.
+// a group is one thread, so it can use one processor at most; all groups together can use all of them.
 #pragma once
 
 namespace sortie::rt {

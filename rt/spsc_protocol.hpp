@@ -15,7 +15,7 @@
 #include <span>
 #include <type_traits>
 
-#include "rt/cache_line.hpp"
+#include "rt/limits.hpp"
 
 namespace sortie::rt::detail {
 

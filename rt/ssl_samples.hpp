@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A solid-state lidar that aims each pulse: its grid of directions, the command that lists rays, and what
-// comes back.
+// A solid-state lidar that aims each pulse: its grid of directions, the command that lists rays, the returns.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +12,7 @@
 namespace sortie::rt {
 
 /// The directions that the device can aim at: an even grid in azimuth and elevation, ends included. Sensor
-/// frame: x along the axis, y left, z up. Number = column + kSslColumns * row, columns from right to left,
-/// rows from below.
+/// frame: x along the axis, y left, z up. Number = column + kSslColumns * row, from the right and from below.
 inline constexpr std::uint32_t kSslColumns = 160;
 inline constexpr std::uint32_t kSslRows = 120;
 inline constexpr std::uint32_t kSslDirections = kSslColumns * kSslRows;

@@ -22,8 +22,7 @@ constexpr bool is_far(Nanoseconds stamp) {
 class StampGate {
  public:
   /// A step forward of more than `max_step_ns` is doubted, and so is every step back. `confirmations` doubted
-  /// stamps in a row that rise by no more than `max_step_ns` each are believed: the stream goes on from
-  /// there.
+  /// stamps in a row that rise by no more than `max_step_ns` each are believed: the stream goes on there.
   constexpr explicit StampGate(Nanoseconds max_step_ns, std::uint32_t confirmations = 8)
       : max_step_ns_(max_step_ns), confirmations_(confirmations) {}
 

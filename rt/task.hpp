@@ -87,8 +87,7 @@ class TaskBase {
   virtual void execute(JobContext& context) = 0;
   /// In place of execute() in a job in which the task is shed: the last output stands, with its old stamp.
   virtual void hold(JobContext& context) = 0;
-  /// Gives the LET channel its memory; called once when the executive is sealed. `words` is null if nobody
-  /// reads.
+  /// Gives the LET channel its memory, once, when the executive is sealed and if another group reads it.
   virtual std::uint32_t channel_words() const = 0;
   virtual void attach_channel(JobLedger& ledger, std::atomic<std::uint32_t>* words) = 0;
 
@@ -110,11 +109,7 @@ class TaskBase {
       record.field_bytes += bytes;
     }
   }
-  static bool wants_canonical(const JobContext& context) {
-    return context.digests_ || context.record_fields_;
-  }
-  bool fault_now(Tick tick) const { return fault_.armed && fault_.tick == tick; }
-  std::uint32_t fault_byte() const { return fault_.byte; }
+  PlantedFault fault_{};
 
  private:
   TaskSpec spec_;
@@ -124,11 +119,9 @@ class TaskBase {
   LatencyHistogram wall_time_;
   std::uint64_t over_budget_{};
   std::uint64_t chain_{};
-  PlantedFault fault_{};
 };
 
-/// A task with output T. Between jobs `value()` holds the last output; tasks of the same group read it
-/// directly.
+/// A task with output T. Between jobs `value()` holds the last output, for tasks of the same group.
 template <Described T>
 class Task : public TaskBase {
  public:
@@ -183,11 +176,11 @@ class Task : public TaskBase {
 
   void execute(JobContext& context) final {
     run(context, value_);
-    if (wants_canonical(context)) {
+    if (context.digests_ || context.record_fields_) {
       std::uint8_t canonical[canonical_size<T>()];
       encode_canonical(value_, canonical);
-      if (fault_now(context.tick)) {
-        canonical[fault_byte() % canonical_size<T>()] ^= 1u;
+      if (fault_.armed && fault_.tick == context.tick) {
+        canonical[fault_.byte % canonical_size<T>()] ^= 1u;
         decode_canonical(canonical, value_);
       }
       note(context, canonical, static_cast<std::uint32_t>(canonical_size<T>()));

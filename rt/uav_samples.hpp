@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The plain values that cross rooms in flight. Frames and units as in rt/samples.hpp: world z up, body x
-// forward, y left, z up.
+// The plain values that cross rooms in flight. Frames and units as in rt/samples.hpp.
 #pragma once
 
 #include <cstdint>

@@ -19,8 +19,7 @@ class JobFeed {
 };
 
 /// Runs ticks first..last (inclusive) on the calling thread; groups that share a tick run in table order. A
-/// job runs to its end at its release, its outputs still become visible at its deadline. Cost per idle tick:
-/// a few ns a group.
+/// job runs to its end at its release; its outputs become visible at its deadline. A few ns a group and tick.
 inline void run_virtual(Executive& executive, JobFeed& feed, Tick first, Tick last) {
   for (Tick tick = first; tick <= last; ++tick) {
     feed.before_tick(tick);

@@ -3,21 +3,13 @@
 
 #include <unistd.h>
 
-#include <ctime>
-
 #include "drivers/stop_filter.hpp"
 #include "firmware_like/result/add_counters.hpp"
+#include "rt/posix/clock.hpp"
 
 namespace sortie::firmware {
 
 namespace {
-
-// Of the clock that stamps datagrams.
-rt::Nanoseconds utc_now() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{now.tv_nsec};
-}
 
 std::string computer_name() {
   char name[65] = {};  // HOST_NAME_MAX and its end
@@ -92,7 +84,8 @@ void RequestDoor::drain(drivers::LcmReceiver& receiver, rt::Nanoseconds now_ns) 
         key(),
         session_,
         now_ns,
-        {received.stamp_ns, utc_now(), key_ ? runtime_.request_access().most_clock_offset_ns : 0}};
+        {received.stamp_ns, rt::posix::read_clock(CLOCK_REALTIME),  // the clock that stamps datagrams
+         key_ ? runtime_.request_access().most_clock_offset_ns : 0}};
     for_each_desk([&](auto& desk) {
       if (received.message.channel == std::decay_t<decltype(desk)>::Kind::kTopic.channel)
         desk.take(received.message.payload, context);

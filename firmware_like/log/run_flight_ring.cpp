@@ -12,8 +12,8 @@
 
 #include "firmware_like/log/flight_ending.hpp"
 #include "firmware_like/log/log_recorder.hpp"
+#include "rt/posix/file_place.hpp"
 #include "rt/posix/flight_reader.hpp"
-#include "rt/posix/memory_file_system.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -47,26 +47,27 @@ std::string ending_in(const std::string& path) {
 rt::posix::FlightPlan plan_of(const Runtime& runtime, std::uint32_t ticks) {
   const rt::Executive& executive = runtime.executive();
   rt::posix::FlightPlan plan;
-  plan.scene = runtime.profile().name();
-  plan.vehicle = runtime.profile().vehicle();
-  plan.version = version();
-  plan.scene_hash = runtime.profile().hash();
-  plan.base_tick_ns = executive.base_tick_ns();
-  plan.epoch_ns = executive.epoch_ns();
   plan.ticks = ticks;
+  rt::posix::FlightHeader& header = plan.header;
+  rt::posix::copy_text(header.scene, runtime.profile().name());
+  rt::posix::copy_text(header.vehicle, runtime.profile().vehicle());
+  rt::posix::copy_text(header.version_text, version());
+  header.scene_hash = runtime.profile().hash();
+  header.base_tick_ns = executive.base_tick_ns();
+  header.epoch_ns = executive.epoch_ns();
+  header.groups = executive.group_count();
   for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
     const rt::Group& group = executive.group(i);
-    rt::posix::FlightGroupPlan entry;
-    entry.name = group.spec.name;
+    rt::posix::FlightGroup& entry = header.group[i];
+    rt::posix::copy_text(entry.name, group.spec.name);
     entry.period_ticks = group.timing.period;
     entry.phase_ticks = group.timing.phase;
     entry.deadline_ticks = group.timing.deadline;
     entry.core = group.spec.core;
     for (const rt::TaskBase* task : group.tasks) {
-      entry.tasks.emplace_back(task->name());
-      entry.budget_us.push_back(task->budget_us());
+      rt::posix::copy_text(entry.task[entry.tasks], task->name());
+      entry.budget_us[entry.tasks++] = task->budget_us();
     }
-    plan.groups.push_back(std::move(entry));
   }
   plan.more_tracks.assign(std::begin(kThreads), std::end(kThreads));
   return plan;

@@ -7,7 +7,6 @@
 #include "firmware_like/runtime/vehicle.hpp"
 #include "firmware_like/scene/text_format.hpp"
 #include "rt/chain_path.hpp"
-#include "rt/declared_table.hpp"
 
 namespace sortie::firmware {
 

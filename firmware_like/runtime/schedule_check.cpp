@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "rt/declared_table.hpp"
 
 namespace sortie::firmware {
 

@@ -7,8 +7,6 @@
 // Manocha 1996); for a wheel against an edge it points from the edge to the wheel's axis.
 #pragma once
 
-#include <cstdint>
-
 #include "rt/convex/shape.hpp"
 
 namespace sortie::rt::convex {

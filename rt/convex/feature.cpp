@@ -60,8 +60,7 @@ Feature box_feature(const Convex& body, const Vector3& d) {
   unsigned corner = 0;
   for (int i = 0; i < 3; ++i) {
     p[i] = dir[i] >= 0.0 ? half[i] : -half[i];
-    // Not a shifted choice: with its shift check GCC 12 takes the shift from a variable that one branch
-    // leaves unset.
+    // Not a shifted choice: GCC 12's shift check would look at a variable that one branch leaves unset.
     if (!(dir[i] >= 0.0)) corner |= 1u << static_cast<unsigned>(i);
   }
   if (size[least] < kSinEdge) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of a body's surface that faces a direction, as a small polygon: what contact manifolds are cut
-// from.
+// The part of a body's surface that faces a direction, as a polygon: what contact manifolds are cut from.
 #pragma once
 
 #include <cstdint>

@@ -64,16 +64,20 @@ void fill(Manifold& out, const Overlay& points, const Vector3& normal, const Vec
   out.count = count;
 }
 
+// Of what is no body.
+Manifold unknown_contact() {
+  Manifold out;
+  out.state = State::unknown;
+  out.count = 1;
+  out.contacts[0].normal = {0.0, 0.0, 1.0};
+  return out;
+}
+
 }  // namespace
 
 Manifold manifold(const Convex& a, const Convex& b, const ManifoldOptions& options) {
+  if (!is_valid(a) || !is_valid(b)) return unknown_contact();
   Manifold out;
-  if (!is_valid(a) || !is_valid(b)) {
-    out.state = State::unknown;
-    out.count = 1;
-    out.contacts[0].normal = {0.0, 0.0, 1.0};
-    return out;
-  }
   const double margin_m = std::max(options.margin_m, kTouching_m);
   const PairJudgement pair = judge_pair(a, b, margin_m, options.face_preference_m, options.budget);
   out.state = pair.state;
@@ -82,14 +86,9 @@ Manifold manifold(const Convex& a, const Convex& b, const ManifoldOptions& optio
 }
 
 Manifold manifold(const Convex& a, const HalfSpace& ground, const ManifoldOptions& options) {
-  Manifold out;
   const Vector3& n = ground.normal;
-  if (!is_valid(a) || !is_finite(n) || !std::isfinite(ground.offset_m)) {
-    out.state = State::unknown;
-    out.count = 1;
-    out.contacts[0].normal = {0.0, 0.0, 1.0};
-    return out;
-  }
+  if (!is_valid(a) || !is_finite(n) || !std::isfinite(ground.offset_m)) return unknown_contact();
+  Manifold out;
   const double height = ground.offset_m - dot(n, a.p_world_m);  // of the plane over a's origin
   const double deepest = height + reach(a, -1.0 * n, a.p_world_m);
   out.state = deepest < -kTouching_m  ? State::separated

@@ -157,8 +157,7 @@ void measure_insets(Result& result, const Flat& outline, const Flat& common, boo
   out.middle_depth_m = share * depth;
 }
 
-// `cutter` is flat; the other one is cut by its outline. `flip`: the outline goes round clockwise in this
-// view.
+// `cutter` is flat; the other one is cut by its outline.
 void against_polygon(Result& result, const Feature& cutter, const Feature& other, bool cutter_is_a) {
   const Flat outline = result.view.project(cutter);
   Flat rest = result.view.project(other);
@@ -168,11 +167,7 @@ void against_polygon(Result& result, const Feature& cutter, const Feature& other
     const Corner& to = outline.corners[i + 1 == outline.count ? 0 : i + 1];
     const auto name = static_cast<std::uint8_t>(8u + from.out);
     // Counter-clockwise from outside: for b that is from +direction, as this view; a is seen from behind.
-    if (cutter_is_a) {
-      cut(rest, to, from, name);
-    } else {
-      cut(rest, from, to, name);
-    }
+    cut(rest, cutter_is_a ? to : from, cutter_is_a ? from : to, name);
   }
   if (rest.count == 0) return;
   const bool closed = rest.count > 2;
@@ -269,11 +264,7 @@ Overlay overlay(const Feature& of_a, const Feature& of_b, const Vector3& directi
     const double look_a = of_a.flat ? -dot(of_a.normal, direction) : 0.0;
     const double look_b = of_b.flat ? dot(of_b.normal, direction) : 0.0;
     const bool a_cuts = look_a > look_b + 1e-9;
-    if (a_cuts) {
-      against_polygon(result, of_a, of_b, true);
-    } else {
-      against_polygon(result, of_b, of_a, false);
-    }
+    against_polygon(result, a_cuts ? of_a : of_b, a_cuts ? of_b : of_a, a_cuts);
     return result.out;
   }
   const Flat a = view.project(of_a);

@@ -13,10 +13,9 @@
 namespace sortie::rt::convex {
 namespace {
 
-constexpr double kSettled_m =
-    1e-7;  // facing points this near to the axis's overlap: no direction beside it is better
-constexpr double kProven_m = 1e-4;         // what proven() may overlook
-constexpr double kDoubt_m = 1e-7;          // what two searches may differ by
+constexpr double kSettled_m = 1e-7;  // facing points this near to the overlap: no direction beside is better
+constexpr double kProven_m = 1e-4;   // what proven() may overlook
+constexpr double kDoubt_m = 1e-7;    // what two searches may differ by
 constexpr std::uint32_t kPointCalls = 48;  // a contact of two points is worth these beyond the budget
 
 Vector3 support_of(const void* body, const Vector3& direction) {
@@ -47,7 +46,7 @@ class Judge {
     const bool overlap = out_.axis.overlap_m >= -kTouching_m;
     if (overlap && !exact() && !ask_portal()) return apart();
     if (out_.axis.overlap_m < -kTouching_m) {
-      if (!measure_gap()) return apart();
+      if (!adopt(nearest_direction(a_, b_, out_.axis.direction, polish_left_))) return apart();
     } else {
       if ((!settled || improved_by_portal_) && !improve(out_.axis.direction)) return apart();
       if (!exact() && !improve_rims()) return apart();
@@ -116,8 +115,7 @@ class Judge {
            proven_by_wheel(a_) || proven_by_wheel(b_);
   }
 
-  // The same for a wheel's line: round the axis the wheel reaches out by its radius, along it by what is left
-  // of the line.
+  // The same for a wheel's line: it reaches out by the radius, and along the axis by what is left of it.
   bool proven_by_wheel(const Convex& track) const {
     const double overlap = out_.axis.overlap_m;
     return track.kind == Kind::track && shared_depth_m_ >= overlap - kProven_m &&
@@ -151,20 +149,11 @@ class Judge {
     return true;
   }
 
-  // The direction between the nearest points of a pair that is apart. False when the gap is wider than the
-  // margin.
-  bool measure_gap() {
-    const Descent gap = nearest_direction(a_, b_, out_.axis.direction, polish_left_);
-    return !gap.found || adopt(gap);
-  }
+  bool improve(const Vector3& start) { return adopt(descend(a_, b_, start, clearance_m_, polish_left_)); }
 
-  // False when a gap wider than the margin was proved.
-  bool improve(const Vector3& start) {
-    const Descent descent = descend(a_, b_, start, clearance_m_, polish_left_);
-    return !descent.found || adopt(descent);
-  }
-
+  // Of both: false when a gap wider than the margin was proved.
   bool adopt(const Descent& descent) {
+    if (!descent.found) return true;
     if (search_.consider(descent.axis.direction, preference_m_)) return false;
     if (!nearest_.found || descent.axis.overlap_m < nearest_.axis.overlap_m) nearest_ = descent;
     return true;

@@ -13,8 +13,7 @@ namespace sortie::rt::convex {
 /// Overlaps and gaps up to this are "touching": above rounding, below what any contact can tell.
 constexpr double kTouching_m = 1e-9;
 
-/// State, best direction, and the points where the bodies face each other along it. Points are in the world
-/// relative to b's origin.
+/// State, best direction, and the points (world, less b's origin) where the bodies face each other along it.
 struct PairJudgement {
   State state{State::unknown};
   Axis axis{};

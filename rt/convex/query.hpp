@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Do two bodies meet, how deep, and along which direction? "Free" is only said with a proof: a direction
-// along which a gap lies between the bodies. Bounded work, no heap; the answer is a pure function of the
-// input.
+// along which a gap lies between the bodies. Bounded work, no heap; a pure function of the input.
 //
 // How: exact separating axes for boxes; for the others the axes of faces and edges, then libccd's portal
 // refinement (Snethen 2008; never its EPA, which takes heap memory and misjudges shallow contacts), whose

@@ -149,7 +149,6 @@ Vector3 inside_near(const Convex& body, const Vector3& towards_world_m) {
 }
 
 Bounds bounds(const Convex& body) {
-  Bounds b;
   double low[3];
   double high[3];
   for (int i = 0; i < 3; ++i) {
@@ -157,9 +156,7 @@ Bounds bounds(const Convex& body) {
     high[i] = local_reach(body, {row[0], row[1], row[2]});
     low[i] = -local_reach(body, {-row[0], -row[1], -row[2]});
   }
-  b.low_m = body.p_world_m + to_vector(low);
-  b.high_m = body.p_world_m + to_vector(high);
-  return b;
+  return {body.p_world_m + to_vector(low), body.p_world_m + to_vector(high)};
 }
 
 bool contains(const Convex& body, const Vector3& point_world_m) {

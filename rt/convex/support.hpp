@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What collision checks ask of a body: its outermost point in a direction, how far it reaches, its bounds,
-// whether a point is inside. All directions and points are in the world frame. No heap, no loop longer
-// than 3.
+// whether a point is inside. All directions and points are in the world frame. No heap, no loop beyond 3.
 #pragma once
 
 #include "rt/convex/shape.hpp"

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The clocks of the operating system.
 #include "rt/posix/clock.hpp"
 
 #include <cerrno>
-#include <ctime>
 
 namespace sortie::rt::posix {
-namespace {
 
-Nanoseconds read_clock(clockid_t clock) {
+Nanoseconds read_clock(clockid_t clock) noexcept {
   timespec t{};
   clock_gettime(clock, &t);
   return Nanoseconds{t.tv_sec} * kNanosecondsPerSecond + t.tv_nsec;
 }
-
-}  // namespace
 
 Nanoseconds monotonic_now() { return read_clock(CLOCK_MONOTONIC); }
 
@@ -49,21 +44,6 @@ void nap_until(Nanoseconds wake_ns, const std::atomic<bool>& stop) {
   for (Nanoseconds now = monotonic_now(); now < wake_ns && !stop.load(std::memory_order_relaxed);
        now = monotonic_now())
     sleep_until(now + kNap < wake_ns ? now + kNap : wake_ns);
-}
-
-ReleaseWait wait_for_release(Nanoseconds wake_ns, Nanoseconds margin_ns) {
-  ReleaseWait wait{0, -1, 0};
-  Nanoseconds now = monotonic_now();
-  if (wake_ns - now > margin_ns) {
-    sleep_until(wake_ns - margin_ns);
-    now = monotonic_now();
-    wait.overslept_ns = now - (wake_ns - margin_ns);
-  }
-  const Nanoseconds spins_from = now;
-  while (now < wake_ns) now = monotonic_now();
-  wait.spun_ns = now - spins_from;
-  wait.woke_ns = now;
-  return wait;
 }
 
 }  // namespace sortie::rt::posix

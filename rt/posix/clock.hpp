@@ -3,6 +3,8 @@
 // enters a digest reads a clock.
 #pragma once
 
+#include <ctime>
+
 #include <atomic>
 
 #include "rt/time.hpp"
@@ -12,6 +14,9 @@ namespace sortie::rt::posix {
 /// CLOCK_MONOTONIC [ns]. About 20 ns a call, no system call.
 Nanoseconds monotonic_now();
 
+/// Any clock of the system [ns]; 0 when there is no such clock (any more). A signal handler may ask, too.
+Nanoseconds read_clock(clockid_t clock) noexcept;
+
 /// UTC minus CLOCK_MONOTONIC [ns]: add it to a monotonic stamp to get a date. The tightest of several
 /// readings, good to about 100 ns; it moves when the system's clock is set.
 Nanoseconds utc_minus_monotonic();
@@ -19,27 +24,10 @@ Nanoseconds utc_minus_monotonic();
 /// CPU time that the calling thread has used [ns]. About 0.4 us. Time stolen by a hypervisor is not in it.
 Nanoseconds thread_cpu_now();
 
-/// Sleeps until CLOCK_MONOTONIC reaches `wake_ns`; returns at once when that is past. Signals do not cut it
-/// short.
+/// Sleeps until CLOCK_MONOTONIC reaches `wake_ns`, whatever signals come; not at all when that is past.
 void sleep_until(Nanoseconds wake_ns);
 
 /// The same in naps of 10 ms, for who waits for a run to begin: it ends within a nap of `stop` being set.
 void nap_until(Nanoseconds wake_ns, const std::atomic<bool>& stop);
-
-/// How a wait for a release went.
-struct ReleaseWait {
-  Nanoseconds woke_ns{};       ///< end of the wait, never before the release
-  Nanoseconds overslept_ns{};  ///< how much later than asked the sleep ended; -1: there was no time to sleep
-  Nanoseconds spun_ns{};       ///< time spent spinning
-};
-
-/// Sleeps until `margin_ns` before `wake_ns`, then spins to it: lateness falls from tens of microseconds to
-/// tens of nanoseconds for that much busy time. At most one system call.
-ReleaseWait wait_for_release(Nanoseconds wake_ns, Nanoseconds margin_ns);
-
-/// The same for who only wants to know when it woke.
-inline Nanoseconds sleep_then_spin_until(Nanoseconds wake_ns, Nanoseconds margin_ns) {
-  return wait_for_release(wake_ns, margin_ns).woke_ns;
-}
 
 }  // namespace sortie::rt::posix

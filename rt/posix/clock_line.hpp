@@ -43,8 +43,7 @@ struct ClockLine {
     return {sample.cycles, sample.time_ns, 0, slope, slope, slope - (slope >> 10), span_cycles};
   }
   std::uint64_t end_cycles() const { return start_cycles + span_cycles; }
-  /// Whether it is time to continue this line: the middle of its second piece has passed, or the counter was
-  /// set back.
+  /// Time to continue this line: the middle of its second piece has passed, or the counter was set back.
   bool due(std::uint64_t cycles) const {
     const auto since = static_cast<std::int64_t>(cycles - start_cycles);
     const auto span = static_cast<std::int64_t>(span_cycles);

@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
 
 namespace sortie::rt::posix {
@@ -18,10 +17,8 @@ CpuLatencyHold::CpuLatencyHold(const char* device) noexcept {
   const int error = errno;
   if (file_ >= 0) close(file_);
   file_ = -1;
-  result_.ok = false;
-  std::snprintf(result_.reason, sizeof(result_.reason),
-                "%s: %s; idle cores may sleep deeply and wake late; run as root, or once: chmod 666 %s",
-                device, std::strerror(error), device);
+  result_ = refusal("%s: %s; idle cores may sleep deeply and wake late; run as root, or once: chmod 666 %s",
+                    device, std::strerror(error), device);
 }
 
 CpuLatencyHold::~CpuLatencyHold() {

@@ -13,8 +13,7 @@ namespace sortie::rt::posix {
 enum class DelayCause : std::uint8_t {
   own,  ///< the program's own work: CPU time charged to the thread beyond what was declared, or it blocked
   interrupt,  ///< interrupt handlers and signals: charged to the thread, but it did not get on
-  run_queue,  ///< ready to run and kept waiting: another thread, or the kernel in a section without
-              ///< preemption
+  run_queue,  ///< ready and kept waiting: another thread, or the kernel in a section without preemption
   stolen,   ///< nobody on this core ran: the hypervisor took the core, or the whole machine or process paused
   unknown,  ///< no evidence
 };
@@ -45,14 +44,13 @@ struct DelaySample {
   Nanoseconds uncharged_ns{};   ///< passed outside sleep, neither charged to the thread nor in the run queue
   Nanoseconds charged_ns{};     ///< CPU time of a job, charged to the thread
   Nanoseconds allowed_ns{};     ///< CPU time that was declared for it: no delay is blamed on that
-  Nanoseconds
-      disturbed_ns{};      ///< CPU time charged while the thread waited: it slept, or spun and did not get on
-  bool switched{};         ///< the thread left the core of its own accord while `uncharged_ns` passed
-  Nanoseconds pause_ns{};  ///< of that time, all heartbeats were missing
-  std::uint32_t interrupts{};  ///< on this core at that time, beyond the usual
-  bool steal_charged{};        ///< no steal clock: stolen time is charged to whoever seems to run
-  bool guest_timer{};          ///< virtual machine with a steal clock: a late timer means a stolen core
-  DelaySplit inherited;        ///< lateness that the wait began with: causes of the job before
+  Nanoseconds disturbed_ns{};   ///< CPU time charged while it waited: it slept, or spun and did not get on
+  bool switched{};              ///< the thread left the core of its own accord while `uncharged_ns` passed
+  Nanoseconds pause_ns{};       ///< of that time, all heartbeats were missing
+  std::uint32_t interrupts{};   ///< on this core at that time, beyond the usual
+  bool steal_charged{};         ///< no steal clock: stolen time is charged to whoever seems to run
+  bool guest_timer{};           ///< virtual machine with a steal clock: a late timer means a stolen core
+  DelaySplit inherited;         ///< lateness that the wait began with: causes of the job before
 };
 
 /// CPU time that may be blamed on one interrupt beyond the usual [ns]: entry, handler, exit, cold caches, and

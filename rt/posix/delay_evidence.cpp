@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -33,13 +32,9 @@ SetupResult CoreEvidence::open() noexcept {
   files_[0] = ::open("/proc/interrupts", O_RDONLY | O_CLOEXEC);
   files_[1] = ::open("/proc/stat", O_RDONLY | O_CLOEXEC);
   read_steal();
-  SetupResult result;
-  if (files_[0] >= 0 && files_[1] >= 0) return result;
-  result.ok = false;
-  std::snprintf(result.reason, sizeof(result.reason),
-                "causes of delays: %s cannot be read; interrupts will look like own work",
-                files_[0] < 0 ? "/proc/interrupts" : "/proc/stat");
-  return result;
+  if (files_[0] >= 0 && files_[1] >= 0) return {};
+  return refusal("causes of delays: %s cannot be read; interrupts will look like own work",
+                 files_[0] < 0 ? "/proc/interrupts" : "/proc/stat");
 }
 
 void CoreEvidence::sample(Nanoseconds now_ns) noexcept {

@@ -12,8 +12,7 @@
 namespace sortie::rt::posix {
 
 /// The heart of a thread that sleeps on a fixed grid and has next to nothing else to do, such as a watchdog
-/// above all other priorities. If it was not woken, and was not waiting for a core either, then the machine
-/// stood still.
+/// above all other priorities. If it was not woken, and did not wait for a core, the machine stood still.
 class Heartbeat {
  public:
   /// Beats that are later than this are a pause.

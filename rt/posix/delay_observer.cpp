@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "rt/posix/delay_observer.hpp"
 
 #include <sched.h>
@@ -32,14 +29,17 @@ SetupResult DelayObserver::open(const DelayOptions& options) noexcept {
   return result;
 }
 
-void DelayObserver::note_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept {
+void DelayObserver::before_sleep(Nanoseconds now_ns, Nanoseconds planned_ns,
+                                 Nanoseconds release_ns) noexcept {
+  if (!on()) return;
   close_ready_cases(now_ns);
   asleep_ns_ = now_ns;
   planned_ns_ = planned_ns;
   wake_release_ns_ = release_ns;
 }
 
-void DelayObserver::note_wake(Nanoseconds now_ns) noexcept {
+void DelayObserver::after_sleep(Nanoseconds now_ns) noexcept {
+  if (!on()) return;
   ThreadAccount account;
   ++sleeps_;
   if (!account_file_.read(account)) {
@@ -85,8 +85,9 @@ DelayObserver::Passed DelayObserver::read_since_last(Nanoseconds now_ns) noexcep
   return passed;
 }
 
-void DelayObserver::note_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns,
-                                 Nanoseconds before_ns) noexcept {
+void DelayObserver::at_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns,
+                               Nanoseconds before_ns) noexcept {
+  if (!on()) return;
   const Nanoseconds late = now_ns - release_ns;
   const auto raw = static_cast<std::uint64_t>(std::max(Nanoseconds{0}, late));
   statistics_.start.raw.record(raw);
@@ -128,8 +129,9 @@ void DelayObserver::note_release(Tick tick, Nanoseconds release_ns, Nanoseconds 
   open_case(open);
 }
 
-void DelayObserver::note_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns,
-                             Nanoseconds budget_ns) noexcept {
+void DelayObserver::after_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns,
+                              Nanoseconds budget_ns) noexcept {
+  if (!on()) return;
   const Nanoseconds wall = now_ns - start_ns;
   const auto raw = static_cast<std::uint64_t>(std::max(Nanoseconds{0}, wall));
   statistics_.execution.raw.record(raw);

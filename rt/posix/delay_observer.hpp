@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Watches one worker of a live run: for each job that starts late or runs long it collects the evidence and
-// finds the cause.
+// Watches one worker of a live run: collects evidence and finds the cause of each late start and long job.
 //
 // Cost: one more system call a tick (the thread's account, read after the sleep and before the release, so
 // that it delays nothing), three more for a job that is late. Nothing at all while it is off.
@@ -15,8 +14,7 @@
 
 namespace sortie::rt::posix {
 
-/// What a worker's observer knows of its surroundings. Both witnesses may be null: then there is less
-/// evidence.
+/// What a worker's observer knows of its surroundings. A witness that is null gives no evidence.
 struct DelayOptions {
   Nanoseconds threshold_ns{100'000};  ///< delays up to here need no explanation
   const CoreEvidence* cores{};        ///< interrupts, steal clock
@@ -28,28 +26,18 @@ struct DelayOptions {
 /// read by it, or after it has ended. Memory: 55 kB inline.
 class DelayObserver {
  public:
-  /// Set-up, on the worker's own thread. Refused where the kernel keeps no account of threads: then it stays
-  /// off.
+  /// Set-up, on the worker's own thread. Refused, and off, where the kernel keeps no account of threads.
   SetupResult open(const DelayOptions& options) noexcept;
   bool on() const noexcept { return account_file_.is_open(); }
 
   /// The thread is about to sleep until `planned_ns`, for the release at `release_ns`.
-  void before_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept {
-    if (on()) note_sleep(now_ns, planned_ns, release_ns);
-  }
+  void before_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept;
   /// The thread is awake again. The one system call of every tick.
-  void after_sleep(Nanoseconds now_ns) noexcept {
-    if (on()) note_wake(now_ns);
-  }
-  /// The wait is over: `now_ns` >= release. `before_ns`: the clock's last reading before that, while
-  /// spinning.
-  void at_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept {
-    if (on()) note_release(tick, release_ns, now_ns, before_ns);
-  }
+  void after_sleep(Nanoseconds now_ns) noexcept;
+  /// The wait is over: `now_ns` >= release. `before_ns`: the last reading before, while spinning.
+  void at_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept;
   /// The job that began at `start_ns` has ended. `budget_ns`: declared for all of the group's tasks, 0: none.
-  void after_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept {
-    if (on()) note_job(tick, start_ns, now_ns, budget_ns);
-  }
+  void after_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept;
   /// Explains what is still open with the evidence there is. When the worker has ended and the witnesses have
   /// had their last look. May be called twice.
   void finish() noexcept;
@@ -82,10 +70,6 @@ class DelayObserver {
   };
   static constexpr std::uint32_t kOpen = 64;
 
-  void note_sleep(Nanoseconds now_ns, Nanoseconds planned_ns, Nanoseconds release_ns) noexcept;
-  void note_wake(Nanoseconds now_ns) noexcept;
-  void note_release(Tick tick, Nanoseconds release_ns, Nanoseconds now_ns, Nanoseconds before_ns) noexcept;
-  void note_job(Tick tick, Nanoseconds start_ns, Nanoseconds now_ns, Nanoseconds budget_ns) noexcept;
   Passed read_since_last(Nanoseconds now_ns) noexcept;
   void open_case(const Open& open) noexcept;
   void hear_witnesses(Open& open) const noexcept;
@@ -116,8 +100,15 @@ class DelayObserver {
   DelayStatistics statistics_;
 };
 
-/// wait_for_release of rt/posix/clock.hpp, and the observer is told. The same system calls and one more where
-/// the thread slept; none more with an observer that is off.
+/// How a wait for a release went.
+struct ReleaseWait {
+  Nanoseconds woke_ns{};       ///< end of the wait, never before the release
+  Nanoseconds overslept_ns{};  ///< how much later than asked the sleep ended; -1: there was no time to sleep
+  Nanoseconds spun_ns{};       ///< time spent spinning
+};
+
+/// Sleeps until `margin_ns` before the release, then spins to it: lateness falls from tens of microseconds to
+/// tens of nanoseconds for that much busy time. At most one system call; two with an observer that is on.
 ReleaseWait wait_for_release(DelayObserver& observer, Tick tick, Nanoseconds release_ns,
                              Nanoseconds margin_ns);
 

@@ -35,13 +35,6 @@ struct DelayTable {
   std::uint64_t count[kDelayCauses]{};   ///< of these, by main cause
   Nanoseconds total_ns[kDelayCauses]{};  ///< of these, time by cause
 
-  /// Time of all outliers [ns].
-  Nanoseconds outlier_ns() const {
-    Nanoseconds sum = 0;
-    for (const Nanoseconds part : total_ns) sum += part;
-    return sum;
-  }
-
   /// Counts a delay that needs no explanation.
   void add_clean(std::uint64_t raw_ns) {
     ++clean_count;

@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstring>
 
 #if defined(__x86_64__)
@@ -22,7 +21,7 @@ constinit ClockLineCell fast_clock_cell;
 
 namespace {
 
-FastClockState state{FastClockSource::system, 0, 0, 0, 0, 0, "not started"};
+FastClockState state{FastClockSource::system, 0, "not started"};
 bool started = false;
 
 #if SORTIE_CYCLE_COUNTER
@@ -84,24 +83,8 @@ FastClockSource usable_counter() {
 
 }  // namespace
 
-const char* to_string(FastClockSource source) {
-  switch (source) {
-    case FastClockSource::system:
-      return "clock_gettime";
-    case FastClockSource::tsc:
-      return "tsc";
-    case FastClockSource::arch_counter:
-      return "cntvct";
-  }
-  return "unknown clock";
-}
-
-FastClockSource start_fast_clock(bool allow_counter) {
+FastClockSource start_fast_clock() {
   if (started) return state.source;
-  if (!allow_counter) {
-    state.why_system = "not asked for";
-    return state.source;
-  }
   started = true;
 #if SORTIE_CYCLE_COUNTER
   state.source = usable_counter();
@@ -133,8 +116,6 @@ void anchor_fast_clock() {
   if (!newest_line.due(detail::read_cycles())) return;
   const ClockSample now = sample_clocks(16);
   const ClockSample& oldest = samples[sample_count < kWindow ? 0 : sample_count % kWindow];
-  const Nanoseconds error = newest_line.at(now.cycles) - now.time_ns;
-  const bool late = static_cast<std::int64_t>(now.cycles - newest_line.end_cycles()) > 0;
   const bool usable = now.cycles > oldest.cycles && now.time_ns > oldest.time_ns;
   const ClockStep step =
       continue_line(newest_line, now, usable ? clock_slope(oldest, now) : newest_line.after);
@@ -142,13 +123,7 @@ void anchor_fast_clock() {
   detail::fast_clock_cell.publish(newest_line);
   if (step.stepped_back || !usable) sample_count = 0;  // the rate over a pause is not the counter's
   keep_sample(now);
-
   ++state.anchors;
-  state.last_error_ns = error;
-  if (late) ++state.late_anchors;
-  if (step.stepped_back) ++state.steps_back;
-  if (!late && !step.stepped_back)
-    state.worst_error_ns = std::max(state.worst_error_ns, error < 0 ? -error : error);
 #endif
 }
 

@@ -26,30 +26,23 @@ enum class FastClockSource : std::uint8_t {
   arch_counter,  ///< aarch64: virtual counter CNTVCT_EL0
 };
 
-/// For a person: "clock_gettime", "tsc", "cntvct".
-const char* to_string(FastClockSource source);
-
-/// How well the fast clock has kept to CLOCK_MONOTONIC.
+/// What the fast clock is.
 struct FastClockState {
   FastClockSource source{FastClockSource::system};
-  std::uint32_t anchors{};       ///< lines so far
-  std::uint32_t late_anchors{};  ///< anchor_fast_clock() was not called for more than 2.5 s
-  std::uint32_t steps_back{};    ///< the machine was suspended
-  Nanoseconds last_error_ns{};   ///< fast clock minus CLOCK_MONOTONIC at the last anchor
-  Nanoseconds worst_error_ns{};  ///< largest magnitude of it, late anchors left out
-  const char* why_system{""};    ///< why it is not a counter, for a person
+  std::uint32_t anchors{};     ///< lines so far
+  const char* why_system{""};  ///< why it is not a counter, for a person
 };
 
 /// Chooses the source and measures the counter's rate. Takes about 60 ms; once per process, before threads
-/// that use fast_now() start (a second call returns at once). `allow_counter` false: stay with clock_gettime.
-FastClockSource start_fast_clock(bool allow_counter = true);
+/// that use fast_now() start (a second call returns at once).
+FastClockSource start_fast_clock();
 
 /// Keeps the fast clock on CLOCK_MONOTONIC. Call it from one thread that is not a real-time thread, at least
 /// once a second: 10 ns where nothing is to be done, about 1 us each 2.5 s. Without these calls the clock
 /// falls behind by 0.1 % from 2.5 s on, and is set right by the next one. The error stays below 1 us (20 ns
-/// measured on an idle machine). fast_now() never runs backwards on a thread, except after a suspend, which
-/// is counted. Between threads a reading may be as old as the loads that the processor still waits for (1 us
-/// measured): ordering the counter read would cost 6 ns.
+/// measured on an idle machine). fast_now() never runs backwards on a thread, except after a suspend. Between
+/// threads a reading may be as old as the loads that the processor still waits for (1 us measured): ordering
+/// the counter read would cost 6 ns.
 void anchor_fast_clock();
 
 /// State so far. From the thread that anchors.

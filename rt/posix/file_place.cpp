@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -21,8 +22,7 @@ namespace {
 
 bool is_locked(int file, int how) { return flock(file, how | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
-/// What lies at `part` is a link, or a file of another user that no process writes: removed if that is
-/// allowed.
+/// What lies at `part` is a link, or another user's file that no process writes: removed if that is allowed.
 bool clear_abandoned(const std::string& part) {
   const int file = open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   const bool lives = file < 0 ? errno != ELOOP : is_locked(file, LOCK_SH);
@@ -52,6 +52,24 @@ bool is_special_file(const std::string& path) noexcept {
   return stat(path.c_str(), &found) == 0 && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode);
 }
 
+bool is_being_written(const std::string& path) noexcept {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return false;
+  const bool lives = is_locked(file, LOCK_SH);
+  close(file);
+  return lives;
+}
+
+bool on_memory_file_system(int file) noexcept {
+  constexpr unsigned long kTmpfs = 0x01021994ul;
+  constexpr unsigned long kRamfs = 0x858458f6ul;
+  constexpr unsigned long kHugetlbfs = 0x958458f6ul;
+  struct statfs found {};
+  if (fstatfs(file, &found) != 0) return false;
+  const unsigned long type = static_cast<unsigned long>(found.f_type) & 0xfffffffful;
+  return type == kTmpfs || type == kRamfs || type == kHugetlbfs;
+}
+
 FilePlace::FilePlace(const std::string& path, unsigned mode) : path_(place_of(path)) {
   if (is_special_file(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -62,11 +80,7 @@ FilePlace::FilePlace(const std::string& path, unsigned mode) : path_(place_of(pa
   struct stat found {};
   if (stat(path_.c_str(), &found) == 0 && S_ISDIR(found.st_mode))
     refuse(path_, "it is a folder; give a file");
-  if (const int former = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); former >= 0) {
-    const bool lives = is_locked(former, LOCK_SH);
-    close(former);
-    if (lives) refuse(path_, "a run that is still going uses it; choose another file");
-  }
+  if (is_being_written(path_)) refuse(path_, "a run that is still going uses it; choose another file");
   open_part(mode);
 }
 
@@ -105,8 +119,7 @@ bool FilePlace::occupied() const noexcept {
   return !taken_ && lstat(path_.c_str(), &found) == 0;
 }
 
-// By a second name, so that no kill finds the place empty; a file system without hard links takes two
-// renames.
+// By a second name, so that no kill finds the place empty; without hard links it takes two renames.
 bool FilePlace::keep_former() noexcept {
   const std::string spare = previous() + ".part";
   unlink(spare.c_str());

@@ -13,12 +13,16 @@
 
 namespace sortie::rt::posix {
 
-/// PATH, or where it leads if it is a symbolic link to something: a rename must not replace the link itself.
-/// Takes heap.
+/// PATH, or where it leads as a symbolic link: a rename must not replace the link itself. Takes heap.
 std::string place_of(const std::string& path);
-/// True when something stands there that no rename may replace: a device, a pipe, a socket. It is written
-/// directly.
+/// True when a device, a pipe or a socket stands there: no rename may replace it, it is written directly.
 bool is_special_file(const std::string& path) noexcept;
+
+/// True while a process that makes or writes the file at `path` holds its lock.
+bool is_being_written(const std::string& path) noexcept;
+
+/// True when an open file lies in memory (tmpfs, ramfs, hugetlbfs): no store into its map waits for a disk.
+bool on_memory_file_system(int file) noexcept;
 
 /// What becomes of what stood at the place.
 enum class FormerFile {

@@ -11,6 +11,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <string>
 
 #include "rt/job_record.hpp"
 
@@ -104,6 +106,12 @@ static_assert(sizeof(FlightGroup) == 24 + 24 + 48 + 288 + 16);
 static_assert(sizeof(FlightHeader) == 88 + 40 + 48 + 32 + 64 + 8 * 400 + 16 * 40 + 64 * 32 + 16);
 static_assert(sizeof(FlightHeader) <= kFlightStateOffset);
 
+/// Fills a text of the header that is empty; what is too long is cut.
+template <std::size_t N>
+void copy_text(char (&to)[N], const std::string& from) {
+  std::strncpy(to, from.c_str(), N - 1);
+}
+
 /// Check word of an entry over `count` words and its sequence word. Two running sums, so that order matters;
 /// joined by an even factor, so that no change of a single word goes unseen.
 inline std::uint32_t flight_check(std::uint32_t sequence, const std::uint32_t* words, std::uint32_t count) {
@@ -116,18 +124,28 @@ inline std::uint32_t flight_check(std::uint32_t sequence, const std::uint32_t* w
   return sum + sums * 0x9e3779b2u;
 }
 
-/// Writes an entry of `count` words behind sequence and check. Readers may look at any time: they see it
-/// whole or know that it is not.
-inline void write_flight_entry(std::uint32_t* entry, std::uint32_t sequence, const std::uint32_t* words,
-                               std::uint32_t count) noexcept {
-  const auto store = [](std::uint32_t& word, std::uint32_t value, std::memory_order order) {
-    std::atomic_ref<std::uint32_t>(word).store(value, order);
-  };
-  store(entry[0], sequence - 1, std::memory_order_relaxed);
-  // Released one by one: who sees one of these also sees that the entry is being written.
-  store(entry[1], flight_check(sequence, words, count), std::memory_order_release);
-  for (std::uint32_t i = 0; i < count; ++i) store(entry[2 + i], words[i], std::memory_order_release);
-  store(entry[0], sequence, std::memory_order_release);
-}
+/// The writing end of a ring: one thread at a time.
+struct alignas(64) FlightWriter {
+  std::uint32_t* first{};  ///< null: there is no ring
+  std::uint32_t mask{};    ///< slots - 1
+  std::uint32_t next{};
+
+  /// Writes an entry of `kCount` words behind sequence and check. Readers may look at any time: they see it
+  /// whole or know that it is not.
+  template <std::uint32_t kCount>
+  void add(const std::uint32_t (&words)[kCount]) noexcept {
+    const auto store = [](std::uint32_t& word, std::uint32_t value, std::memory_order order) {
+      std::atomic_ref<std::uint32_t>(word).store(value, order);
+    };
+    std::uint32_t* const entry = first + std::size_t{next & mask} * (kCount + 2);
+    const std::uint32_t sequence = 2 * next + 2;
+    ++next;
+    store(entry[0], sequence - 1, std::memory_order_relaxed);
+    // Released one by one: who sees one of these also sees that the entry is being written.
+    store(entry[1], flight_check(sequence, words, kCount), std::memory_order_release);
+    for (std::uint32_t i = 0; i < kCount; ++i) store(entry[2 + i], words[i], std::memory_order_release);
+    store(entry[0], sequence, std::memory_order_release);
+  }
+};
 
 }  // namespace sortie::rt::posix

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/posix/flight_reader.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -13,6 +9,7 @@
 #include <stdexcept>
 
 #include "rt/digest.hpp"
+#include "rt/posix/file_place.hpp"
 #include "rt/stamp_gate.hpp"
 
 namespace sortie::rt::posix {
@@ -56,24 +53,6 @@ bool is_sound(const FlightHeader& header) {
   return sound;
 }
 
-bool is_locked(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool locked = flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  close(file);
-  return locked;
-}
-
-}  // namespace
-
-std::uint64_t flight_header_check(const FlightHeader& header) {
-  FlightHeader copy = header;
-  copy.check = 0;
-  return digest_bytes(reinterpret_cast<const std::uint8_t*>(&copy), static_cast<std::uint32_t>(sizeof(copy)));
-}
-
-namespace {
-
 // The state of a ring with a whole header of this format.
 bool read_state(const std::string& path, FlightState& out) noexcept {
   try {
@@ -91,6 +70,12 @@ bool read_state(const std::string& path, FlightState& out) noexcept {
 }
 
 }  // namespace
+
+std::uint64_t flight_header_check(const FlightHeader& header) {
+  FlightHeader copy = header;
+  copy.check = 0;
+  return digest_bytes(&copy, sizeof(copy));
+}
 
 bool FlightReader::is_ring(const std::string& path) noexcept {
   try {
@@ -126,7 +111,7 @@ bool FlightReader::has_ended(const std::string& path) noexcept {
 
 bool FlightReader::was_left(const std::string& path) noexcept {
   FlightState state;
-  return read_state(path, state) && state.ended != 1 && !is_locked(path);
+  return read_state(path, state) && state.ended != 1 && !is_being_written(path);
 }
 
 FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<FlightHeader>()) {
@@ -139,7 +124,7 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(in.gcount()));
   take_header(path, bytes);
-  writer_lives_ = is_locked(path);
+  writer_lives_ = is_being_written(path);
   std::memcpy(&state_, bytes.data() + kFlightStateOffset, sizeof(state_));
   std::vector<std::uint32_t> words(bytes.size() / 4);
   std::memcpy(words.data(), bytes.data(), words.size() * 4);
@@ -150,12 +135,9 @@ FlightReader::FlightReader(const std::string& path) : header_(std::make_unique<F
     events_.push_back({static_cast<Nanoseconds>(word64(w)), word64(w + 2),
                        std::string(reinterpret_cast<const char*>(w + 5), length)});
   });
-  std::stable_sort(jobs_.begin(), jobs_.end(),
-                   [](const FlightJob& a, const FlightJob& b) { return a.tick < b.tick; });
-  std::stable_sort(spans_.begin(), spans_.end(),
-                   [](const FlightSpan& a, const FlightSpan& b) { return a.begin_ns < b.begin_ns; });
-  std::stable_sort(events_.begin(), events_.end(),
-                   [](const FlightEvent& a, const FlightEvent& b) { return a.time_ns < b.time_ns; });
+  std::ranges::stable_sort(jobs_, {}, &FlightJob::tick);
+  std::ranges::stable_sort(spans_, {}, &FlightSpan::begin_ns);
+  std::ranges::stable_sort(events_, {}, &FlightEvent::time_ns);
 }
 
 // Refuses what is no whole flight ring of this format, with the cure.

@@ -62,11 +62,9 @@ class FlightReader {
   /// its first word. Reads up to the first other byte. Never throws.
   static bool is_blank(const std::string& path) noexcept;
 
-  /// True when the file is a flight ring with a whole header whose run ended by itself. Reads the header
-  /// alone. Never throws.
+  /// True for a ring with a whole header whose run ended by itself. Reads the header alone. Never throws.
   static bool has_ended(const std::string& path) noexcept;
-  /// True when it is one whose run has not ended and whose writer is gone. Reads the header alone. Never
-  /// throws.
+  /// True for one whose run has not ended and whose writer is gone. Reads the header alone. Never throws.
   static bool was_left(const std::string& path) noexcept;
 
   const FlightHeader& header() const { return *header_; }

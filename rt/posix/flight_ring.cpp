@@ -8,28 +8,21 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <fstream>
 #include <stdexcept>
 
+#include "rt/posix/clock.hpp"
 #include "rt/posix/flight_reader.hpp"
-#include "rt/posix/memory_file_system.hpp"
 
 namespace sortie::rt::posix {
 namespace {
 
-template <std::size_t N>
-void copy_text(char (&to)[N], const std::string& from) {
-  std::strncpy(to, from.c_str(), N - 1);
-}
-
 std::uint32_t power_of_two(std::uint64_t at_least) {
-  std::uint32_t slots = 16;
-  while (slots < at_least && slots < (1u << 24)) slots *= 2;
-  return slots;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::bit_ceil(at_least), 16, 1u << 24));
 }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
@@ -53,7 +46,7 @@ std::string boot_id() {
 }  // namespace
 
 FlightRing::FlightRing(const std::string& path, const FlightPlan& plan) : path_(path) {
-  const auto header = std::make_unique<FlightHeader>();
+  const auto header = std::make_unique<FlightHeader>(plan.header);
   lay_out(plan, *header);
   look_at_former();
   rescue_part();
@@ -76,32 +69,15 @@ void FlightRing::lay_out(const FlightPlan& plan, FlightHeader& header) {
   std::memcpy(header.magic, kFlightMagic, sizeof(header.magic));
   header.version = kFlightVersion;
   header.header_bytes = kFlightHeaderBytes;
-  header.base_tick_ns = plan.base_tick_ns;
-  header.epoch_ns = plan.epoch_ns;
-  header.start_ns = plan.start_ns;
-  header.utc_minus_monotonic_ns = plan.utc_minus_monotonic_ns;
-  header.scene_hash = plan.scene_hash;
   header.pid = static_cast<std::uint32_t>(getpid());
   copy_text(header.boot_id, boot_id());
-  copy_text(header.scene, plan.scene);
-  copy_text(header.vehicle, plan.vehicle);
-  copy_text(header.version_text, plan.version);
-  header.groups = static_cast<std::uint32_t>(std::min<std::size_t>(plan.groups.size(), kMaxGroups));
+  header.groups = std::min(header.groups, kMaxGroups);
   header.file_bytes = kFlightHeaderBytes;
   for (std::uint32_t i = 0; i < header.groups; ++i) {
-    const FlightGroupPlan& from = plan.groups[i];
     FlightGroup& group = header.group[i];
-    copy_text(group.name, from.name);
-    copy_text(header.track[i].name, from.name);
-    group.period_ticks = std::max(from.period_ticks, 1u);
-    group.phase_ticks = from.phase_ticks;
-    group.deadline_ticks = from.deadline_ticks;
-    group.core = from.core;
-    group.tasks = static_cast<std::uint32_t>(std::min<std::size_t>(from.tasks.size(), kMaxTasksPerGroup));
-    for (std::uint32_t task = 0; task < group.tasks; ++task) {
-      copy_text(group.task[task], from.tasks[task]);
-      group.budget_us[task] = task < from.budget_us.size() ? from.budget_us[task] : 0;
-    }
+    copy_text(header.track[i].name, group.name);
+    group.period_ticks = std::max(group.period_ticks, 1u);
+    group.tasks = std::min(group.tasks, kMaxTasksPerGroup);
     group.jobs = take(header.file_bytes, power_of_two(plan.ticks / group.period_ticks + 1), kJobWords);
   }
   const auto tracks = std::min<std::size_t>(header.groups + plan.more_tracks.size(), kMaxFlightTracks);
@@ -137,8 +113,7 @@ void FlightRing::look_at_former() {
   if (former_unfinished_) tell_kept();
 }
 
-// A run that died within its first job, before anybody put its ring into its place, is worth as much as any
-// other.
+// A run that died within its first job, before its ring took its place, is worth as much as any other.
 void FlightRing::rescue_part() {
   const std::string part = path_ + ".part";
   if (!FlightReader::was_left(part)) return;
@@ -187,15 +162,12 @@ void FlightRing::map_file(const FlightHeader& header) {
   const auto words_at = [this](const FlightPlace& place) {
     return reinterpret_cast<std::uint32_t*>(map_ + place.offset);
   };
-  for (std::uint32_t i = 0; i < header.groups; ++i) {
-    jobs_[i].first = words_at(header.group[i].jobs);
-    jobs_[i].mask = header.group[i].jobs.slots - 1;
-  }
+  for (std::uint32_t i = 0; i < header.groups; ++i)
+    jobs_[i] = {words_at(header.group[i].jobs), header.group[i].jobs.slots - 1, 0};
   tracks_ = std::make_unique<SpanTrack[]>(kMaxFlightTracks);
   for (std::uint32_t i = 0; i < header.tracks; ++i)
     tracks_[i] = SpanTrack(words_at(header.track[i].spans), header.track[i].spans.slots);
-  events_ = words_at(header.events);
-  event_mask_ = header.events.slots - 1;
+  events_ = {words_at(header.events), header.events.slots - 1, 0};
 }
 
 void FlightRing::set_clock(std::int64_t start_ns, std::int64_t utc_minus_monotonic_ns) {
@@ -209,7 +181,7 @@ void FlightRing::set_clock(std::int64_t start_ns, std::int64_t utc_minus_monoton
 
 void FlightRing::job(const JobRecord& record) noexcept {
   if (record.group >= kMaxGroups) return;
-  JobWriter& writer = jobs_[record.group];
+  FlightWriter& writer = jobs_[record.group];
   if (writer.first == nullptr) return;
   SpanTrack*& spans = this_thread_spans;
   if (spans != &tracks_[record.group]) spans = &tracks_[record.group];
@@ -226,9 +198,7 @@ void FlightRing::job(const JobRecord& record) noexcept {
     words[6 + i] = record.duration_ns[i];
     words[6 + kMaxTasksPerGroup + i] = record.units[i];
   }
-  std::uint32_t* entry = writer.first + std::size_t{writer.next & writer.mask} * kJobWords;
-  write_flight_entry(entry, 2 * writer.next + 2, words, kJobWords - 2);
-  ++writer.next;
+  writer.add(words);
 }
 
 void FlightRing::event(Nanoseconds time_ns, Tick tick, std::string_view text) {
@@ -242,9 +212,7 @@ void FlightRing::event(Nanoseconds time_ns, Tick tick, std::string_view text) {
   words[4] = static_cast<std::uint32_t>(length);
   std::memcpy(words + 5, text.data(), length);
   const std::lock_guard lock(event_mutex_);
-  std::uint32_t* entry = events_ + std::size_t{next_event_ & event_mask_} * kEventWords;
-  write_flight_entry(entry, 2 * next_event_ + 2, words, kEventWords - 2);
-  ++next_event_;
+  events_.add(words);
 }
 
 std::atomic<std::uint32_t>* FlightRing::running(std::uint32_t group) noexcept {
@@ -257,9 +225,7 @@ void FlightRing::died(int signal, int code, const void* address) noexcept {
   if (!std::atomic_ref<std::uint32_t>(state_->signal)
            .compare_exchange_strong(none, static_cast<std::uint32_t>(signal)))
     return;
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);  // one of the calls that a handler may make
-  state_->signal_ns = now.tv_sec * kNanosecondsPerSecond + now.tv_nsec;
+  state_->signal_ns = monotonic_now();
   state_->signal_code = code;
   state_->signal_address = reinterpret_cast<std::uintptr_t>(address);
   const SpanTrack* track = this_thread_spans;

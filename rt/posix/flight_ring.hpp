@@ -25,28 +25,11 @@
 
 namespace sortie::rt::posix {
 
-/// A group as the file tells of it.
-struct FlightGroupPlan {
-  std::string name;
-  std::uint32_t period_ticks{1};
-  std::uint32_t phase_ticks{};
-  std::uint32_t deadline_ticks{};
-  int core{-1};
-  std::vector<std::string> tasks;
-  std::vector<std::uint32_t> budget_us;  ///< as many as tasks
-};
-
-/// What a flight ring is to hold. Names that are too long are cut.
+/// What a flight ring is to hold.
 struct FlightPlan {
-  std::string scene;
-  std::string vehicle;
-  std::string version;
-  std::uint64_t scene_hash{};
-  std::int64_t base_tick_ns{};
-  std::int64_t epoch_ns{};
-  std::int64_t start_ns{};  ///< CLOCK_MONOTONIC when the run clock is 0, where that is known already
-  std::int64_t utc_minus_monotonic_ns{};
-  std::vector<FlightGroupPlan> groups;
+  /// What is known of the run and of its groups. The ring itself fills in what follows from the file and the
+  /// process: magic to check, places, tracks, names of spans, pid and boot.
+  FlightHeader header;
   std::vector<std::string> more_tracks;  ///< threads beside the workers whose spans are kept
   std::uint32_t ticks{10'000};           ///< kept at least, of every group
   std::uint32_t spans{4096};             ///< kept of every track, rounded up to a power of two
@@ -99,13 +82,7 @@ class FlightRing {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
-  struct alignas(64) JobWriter {
-    std::uint32_t* first{};
-    std::uint32_t mask{};
-    std::uint32_t next{};
-  };
-
-  void lay_out(const FlightPlan& plan, FlightHeader& header);
+  void lay_out(const FlightPlan& plan, FlightHeader& header);  // `header`: a copy of the plan's
   void look_at_former();
   void rescue_part();
   void tell_kept();
@@ -117,12 +94,10 @@ class FlightRing {
   std::byte* map_{};
   std::size_t bytes_{};
   FlightState* state_{};
-  JobWriter jobs_[kMaxGroups];
+  FlightWriter jobs_[kMaxGroups];
   std::unique_ptr<SpanTrack[]> tracks_;
   std::mutex event_mutex_;
-  std::uint32_t* events_{};
-  std::uint32_t event_mask_{};
-  std::uint32_t next_event_{};
+  FlightWriter events_;
   std::vector<std::string> warnings_;
 };
 

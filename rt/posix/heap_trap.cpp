@@ -10,6 +10,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <bit>
 #include <cerrno>
 #include <cstddef>
 
@@ -28,8 +29,7 @@ void* __libc_pvalloc(std::size_t);
 
 namespace {
 
-// Initial-exec storage lies in the thread's static block: the general model may itself call malloc on first
-// touch.
+// Initial-exec storage lies in the thread's static block: the general model may call malloc on first touch.
 [[gnu::tls_model("initial-exec")]] constinit thread_local std::uint32_t armed_depth = 0;
 [[gnu::tls_model("initial-exec")]] constinit thread_local std::uint64_t thread_calls = 0;
 constinit std::atomic<std::uint64_t> all_calls{0};
@@ -51,8 +51,6 @@ constinit std::atomic<sortie::rt::posix::HeapTrapAction> chosen_action{
 inline void check() noexcept {
   if (__builtin_expect(armed_depth != 0, 0)) trapped();
 }
-
-bool is_power_of_two(std::size_t n) { return n != 0 && (n & (n - 1)) == 0; }
 
 }  // namespace
 
@@ -102,7 +100,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t bytes) noexcept {
 
 int posix_memalign(void** out, std::size_t alignment, std::size_t bytes) noexcept {
   check();
-  if (!is_power_of_two(alignment) || alignment % sizeof(void*) != 0) return EINVAL;
+  if (!std::has_single_bit(alignment) || alignment % sizeof(void*) != 0) return EINVAL;
   void* const memory = __libc_memalign(alignment, bytes);
   if (memory == nullptr) return ENOMEM;
   *out = memory;

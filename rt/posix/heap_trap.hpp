@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Proof that real-time code takes no memory from the heap: every malloc, new and free of an armed thread is
-// counted.
+// Proof that real-time code takes no heap memory: every malloc, new and free of an armed thread is counted.
 //
 // Linking sortie_heap_trap replaces the malloc family of the whole program by thin wrappers of glibc's own (a
 // few ns a call). It is linked by the program and the tests, never by a library. It does not see mmap or page
@@ -27,8 +26,7 @@
 
 namespace sortie::rt::posix {
 
-/// False where nothing is counted: under a sanitizer, which owns malloc itself, and on other C libraries than
-/// glibc.
+/// False where nothing is counted: under a sanitizer, which owns malloc, and without glibc.
 inline constexpr bool kHeapTrapAvailable = SORTIE_HEAP_TRAP != 0;
 
 /// What a heap call of an armed thread does.
@@ -46,8 +44,7 @@ std::uint64_t heap_trap_calls() noexcept;
 /// Heap calls of this thread while it was armed, since the thread began.
 std::uint64_t heap_trap_thread_calls() noexcept;
 
-/// Arms this thread, as often as it is called; each call needs one heap_trap_disarm(). HeapTrapScope does
-/// both.
+/// Arms this thread, as often as it is called; each call needs one heap_trap_disarm(). See HeapTrapScope.
 void heap_trap_arm() noexcept;
 /// Takes back one heap_trap_arm().
 void heap_trap_disarm() noexcept;

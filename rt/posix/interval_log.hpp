@@ -12,8 +12,7 @@
 namespace sortie::rt::posix {
 
 /// The newest N - 1 intervals with a weight each: one writer, any number of readers, no lock, fixed memory
-/// (1.5 kB). A reader that is overtaken by the writer sees less, never something wrong. `Atomic`: as of
-/// OverwriteRing.
+/// (1.5 kB). A reader that is overtaken sees less, never something wrong. `Atomic`: as of OverwriteRing.
 template <std::uint32_t N = 64, template <class> class Atomic = std::atomic>
 class BasicIntervalLog {
  public:

@@ -56,20 +56,11 @@ void LiveRunner::start() {
 void LiveRunner::make_threads() {
   const std::uint32_t count = executive_.group_count();
   running_.store(count, std::memory_order_release);
-  // The clock and the counters are kept without a worker's help. Missing evidence only means more unknown
-  // causes.
+  // Keeps the clock and the counters. Missing evidence only means more unknown causes.
   static_cast<void>(housekeeper_.start());
   if (options_.supervised) {
-    SupervisorOptions above;
-    above.start_ns = options_.start_ns;
-    above.realtime = options_.realtime;
-    above.priority = options_.supervisor_priority != 0 ? options_.supervisor_priority
-                                                       : std::min(options_.top_priority + 10, 99);
-    above.ladder = options_.ladder;
-    above.processors = options_.processors;
-    above.stuck_limit_ns = options_.stuck_limit_ns;
-    above.on_stuck_limit = options_.on_stuck_limit;
-    above.on_stuck_self = options_.on_stuck_self;
+    SupervisorOptions above = options_;
+    if (above.priority == 0) above.priority = std::min(options_.top_priority + 10, 99);
     supervisor_ = std::make_unique<Supervisor>(executive_, pulses_.get(), above);
   }
   threads_.reserve(count);

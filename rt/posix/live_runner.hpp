@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs an executive on the real clock: one SCHED_FIFO worker a group, rate-monotonic priorities, one
-// supervisor above them.
+// Runs an executive on the real clock: one SCHED_FIFO worker a group, rate-monotonic, a supervisor above.
 #pragma once
 
 #include <atomic>
@@ -21,33 +20,23 @@
 
 namespace sortie::rt::posix {
 
-/// How a live run treats its threads.
-struct LiveOptions {
-  Nanoseconds start_ns{};    ///< CLOCK_MONOTONIC at tick 0; must lie in the future
+/// How a live run treats its threads, the supervisor among them.
+struct LiveOptions : SupervisorOptions {
   Tick last_tick{~Tick{0}};  ///< the run ends by itself after the releases of this tick
   SpinMarginConfig margin;   ///< slept to this long before a release, the rest is spun
   /// Most of a core that spinning may take, as a share of the period: bounds the margin further.
   double most_spinning{0.06};
-  bool realtime{true};  ///< ask for SCHED_FIFO, mlockall and pinning; what is refused becomes a warning
   /// All or nothing: no job runs before every thread has asked the platform, and none at all when it refused
   /// something; the run then ends by itself.
   bool require_realtime{};
-  int top_priority{80};       ///< of the fastest group; slower groups count down from it
-  int supervisor_priority{};  ///< 0: ten above the fastest group, 99 at most
+  int top_priority{80};  ///< of the fastest group; slower groups count down from it
   /// Find the cause of each delay above `delay_threshold_ns`: one more system call a tick.
   bool attribution{true};
   Nanoseconds delay_threshold_ns{100'000};
   bool supervised{true};  ///< start the supervisor: watchdog and degrade ladder
-  LadderConfig ladder;
-  double processors{};  ///< that unpinned groups are counted on by the ladder; 0: those that are there
-  /// A task that is stuck for so long calls `on_stuck_limit`, on the supervisor's thread. 0: never.
-  Nanoseconds stuck_limit_ns{};
-  void (*on_stuck_limit)(void* self, const LiveEvent& event){};
-  void* on_stuck_self{};
   /// Anytime tasks are cut at this share of the time between release and deadline. 0: never.
   double cut_at{0.9};
-  /// Called on each worker before its first and after its last job (the heap trap is armed here). May be
-  /// null.
+  /// Called on each worker before its first and after its last job (arms the heap trap). May be null.
   void (*on_worker)(bool starts){};
 
   /// What a scene may say. Start, length, priorities and what is called are the run's own.

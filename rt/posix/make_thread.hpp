@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The one way in which threads come to be. A system that gives no more of them is met by a robot that starts
 // late or beside too much else: the refusal must name the thread and the cure, and whoever starts several
-// must end those that it has before the refusal leaves it (a std::thread that is destroyed while it runs ends
-// the process).
+// must end those that it has before the refusal leaves it (to destroy one that runs ends the process).
 #pragma once
 
 #include <stdexcept>

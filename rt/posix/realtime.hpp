@@ -15,6 +15,9 @@ struct [[nodiscard]] SetupResult {
   char reason[200]{};
 };
 
+/// A step that was refused, and why, as printf has it; cut to what fits.
+[[gnu::format(printf, 1, 2)]] SetupResult refusal(const char* format, ...) noexcept;
+
 /// SCHED_FIFO at `priority` (1..99) for the calling thread. Needs CAP_SYS_NICE or an RLIMIT_RTPRIO.
 SetupResult set_fifo_priority(int priority) noexcept;
 
@@ -28,8 +31,7 @@ int thread_number() noexcept;
 /// end leaves the processor to ordinary threads from then on.
 SetupResult take_priority_from(int thread) noexcept;
 
-/// Keeps all present and future pages of the process in memory (mlockall), and keeps malloc from giving pages
-/// back.
+/// Keeps all present and future pages of the process in memory (mlockall); malloc gives none back then.
 SetupResult lock_memory() noexcept;
 
 /// Bounds the stack of every thread that is made from now on to `bytes`. Locked memory holds a stack whole

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How long before a release a worker stops sleeping and starts to spin: as little as this machine's wake-ups
-// allow, within bounds.
+// How long before a release a worker starts to spin: as little as this machine's wake-ups allow, in bounds.
 #pragma once
 
 #include "rt/time.hpp"

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "rt/posix/stack_meter.hpp"
 
 #include <pthread.h>
-
-#include <cstdio>
 
 namespace sortie::rt::posix {
 namespace {
@@ -24,15 +19,11 @@ volatile std::uint64_t* word_at(std::uintptr_t address) {
 }  // namespace
 
 [[gnu::noinline, gnu::no_sanitize_address]] SetupResult StackMeter::paint(std::size_t bytes) noexcept {
-  SetupResult result;
   pthread_attr_t attributes;
   void* lowest = nullptr;
   std::size_t size = 0;
-  if (pthread_getattr_np(pthread_self(), &attributes) != 0) {
-    result.ok = false;
-    std::snprintf(result.reason, sizeof(result.reason), "stack meter: the stack's bounds are not known");
-    return result;
-  }
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0)
+    return refusal("stack meter: the stack's bounds are not known");
   pthread_attr_getstack(&attributes, &lowest, &size);
   pthread_attr_destroy(&attributes);
 
@@ -40,10 +31,7 @@ volatile std::uint64_t* word_at(std::uintptr_t address) {
   const auto bottom = reinterpret_cast<std::uintptr_t>(lowest);
   const std::size_t left = here > bottom ? static_cast<std::size_t>(here - bottom) : 0;
   if (left < kReserve + kOwnFrame || bytes > left - kReserve - kOwnFrame) {
-    result.ok = false;
-    std::snprintf(result.reason, sizeof(result.reason),
-                  "stack meter: %zu bytes wanted, %zu left; ask for less or raise 'ulimit -s'", bytes, left);
-    return result;
+    return refusal("stack meter: %zu bytes wanted, %zu left; ask for less or raise 'ulimit -s'", bytes, left);
   }
   const std::uintptr_t top = (here - kOwnFrame) / 8 * 8;
   // Downwards, as deep calls would: the kernel grows the main thread's stack on touch.
@@ -52,7 +40,7 @@ volatile std::uint64_t* word_at(std::uintptr_t address) {
   lowest_ = at;
   painted_ = static_cast<std::size_t>(here - at);
   above_ = static_cast<std::size_t>(bottom + size - here);
-  return result;
+  return {};
 }
 
 [[gnu::noinline, gnu::no_sanitize_address]] std::size_t StackMeter::high_water() const noexcept {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far ahead a run's start must lie. How long a thread takes to be made and made ready differs by a
-// thousand times between a desktop and a small board whose kernel has just booted, so it is measured, not
-// assumed.
+// thousand times between a desktop and a small board that has just booted: it is measured, not assumed.
 #pragma once
 
 #include <cstddef>

@@ -12,19 +12,12 @@ namespace sortie::rt::posix {
 
 namespace {
 constexpr Nanoseconds kFastestLook = kNanosecondsPerMillisecond / 2;
-constexpr Nanoseconds kStuckEventEvery =
-    100 * kNanosecondsPerMillisecond;  // a storm must not hide other events
+constexpr Nanoseconds kStuckEventEvery = 100 * kNanosecondsPerMillisecond;  // no storm hides other events
 // While nobody looked, the task may have been kept from its processor as the supervisor was: a paused machine
 // is no reason to leave the process.
 constexpr Nanoseconds kLongestLook = 20 * kNanosecondsPerMillisecond;
 // A missed job where there is room is not the processors' fault: shedding would not help.
 constexpr double kBusyCore = 0.5;
-
-Nanoseconds read_cpu_clock(clockid_t clock) {
-  timespec t{};
-  if (clock_gettime(clock, &t) != 0) return 0;
-  return Nanoseconds{t.tv_sec} * kNanosecondsPerSecond + t.tv_nsec;
-}
 }  // namespace
 
 double declared_load(const Executive& executive, std::uint32_t index, std::uint8_t level) {
@@ -178,8 +171,7 @@ void Supervisor::look_for_stuck(Nanoseconds now, Nanoseconds looked) {
     }
     if (options_.stuck_limit_ns != 0 && watch.watched_ns > options_.stuck_limit_ns && !watch.limit_reached) {
       watch.limit_reached = true;
-      // Where it holds the only processor, and the kernel does not throttle real-time threads, nobody else
-      // could end the process.
+      // Where it holds the only processor, and the kernel throttles none, nobody could end the process.
       if (const int thread = pulses_[index].thread.load(std::memory_order_acquire); thread != 0)
         static_cast<void>(take_priority_from(thread));  // refused: it has ended, or was ordinary all along
       if (options_.on_stuck_limit != nullptr) options_.on_stuck_limit(options_.on_stuck_self, event);
@@ -191,7 +183,7 @@ bool Supervisor::load_of(Member& member, Nanoseconds window, double& load) const
   const WorkerPulse& pulse = pulses_[member.group];
   if (!pulse.has_cpu_clock.load(std::memory_order_acquire)) return false;
   const Nanoseconds before = member.busy_ns;
-  member.busy_ns = read_cpu_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
+  member.busy_ns = read_clock(pulse.cpu_clock) - pulse.spun_ns.load(std::memory_order_relaxed);
   if (before < 0) return false;  // set-up work of a thread is no load of the run
   load = static_cast<double>(member.busy_ns - before) / static_cast<double>(window);
   return true;

@@ -3,7 +3,6 @@
 // of each core. It reads what the workers publish and never touches their data.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <thread>
 #include <vector>
@@ -19,14 +18,13 @@ namespace sortie::rt::posix {
 
 /// How the supervisor works.
 struct SupervisorOptions {
-  Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at tick 0
-  bool realtime{true};
-  int priority{90};  ///< above every worker
+  Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at tick 0; must lie in the future
+  bool realtime{true};     ///< ask for SCHED_FIFO, mlockall and pinning; what is refused becomes a warning
+  int priority{};  ///< above every worker; a LiveRunner takes 0 for ten above the fastest group, 99 at most
   LadderConfig ladder{};
   /// Processors that groups without a core of their own may use. 0: those that are there when it starts.
   double processors{};
-  /// One update of the ladder a window; longer where a core's slowest group has a period of more than
-  /// kMostSpan windows.
+  /// One update of the ladder a window; longer where a core's slowest period is more than kMostSpan of them.
   Nanoseconds window_ns{10 * kNanosecondsPerMillisecond};
   /// A task that is stuck for so long ends the run: its worker loses its real-time priority, so that ordinary
   /// threads have a processor, and `on_stuck_limit` is called once, on this thread. Of a

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE
-#endif
 #include "rt/posix/thread_account.hpp"
 
 #include <fcntl.h>
@@ -9,21 +6,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
+#include <charconv>
 #include <cstring>
 
 namespace sortie::rt::posix {
-namespace {
-
-// One decimal number and the byte behind it; null when there is none.
-const char* read_number(const char* text, std::uint64_t& number) {
-  if (*text < '0' || *text > '9') return nullptr;
-  number = 0;
-  while (*text >= '0' && *text <= '9') number = number * 10 + static_cast<std::uint64_t>(*text++ - '0');
-  return *text == '\0' ? text : text + 1;
-}
-
-}  // namespace
 
 ThreadAccountFile::~ThreadAccountFile() {
   if (file_ >= 0) close(file_);
@@ -32,14 +18,12 @@ ThreadAccountFile::~ThreadAccountFile() {
 SetupResult ThreadAccountFile::open_for_this_thread() noexcept {
   if (file_ >= 0) close(file_);
   file_ = open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);
-  SetupResult result;
   ThreadAccount account;
-  if (file_ >= 0 && read(account)) return result;
-  result.ok = false;
-  std::snprintf(result.reason, sizeof(result.reason),
-                "causes of delays: /proc/thread-self/schedstat: %s; mount /proc, or use a kernel with "
-                "CONFIG_SCHED_INFO",
-                file_ < 0 ? std::strerror(errno) : "holds no numbers");
+  if (file_ >= 0 && read(account)) return {};
+  const SetupResult result = refusal(
+      "causes of delays: /proc/thread-self/schedstat: %s; mount /proc, or use a kernel with "
+      "CONFIG_SCHED_INFO",
+      file_ < 0 ? std::strerror(errno) : "holds no numbers");
   if (file_ >= 0) close(file_);
   file_ = -1;
   return result;
@@ -47,17 +31,17 @@ SetupResult ThreadAccountFile::open_for_this_thread() noexcept {
 
 bool ThreadAccountFile::read(ThreadAccount& account) const noexcept {
   char text[96];
-  const ssize_t got = pread(file_, text, sizeof(text) - 1, 0);
+  const ssize_t got = pread(file_, text, sizeof(text), 0);
   if (got <= 0) return false;
-  text[got] = '\0';
-  std::uint64_t cpu = 0;
-  std::uint64_t waited = 0;
-  std::uint64_t switched_in = 0;
-  const char* at = read_number(text, cpu);
-  if (at != nullptr) at = read_number(at, waited);
-  if (at != nullptr) at = read_number(at, switched_in);
-  if (at == nullptr) return false;
-  account = {static_cast<Nanoseconds>(cpu), static_cast<Nanoseconds>(waited), switched_in};
+  std::uint64_t numbers[3]{};
+  const char* at = text;
+  const char* const end = text + got;
+  for (std::uint64_t& number : numbers) {
+    const auto [stop, error] = std::from_chars(at, end, number);
+    if (error != std::errc{}) return false;
+    at = stop == end ? end : stop + 1;
+  }
+  account = {static_cast<Nanoseconds>(numbers[0]), static_cast<Nanoseconds>(numbers[1]), numbers[2]};
   return true;
 }
 

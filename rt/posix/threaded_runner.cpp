@@ -14,8 +14,7 @@ namespace sortie::rt::posix {
 
 namespace {
 
-// One group's thread with room for exactly one job: a group's jobs never overlap, their deadline lies within
-// the period.
+// One group's thread with room for exactly one job: no two overlap, as deadlines lie within the period.
 class Worker {
  public:
   Worker(Executive& executive, std::uint32_t group)

@@ -6,7 +6,6 @@
 //   { const rt::posix::TraceSpan span(kMerge); merge(); }  // in a task
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "rt/posix/fast_clock.hpp"
@@ -15,30 +14,25 @@
 namespace sortie::rt::posix {
 
 /// One writer's ring of spans. Without memory it drops what it is given.
-class alignas(64) SpanTrack {
+class SpanTrack {
  public:
   SpanTrack() = default;
   /// `slots` entries of kSpanWords words from `first` on, a power of two.
-  SpanTrack(std::uint32_t* first, std::uint32_t slots) : first_(first), mask_(slots - 1) {}
+  SpanTrack(std::uint32_t* first, std::uint32_t slots) : writer_{first, slots - 1, 0} {}
 
   /// Notes a span; CLOCK_MONOTONIC [ns]. Real-time safe, about 3 ns.
   void add(std::uint32_t name, Nanoseconds begin_ns, Nanoseconds end_ns) noexcept {
-    if (first_ == nullptr) return;
-    std::uint32_t* entry = first_ + std::size_t{next_ & mask_} * kSpanWords;
-    const std::uint32_t sequence = 2 * next_ + 2;
-    ++next_;
+    if (writer_.first == nullptr) return;
     const auto begin = static_cast<std::uint64_t>(begin_ns);
     const auto length = static_cast<std::uint64_t>(end_ns > begin_ns ? end_ns - begin_ns : 0);
     const std::uint32_t words[kSpanWords - 2] = {
         static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(begin >> 32),
         length > 0xffffffffu ? 0xffffffffu : static_cast<std::uint32_t>(length), name};
-    write_flight_entry(entry, sequence, words, kSpanWords - 2);
+    writer_.add(words);
   }
 
  private:
-  std::uint32_t* first_{};
-  std::uint32_t mask_{};
-  std::uint32_t next_{};
+  FlightWriter writer_;
 };
 
 /// The track of the calling thread, or null. Set by whoever runs the thread.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a live worker lets the supervisor see, and what the supervisor tells it. Plain atomics; nobody waits.
+// What a live worker lets the supervisor see, what the supervisor tells it, and what both tell of the run.
+// Plain atomics; nobody waits.
 #pragma once
 
 #include <ctime>
@@ -7,10 +8,29 @@
 #include <atomic>
 #include <cstdint>
 
-#include "rt/posix/live_event.hpp"
 #include "rt/spsc_ring.hpp"
+#include "rt/time.hpp"
 
 namespace sortie::rt::posix {
+
+/// Kinds of events that a live run tells while it goes on.
+enum class LiveEventKind : std::uint8_t {
+  ladder,   ///< `core` took another level: `value`
+  stuck,    ///< task `task` of `group` runs for longer than a period; `value`: microseconds so far
+  unstuck,  ///< it has ended after all; `value`: microseconds that it was stuck for at least
+  promise,  ///< `group` broke its (m,k) promise; `value`: times so far
+  stop      ///< `group` was late and its policy is to stop the run
+};
+
+/// One event. Plain; crosses threads in a ring.
+struct LiveEvent {
+  LiveEventKind kind{};
+  std::int16_t core{-1};
+  std::uint16_t group{};
+  std::uint16_t task{};  ///< index within the group
+  Tick tick{};
+  std::int64_t value{};
+};
 
 /// Shared by one worker and the supervisor. One cache line for what changes each job.
 struct alignas(64) WorkerPulse {

@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "rt/chain_path.hpp"
-#include "rt/declared_table.hpp"
 #include "rt/posix/threaded_runner.hpp"
 #include "rt/virtual_runner.hpp"
 

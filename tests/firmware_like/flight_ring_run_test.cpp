@@ -194,7 +194,7 @@ TEST_CASE("by itself a live run keeps its ring in memory and takes it away again
   }
   CHECK(unfinished_flight_rings(memory).empty());
   rt::posix::FlightPlan plan;
-  plan.base_tick_ns = 1'000'000;
+  plan.header.base_tick_ns = 1'000'000;
   { const rt::posix::FlightRing dead(memory + "/sortie-dead.ring", plan); }
   std::filesystem::copy_file(memory + "/sortie-dead.ring", memory + "/sortie-damaged.ring");
   {

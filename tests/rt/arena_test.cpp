@@ -27,7 +27,7 @@ TEST_CASE("an arena lists every allocation with its name and its bytes") {
   Arena arena(memory);
   const std::span<char> odd = arena.make_array<char>("odd", 3);
   const std::span<Element> elements = arena.make_array<Element>("elements", 10);
-  double* const one = arena.make<double>("one");
+  double* const one = arena.make_array<double>("one", 1).data();
   REQUIRE(odd.size() == 3);
   REQUIRE(elements.size() == 10);
   REQUIRE(one != nullptr);
@@ -55,15 +55,15 @@ TEST_CASE("an arena that was made to end earlier keeps what was taken, and refus
   Arena arena(memory);
   const std::span<double> kept = arena.make_array<double>("kept", 4);
   arena.end_at(8);  // less than was taken
-  CHECK(arena.make<char>("behind") == nullptr);
+  CHECK(arena.make_array<char>("behind", 1).data() == nullptr);
   CHECK(arena.refused() == 1);
   CHECK(kept.size() == 4);
   Arena other(memory);
-  CHECK(other.make<double>("first") != nullptr);
+  CHECK(other.make_array<double>("first", 1).data() != nullptr);
   other.end_at(16);
   other.end_at(256);  // it does not grow again
-  CHECK(other.make<double>("second") != nullptr);
-  CHECK(other.make<char>("third") == nullptr);
+  CHECK(other.make_array<double>("second", 1).data() != nullptr);
+  CHECK(other.make_array<char>("third", 1).data() == nullptr);
 }
 
 TEST_CASE("allocations of an arena never overlap and keep their alignment wherever the block starts") {
@@ -99,7 +99,7 @@ TEST_CASE("an arena refuses what does not fit, says how much would, and goes on"
       SIZE_MAX / 4;  // a compiler that knows it warns of the loop that is never reached
   CHECK(arena.make_array<double>("absurd", absurd).empty());
   CHECK(arena.make_array<std::uint8_t>("fits again", 40).size() == 40);
-  CHECK(arena.make<char>("full") == nullptr);
+  CHECK(arena.make_array<char>("full", 1).data() == nullptr);
   CHECK(arena.refused() == 3);
   CHECK(arena.report()[1].refused);
   CHECK(arena.report()[1].bytes == 0);
@@ -119,8 +119,9 @@ TEST_CASE("an arena holds a limited number of names and cuts long ones") {
   Arena arena(memory);
   CHECK_FALSE(arena.make_array<char>(std::string(200, 'n').c_str(), 1).empty());
   CHECK(std::string(arena.report()[0].name) == std::string(47, 'n'));
-  for (std::uint32_t i = 1; i < Arena::kMaxPools; ++i) REQUIRE(arena.make<char>("x") != nullptr);
-  CHECK(arena.make<char>("one too many") == nullptr);
+  for (std::uint32_t i = 1; i < kMaxArenaPools; ++i)
+    REQUIRE(arena.make_array<char>("x", 1).data() != nullptr);
+  CHECK(arena.make_array<char>("one too many", 1).data() == nullptr);
   CHECK(arena.refused() == 1);
 }
 

@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 
 #include "rt/chain_path.hpp"
-#include "rt/declared_table.hpp"
 #include "tests/rt/executive_rig.hpp"
 #include "tests/rt/schedule_support.hpp"
 

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <random>
-#include <string>
 #include <thread>
 #include <vector>
 
@@ -153,7 +152,8 @@ TEST_CASE("the fast clock names its source and keeps to CLOCK_MONOTONIC while it
   CHECK(start_fast_clock() == source);  // once is enough
   const FastClockState before = fast_clock_state();
   CHECK(before.source == source);
-  CHECK(std::string(to_string(source)) != "unknown clock");
+  CHECK((source == FastClockSource::system || source == FastClockSource::tsc ||
+         source == FastClockSource::arch_counter));
   CHECK((source == FastClockSource::system) == (before.why_system[0] != '\0'));
   if (source == FastClockSource::system) {
     WARN("skipped: the fast clock is clock_gettime here: " << before.why_system);

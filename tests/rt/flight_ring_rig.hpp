@@ -35,13 +35,15 @@ struct RingFolder {
 /// Two groups, and room for little.
 inline FlightPlan plan_of_two(std::uint32_t ticks = 1000) {
   FlightPlan plan;
-  plan.scene = "test";
-  plan.vehicle = "cart";
-  plan.scene_hash = 77;
-  plan.base_tick_ns = 1'000'000;
-  plan.start_ns = 5'000'000'000;
-  plan.groups = {{"fast", 1, 0, 1, 2, {"imu", "attitude"}, {50, 60}},
-                 {"slow", 10, 3, 10, -1, {"map"}, {900}}};
+  FlightHeader& header = plan.header;
+  copy_text(header.scene, "test");
+  copy_text(header.vehicle, "cart");
+  header.scene_hash = 77;
+  header.base_tick_ns = 1'000'000;
+  header.start_ns = 5'000'000'000;
+  header.groups = 2;
+  header.group[0] = {"fast", 1, 0, 1, 2, 2, 0, {50, 60}, {"imu", "attitude"}, {}};
+  header.group[1] = {"slow", 10, 3, 10, -1, 1, 0, {900}, {"map"}, {}};
   plan.more_tracks = {"devices"};
   plan.ticks = ticks;
   plan.spans = 64;

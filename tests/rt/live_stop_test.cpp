@@ -165,7 +165,7 @@ TEST_CASE("where all or nothing is wanted, a refusal comes before any job, from 
       live.require_realtime = true;
       live.top_priority = wanted.top_priority;
       live.supervised = wanted.supervisor_priority >= 0;
-      live.supervisor_priority = std::max(wanted.supervisor_priority, 0);
+      live.priority = std::max(wanted.supervisor_priority, 0);
       live.last_tick = 400;
       LiveRunner runner(rig.executive, live);
       runner.start();

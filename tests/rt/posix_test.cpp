@@ -7,10 +7,12 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <thread>
 
 #include "rt/posix/clock.hpp"
+#include "rt/posix/delay_observer.hpp"
 #include "rt/posix/heap_trap.hpp"
 #include "rt/posix/realtime.hpp"
 #include "rt/posix/start_lead.hpp"
@@ -55,12 +57,13 @@ TEST_CASE("clocks run forwards and sleeping never ends too early") {
   sleep_until(wake);
   CHECK(monotonic_now() >= wake);
   const Nanoseconds spun = monotonic_now() + 2 * kNanosecondsPerMillisecond;
-  const Nanoseconds woke = sleep_then_spin_until(spun, 100 * kNanosecondsPerMicrosecond);
+  const auto off = std::make_unique<DelayObserver>();
+  const Nanoseconds woke = wait_for_release(*off, 0, spun, 100 * kNanosecondsPerMicrosecond).woke_ns;
   CHECK(woke >= spun);
   CHECK(monotonic_now() >= woke);
   sleep_until(0);
   sleep_until(-5);
-  CHECK(sleep_then_spin_until(start, 0) > start);
+  CHECK(wait_for_release(*off, 0, start, 0).woke_ns > start);
 }
 
 TEST_CASE("the monotonic clock plus its offset is the system's UTC") {
