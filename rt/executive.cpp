@@ -15,8 +15,9 @@ GroupId Executive::add_group(const GroupSpec& spec) {
   group.timing.deadline = spec.deadline_ticks == 0 ? group.timing.period : spec.deadline_ticks;
   if (spec.firm.k > 64 || spec.firm.m > spec.firm.k) fail("a firm promise needs m <= k <= 64");
   group.misses = MissWindow(spec.firm);
-  if (!groups_.push_back(group)) fail("too many groups");
-  return GroupId{index};
+  if (groups_.push_back(group)) return GroupId{index};
+  fail("too many groups");
+  return GroupId{};  // what is added to it lies in a group that exists, and seal() refuses the whole
 }
 
 Status Executive::seal() {

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/posix/flight_reader.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <stdexcept>
 
 #include "rt/digest.hpp"
@@ -53,12 +58,23 @@ bool is_sound(const FlightHeader& header) {
   return sound;
 }
 
+// The beginning of an ordinary file of this user. Where a ring lies others may put a pipe, which would keep
+// who opens it waiting, a link, or a ring of their own.
+bool read_own(const std::string& path, std::span<char> bytes) noexcept {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) return false;
+  struct stat found {};
+  const bool own = fstat(file, &found) == 0 && S_ISREG(found.st_mode) && found.st_uid == geteuid();
+  const bool whole = own && pread(file, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size());
+  close(file);
+  return whole;
+}
+
 // The state of a ring with a whole header of this format.
 bool read_state(const std::string& path, FlightState& out) noexcept {
   try {
-    std::ifstream in(path, std::ios::binary);
     std::vector<char> bytes(kFlightHeaderBytes);
-    if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return false;
+    if (!read_own(path, bytes)) return false;
     const auto header = std::make_unique<FlightHeader>();
     std::memcpy(header.get(), bytes.data(), sizeof(FlightHeader));
     std::memcpy(&out, bytes.data() + kFlightStateOffset, sizeof(out));

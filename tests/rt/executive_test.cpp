@@ -165,6 +165,16 @@ TEST_CASE("a table that cannot run is refused with a reason") {
     CHECK(executive.seal() == Status::out_of_range);
     CHECK(std::string(executive.error()).find("deadline") != std::string::npos);
   }
+  SECTION("too many groups, and what is added to the one that has no room") {
+    Executive executive(arena, 1'000'000, 0);
+    GroupId group;
+    for (std::uint32_t i = 0; i <= kMaxGroups; ++i) group = executive.add_group({"one of many", 2, 0, -1});
+    CHECK(group.index < kMaxGroups);
+    executive.add_task<Sum>(group, "t", 1, [](JobContext&, Sum&) {});
+    static_cast<void>(executive.add_stream<Sum>(group, "S", 8, 4));
+    CHECK(executive.seal() == Status::out_of_range);
+    CHECK(std::string(executive.error()) == "too many groups");
+  }
   SECTION("too little memory") {
     Executive executive(arena, 1'000'000, 0);
     const GroupId group = executive.add_group({"big", 2, 0, -1});

@@ -2,6 +2,7 @@
 // The beginning of a flight ring: a start that dies or is refused takes nothing away and is in nobody's way.
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <catch2/catch.hpp>
@@ -87,6 +88,17 @@ TEST_CASE("a ring that died with a job before it took its place is kept") {
     CHECK(ring.take_place().empty());
   }
   CHECK_FALSE(std::filesystem::exists(folder.file("other.ring.previous")));
+}
+
+TEST_CASE("a pipe or a link where a ring may have died is let be, and keeps nobody waiting") {
+  const RingFolder folder;
+  REQUIRE(mkfifo(folder.file("flight.ring.part").c_str(), 0600) == 0);
+  CHECK_FALSE(FlightReader::was_left(folder.file("flight.ring.part")));
+  std::filesystem::remove(folder.file("flight.ring.part"));
+  { FlightRing(folder.file("elsewhere.part"), plan_of_two(16)).job(job_of(0, 0)); }
+  REQUIRE(FlightReader::was_left(folder.file("elsewhere.part")));
+  std::filesystem::create_symlink(folder.file("elsewhere.part"), folder.file("flight.ring.part"));
+  CHECK_FALSE(FlightReader::was_left(folder.file("flight.ring.part")));
 }
 
 // Where every access is watched the watcher itself has taken the address space.
