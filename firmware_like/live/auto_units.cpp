@@ -9,11 +9,6 @@ namespace sortie::firmware {
 
 namespace {
 
-UnitTrial try_units_of(const Runtime& runtime) {
-  const auto* const tryer = dynamic_cast<const UnitTryer*>(&runtime.vehicle());
-  return tryer != nullptr ? tryer->try_units() : UnitTrial{};
-}
-
 std::uint32_t units_in_force(const Runtime& runtime, const std::string& task) {
   const rt::Executive& executive = runtime.executive();
   for (std::uint32_t i = 0; i < executive.task_count(); ++i)
@@ -29,7 +24,7 @@ BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& s
   start.map = map;
   BootedRuntime booted;
   booted.runtime = std::make_unique<Runtime>(load_scene(scene, overrides), vehicles, start);
-  if (times) booted.trial = try_units_of(*booted.runtime);
+  if (times) booted.trial = booted.runtime->vehicle().try_units();
   UnitTrial& trial = booted.trial;
   std::vector<std::string> numbers = overrides;
   for (const std::string& task : booted.runtime->parts().auto_units()) {

@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "firmware_like/runtime/unit_trial.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
 #include "firmware_like/scene/part_list.hpp"
 
@@ -30,8 +29,6 @@ class Part : public Vehicle {
   virtual bool take_frame(const drivers::CanFrame& /*frame*/, rt::Nanoseconds /*now_ns*/) { return false; }
   /// I/O thread: a sample of the robot's own frames, which goes into the stream of its kind.
   virtual void heard(const drivers::CanSample& /*sample*/, rt::Nanoseconds /*now_ns*/) {}
-  /// As of UnitTryer.
-  virtual UnitTrial try_units() const { return {}; }
 };
 
 /// What the frames of the bus do not say of the IMU's samples: rt::ImuFlags that every one of them has.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "firmware_like/runtime/unit_trial.hpp"
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/request_gate.hpp"
@@ -39,6 +40,7 @@ template <class Request>
 struct RequestEntry {
   InputPort<Request>* port{};  ///< null: the vehicle takes none
   planner::RequestRules rules;
+  explicit operator bool() const { return port != nullptr; }
 };
 
 /// A voxel of a vehicle's map.
@@ -89,6 +91,8 @@ class Vehicle {
   virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
   /// The cloud as it is when no job runs; null without one.
   virtual const mapping::SensedCloud* cloud() const { return nullptr; }
+  /// At the boot of a live run: what a unit of an anytime task takes here; of no task where none is tried.
+  virtual UnitTrial try_units() const { return {}; }
 };
 
 }  // namespace sortie::firmware

@@ -42,8 +42,7 @@ struct TaskDefaults {
   double budget_us{};
   rt::Criticality criticality{rt::Criticality::a};
   std::uint32_t units{};  ///< of an anytime task (rt::JobContext::spend), 0: it is none
-  /// The scene may say units = "auto": the vehicle can time a unit of this task
-  /// (firmware_like/runtime/unit_trial.hpp).
+  /// The scene may say units = "auto": the vehicle can time a unit of this task (Vehicle::try_units).
   bool auto_units{};
 };
 
