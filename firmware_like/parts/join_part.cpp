@@ -3,7 +3,7 @@
 // clouds that were gathered one after the other agree.
 #include "firmware_like/parts/cloud_access.hpp"
 #include "firmware_like/parts/join_output.hpp"
-#include "firmware_like/parts/kept_cloud.hpp"
+#include "firmware_like/parts/kept_maps.hpp"
 #include "firmware_like/parts/part.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/pose_algebra.hpp"

@@ -3,7 +3,7 @@
 // by one transform and stays smooth.
 #include <algorithm>
 
-#include "firmware_like/parts/kept_surfels.hpp"
+#include "firmware_like/parts/kept_maps.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
 #include "firmware_like/parts/locate_access.hpp"
 #include "mapping/registration/kept_pose.hpp"
