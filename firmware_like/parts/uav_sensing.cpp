@@ -21,8 +21,7 @@ UavSensing::UavSensing(VehicleBuilder& builder) : settings_(read_occupancy_setti
   profile.read("limits", scan_limits_);
   const SensorMount mount = read_lidar_mount(profile);
   p_body_lidar_ = rt::to_vector(mount.place_m);
-  q_body_lidar_ = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                          mount.yaw_pitch_roll_rad[2]);
+  q_body_lidar_ = mount.q_body_sensor();
 }
 
 void UavSensing::add_tasks(VehicleBuilder& builder, rt::GroupId group, rt::Input<rt::PoseEstimate>* poses,

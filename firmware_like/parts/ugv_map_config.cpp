@@ -72,8 +72,7 @@ mapping::SweepConfig read_sweep_config(Profile& profile) {
   mapping::SweepConfig sweep;
   const SensorMount mount = read_lidar_mount(profile);
   sweep.p_body_sensor_m = rt::to_vector(mount.place_m);
-  sweep.q_body_sensor = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                                mount.yaw_pitch_roll_rad[2]);
+  sweep.q_body_sensor = mount.q_body_sensor();
   profile.read("map", sweep);
   sweep.robot = read_outline(profile);
   return sweep;

@@ -25,8 +25,7 @@ UgvSsl::UgvSsl(VehicleBuilder& builder)
       map_settings_(read_occupancy_settings(builder.profile(), settings_)) {
   const SensorMount mount = read_ssl_mount(builder.profile());
   p_body_ssl_ = rt::to_vector(mount.place_m);
-  q_body_ssl_ = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                        mount.yaw_pitch_roll_rad[2]);
+  q_body_ssl_ = mount.q_body_sensor();
   if (schedules()) add_occupancy(builder);
   add_task(builder);
 }
