@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware_like/parts/part.hpp"
+#include "firmware_like/parts/sensor_mount.hpp"
 #include "mapping/grid/rolling_grid_config.hpp"
 #include "mapping/grid/sweep.hpp"
 #include "planner/flipper_postures.hpp"
@@ -25,8 +26,7 @@ struct LidarScans {
 /// What scans are, and the memory for them.
 struct LidarSweepsConfig {
   mapping::SweepConfig sweep;
-  std::uint32_t buffers{};
-  std::uint32_t points{};  ///< of one scan
+  ScanLimits scans;
 };
 
 /// Reads [lidar], [outline], [limits] and the keys of [map] that say how sweeps are straightened, for a part

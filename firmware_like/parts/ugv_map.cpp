@@ -1,17 +1,81 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/parts/ugv_map.hpp"
 
-#include "firmware_like/parts/ugv_map_config.hpp"
+#include <algorithm>
+
 #include "firmware_like/runtime/live_keys.hpp"
+#include "firmware_like/scene/units.hpp"
 
 namespace sortie::firmware {
 namespace {
+
 constexpr std::uint32_t kUsualUnits = 65'536;
+constexpr double kMostCells = 4;  // that a neighbourhood reaches
+
+mapping::RollingGridConfig read_grid(Profile& profile) {
+  mapping::RollingGridConfig c;
+  c.max_range_m = 30;
+  profile.read("map", c);
+  if (c.max_range_m <= c.min_range_m) profile.fail("map.max_range_m", "must be above map.min_range_m");
+  for (const char* path : {"map.radius_m", "map.half_height_m"}) {
+    const double cells = (path[4] == 'r' ? c.radius_m : c.half_height_m) / c.voxel_size_m;
+    if (cells < 4 || cells > 1000) profile.fail(path, "must be 4 to 1000 voxels (map.voxel_m)");
+  }
+  return c;
+}
+
+void read_segments(Profile& profile, ChosenMapConfig& c) {
+  const double edge_m = c.grid.voxel_size_m;
+  c.by = SegmentsBy::euclidean;
+  c.segments.radius_m = 2 * edge_m;
+  c.most_segments = 1024;
+  c.normals.radius_m = 3 * edge_m;
+  c.normals.restate_m = 0.3 * edge_m;
+  c.most_angle_rad = 4 * kDegree;
+  c.voxels = 1 << 17;
+  profile.read("map", c);
+  const auto check = [&](const char* path, double radius_m) {
+    if (radius_m > kMostCells * edge_m) profile.fail(path, "must be at most 4 voxels (map.voxel_m)");
+  };
+  check("map.growing_radius_m", c.segments.radius_m);
+  check("map.normal_radius_m", c.normals.radius_m);
+  c.voxels = c.voxels / 4 * 4;
+  if (c.blocks == 0) c.blocks = std::min(c.voxels / 4, 65'534u);
+}
+
+// Map, its pools, what sweeps are, and where the lidar sits.
+struct UgvMapConfig {
+  ChosenMapConfig map;
+  LidarSweepsConfig sweeps;
+  bool publish{};   // lists of segments
+  bool features{};  // in them
+  bool anytime{};   // the segmenter stops when the task's units are spent
+};
+
+UgvMapConfig read_map_config(Profile& profile) {
+  profile.knob("groups.mapping.rate_hz");
+  UgvMapConfig config;
+  ChosenMapConfig& map = config.map;
+  map.grid = read_grid(profile);
+  read_segments(profile, map);
+  config.sweeps = read_sweeps(profile, map.grid.min_range_m, map.grid.max_range_m);
+  map.scan_points = config.sweeps.scans.points;
+  const std::string publish = profile.text("map.publish", "segments",
+                                           "of segments, over LCM: nothing; ids, sizes and events; or also "
+                                           "places, boxes and features of their eigenvalues",
+                                           {"off", "segments", "features"});
+  config.publish = publish != "off" && map.by != SegmentsBy::off;
+  config.features = config.publish && publish == "features";
+  config.anytime = profile.flag("map.anytime", false, "segments wait when the units of task map are spent") &&
+                   map.by != SegmentsBy::off;
+  return config;
+}
 
 /// The map's clock: the same live and replayed, whatever the run's epoch was.
 rt::Tick milliseconds_of(const rt::JobContext& context) {
   return context.job * static_cast<std::uint64_t>(context.period_ns) / 1'000'000u;
 }
+
 }  // namespace
 
 UgvMap::UgvMap(VehicleBuilder& builder) {
@@ -20,8 +84,7 @@ UgvMap::UgvMap(VehicleBuilder& builder) {
   anytime_ = config.anytime;
   config.map.segments.units = anytime_ ? kQuantum : 0;
   whole_ = !anytime_ && config.map.normals.solves == 0;
-  sweeps_ = std::make_unique<LidarSweeps>(
-      builder, group, LidarSweepsConfig{config.sweep, config.scan_buffers, config.map.scan_points});
+  sweeps_ = std::make_unique<LidarSweeps>(builder, group, config.sweeps);
   map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
   if (rt::kBuilt<"segment_lists"> && config.publish) {
     lists_ = builder.reports<rt::SegmentList>("segments", 4);
