@@ -26,24 +26,29 @@ std::byte* map_memory(std::size_t bytes) {
 }
 
 InitialPose read_initial(Profile& profile, const RuntimeStart& start) {
-  InitialPose pose = start.initial;
-  const double x =
-      profile.number("initial.x_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
-  const double y =
-      profile.number("initial.y_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
-  const double z =
-      profile.number("initial.z_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
+  InitialPose pose;
+  const char* const axes[] = {"initial.x_m", "initial.y_m", "initial.z_m"};
+  for (int i = 0; i < 3; ++i)
+    pose.p_world_body_m[i] =
+        profile.number(axes[i], {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
   const double yaw =
       profile.number("initial.yaw_deg", {0, -360, 360, "deg", "start heading, if no log gives one"});
-  if (!start.has_initial) {
-    pose.p_world_body_m[0] = x;
-    pose.p_world_body_m[1] = y;
-    pose.p_world_body_m[2] = z;
-    const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
-    pose.q_world_body[0] = half.cos;
-    pose.q_world_body[3] = half.sin;
-  }
-  return pose;
+  const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
+  pose.q_world_body[0] = half.cos;
+  pose.q_world_body[3] = half.sin;
+  return start.has_initial ? start.initial : pose;
+}
+
+// Times and threads of the run itself (start, length) are the caller's.
+rt::posix::LiveOptions read_live_settings(Profile& profile) {
+  rt::posix::LiveOptions live;
+  live.stuck_limit_ns = rt::kNanosecondsPerSecond;
+  profile.read("live", live);
+  if (live.margin.least_ns > live.margin.most_ns)
+    profile.fail("live.margin_least_us", "must not be above live.margin_most_us");
+  if (live.ladder.return_load >= live.ladder.most_load)
+    profile.fail("ladder.return_load", "must be below ladder.most_load, or the ladder would swing");
+  return live;
 }
 
 }  // namespace
@@ -94,7 +99,8 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start) 
   const auto tick_us = profile_.integer("time.base_tick_us", {1000, 50, 1e6, "us", "length of a tick"});
   const InitialPose initial = read_initial(profile_, start);
   live_settings_ = read_live_settings(profile_);
-  outlets_ = read_run_outlets(profile_);
+  outlets_ = {};
+  profile_.read("live", outlets_);
   arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(mapping_, mapped_bytes_));
   executive_ =
       std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);

@@ -12,7 +12,7 @@
 #include "firmware_like/parts/ugv_drive_config.hpp"
 #include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
-#include "firmware_like/runtime/live_settings.hpp"
+#include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "mapping/grid/sweep.hpp"
 
