@@ -2,23 +2,13 @@
 #include "firmware_like/link/plant_link.hpp"
 
 #include <charconv>
-#include <cstdio>
 
 #include "firmware_like/link/secret.hpp"
 #include "firmware_like/result/add_counters.hpp"
 #include "firmware_like/scene/profile.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
-
-namespace {
-
-std::string seconds(rt::Nanoseconds ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
-  return text;
-}
-
-}  // namespace
 
 std::uint16_t parse_plant(const std::string& text) {
   if (text == "own") return kPlantPort;
@@ -71,8 +61,9 @@ std::string PlantLink::news() {
   const std::uint32_t changes = changes_.load(std::memory_order_acquire);
   if (changes == told_) return {};
   told_ = changes;
-  const std::string when = " at " + seconds(changed_ns_.load(std::memory_order_relaxed));
-  return changes % 2 == 1 ? "the plant is heard" + when : "the plant has gone silent" + when;
+  const double at_s = static_cast<double>(changed_ns_.load(std::memory_order_relaxed)) * 1e-9;
+  return (changes % 2 == 1 ? "the plant is heard at " : "the plant has gone silent at ") +
+         format_fixed(at_s, 1) + " s";
 }
 
 void PlantLink::add_counters(std::map<std::string, std::uint64_t>& counters) const {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/live/auto_units.hpp"
 
-#include <cstdio>
-
 #include "firmware_like/log/log_event.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
 
@@ -49,9 +48,9 @@ void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen,
     event.kind = "calibration";
     event.subject = one.task;
     event.value = one.units;
-    char text[96];
-    std::snprintf(text, sizeof text, "units = \"auto\": a unit takes %.2f ns here", ns_per_unit);
-    event.text = one.timed ? text : "units = \"auto\": the default, as nothing was timed";
+    event.text =
+        "units = \"auto\": " + (one.timed ? "a unit takes " + format_fixed(ns_per_unit, 2) + " ns here"
+                                          : "the default, as nothing was timed");
     log_event(log, event, 0, utc_minus_run_ns);
   }
 }
