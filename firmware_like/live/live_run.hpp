@@ -54,13 +54,8 @@ struct LiveRunOutcome {
                                       ///< simulated time, declared bounds that were exceeded
 };
 
-/// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.
-class RealtimeRefused : public PlatformRefused {
- public:
-  using PlatformRefused::PlatformRefused;
-};
-
-/// Runs a scene. Throws ProfileError, RealtimeRefused, std::runtime_error (log cannot be written).
+/// Runs a scene. Throws ProfileError, PlatformRefused (`require_realtime` was asked for and refused),
+/// std::runtime_error (log cannot be written).
 LiveRunOutcome run_live(const VehicleRegistry& vehicles, const SimulatorFactory& simulator,
                         const LiveRunOptions& options);
 
