@@ -168,17 +168,17 @@ SegmentSummary ChosenMap::summary() const {
   return summary;
 }
 
-MapVoxel ChosenMap::voxel(mapping::BlockIndex index, unsigned cell) const {
+VoxelOnMap ChosenMap::voxel(mapping::BlockIndex index, unsigned cell) const {
   const mapping::Block& block = grid_.block(index);
-  MapVoxel voxel;
-  voxel.p_world_m = grid_.to_world(grid_.centroid_m(block, cell));
+  VoxelOnMap voxel;
+  rt::store(grid_.to_world(grid_.centroid_m(block, cell)), voxel.p_world_m);
   voxel.count = grid_.voxel(block, cell).count;
   with_segmenter(*this,
                  [&](const auto& segmenter) { voxel.segment = segmenter.segment_of(grid_, index, cell); });
   if (kHasSmooth && normals_) {
     const mapping::SurfaceNormal& n = grid_.normal(block, cell);
     const rt::Vector3 normal{n.normal[0] / 32767.0, n.normal[1] / 32767.0, n.normal[2] / 32767.0};
-    voxel.normal_world = rt::rotate(grid_.world_from_grid().q, normal);
+    rt::store(rt::rotate(grid_.world_from_grid().q, normal), voxel.normal_world);
   }
   return voxel;
 }

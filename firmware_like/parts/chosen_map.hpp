@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "firmware_like/runtime/vehicle.hpp"
 #include "mapping/grid/normals.hpp"
 #include "mapping/segments/local_map.hpp"
 #include "mapping/segments/segment_features.hpp"
@@ -65,14 +66,6 @@ struct SegmentSummary {
   SORTIE_FIELDS(segments, voxels, largest, backlog, current, born, renamed, gone, cut, digest)
 };
 
-/// One voxel as a reader sees it.
-struct MapVoxel {
-  rt::Vector3 p_world_m;  ///< mean of its points
-  std::uint32_t count{};  ///< of points in that mean
-  mapping::SegmentId segment{};
-  rt::Vector3 normal_world;  ///< zero: none
-};
-
 /// Grid, normals where a policy needs them, segmenter. No heap after construction.
 class ChosenMap {
  public:
@@ -106,7 +99,7 @@ class ChosenMap {
   /// Events of labellings that nobody could see, because the next one was finished in the same call.
   std::uint64_t events_unseen() const { return events_unseen_; }
 
-  /// Calls `put(const MapVoxel&)` for every active voxel. Not for the real-time path.
+  /// Calls `put(const VoxelOnMap&)` for every active voxel. Not for the real-time path.
   template <class Put>
   void for_each_voxel(Put put) const {
     for (std::uint32_t i = 0; i < grid_.block_numbers(); ++i) {
@@ -134,7 +127,7 @@ class ChosenMap {
       if (self.smooth_) use(*self.smooth_);
     }
   }
-  MapVoxel voxel(mapping::BlockIndex block, unsigned cell) const;
+  VoxelOnMap voxel(mapping::BlockIndex block, unsigned cell) const;
   void digest_changes();
   void digest_events();
 

@@ -74,16 +74,11 @@ void FlightPart::put_pose(rt::PoseEstimate& pose) {
   if (located_) distance_m_ += rt::norm(p - last_m_);
   located_ = true;
   last_m_ = p;
-  const rt::Vector3 v =
-      rt::rotate_back(rt::to_quaternion(state.q_world_body), rt::to_vector(state.v_world_m_s));
-  pose.v_body_m_s[0] = v.x;
-  pose.v_body_m_s[1] = v.y;
-  pose.v_body_m_s[2] = v.z;
-  for (int i = 0; i < 3; ++i) {
-    pose.p_world_body_m[i] = state.p_world_m[i];
-    pose.w_body_rad_s[i] = state.w_body_rad_s[i];
-  }
-  for (int i = 0; i < 4; ++i) pose.q_world_body[i] = state.q_world_body[i];
+  const rt::Quaternion q = rt::to_quaternion(state.q_world_body);
+  rt::store(p, pose.p_world_body_m);
+  rt::store(q, pose.q_world_body);
+  rt::store(rt::rotate_back(q, rt::to_vector(state.v_world_m_s)), pose.v_body_m_s);
+  rt::store(rt::to_vector(state.w_body_rad_s), pose.w_body_rad_s);
   // The filter's order is position, velocity, attitude; its attitude errors are of the body.
   const estimators::ErrorCovariance& p_all = estimator_->covariance();
   for (std::size_t r = 0; r < 6; ++r) {

@@ -10,13 +10,8 @@ void add(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanose
   std::vector<drivers::CanStream> frames;
   for (const std::uint32_t id : ids) {
     const drivers::CanMessage* const message = drivers::find_can_frame(id);
-    drivers::CanStream frame;
-    frame.name = message->name;
-    frame.id = id;
-    frame.size = message->size;
-    frame.period_ns = period_ns;
-    frame.queue = queue;
-    frames.push_back(std::move(frame));
+    frames.push_back(
+        {.name = message->name, .id = id, .size = message->size, .period_ns = period_ns, .queue = queue});
   }
   builder.bus_frames(std::move(frames));
 }

@@ -204,15 +204,6 @@ void UgvMap::add_counters(VehicleBuilder& builder, const ChosenMapConfig& config
                   [&map] { return map.labelling()->counts().events_lost + map.events_unseen(); });
 }
 
-void UgvMap::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
-  map_->for_each_voxel([&put](const MapVoxel& voxel) {
-    put({{voxel.p_world_m.x, voxel.p_world_m.y, voxel.p_world_m.z},
-         voxel.count,
-         voxel.segment,
-         {voxel.normal_world.x, voxel.normal_world.y, voxel.normal_world.z}});
-  });
-}
-
 std::unique_ptr<Part> make_map(VehicleBuilder& builder) { return std::make_unique<UgvMap>(builder); }
 
 }  // namespace sortie::firmware

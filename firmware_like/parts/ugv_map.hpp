@@ -56,7 +56,9 @@ class UgvMap final : public Part {
 
   void finish(VehicleBuilder& builder) override { builder.chain({"scan_to_map", {"SCAN", "map"}}); }
   drivers::ScanSink* scan_sink() override { return sweeps_->port(); }
-  void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override;
+  void for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const override {
+    map_->for_each_voxel(put);
+  }
 
   const mapping::RollingGridConfig& config() const { return map_->grid().config(); }
   /// As those of grid and sweeps, both at once.
