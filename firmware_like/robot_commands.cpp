@@ -9,7 +9,6 @@
 #include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results_output.hpp"
-#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 #include "firmware_like/bare_metal/board.hpp"
 #include "firmware_like/bare_metal/recording.hpp"

@@ -7,7 +7,6 @@
 #include "firmware_like/runtime/vehicle.hpp"
 #include "mapping/grid/normals.hpp"
 #include "mapping/segments/local_map.hpp"
-#include "mapping/segments/segment_features.hpp"
 #include "rt/arena.hpp"
 #include "rt/built_parts.hpp"
 #include "rt/keys.hpp"

@@ -154,14 +154,12 @@ std::unique_ptr<planner::FlightMap> FlightPart::make_flight_map(VehicleBuilder& 
 
 void FlightPart::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
                              double bubble_m) {
-  sensing_ = std::make_unique<UavSensing>(builder);
-  // All poses since the job before; at most five seconds of them.
-  rt::Input<rt::PoseEstimate>* poses = builder.input(group, pose_task_, 1000);
   const auto asked = [this] {
     const planner::UavPilotOutput* pilot = question_input_->latest();
     return pilot != nullptr && pilot->question.number != 0;
   };
-  sensing_->add_tasks(builder, group, poses, asked, size.radii_m + rt::Vector3{bubble_m, bubble_m, bubble_m});
+  sensing_ = std::make_unique<UavSensing>(builder, group, asked,
+                                          size.radii_m + rt::Vector3{bubble_m, bubble_m, bubble_m});
   if (sensing_->map().config().voxel_size_m != size.voxel_m)
     builder.profile().fail("occupancy.voxel_m",
                            "must be flight_map.voxel_m: voxels are taken from its cells");

@@ -3,7 +3,6 @@
 // asks.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <vector>
 

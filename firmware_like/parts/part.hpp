@@ -36,8 +36,8 @@ struct ImuKind {
   std::uint32_t flags{};
 };
 
-/// All poses of the robot that became visible since the group's job before, at most a second of the usual
-/// 1000 Hz; null without any. The robot's pose is the rt::Task<rt::PoseEstimate> that a part offers.
+/// All poses of the robot that became visible since the group's job before, at most 1000, a second of the
+/// ground robot's; null without any. The robot's pose is the rt::Task<rt::PoseEstimate> that a part offers.
 inline rt::Input<rt::PoseEstimate>* poses_since_last_job(VehicleBuilder& builder, rt::GroupId group) {
   return builder.input(group, builder.find<rt::Task<rt::PoseEstimate>>(), 1000);
 }

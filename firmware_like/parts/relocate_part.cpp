@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a robot is on a kept map that knows nothing of it: searched while it is unplaced, a little a job.
-#include <algorithm>
 #include <string>
 
 #include "firmware_like/parts/locate_access.hpp"

@@ -3,7 +3,6 @@
 // allows.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 

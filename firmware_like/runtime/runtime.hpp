@@ -63,7 +63,6 @@ class Runtime {
   const rt::Executive& executive() const { return *executive_; }
   Vehicle& vehicle() { return *vehicle_; }
   const Vehicle& vehicle() const { return *vehicle_; }
-  VehicleBuilder& parts() { return *builder_; }
   const VehicleBuilder& parts() const { return *builder_; }
   /// Changes that a run makes by itself, in order of time; each is known to be in range.
   const std::vector<ScriptLine>& script() const { return script_; }

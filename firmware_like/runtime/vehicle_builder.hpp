@@ -216,12 +216,10 @@ class VehicleBuilder {
   /// Throws ProfileError if the executive refused something.
   void check() const;
 
-  ParameterSet& parameters() { return parameters_; }
   const ParameterSet& parameters() const { return parameters_; }
 
   using Pools = std::vector<std::pair<std::string, std::function<PoolLevel()>>>;
   using Counters = std::vector<std::pair<std::string, std::function<std::uint64_t()>>>;
-  std::vector<std::unique_ptr<InputPortBase>>& ports() { return ports_; }
   const std::vector<std::unique_ptr<InputPortBase>>& ports() const { return ports_; }
   const std::vector<ChainSpec>& chains() const { return chains_; }
   /// Tasks whose units the scene leaves to the boot of a live run; until then they have their default.
