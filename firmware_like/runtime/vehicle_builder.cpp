@@ -38,7 +38,8 @@ rt::GroupId VehicleBuilder::group(const std::string& name, double default_rate_h
   for (std::uint16_t i = 0; i < executive_.group_count(); ++i) {
     if (executive_.group(i).spec.name == name) return {i};
   }
-  const std::string path = "groups." + name + ".rate_hz";
+  const std::string below = "groups." + name + ".";
+  const std::string path = below + "rate_hz";
   const double rate = profile_.number(path, {default_rate_hz, 0.01, 1e5, "Hz", "releases a second"});
   const double ticks = 1e9 / rate / static_cast<double>(executive_.base_tick_ns());
   const double whole = std::round(ticks);
@@ -55,11 +56,10 @@ rt::GroupId VehicleBuilder::group(const std::string& name, double default_rate_h
   spec.name = keep(name);
   spec.period_ticks = static_cast<std::uint32_t>(whole);
   spec.deadline_ticks = static_cast<std::uint32_t>(
-      profile_.integer("groups." + name + ".deadline_ticks",
+      profile_.integer(below + "deadline_ticks",
                        {0, 0, whole, "ticks", "outputs become visible then; 0: at the period's end"}));
-  spec.core = static_cast<int>(profile_.integer("groups." + name + ".core",
-                                                {-1, -1, 255, "", "processor of the live worker, -1: any"}));
-  const std::string below = "groups." + name + ".";
+  spec.core = static_cast<int>(
+      profile_.integer(below + "core", {-1, -1, 255, "", "processor of the live worker, -1: any"}));
   const std::string overrun =
       profile_.text(below + "overrun", "skip",
                     "live releases whose time has passed: leave them out, run some late, or end the run",
