@@ -9,6 +9,7 @@
 // types here are integers.
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 namespace {
 
@@ -40,11 +41,7 @@ Bits normalised(Bits sign, int exponent, Bits digits) {
 }
 
 Bits sum(Bits a, Bits b) {
-  if ((a & ~kSign) < (b & ~kSign)) {
-    const Bits keep = a;
-    a = b;
-    b = keep;
-  }
+  if ((a & ~kSign) < (b & ~kSign)) std::swap(a, b);
   if ((a & ~kSign) > kInfinity) return a | kQuiet;
   if ((a & ~kSign) == kInfinity) return a == (b ^ kSign) ? kQuiet : a;
   const auto digits_of = [](Bits value) {

@@ -117,14 +117,16 @@ class ChosenMap {
   // A build of one scene has one kind of segmenter at most.
   static constexpr bool kHasSmooth = rt::kBuilt<"normals">;
   static constexpr bool kHasEuclidean = rt::kBuilt<"segments"> && (*rt::kOnlyScene == '\0' || !kHasSmooth);
+  // False: there is no segmenter.
   template <class Self, class Use>
-  static void with_segmenter(Self& self, Use use) {
+  static bool with_segmenter(Self& self, Use use) {
     if constexpr (kHasEuclidean) {
-      if (self.euclidean_) use(*self.euclidean_);
+      if (self.euclidean_) return use(*self.euclidean_), true;
     }
     if constexpr (kHasSmooth) {
-      if (self.smooth_) use(*self.smooth_);
+      if (self.smooth_) return use(*self.smooth_), true;
     }
+    return false;
   }
   VoxelOnMap voxel(mapping::BlockIndex block, unsigned cell) const;
   void digest_changes();
@@ -135,8 +137,6 @@ class ChosenMap {
   std::optional<mapping::Normals> normals_;
   std::optional<mapping::Segmenter<mapping::EuclideanPolicy>> euclidean_;
   std::optional<mapping::Segmenter<mapping::SmoothnessPolicy>> smooth_;
-  std::optional<mapping::LocalMap<mapping::EuclideanPolicy>> euclidean_map_;
-  std::optional<mapping::LocalMap<mapping::SmoothnessPolicy>> smooth_map_;
   std::uint64_t fragment_capacity_{};
   bool current_{true};
   bool done_{true};
