@@ -26,8 +26,7 @@ std::uint64_t draw() {
 // Bits of all kinds: infinities, NaN, denormals, the far ends.
 double anything() { return std::bit_cast<double>(draw()); }
 
-// Size between 2^-40 and 2^40; every other one a power of two, from which a little subtracted needs one digit
-// more.
+// Size between 2^-40 and 2^40; every other one a power of two: a little less needs one digit more.
 double middling() {
   const std::uint64_t bits = draw();
   const std::uint64_t fraction = (draw() & 1) != 0 ? 0 : bits & 0xfffffffffffffu;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The runtime's end of what lies between it and a plant in a process of its own: a CAN bus, a lidar, a
-// solid-state lidar.
+// The runtime's end of the links to a plant in a process of its own: CAN bus, lidar, solid-state lidar.
 #pragma once
 
 #include <atomic>
@@ -15,8 +14,7 @@
 
 namespace sortie::firmware {
 
-/// Port on 127.0.0.1 that a plant listens on; the one above it is its lidar's, the next its solid-state
-/// lidar's.
+/// Port of a plant on 127.0.0.1; the one above it is its lidar's, the next its solid-state lidar's.
 inline constexpr std::uint16_t kPlantPort = 7710;
 inline constexpr std::uint16_t kMostPlantPort = 65535 - 2;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where requests to a drive or to a pilot come in, and changes of run-time parameters. A refusal happens
-// here, before anything is recorded, and is counted by its reason; what is admitted is judged once more by
-// whoever obeys.
+// here, before anything is recorded, and is counted by its reason; whoever obeys judges once more.
 #pragma once
 
 #include <cstdint>

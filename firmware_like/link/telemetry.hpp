@@ -29,8 +29,7 @@ namespace sortie::firmware {
 /// system's clock moves no channel against another; the dates are then those of the clock as it was.
 class Telemetry {
  public:
-  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to all times of the run's clock, which is the
-  /// executive's.
+  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to all times of the executive's clock.
   Telemetry(Runtime& runtime, const LogRecorder& recorder, const RequestDoor& desk, const std::string& url,
             rt::Nanoseconds utc_minus_run_ns);
   ~Telemetry();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What moves around the executive in a live or a virtual run: the simulated robot, the devices, scripted
-// changes.
+// What moves around the executive in a run: the simulated robot, the devices, scripted changes.
 #pragma once
 
 #include "firmware_like/link/plant_link.hpp"
@@ -59,8 +58,7 @@ class PoseCollector {
 /// Everything around the executive that moves between ticks: the simulated robot, the devices, the truth.
 class Surroundings {
  public:
-  /// `robot`: null unless one is simulated in this process. `link`: to a plant in a process of its own, or
-  /// null.
+  /// `robot`: null unless one is simulated in this process. `link`: to a plant in another one, or null.
   Surroundings(SimulatedRobot* robot, const Devices& devices, PlantLink* link, LogRecorder& recorder)
       : robot_(robot), recorder_(recorder), link_(link), devices_(devices) {}
   /// Moves the simulated robot, if there is one, and notes its truth.

@@ -83,8 +83,7 @@ void DrivePart::add_flippers(VehicleBuilder& builder) {
   flipper_outlet_ = builder.outlet<rt::FlipperCommand>(group_, "flippers");
   rt::Task<planner::FlipperOutput>* task = builder.task<planner::FlipperOutput>(
       group_, "flippers", 20, [this](rt::JobContext& context, planner::FlipperOutput& output) {
-        // What is not finite does not come off the bus; a posture that does not exist is counted in the
-        // output.
+        // What is not finite does not come off the bus; an unknown posture is counted in the output.
         for (const rt::FlipperSample& sample : *flipper_states_)
           static_cast<void>(flippers_->observe(sample));
         const planner::UgvDriveOutput& drive = drive_->output();

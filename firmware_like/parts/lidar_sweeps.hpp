@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The vehicle's scans as its mapping tasks see them: each straightened and placed once, whoever
-// asks.
+// The vehicle's scans as its mapping tasks see them: each straightened and placed once.
 #pragma once
 
 #include <memory>

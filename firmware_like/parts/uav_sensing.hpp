@@ -12,8 +12,7 @@
 namespace sortie::firmware {
 
 /// Task `occupancy`: scans are entered into a window that moves with the vehicle, each point from where the
-/// lidar was when it was fired, by estimated poses. Readers of the map are in the same group, which has one
-/// thread.
+/// lidar was when it was fired, by estimated poses. Readers of the map are in the same group.
 class UavSensing {
  public:
   /// Reads [occupancy], [lidar] and the pools of scans, declares stream and task. Until `asked` says that

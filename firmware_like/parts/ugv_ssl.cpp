@@ -110,8 +110,7 @@ UnitTrial UgvSsl::try_units() const {
 }
 
 void UgvSsl::take_poses() {
-  // Refusals are poses without news: the odometry puts out at every release, with the stamp of its last
-  // sample.
+  // Refusals are poses without news: the odometry repeats its last stamp until the next sample.
   for (const rt::PoseEstimate& pose : *poses_) {
     if (history_->add({pose.stamp_ns, rt::to_vector(pose.p_world_body_m),
                        rt::to_quaternion(pose.q_world_body)}) == Status::ok)

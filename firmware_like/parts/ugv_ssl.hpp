@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ground robot's solid-state lidar: a map of what is known, the rays that are asked for, and what comes
-// back.
+// The ground robot's solid-state lidar: a map of what is known, rays that are asked for, what comes back.
 #pragma once
 
 #include <memory>
@@ -43,8 +42,7 @@ struct SslOutput {
 
 /// Tasks of the group `mapping`. `occupancy`, only where rays are scheduled: moves the map's window with the
 /// robot and enters the lidar's scans. `ssl`, an anytime task: enters what came back, plans over the map, and
-/// asks for the next rays, which leave at the job's deadline. Both share the map, and one group has one
-/// thread.
+/// asks for the next rays, which leave at the job's deadline. Both share the map, on one thread.
 class UgvSsl final : public Part {
  public:
   explicit UgvSsl(VehicleBuilder& builder);

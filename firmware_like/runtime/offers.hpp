@@ -8,8 +8,7 @@
 
 namespace sortie::firmware {
 
-/// Objects by type and name. They belong to whoever put them here. Set-up only: memory comes from the heap,
-/// finding is linear.
+/// Objects by type and name, of whoever put them here. Set-up only: on the heap, finding is linear.
 class Offers {
  public:
   template <class T>

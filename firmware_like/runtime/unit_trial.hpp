@@ -36,8 +36,7 @@ inline constexpr double kAutoShare = 0.8;
 /// The units that take `share` of the budget, from 1 to 4e9; the trial must have timed something.
 std::uint32_t units_that_fit(const UnitTrial& trial, double share);
 
-/// What to tell a user when the units do not fit into the budget, with the units that would; empty when they
-/// do.
+/// What to tell a user when the units do not fit into the budget, with those that would; or empty.
 std::string unit_warning(const UnitTrial& trial);
 
 }  // namespace sortie::firmware

@@ -80,8 +80,7 @@ class Vehicle {
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
-  /// The task whose output is the robot's place on a map that it makes, or null: errors and trajectories of
-  /// their own come from it.
+  /// The task whose output is the place on a map that the robot makes, or null: it is judged by itself.
   virtual const rt::Task<rt::LocatedPose>* located_task() const { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& /*put*/) const {}

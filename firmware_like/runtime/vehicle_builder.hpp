@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a vehicle is built with: groups, tasks, streams, keys. It is written once and runs live, simulated and
-// over a log.
+// What a vehicle is built with: written once, it runs live, simulated and over a log.
 #pragma once
 
 #include <functional>
@@ -77,8 +76,7 @@ class VehicleBuilder {
   /// Tasks that were asked for and are not wanted, in the order of asking, each once.
   const std::vector<std::string>& left_out() const { return left_out_; }
 
-  /// A task with what [tasks.NAME] says: budget_us, criticality, units. `function(rt::JobContext&, T&
-  /// output)`.
+  /// A task with budget_us, criticality and units of [tasks.NAME]. `function(rt::JobContext&, T& output)`.
   template <rt::Described T, class F>
   rt::Task<T>* task(rt::GroupId group, const std::string& name, const TaskDefaults& defaults, F function) {
     return executive_.add_task<T>(group, task_spec(name, defaults), std::move(function));
@@ -160,8 +158,7 @@ class VehicleBuilder {
   std::pair<ScanStream*, ScanPort*> scans(rt::GroupId reader, const std::string& channel,
                                           std::uint32_t buffers, std::uint32_t points);
 
-  /// A way out for commands of a group's tasks. Counters NAME_late and, where a command can be a stop,
-  /// NAME_late_stops.
+  /// A way out for commands of a group. Counters NAME_late and, where one can be a stop, NAME_late_stops.
   template <class T>
   rt::CommandOutlet<T>* outlet(rt::GroupId group, const std::string& name) {
     rt::CommandOutlet<T>* outlet = executive_.add_outlet<T>(group);
@@ -206,8 +203,7 @@ class VehicleBuilder {
   /// so. All of its tasks must exist in the scene.
   void chain(const ChainSpec& spec) { chains_.push_back(spec); }
 
-  /// Frames that this vehicle or its devices put on the CAN bus again and again: what the check of its load
-  /// knows of.
+  /// Frames that the vehicle or its devices put on the CAN bus again and again, for the check of its load.
   void bus_frames(std::vector<drivers::CanStream> frames) {
     for (drivers::CanStream& frame : frames) bus_frames_.push_back(std::move(frame));
   }
