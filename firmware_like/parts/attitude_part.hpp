@@ -39,6 +39,9 @@ class ChosenAttitude {
   std::variant<Double, Single> filter_;
 };
 
+/// Reader of [attitude]. Throws ProfileError.
+estimators::AttitudeConfig read_attitude_config(VehicleBuilder& builder);
+
 /// Group `control`, task `attitude`: every waiting sample of the IMU goes into the filter. Parts of the same
 /// group read what one job made of each sample.
 class AttitudePart final : public Part {

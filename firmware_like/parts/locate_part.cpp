@@ -5,7 +5,7 @@
 
 #include "firmware_like/parts/kept_maps.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
-#include "firmware_like/parts/locate_access.hpp"
+#include "firmware_like/parts/part_access.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
 #include "mapping/registration/pose_algebra.hpp"

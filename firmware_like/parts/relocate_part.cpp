@@ -2,8 +2,8 @@
 // Where a robot is on a kept map that knows nothing of it: searched while it is unplaced, a little a job.
 #include <string>
 
-#include "firmware_like/parts/locate_access.hpp"
 #include "firmware_like/parts/part.hpp"
+#include "firmware_like/parts/part_access.hpp"
 #include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "firmware_like/scene/input_error.hpp"

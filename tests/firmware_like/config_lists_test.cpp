@@ -7,8 +7,8 @@
 
 #include "firmware_like/parts/chosen_map.hpp"
 #include "firmware_like/parts/emergency_inputs.hpp"
+#include "firmware_like/parts/odometry_part.hpp"
 #include "firmware_like/parts/uav_config.hpp"
-#include "firmware_like/parts/ugv_config.hpp"
 #include "firmware_like/parts/ugv_drive_config.hpp"
 #include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
