@@ -55,8 +55,7 @@ struct SegmentSummary {
   std::uint32_t voxels{};   ///< in them; of smoothness, the flat ones
   std::uint32_t largest{};  ///< voxels of the largest one
   std::uint32_t backlog{};  ///< blocks that wait to be looked at
-  bool current{
-      true};  ///< what is shown is the exact partition of the map as it is now; never with a full pool
+  bool current{true};       ///< what is shown is the map's exact partition now; never with a full pool
   std::uint64_t born{};
   std::uint64_t renamed{};
   std::uint64_t gone{};

@@ -103,9 +103,8 @@ class RelocatePart final : public Part {
 
  private:
   static constexpr std::uint32_t kPatience = 5;  ///< scans that may fail to confirm a place
-  static constexpr double kLeastMove =
-      0.1;  ///< m and rad: what the locator is told at least that a place may be off
-  static constexpr double kLeastTurn = 0.03;
+  static constexpr double kLeastMove = 0.1;      ///< m: what the locator is told at least that a place is off
+  static constexpr double kLeastTurn = 0.03;     ///< rad
 
   void work(rt::JobContext& context) {
     mapping::Locator& locator = *access_->locator;
