@@ -49,16 +49,9 @@ LidarSweepsConfig read_sweeps(Profile& profile, double min_range_m, double max_r
 }
 
 LidarSweeps::LidarSweeps(VehicleBuilder& builder, rt::GroupId group, const LidarSweepsConfig& config)
-    : poses_(poses_since_last_job(builder, group)),
-      points_(config.scans.points),
-      min_m_(config.sweep.min_range_m),
-      max_m_(config.sweep.max_range_m) {
-  std::tie(lidar_.scans, port_) = builder.scans(group, "SCAN", config.scans.buffers, config.scans.points);
-  lidar_.p_body_m = config.sweep.p_body_sensor_m;
-  lidar_.q_body = config.sweep.q_body_sensor;
-  lidar_.time_offset_ns = config.sweep.time_offset_ns;
-  placed_.resize(lidar_.scans->batch());
-  builder.offer(lidar_);
+    : poses_(poses_since_last_job(builder, group)), config_(config.sweep), points_(config.scans.points) {
+  std::tie(scans_, port_) = builder.scans(group, "SCAN", config.scans.buffers, config.scans.points);
+  placed_.resize(scans_->batch());
   builder.offer(*this);
   if (poses_ == nullptr) return;
   flippers_ = builder.input(group, builder.find<rt::Task<planner::FlipperOutput>>(), 1);
@@ -70,7 +63,7 @@ void LidarSweeps::share(VehicleBuilder& builder, double min_m, double max_m) {
   shared_min_m_ = min_m;
   shared_max_m_ = max_m;
   if (sweeps_ == nullptr) return;
-  static_cast<void>(set_ranges(min_m_, max_m_));  // both are ranges
+  static_cast<void>(set_ranges(config_.min_range_m, config_.max_range_m));  // both are ranges
   if (placed_.size() > 1)
     kept_ = builder.arena().make_array<rt::ScanPoint>("straight scans", (placed_.size() - 1) * points_);
 }
@@ -79,8 +72,8 @@ Status LidarSweeps::set_ranges(double min_m, double max_m) {
   if (sweeps_ == nullptr) return Status::ok;
   const Status status = sweeps_->set_ranges(std::min(min_m, shared_min_m_), std::max(max_m, shared_max_m_));
   if (status != Status::ok) return status;
-  min_m_ = min_m;
-  max_m_ = max_m;
+  config_.min_range_m = min_m;
+  config_.max_range_m = max_m;
   return status;
 }
 
@@ -112,7 +105,7 @@ void LidarSweeps::take_poses() {
 
 const PlacedScan& LidarSweeps::place(std::uint32_t index) {
   for (; count_ <= index; ++count_) {
-    const ScanStream::View view = (*lidar_.scans)[count_];
+    const ScanStream::View view = (*this)[count_];
     placed_[count_] = straighten({view.header, view.elements});
     const bool moved = placed_[count_].scan.points != view.elements;
     if (moved && !kept_.empty() && count_ + 1 < size()) keep(placed_[count_], count_);

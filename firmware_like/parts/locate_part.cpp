@@ -65,7 +65,7 @@ class LocatePart final : public Part {
     } else {
       sweeps_->share(builder, config.min_range_m, config.max_range_m);
     }
-    T_body_sensor_ = {sweeps_->lidar().p_body_m, sweeps_->lidar().q_body};
+    T_body_sensor_ = {sweeps_->config().p_body_sensor_m, sweeps_->config().q_body_sensor};
     const InitialPose& initial = builder.initial_pose();
     T_start_sensor_ = after({rt::to_vector(initial.p_world_body_m), rt::to_quaternion(initial.q_world_body)},
                             T_body_sensor_);
@@ -135,7 +135,7 @@ class LocatePart final : public Part {
   }
 
   void take(rt::JobContext& context, std::uint32_t index) {
-    rt::ScanHeader header = (*sweeps_->lidar().scans)[index].header;
+    rt::ScanHeader header = (*sweeps_)[index].header;
     const bool posed = (header.flags & rt::kScanPosed) != 0;
     const PlacedScan& placed = sweeps_->place(index);
     const bool known = placed.placed && (!posed || config_.scan_poses);
@@ -143,7 +143,7 @@ class LocatePart final : public Part {
       ++unplaced_;
       return;
     }
-    if (!posed) header.stamp_ns += sweeps_->lidar().time_offset_ns;
+    if (!posed) header.stamp_ns += sweeps_->config().time_offset_ns;
     rt::PointScan scan = placed.scan;
     scan.header.stamp_ns = header.stamp_ns;
     const mapping::OdometryHint hint = hint_of(placed, known);

@@ -108,7 +108,7 @@ void UgvMap::add_task(VehicleBuilder& builder, rt::GroupId group) {
       [this](rt::JobContext& context, MapOutput& output) {
         sweeps_->begin(context);
         for (std::uint32_t i = 0; i < sweeps_->size(); ++i) {
-          context.add_units((*sweeps_->lidar().scans)[i].header.points);
+          context.add_units((*sweeps_)[i].header.points);
           take(i, milliseconds_of(context));
         }
         segment(context);
@@ -120,7 +120,7 @@ void UgvMap::add_task(VehicleBuilder& builder, rt::GroupId group) {
 }
 
 void UgvMap::take(std::uint32_t index, rt::Tick tick) {
-  const rt::ScanHeader& header = (*sweeps_->lidar().scans)[index].header;
+  const rt::ScanHeader& header = (*sweeps_)[index].header;
   const PlacedScan& placed = sweeps_->place(index);
   ++output_.scans;
   MapPoints& points = output_.points;

@@ -74,7 +74,7 @@ class UgvSsl final : public Part {
   rt::GroupId group_;
   SslSettings settings_;
   OccupancySettings map_settings_;
-  const LidarScans* lidar_{};             // null without one
+  const LidarSweeps* lidar_{};            // null without one
   rt::Input<rt::PoseEstimate>* poses_{};  // only where rays are scheduled
   rt::Vector3 p_body_ssl_;
   rt::Quaternion q_body_ssl_;
