@@ -85,10 +85,10 @@ void Telemetry::publish_outputs(std::int64_t utime) {
 void Telemetry::publish_motors(std::int64_t utime) {
   const std::optional<MotorsNews> news = runtime_.vehicle().motors_news();
   if (!news) return;
-  const std::vector<drivers::NamedValue> values = {{"emergency", news->emergency ? 1.0 : 0.0},
-                                                   {"running", news->running ? 1.0 : 0.0},
-                                                   {"stop_reason", static_cast<double>(news->stop_reason)}};
-  publish_fields(utime, "motors", values);
+  publish_fields(utime, "motors",
+                 {{"emergency", news->emergency ? 1.0 : 0.0},
+                  {"running", news->running ? 1.0 : 0.0},
+                  {"stop_reason", static_cast<double>(news->stop_reason)}});
 }
 
 void Telemetry::note_parameters(const rt::TaskBase& task) {

@@ -19,24 +19,6 @@ namespace sortie::firmware {
 
 namespace {
 
-bool is_interrupted(const LiveRunOptions& options) {
-  return options.interrupted != nullptr && options.interrupted->load();
-}
-
-// Returns the number of ticks that were run.
-rt::Tick run_in_virtual_time(Runtime& runtime, Surroundings& surroundings, LogRecorder& recorder,
-                             RequestDoor& desk, const LiveRunOptions& options, rt::Tick last) {
-  runtime.executive().set_guard(heap_watch().arm);
-  SimulatedFeed feed(surroundings, runtime, recorder, desk);
-  constexpr rt::Tick kChunk = 256;
-  for (rt::Tick tick = 0; tick <= last; tick += kChunk) {
-    if (is_interrupted(options)) return tick;
-    rt::run_virtual(runtime.executive(), feed, tick, std::min(last, tick + kChunk - 1));
-    if (options.progress) options.progress(static_cast<double>(tick) / static_cast<double>(last + 1));
-  }
-  return last + 1;
-}
-
 std::string what_is_outside(const LiveRunOptions& options) {
   const std::string bus = options.can_interface.empty() ? "" : ", CAN on " + options.can_interface;
   return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
@@ -211,7 +193,15 @@ void LiveSession::run_virtually() {
                             ? ": --virtual needs a scene with a simulated robot ([hil])"
                             : ": this program was built for one scene and has no simulated robot; "
                               "take the program with all scenes, or give --can or --plant"));
-  ticks_ = run_in_virtual_time(runtime_, *surroundings_, *recorder_, *parameters_, options_, last_);
+  executive_.set_guard(heap_watch().arm);
+  SimulatedFeed feed(*surroundings_, runtime_, *recorder_, *parameters_);
+  constexpr rt::Tick kChunk = 256;
+  for (; ticks_ <= last_; ticks_ += kChunk) {
+    if (options_.interrupted != nullptr && options_.interrupted->load()) return;
+    rt::run_virtual(executive_, feed, ticks_, std::min(last_, ticks_ + kChunk - 1));
+    if (options_.progress) options_.progress(static_cast<double>(ticks_) / static_cast<double>(last_ + 1));
+  }
+  ticks_ = last_ + 1;
 }
 
 void LiveSession::run_live_threads() {
