@@ -69,7 +69,9 @@ class LocatePart final : public Part {
     const InitialPose& initial = builder.initial_pose();
     T_start_sensor_ = after({rt::to_vector(initial.p_world_body_m), rt::to_quaternion(initial.q_world_body)},
                             T_body_sensor_);
-    access_.memory = read_memory(builder.profile());
+    builder.profile().read("locate", access_.memory);
+    builder.profile().check_power_of_two("locate.window_cells", access_.memory.window_cells);
+    builder.profile().check_power_of_two("locate.window_cells_up", access_.memory.window_cells_up);
     locator_ = std::make_unique<mapping::Locator>(config, builder.arena(), access_.memory);
     load_kept_map(builder, *locator_);
     access_.locator = locator_.get();
@@ -98,14 +100,6 @@ class LocatePart final : public Part {
   }
 
  private:
-  static mapping::RegistrationMemory read_memory(Profile& profile) {
-    mapping::RegistrationMemory memory;
-    profile.read("locate", memory);
-    profile.check_power_of_two("locate.window_cells", memory.window_cells);
-    profile.check_power_of_two("locate.window_cells_up", memory.window_cells_up);
-    return memory;
-  }
-
   void add_task(VehicleBuilder& builder, rt::GroupId group) {
     task_ = builder.task<rt::LocatedPose>(group, "locate", TaskDefaults{50'000, rt::Criticality::b},
                                           [this](rt::JobContext& context, rt::LocatedPose& output) {

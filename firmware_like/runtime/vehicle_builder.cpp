@@ -133,8 +133,7 @@ ParameterGroup& VehicleBuilder::parameter_group(rt::GroupId group, const std::st
   if (!owner.tasks.empty())
     profile_.fail(path, "the first parameter of a group must be declared before the group's first task");
   const std::string name = owner.spec.name;
-  parameters_.groups.push_back(std::make_unique<ParameterGroup>());
-  ParameterGroup* added = parameters_.groups.back().get();
+  ParameterGroup* added = parameters_.groups.emplace_back(std::make_unique<ParameterGroup>()).get();
   added->group = group.index;
   // No stream() of the builder: a change does not grow stale.
   const std::string channel = std::string(drivers::kChannelChange) + "_" + name;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,7 +13,6 @@
 #include "firmware_like/runtime/chain_declarations.hpp"
 #include "firmware_like/runtime/factories.hpp"
 #include "firmware_like/runtime/input_port.hpp"
-#include "firmware_like/runtime/offers.hpp"
 #include "firmware_like/runtime/parameters.hpp"
 #include "firmware_like/runtime/report_queue.hpp"
 #include "firmware_like/scene/profile.hpp"
@@ -103,11 +103,11 @@ class VehicleBuilder {
   rt::Input<T>* input(rt::GroupId reader, const rt::Task<T>* task, std::uint32_t history = 4) {
     if (task == nullptr) return nullptr;
     const std::string name = std::string(task->name()) + "_in_" + group_name(reader);
-    if (rt::Input<T>* known = offers_.find<rt::Input<T>>(name); known != nullptr) return known;
+    if (rt::Input<T>* known = find_named<rt::Input<T>>(name); known != nullptr) return known;
     rt::Input<T>* input = executive_.add_input<T>(reader, task, history);
     if (input == nullptr) return nullptr;
     apply_stale_rule(*input, name);
-    offers_.put(name, input);
+    put_named(name, input);
     return input;
   }
 
@@ -116,33 +116,33 @@ class VehicleBuilder {
   template <rt::Described T>
   std::pair<rt::Stream<T>*, InputPort<T>*> stream(rt::GroupId reader, const std::string& channel,
                                                   std::uint32_t capacity, std::uint32_t batch) {
-    if (auto* known = offers_.find<rt::Stream<T>>(channel); known != nullptr)
-      return {known, offers_.find<InputPort<T>>(channel)};
+    if (auto* known = find_named<rt::Stream<T>>(channel); known != nullptr)
+      return {known, find_named<InputPort<T>>(channel)};
     auto* stream = executive_.add_stream<T>(reader, keep(channel), capacity, batch);
     check();
     auto port = std::make_unique<InputPort<T>>(channel, *stream);
     InputPort<T>* handle = port.get();
     ports_.push_back(std::move(port));
     apply_stale_rule(*stream, channel);
-    offers_.put(channel, stream);
-    offers_.put(channel, handle);
+    put_named(channel, stream);
+    put_named(channel, handle);
     return {stream, handle};
   }
   /// Where samples of `channel` come in, or null where nothing in the scene reads them.
   template <rt::Described T>
   InputPort<T>* find_port(const std::string& channel) const {
-    return offers_.find<InputPort<T>>(channel);
+    return find_named<InputPort<T>>(channel);
   }
 
   /// Hands an object of one part to those that are made behind it; it lives as long as the vehicle.
   template <class T>
   void offer(T& object) {
-    offers_.put("", &object);
+    put_named("", &object);
   }
   /// What was offered as a T, or null.
   template <class T>
   T* find() const {
-    return offers_.find<T>("");
+    return find_named<T>("");
   }
 
   /// Lets the number at `path`, which profile().number() has read, be changed while the group runs: between
@@ -237,6 +237,28 @@ class VehicleBuilder {
     if (rule.after_ticks != 0) counter("stale_" + name, [&port] { return port.stale_jobs(); });
   }
   ParameterGroup& parameter_group(rt::GroupId group, const std::string& path);
+  template <class T>
+  void put_named(std::string_view name, T* thing) {
+    offers_.push_back({&kKey<T>, std::string(name), thing});
+  }
+  // The first that was put there as a T of that name, or null.
+  template <class T>
+  T* find_named(std::string_view name) const {
+    for (const Offer& offer : offers_) {
+      if (offer.type == &kKey<T> && offer.name == name) return static_cast<T*>(offer.object);
+    }
+    return nullptr;
+  }
+
+  // Its address stands for the type: a type's own name would tie code to what another build may lack.
+  template <class T>
+  static inline char kKey{};
+  // What the parts of a vehicle hand each other while it is built; it belongs to whoever put it there.
+  struct Offer {
+    const char* type;
+    std::string name;
+    void* object;
+  };
 
   Profile& profile_;
   rt::Executive& executive_;
@@ -254,7 +276,7 @@ class VehicleBuilder {
   Counters counters_;
   Counters uses_;
   ParameterSet parameters_;
-  Offers offers_;
+  std::vector<Offer> offers_;
 };
 
 }  // namespace sortie::firmware
