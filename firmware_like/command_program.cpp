@@ -30,8 +30,7 @@ Ending run_command(int argc, char** argv, const std::string& name, const AddComm
   if (!rt::arithmetic_is_strict()) {
     return {kRefused,
             "this build or processor rounds differently (fused multiply-add, flushed denormals or another "
-            "rounding "
-            "mode), so no digest would mean anything; build with the flags of Sortie::strict"};
+            "rounding mode), so no digest would mean anything; build with the flags of Sortie::strict"};
   }
   std::function<int()> chosen;
   CommandLine line("Deterministic real-time onboard runtime for rescue robots", name,

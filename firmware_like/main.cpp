@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program that a robot carries, built for one scene: its vehicle, no simulated robot, and a heap trap
-// that watches the tasks.
+// The program that a robot carries, built for one scene, with a heap trap that watches the tasks.
 #include "firmware_like/command_program.hpp"
 #include "firmware_like/robot_commands.hpp"
 #include "firmware_like/robots/registry.hpp"

@@ -9,7 +9,6 @@
 #include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results_output.hpp"
-#include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {
 
@@ -33,15 +32,11 @@ void add_output(Command& command, bool& json, bool& quiet) {
   command.add_flag("--quiet", quiet, "No progress bar; this program has none");
 }
 
-const std::vector<std::string>* judged(const std::vector<std::string>& failures) {
-  return failures.empty() ? nullptr : &failures;
-}
-
 int run(const VehicleRegistry& vehicles, RunOptions& options) {
   const StopSignals stop;  // up to the last word
   options.live.interrupted = &StopSignals::asked();
   const LiveRunOutcome outcome = run_live(vehicles, nullptr, options.live);
-  print_results(outcome.results, options.json, judged(outcome.failures));
+  print_results(outcome.results, options.json, outcome.failures.empty() ? nullptr : &outcome.failures);
   tell_files(outcome);
   print_failures(outcome.failures, options.json);
   return outcome.stopped.empty() && outcome.failures.empty() ? 0 : 1;
@@ -50,7 +45,7 @@ int run(const VehicleRegistry& vehicles, RunOptions& options) {
 int replay_log(const VehicleRegistry& vehicles, const LogOptions& options) {
   const LogFile log(options.log);
   const ReplayOutcome outcome = replay(log, vehicles, options.replay);
-  print_results(outcome.results, options.json, judged(outcome.failures));
+  print_results(outcome.results, options.json, outcome.failures.empty() ? nullptr : &outcome.failures);
   print_failures(outcome.failures, options.json);
   return code_with_damage(kProgram, outcome.damage, options.accept_damage, outcome.failures.empty() ? 0 : 1);
 }

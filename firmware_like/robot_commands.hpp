@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands of the small program that a robot carries: drive, and prove what was driven. All else is done
-// at a desk.
+// The commands of the small program that a robot carries: drive, and prove what was driven.
 #pragma once
 
 #include <functional>

@@ -26,14 +26,15 @@ std::uint64_t draw() {
 // Bits of all kinds: infinities, NaN, denormals, the far ends.
 double anything() { return std::bit_cast<double>(draw()); }
 
-// Size between 2^-40 and 2^40; every other one a power of two, from which a little subtracted needs one digit
-// more.
+// Size between 2^-40 and 2^40; every other one a power of two: a little less needs one digit more.
 double middling() {
   const std::uint64_t bits = draw();
   const std::uint64_t fraction = (draw() & 1) != 0 ? 0 : bits & 0xfffffffffffffu;
   return std::bit_cast<double>((bits & (std::uint64_t{1} << 63)) | (983 + (bits >> 52) % 80) << 52 |
                                fraction);
 }
+
+std::uint64_t whole() { return draw() >> draw() % 64; }
 
 double denormal() { return std::bit_cast<double>(draw() & 0x801fffffffffffffu); }
 
@@ -77,21 +78,11 @@ void over_pairs(const char* name, Operation operation) {
   print_hash(name, hash);
 }
 
-template <class Operation>
-void over_wholes(const char* name, Operation operation) {
+template <class Number, class Operation>
+void over(Number (&next)(), const char* name, Operation operation) {
   Hash hash;
   for (int i = 0; i < kRounds; ++i) {
-    volatile std::uint64_t whole = draw() >> draw() % 64;
-    hash.take(operation(whole));
-  }
-  print_hash(name, hash);
-}
-
-template <class Operation>
-void over_numbers(const char* name, Operation operation) {
-  Hash hash;
-  for (int i = 0; i < kRounds; ++i) {
-    volatile double x = middling();
+    volatile Number x = next();
     hash.take(operation(x));
   }
   print_hash(name, hash);
@@ -108,21 +99,21 @@ int main() {
   over_pairs("\",\"comparison", [](double a, double b) {
     return std::uint64_t{a < b} | std::uint64_t{a <= b} << 1 | std::uint64_t{a == b} << 2;
   });
-  over_wholes("\",\"from 64 bits", [](std::uint64_t n) { return static_cast<double>(n); });
-  over_wholes("\",\"from 64 bits with a sign",
-              [](std::uint64_t n) { return static_cast<double>(static_cast<std::int64_t>(n)); });
-  over_wholes("\",\"from 32 bits with a sign",
-              [](std::uint64_t n) { return static_cast<double>(static_cast<std::int32_t>(n)); });
-  over_wholes("\",\"from single precision", [](std::uint64_t n) {
+  over(whole, "\",\"from 64 bits", [](std::uint64_t n) { return static_cast<double>(n); });
+  over(whole, "\",\"from 64 bits with a sign",
+       [](std::uint64_t n) { return static_cast<double>(static_cast<std::int64_t>(n)); });
+  over(whole, "\",\"from 32 bits with a sign",
+       [](std::uint64_t n) { return static_cast<double>(static_cast<std::int32_t>(n)); });
+  over(whole, "\",\"from single precision", [](std::uint64_t n) {
     return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(n)));
   });
-  over_numbers("\",\"to 64 bits",
-               [](double x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)); });
-  over_numbers("\",\"floor", [](double x) { return rt::floor(x); });
-  over_numbers("\",\"sine", [](double x) { return rt::sin(x); });
-  over_numbers("\",\"arc tangent", [](double x) { return rt::atan2(x, 1.0); });
-  over_numbers("\",\"exponential", [](double x) { return rt::exp(x); });
-  over_numbers("\",\"logarithm", [](double x) { return rt::log(std::fabs(x)); });
+  over(middling, "\",\"to 64 bits",
+       [](double x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)); });
+  over(middling, "\",\"floor", [](double x) { return rt::floor(x); });
+  over(middling, "\",\"sine", [](double x) { return rt::sin(x); });
+  over(middling, "\",\"arc tangent", [](double x) { return rt::atan2(x, 1.0); });
+  over(middling, "\",\"exponential", [](double x) { return rt::exp(x); });
+  over(middling, "\",\"logarithm", [](double x) { return rt::log(std::fabs(x)); });
   bare::print("\"}\n");
   bare::stop(0);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/bare_metal/run.hpp"
 
-#include "firmware_like/bare_metal/board.hpp"
 #include "rt/virtual_runner.hpp"
 
 namespace sortie::bare {

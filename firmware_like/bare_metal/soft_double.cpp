@@ -5,10 +5,10 @@
 // roots and comparisons stay libgcc's.
 //
 // Round to nearest, ties to even, denormals kept (IEEE 754-2019, 5.4.1). Doubles come and go in integer
-// registers, as the "Run-time ABI for the Arm architecture" (IHI 0043) asks of these functions; so their
-// types here are integers.
+// registers, as the "Run-time ABI for the Arm architecture" (IHI 0043) asks: their types here are integers.
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 namespace {
 
@@ -27,8 +27,7 @@ Bits rounded(Bits sign, int exponent, Bits digits) {
   const Bits half = Bits{1} << (kGuard - 1);
   digits >>= kGuard;
   if (rest > half || (rest == half && (digits & 1) != 0)) ++digits;
-  // A carry out of the fraction goes on into the exponent, where it belongs; the hidden digit counts as one
-  // there, too.
+  // A carry out of the fraction goes on into the exponent, where the hidden digit counts as one, too.
   const Bits all = (static_cast<Bits>(exponent - 1) << 52) + digits;
   return sign | (all < kInfinity ? all : kInfinity);
 }
@@ -40,11 +39,7 @@ Bits normalised(Bits sign, int exponent, Bits digits) {
 }
 
 Bits sum(Bits a, Bits b) {
-  if ((a & ~kSign) < (b & ~kSign)) {
-    const Bits keep = a;
-    a = b;
-    b = keep;
-  }
+  if ((a & ~kSign) < (b & ~kSign)) std::swap(a, b);
   if ((a & ~kSign) > kInfinity) return a | kQuiet;
   if ((a & ~kSign) == kInfinity) return a == (b ^ kSign) ? kQuiet : a;
   const auto digits_of = [](Bits value) {

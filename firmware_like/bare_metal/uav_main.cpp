@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A flying robot on a bare board: state estimator and controller at 500 Hz.
 #include "estimators/uav_state/uav_estimator.hpp"
-#include "firmware_like/bare_metal/board.hpp"
 #include "firmware_like/bare_metal/run.hpp"
 #include "planner/uav_control/uav_control.hpp"
 
@@ -49,12 +48,11 @@ struct Flight {
           static_cast<void>(control.update(state, output));
         });
   }
-  static void take(void* self, const bare::Record& record) {
-    auto& flight = *static_cast<Flight*>(self);
+  void take(const bare::Record& record) {
     // A full stream counts its refusals.
-    if (record.kind == bare::RecordKind::imu) static_cast<void>(flight.imu->push(bare::to_imu(record)));
-    if (record.kind == bare::RecordKind::fix) static_cast<void>(flight.fixes->push(bare::to_fix(record)));
-    if (record.kind == bare::RecordKind::goal) static_cast<void>(flight.goals->push(bare::to_fix(record)));
+    if (record.kind == bare::RecordKind::imu) static_cast<void>(imu->push(bare::to_imu(record)));
+    if (record.kind == bare::RecordKind::fix) static_cast<void>(fixes->push(bare::to_fix(record)));
+    if (record.kind == bare::RecordKind::goal) static_cast<void>(goals->push(bare::to_fix(record)));
   }
 
   estimators::UavEstimator estimator{estimators::UavEstimatorConfig{}};
@@ -65,15 +63,6 @@ struct Flight {
   bool started{};
 };
 
-// With the large tables of a desktop the same robot takes 38 kB.
-alignas(16) std::byte memory[rt::kMaxGroups > 2 ? 64 * 1024 : 8 * 1024];
-
 }  // namespace
 
-int main() {
-  bare::paint_stack();
-  static rt::Arena arena(memory);
-  static rt::Executive executive(arena, rt::kNanosecondsPerMillisecond, 0);
-  static Flight flight(executive);
-  bare::replay(executive, {&flight, &Flight::take});
-}
+int main() { bare::run<Flight>(); }

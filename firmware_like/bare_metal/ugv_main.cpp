@@ -2,7 +2,6 @@
 // A ground robot's odometry on a bare board: attitude and track odometry at 500 Hz.
 #include "estimators/attitude.hpp"
 #include "estimators/track_odometry.hpp"
-#include "firmware_like/bare_metal/board.hpp"
 #include "firmware_like/bare_metal/run.hpp"
 
 using namespace sortie;
@@ -36,11 +35,10 @@ struct Drive {
                                            output = odometry.estimate();
                                          });
   }
-  static void take(void* self, const bare::Record& record) {
-    auto& drive = *static_cast<Drive*>(self);
+  void take(const bare::Record& record) {
     // A full stream counts its refusals.
-    if (record.kind == bare::RecordKind::imu) static_cast<void>(drive.imu->push(bare::to_imu(record)));
-    if (record.kind == bare::RecordKind::track) static_cast<void>(drive.tracks->push(bare::to_track(record)));
+    if (record.kind == bare::RecordKind::imu) static_cast<void>(imu->push(bare::to_imu(record)));
+    if (record.kind == bare::RecordKind::track) static_cast<void>(tracks->push(bare::to_track(record)));
   }
 
   estimators::Attitude attitude{estimators::AttitudeConfig{}};
@@ -49,15 +47,6 @@ struct Drive {
   rt::Stream<rt::TrackSample>* tracks{};
 };
 
-// With the large tables of a desktop the same robot takes 38 kB.
-alignas(16) std::byte memory[rt::kMaxGroups > 2 ? 64 * 1024 : 8 * 1024];
-
 }  // namespace
 
-int main() {
-  bare::paint_stack();
-  static rt::Arena arena(memory);
-  static rt::Executive executive(arena, rt::kNanosecondsPerMillisecond, 0);
-  static Drive drive(executive);
-  bare::replay(executive, {&drive, &Drive::take});
-}
+int main() { bare::run<Drive>(); }

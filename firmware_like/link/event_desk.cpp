@@ -11,20 +11,9 @@ namespace sortie::firmware {
 
 namespace {
 
-std::string ladder_text(std::int64_t level) {
-  switch (level) {
-    case 0:
-      return "every task runs again";
-    case 1:
-      return "tasks of criticality C run at half measure";
-    case 2:
-      return "tasks of criticality C are off";
-    case 3:
-      return "tasks of criticality C are off, B run at half measure";
-    default:
-      return "tasks of criticality C and B are off";
-  }
-}
+constexpr const char* kLadder[] = {
+    "every task runs again", "tasks of criticality C run at half measure", "tasks of criticality C are off",
+    "tasks of criticality C are off, B run at half measure", "tasks of criticality C and B are off"};
 
 std::string milliseconds(std::int64_t us) {
   return std::to_string(us / 1000) + "." + std::to_string(us / 100 % 10);
@@ -46,7 +35,8 @@ drivers::EventRecord to_record(const rt::posix::LiveEvent& event, const rt::Exec
     case Kind::ladder:
       record.kind = "ladder";
       record.subject = event.core < 0 ? "unpinned groups" : "core " + std::to_string(event.core);
-      record.text = "level " + std::to_string(event.value) + ": " + ladder_text(event.value);
+      record.text = "level " + std::to_string(event.value) + ": " +
+                    kLadder[event.value >= 0 && event.value < 4 ? event.value : 4];
       break;
     case Kind::stuck:
       record.kind = "stuck";

@@ -2,23 +2,13 @@
 #include "firmware_like/link/plant_link.hpp"
 
 #include <charconv>
-#include <cstdio>
 
 #include "firmware_like/link/secret.hpp"
 #include "firmware_like/result/add_counters.hpp"
 #include "firmware_like/scene/profile.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
-
-namespace {
-
-std::string seconds(rt::Nanoseconds ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", static_cast<double>(ns) * 1e-9);
-  return text;
-}
-
-}  // namespace
 
 std::uint16_t parse_plant(const std::string& text) {
   if (text == "own") return kPlantPort;
@@ -33,7 +23,7 @@ std::uint16_t parse_plant(const std::string& text) {
 }
 
 PlantLink::PlantLink(std::uint16_t port, const PlantLinkNeeds& needs, rt::Nanoseconds start_ns)
-    : port_(port), with_can_(needs.can), with_scans_(needs.scans != nullptr), with_ssl_(needs.ssl) {
+    : port_(port), needs_(needs) {
   drivers::DatagramLinkConfig config;
   const auto next_link = [&config, port](int above) {
     config.port = static_cast<std::uint16_t>(port + above);
@@ -41,15 +31,15 @@ PlantLink::PlantLink(std::uint16_t port, const PlantLinkNeeds& needs, rt::Nanose
   };
   std::string problem;
   Status status = Status::ok;
-  if (with_can_) {
+  if (needs_.can) {
     next_link(0);
     status = can_.open(config, start_ns, problem);
   }
-  if (status == Status::ok && with_scans_) {
+  if (status == Status::ok && needs_.scans != nullptr) {
     next_link(1);
     status = scans_.open(config, start_ns, *needs.scans, problem);
   }
-  if (status == Status::ok && with_ssl_) {
+  if (status == Status::ok && needs_.ssl) {
     next_link(2);
     status = ssl_.open(config, start_ns, problem);
   }
@@ -57,8 +47,8 @@ PlantLink::PlantLink(std::uint16_t port, const PlantLinkNeeds& needs, rt::Nanose
 }
 
 void PlantLink::poll(rt::Nanoseconds now_ns) {
-  if (with_scans_) scans_.poll();
-  if (with_ssl_) ssl_.poll();
+  if (needs_.scans != nullptr) scans_.poll();
+  if (needs_.ssl) ssl_.poll();
   const bool heard = judged().has_peer();
   if (heard == heard_) return;
   heard_ = heard;
@@ -71,20 +61,21 @@ std::string PlantLink::news() {
   const std::uint32_t changes = changes_.load(std::memory_order_acquire);
   if (changes == told_) return {};
   told_ = changes;
-  const std::string when = " at " + seconds(changed_ns_.load(std::memory_order_relaxed));
-  return changes % 2 == 1 ? "the plant is heard" + when : "the plant has gone silent" + when;
+  const double at_s = static_cast<double>(changed_ns_.load(std::memory_order_relaxed)) * 1e-9;
+  return (changes % 2 == 1 ? "the plant is heard at " : "the plant has gone silent at ") +
+         format_fixed(at_s, 1) + " s";
 }
 
 void PlantLink::add_counters(std::map<std::string, std::uint64_t>& counters) const {
-  if (with_can_) {
+  if (needs_.can) {
     firmware::add_counters("plant_can_", can_.link().counters(), counters);
     firmware::add_counters("plant_can_", can_.datagram_counters(), counters);
   }
-  if (with_scans_) {
+  if (needs_.scans != nullptr) {
     firmware::add_counters("plant_lidar_", scans_.link().counters(), counters);
     firmware::add_counters("plant_scans_", scans_.counters(), counters);
   }
-  if (with_ssl_) {
+  if (needs_.ssl) {
     firmware::add_counters("plant_ssl_", ssl_.link().counters(), counters);
     firmware::add_counters("plant_rays_", ssl_.counters(), counters);
   }
@@ -104,7 +95,7 @@ std::vector<std::string> PlantLink::warnings() const {
   if (link.peers > 1)
     warnings.push_back("the plant was restarted " + std::to_string(link.peers - 1) +
                        " times: the robot stands where it began again, and the odometry does not know");
-  if (with_ssl_ && link.peers != 0 && ssl_.link().counters().peers == 0)
+  if (needs_.ssl && link.peers != 0 && ssl_.link().counters().peers == 0)
     warnings.push_back(
         "the plant has no solid-state lidar, or another program holds its port: no ray was fired");
   if (link.lost != 0) warnings.push_back(std::to_string(link.lost) + " datagrams of the plant were lost");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The runtime's end of what lies between it and a plant in a process of its own: a CAN bus, a lidar, a
-// solid-state lidar.
+// The runtime's end of the links to a plant in a process of its own: CAN bus, lidar, solid-state lidar.
 #pragma once
 
 #include <atomic>
@@ -15,8 +14,7 @@
 
 namespace sortie::firmware {
 
-/// Port on 127.0.0.1 that a plant listens on; the one above it is its lidar's, the next its solid-state
-/// lidar's.
+/// Port of a plant on 127.0.0.1; the one above it is its lidar's, the next its solid-state lidar's.
 inline constexpr std::uint16_t kPlantPort = 7710;
 inline constexpr std::uint16_t kMostPlantPort = 65535 - 2;
 
@@ -37,9 +35,9 @@ class PlantLink {
   PlantLink(std::uint16_t port, const PlantLinkNeeds& needs, rt::Nanoseconds start_ns);
 
   /// The port on the plant's bus, or null when that is a SocketCAN interface.
-  drivers::CanBus* can() { return with_can_ ? &can_ : nullptr; }
+  drivers::CanBus* can() { return needs_.can ? &can_ : nullptr; }
   /// The way to the solid-state lidar, or null.
-  drivers::SslPort* ssl() { return with_ssl_ ? &ssl_ : nullptr; }
+  drivers::SslPort* ssl() { return needs_.ssl ? &ssl_ : nullptr; }
   /// Takes scans and frames of the solid-state lidar, and notes whether the plant is there. On the thread
   /// that polls devices. Real-time safe.
   void poll(rt::Nanoseconds now_ns);
@@ -52,13 +50,11 @@ class PlantLink {
 
  private:
   const drivers::DatagramLink& judged() const {
-    return with_can_ ? can_.link() : with_scans_ || !with_ssl_ ? scans_.link() : ssl_.link();
+    return needs_.can ? can_.link() : needs_.scans != nullptr || !needs_.ssl ? scans_.link() : ssl_.link();
   }
 
   std::uint16_t port_;
-  bool with_can_;
-  bool with_scans_;
-  bool with_ssl_;
+  PlantLinkNeeds needs_;
   drivers::CanDatagram can_;
   drivers::ScanReceiver scans_;
   drivers::SslDatagram ssl_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/link/request_desk.hpp"
 
-#include <algorithm>
-
 namespace sortie::firmware {
 
 bool RequestAge::fits(std::int64_t utime_us) const {

@@ -36,9 +36,8 @@ std::string RequestDoor::open(const std::string& url) {
   if (!access.secret_file.empty()) key_ = read_secret(access.secret_file);
   if (!key_ && !access.without_secret)
     return "no requests are taken, for there is no secret: head -c 16 /dev/urandom | xxd -p > robot.secret "
-           "&& "
-           "chmod 600 robot.secret, then [parameters] secret_file = \"robot.secret\"; on a bench of your own "
-           "without_secret = true lets anybody " +
+           "&& chmod 600 robot.secret, then [parameters] secret_file = \"robot.secret\"; on a bench "
+           "of your own without_secret = true lets anybody " +
            what;
   try {
     const std::int64_t session = unguessable_number();  // without one nobody could be told from a recording

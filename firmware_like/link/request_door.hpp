@@ -36,14 +36,12 @@ class RequestDoor {
   /// waited in the kernel's queue is judged by its age now.
   void poll(rt::Nanoseconds now_ns);
 
-  /// What became of requests and of datagrams, by name, into a result. For the thread that polls, or after
-  /// it.
+  /// What became of requests and of datagrams, by name. For the thread that polls, or after it.
   void add_counters(std::map<std::string, std::uint64_t>& out) const;
   RequestDesk<drivers::SetParameter>& parameters() { return std::get<0>(desks_); }
   const RequestDesk<drivers::SetParameter>& parameters() const { return std::get<0>(desks_); }
   /// Calls `use(message)` with what is answered to requests, once for each task that obeys any; the caller
-  /// adds the date and that task's state. Session 0 says that none are taken, for want of a secret or of a
-  /// network.
+  /// adds the date and that task's state. Session 0: none are taken, for want of a secret or a network.
   template <class Use>
   void for_each_answer(Use use) const {
     for_each_desk([&](const auto& desk) {

@@ -24,8 +24,7 @@ struct RequestTopic {
   constexpr bool has_task() const { return !task.empty(); }
 };
 
-/// A kind of request, by its message. What somebody obeys has a Request, which request() makes of the
-/// message, without a stamp.
+/// A kind of request, by its message. What somebody obeys is a Request: request() makes it, without a stamp.
 template <class Message>
 struct RequestKind;
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <stdexcept>
 
@@ -15,13 +16,6 @@
 namespace sortie::firmware {
 
 namespace {
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 constexpr const char* kMakeOne = "make one: head -c 16 /dev/urandom | xxd -p > FILE && chmod 600 FILE";
 
@@ -33,17 +27,18 @@ struct Descriptor {
   int fd;
 };
 
+[[noreturn]] void refuse_unreadable(const std::string& path) {
+  throw ProfileError(path + ": the secret cannot be read (" + std::strerror(errno) + "); " + kMakeOne);
+}
+
 // Every question is put to the descriptor, none to the path: what was judged is what is read. Opened so that
 // neither a FIFO nor a device can make it wait, and no link leads elsewhere.
 std::string read_private(const std::string& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC | O_NOCTTY)};
   if (file.fd < 0 && errno == ELOOP)
     throw ProfileError(path + ": the secret is a link, which may lead anywhere; name the file itself");
-  if (file.fd < 0)
-    throw ProfileError(path + ": the secret cannot be read (" + std::strerror(errno) + "); " + kMakeOne);
   struct stat status {};
-  if (::fstat(file.fd, &status) != 0)
-    throw ProfileError(path + ": the secret cannot be read (" + std::strerror(errno) + "); " + kMakeOne);
+  if (file.fd < 0 || ::fstat(file.fd, &status) != 0) refuse_unreadable(path);
   if (!S_ISREG(status.st_mode)) throw ProfileError(path + ": the secret is no regular file; " + kMakeOne);
   if (status.st_uid != ::geteuid() && status.st_uid != 0)
     throw ProfileError(path + ": the secret belongs to user " + std::to_string(status.st_uid) +
@@ -54,8 +49,7 @@ std::string read_private(const std::string& path) {
   ssize_t size = 0;
   do size = ::read(file.fd, text.data(), text.size());
   while (size < 0 && errno == EINTR);
-  if (size < 0)
-    throw ProfileError(path + ": the secret cannot be read (" + std::strerror(errno) + "); " + kMakeOne);
+  if (size < 0) refuse_unreadable(path);
   text.resize(static_cast<std::size_t>(size));
   return text;
 }
@@ -68,10 +62,8 @@ drivers::SipKey read_secret(const std::string& path) {
   drivers::SipKey key{};
   bool good = text.size() == 2 * key.size();
   for (std::size_t i = 0; good && i < key.size(); ++i) {
-    const int high = hex_digit(text[2 * i]);
-    const int low = hex_digit(text[2 * i + 1]);
-    good = high >= 0 && low >= 0;
-    key[i] = static_cast<std::uint8_t>(good ? 16 * high + low : 0);
+    const char* const at = text.data() + 2 * i;
+    good = std::from_chars(at, at + 2, key[i], 16).ptr == at + 2;
   }
   if (!good) throw ProfileError(path + ": a secret is 32 hexadecimal digits; " + kMakeOne);
   return key;

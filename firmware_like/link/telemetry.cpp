@@ -30,8 +30,7 @@ Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const Reques
       recorder_(recorder),
       desk_(desk),
       utc_minus_run_ns_(utc_minus_run_ns),
-      publisher_(publisher_config(url)),
-      lists_(runtime.parts().find<ReportQueue<rt::SegmentList>>()) {
+      publisher_(publisher_config(url)) {
   std::size_t longest = 0;
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
     longest = std::max<std::size_t>(longest, runtime.executive().task(i).output_bytes());
@@ -86,10 +85,10 @@ void Telemetry::publish_outputs(std::int64_t utime) {
 void Telemetry::publish_motors(std::int64_t utime) {
   const std::optional<MotorsNews> news = runtime_.vehicle().motors_news();
   if (!news) return;
-  const std::vector<drivers::NamedValue> values = {{"emergency", news->emergency ? 1.0 : 0.0},
-                                                   {"running", news->running ? 1.0 : 0.0},
-                                                   {"stop_reason", static_cast<double>(news->stop_reason)}};
-  publish_fields(utime, "motors", values);
+  publish_fields(utime, "motors",
+                 {{"emergency", news->emergency ? 1.0 : 0.0},
+                  {"running", news->running ? 1.0 : 0.0},
+                  {"stop_reason", static_cast<double>(news->stop_reason)}});
 }
 
 void Telemetry::note_parameters(const rt::TaskBase& task) {
@@ -172,32 +171,22 @@ void Telemetry::publish_events() {
   for (const drivers::EventRecord& event : events) publish(drivers::kChannelEvent, event);
 }
 
-void Telemetry::publish_segments() {
-  if (lists_ == nullptr) return;
-  while (lists_->take(segments_)) {
-    segments_.stamp_ns += utc_minus_run_ns_;
-    static_cast<void>(publisher_.publish_encoded(
-        drivers::kChannelSegments, [this](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode(segments_, segments_seq_++, out, size);  // numbers only what is sent
+template <class Report>
+void Telemetry::publish_reports(std::string_view channel, Report& report, std::int64_t& seq) {
+  ReportQueue<Report>* const queue = runtime_.parts().find<ReportQueue<Report>>();
+  while (queue != nullptr && queue->take(report)) {
+    report.stamp_ns += utc_minus_run_ns_;
+    static_cast<void>(
+        publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
+          return drivers::encode(report, seq++, out, size);  // numbers only what is sent
         }));
-  }
-}
-
-void Telemetry::publish_located() {
-  ReportQueue<rt::LocatedPose>* poses = runtime_.parts().find<ReportQueue<rt::LocatedPose>>();
-  if (poses == nullptr) return;
-  for (rt::LocatedPose pose; poses->take(pose);) {
-    pose.stamp_ns += utc_minus_run_ns_;
-    static_cast<void>(publisher_.publish_encoded(drivers::kChannelLocated,
-                                                 [&](std::span<std::uint8_t> out, std::size_t& size) {
-                                                   return drivers::encode(pose, located_seq_++, out, size);
-                                                 }));
   }
 }
 
 void Telemetry::start() {
   if (!publisher_.active()) return;
   thread_ = rt::posix::make_thread("telemetry", [this] {
+    [[maybe_unused]] rt::LocatedPose located;
     for (std::uint64_t round = 0; !stop_.load(std::memory_order_relaxed); ++round) {
       const std::int64_t utime =
           (runtime_.executive().now() + utc_minus_run_ns_) / rt::kNanosecondsPerMicrosecond;
@@ -207,8 +196,8 @@ void Telemetry::start() {
       publish_motors(utime);
       publish_answers(utime);
       publish_events();
-      publish_segments();
-      if constexpr (rt::kBuilt<"locate">) publish_located();
+      publish_reports(drivers::kChannelSegments, segments_, segments_seq_);
+      if constexpr (rt::kBuilt<"locate">) publish_reports(drivers::kChannelLocated, located, located_seq_);
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -29,8 +29,7 @@ namespace sortie::firmware {
 /// system's clock moves no channel against another; the dates are then those of the clock as it was.
 class Telemetry {
  public:
-  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to all times of the run's clock, which is the
-  /// executive's.
+  /// `url`: LCM URL, or "none". `utc_minus_run_ns`: added to all times of the executive's clock.
   Telemetry(Runtime& runtime, const LogRecorder& recorder, const RequestDoor& desk, const std::string& url,
             rt::Nanoseconds utc_minus_run_ns);
   ~Telemetry();
@@ -62,8 +61,9 @@ class Telemetry {
   void publish_motors(std::int64_t utime);
   void publish_statistics(std::int64_t utime);
   void publish_events();
-  void publish_segments();
-  void publish_located();
+  // What parts have put into their queues; `report` is memory for one of them.
+  template <class Report>
+  void publish_reports(std::string_view channel, Report& report, std::int64_t& seq);
   void note_parameters(const rt::TaskBase& task);
   void publish_parameters(std::int64_t utime, bool anyway);
   void read_answers();
@@ -81,8 +81,7 @@ class Telemetry {
   std::vector<rt::ParameterState> in_force_;      // by group of parameters
   std::vector<drivers::AnswersMessage> answers_;  // of this round
   bool parameters_moved_{};
-  std::int64_t parameters_asked_{};      // counter of the newest change that was asked for
-  ReportQueue<rt::SegmentList>* lists_;  // of the map's segments; null: the scene has none
+  std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
   rt::SegmentList segments_;
   std::int64_t segments_seq_{};
   std::int64_t located_seq_{};

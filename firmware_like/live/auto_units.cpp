@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/live/auto_units.hpp"
 
-#include <cstdio>
-
 #include "firmware_like/log/log_event.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
 
 namespace {
-
-UnitTrial try_units_of(const Runtime& runtime) {
-  const auto* const tryer = dynamic_cast<const UnitTryer*>(&runtime.vehicle());
-  return tryer != nullptr ? tryer->try_units() : UnitTrial{};
-}
 
 std::uint32_t units_in_force(const Runtime& runtime, const std::string& task) {
   const rt::Executive& executive = runtime.executive();
@@ -29,7 +23,7 @@ BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& s
   start.map = map;
   BootedRuntime booted;
   booted.runtime = std::make_unique<Runtime>(load_scene(scene, overrides), vehicles, start);
-  if (times) booted.trial = try_units_of(*booted.runtime);
+  if (times) booted.trial = booted.runtime->vehicle().try_units();
   UnitTrial& trial = booted.trial;
   std::vector<std::string> numbers = overrides;
   for (const std::string& task : booted.runtime->parts().auto_units()) {
@@ -54,9 +48,9 @@ void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen,
     event.kind = "calibration";
     event.subject = one.task;
     event.value = one.units;
-    char text[96];
-    std::snprintf(text, sizeof text, "units = \"auto\": a unit takes %.2f ns here", ns_per_unit);
-    event.text = one.timed ? text : "units = \"auto\": the default, as nothing was timed";
+    event.text =
+        "units = \"auto\": " + (one.timed ? "a unit takes " + format_fixed(ns_per_unit, 2) + " ns here"
+                                          : "the default, as nothing was timed");
     log_event(log, event, 0, utc_minus_run_ns);
   }
 }

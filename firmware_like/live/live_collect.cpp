@@ -91,8 +91,7 @@ void LiveSession::collect_counters(Results& results) {
     results.counters["calibration_" + chosen.task + "_units"] = chosen.units;
     if (!chosen.timed)
       results.warnings.push_back("tasks." + chosen.task +
-                                 ".units = \"auto\": nothing timed them here; "
-                                 "the default was taken, " +
+                                 ".units = \"auto\": nothing timed them here; the default was taken, " +
                                  std::to_string(chosen.units));
   }
   results.counters["log_events"] = recorder_->events();

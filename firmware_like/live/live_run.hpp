@@ -24,14 +24,13 @@ struct LiveRunOptions {
   double seconds{10};   ///< length; the run also ends when `interrupted` is set
   bool virtual_time{};  ///< as fast as the processor allows; needs a simulated robot; same outputs every time
   bool realtime{true};  ///< ask for SCHED_FIFO and locked memory
-  bool require_realtime{};  ///< a refusal of those is an error, not a warning
-  std::string map;          ///< map of surfaces to begin with (kept_map.hpp), or empty
-  std::string record;       ///< LCM log to write, or empty
-  bool record_fields{};     ///< with the outputs' fields
-  std::string lcm_url;      ///< telemetry; "none": off
-  std::string
-      can_interface;  ///< real devices on this SocketCAN interface; then the simulated robot is left out
-  std::string plant;  ///< a plant in a process of its own instead, see parse_plant(); or empty
+  bool require_realtime{};    ///< a refusal of those is an error, not a warning
+  std::string map;            ///< map of surfaces to begin with (kept_map.hpp), or empty
+  std::string record;         ///< LCM log to write, or empty
+  bool record_fields{};       ///< with the outputs' fields
+  std::string lcm_url;        ///< telemetry; "none": off
+  std::string can_interface;  ///< real devices on this SocketCAN interface, no simulated robot; or empty
+  std::string plant;          ///< a plant in a process of its own instead, see parse_plant(); or empty
   FlightRingOptions flight_ring;
   std::function<void(double share)> progress;
   const std::atomic<bool>* interrupted{};
@@ -54,13 +53,8 @@ struct LiveRunOutcome {
                                       ///< simulated time, declared bounds that were exceeded
 };
 
-/// Thrown when `require_realtime` was asked for and refused; commands end with exit code 4.
-class RealtimeRefused : public PlatformRefused {
- public:
-  using PlatformRefused::PlatformRefused;
-};
-
-/// Runs a scene. Throws ProfileError, RealtimeRefused, std::runtime_error (log cannot be written).
+/// Runs a scene. Throws ProfileError, PlatformRefused (`require_realtime` was asked for and refused),
+/// std::runtime_error (log cannot be written).
 LiveRunOutcome run_live(const VehicleRegistry& vehicles, const SimulatorFactory& simulator,
                         const LiveRunOptions& options);
 

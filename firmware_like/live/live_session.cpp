@@ -19,24 +19,6 @@ namespace sortie::firmware {
 
 namespace {
 
-bool is_interrupted(const LiveRunOptions& options) {
-  return options.interrupted != nullptr && options.interrupted->load();
-}
-
-// Returns the number of ticks that were run.
-rt::Tick run_in_virtual_time(Runtime& runtime, Surroundings& surroundings, LogRecorder& recorder,
-                             RequestDoor& desk, const LiveRunOptions& options, rt::Tick last) {
-  runtime.executive().set_guard(heap_watch().arm);
-  SimulatedFeed feed(surroundings, runtime, recorder, desk);
-  constexpr rt::Tick kChunk = 256;
-  for (rt::Tick tick = 0; tick <= last; tick += kChunk) {
-    if (is_interrupted(options)) return tick;
-    rt::run_virtual(runtime.executive(), feed, tick, std::min(last, tick + kChunk - 1));
-    if (options.progress) options.progress(static_cast<double>(tick) / static_cast<double>(last + 1));
-  }
-  return last + 1;
-}
-
 std::string what_is_outside(const LiveRunOptions& options) {
   const std::string bus = options.can_interface.empty() ? "" : ", CAN on " + options.can_interface;
   return options.plant.empty() ? "live devices" : "a plant in a process of its own" + bus;
@@ -106,9 +88,9 @@ void LiveSession::open_inputs() {
 
 // Everything that takes long is done: the run begins.
 void LiveSession::open_log() {
-  clock_.start_ns = rt::posix::monotonic_now() + (options_.virtual_time ? 0 : start_lead(runtime_, locks_));
-  utc_minus_run_ = rt::posix::utc_minus_monotonic() + clock_.start_ns;
-  ring_->set_clock(clock_.start_ns, utc_minus_run_ - clock_.start_ns);
+  start_ns_ = rt::posix::monotonic_now() + (options_.virtual_time ? 0 : start_lead(runtime_, locks_));
+  utc_minus_run_ = rt::posix::utc_minus_monotonic() + start_ns_;
+  ring_->set_clock(start_ns_, utc_minus_run_ - start_ns_);
   RecorderOptions recording;
   recording.path = options_.record;
   recording.write_fields = options_.record_fields;
@@ -127,39 +109,44 @@ void LiveSession::open_log() {
 }
 
 void LiveSession::connect_devices() {
-  if (!robot_) {
-    try {
-      runtime_.vehicle().open_devices();
-    } catch (const std::runtime_error& error) {
-      throw ProfileError(error.what());
-    }
+  devices_.log = options_.record.empty() ? nullptr : &*recorder_;
+  if (robot_) {
+    devices_.can = robot_->vehicle_can();
+    devices_.ssl = robot_->vehicle_ssl();
+    return;
   }
+  try {
+    runtime_.vehicle().open_devices();
+  } catch (const std::runtime_error& error) {
+    throw ProfileError(error.what());
+  }
+  devices_.device_epoch_ns = -start_ns_;
   if (!options_.can_interface.empty()) {
     drivers::SocketCanConfig config;
     config.interface = options_.can_interface;
-    config.epoch_ns = clock_.start_ns;
+    config.epoch_ns = start_ns_;
     std::string problem;
     if (can_.open(config, problem) != Status::ok)
       throw ProfileError("--can " + options_.can_interface + ": " + problem);
+    devices_.can = &can_;
   }
-  outside_ = {options_.can_interface.empty() ? nullptr : &can_, nullptr, clock_.start_ns};
   if (options_.plant.empty()) return;
-  const PlantLinkNeeds needs{outside_.can == nullptr, runtime_.vehicle().scan_sink(),
+  const PlantLinkNeeds needs{devices_.can == nullptr, runtime_.vehicle().scan_sink(),
                              takes_channel(runtime_, drivers::kChannelSsl)};
-  link_ = std::make_unique<PlantLink>(parse_plant(options_.plant), needs, clock_.start_ns);
-  outside_.link = link_.get();
-  if (outside_.can == nullptr) outside_.can = link_->can();
+  link_ = std::make_unique<PlantLink>(parse_plant(options_.plant), needs, start_ns_);
+  if (devices_.can == nullptr) devices_.can = link_->can();
+  devices_.ssl = link_->ssl();
 }
 
 void LiveSession::attach() {
-  if (!options_.virtual_time) write_log_clock(*recorder_, clock_.start_ns, utc_minus_run_);
+  if (!options_.virtual_time) write_log_clock(*recorder_, start_ns_, utc_minus_run_);
   write_chosen_units(*recorder_, booted_.chosen, booted_.trial.ns_per_unit, utc_minus_log());
-  surroundings_.emplace(robot_.get(), outside_, *recorder_, !options_.record.empty());
+  surroundings_.emplace(robot_.get(), devices_, link_.get(), *recorder_);
   executive_.set_sink(ring_->before(recorder_->job_sink()));
   doctor_.begin(executive_, *recorder_, !options_.virtual_time && options_.realtime, utc_minus_log());
   executive_.set_record_fields(true);
   executive_.set_clock(
-      [](void* self) { return rt::posix::fast_now() - static_cast<RunClock*>(self)->start_ns; }, &clock_);
+      [](void* self) { return rt::posix::fast_now() - *static_cast<rt::Nanoseconds*>(self); }, &start_ns_);
   const HeapWatch heap = heap_watch();
   heap_before_ = heap.calls != nullptr ? heap.calls() : 0;
   const auto length = std::llround(options_.seconds * 1e9 / static_cast<double>(executive_.base_tick_ns()));
@@ -206,7 +193,15 @@ void LiveSession::run_virtually() {
                             ? ": --virtual needs a scene with a simulated robot ([hil])"
                             : ": this program was built for one scene and has no simulated robot; "
                               "take the program with all scenes, or give --can or --plant"));
-  ticks_ = run_in_virtual_time(runtime_, *surroundings_, *recorder_, *parameters_, options_, last_);
+  executive_.set_guard(heap_watch().arm);
+  SimulatedFeed feed(*surroundings_, runtime_, *recorder_, *parameters_);
+  constexpr rt::Tick kChunk = 256;
+  for (; ticks_ <= last_; ticks_ += kChunk) {
+    if (options_.interrupted != nullptr && options_.interrupted->load()) return;
+    rt::run_virtual(executive_, feed, ticks_, std::min(last_, ticks_ + kChunk - 1));
+    if (options_.progress) options_.progress(static_cast<double>(ticks_) / static_cast<double>(last_ + 1));
+  }
+  ticks_ = last_ + 1;
 }
 
 void LiveSession::run_live_threads() {
@@ -215,10 +210,10 @@ void LiveSession::run_live_threads() {
   EventDesk desk(runtime_, *recorder_, telemetry_.get(), *ring_, utc_minus_run_);
   if (!ring_->before_this().empty()) desk.tell("run_before", "run", ring_->before_this(), 0);
   live_ = run_in_real_time({runtime_, *surroundings_, *parameters_, *recorder_, desk, *chains_}, options_,
-                           clock_.start_ns, last_);
+                           start_ns_, last_);
   ticks_ = live_.ticks;
   if (telemetry_) telemetry_->stop();
-  if (options_.require_realtime && !live_.warnings.empty()) throw RealtimeRefused(live_.warnings.front());
+  if (options_.require_realtime && !live_.warnings.empty()) throw PlatformRefused(live_.warnings.front());
   write_run_end(*recorder_, executive_, ticks_, utc_minus_run_);
   warnings_.insert(warnings_.end(), live_.warnings.begin(), live_.warnings.end());
   if (!live_.late_start.empty()) warnings_.push_back(live_.late_start);

@@ -38,10 +38,6 @@ class LiveSession {
   LiveRunOutcome collect();
 
  private:
-  struct RunClock {
-    rt::Nanoseconds start_ns{};  // CLOCK_MONOTONIC at tick 0
-  };
-
   // What dates the log: a run in simulated time has no date, so that its log is always the same.
   rt::Nanoseconds utc_minus_log() const { return options_.virtual_time ? 0 : utc_minus_run_; }
 
@@ -73,11 +69,11 @@ class LiveSession {
   std::optional<ChainWatch> chains_;
   std::optional<RequestDoor> parameters_;
   std::vector<std::string> warnings_;
-  RunClock clock_;
+  rt::Nanoseconds start_ns_{};  // CLOCK_MONOTONIC at tick 0
   rt::Nanoseconds utc_minus_run_{};
   std::optional<LogRecorder> recorder_;
   drivers::SocketCan can_;
-  OutsideDevices outside_;
+  Devices devices_;
   std::unique_ptr<PlantLink> link_;
   std::optional<Surroundings> surroundings_;
   std::uint64_t heap_before_{};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What moves around the executive in a live or a virtual run: the simulated robot, the devices, scripted
-// changes.
+// What moves around the executive in a run: the simulated robot, the devices, scripted changes.
 #pragma once
 
 #include "firmware_like/link/plant_link.hpp"
@@ -56,27 +55,12 @@ class PoseCollector {
   TaskPoses<rt::LocatedPose> located;
 };
 
-/// Devices that are not simulated in this process.
-struct OutsideDevices {
-  drivers::CanBus* can{};      ///< null: there is no bus
-  PlantLink* link{};           ///< to a plant in a process of its own, or null
-  rt::Nanoseconds start_ns{};  ///< CLOCK_MONOTONIC at the start of the run: the devices' clock counts that
-};
-
 /// Everything around the executive that moves between ticks: the simulated robot, the devices, the truth.
 class Surroundings {
  public:
-  /// `outside` counts only without a simulated robot.
-  Surroundings(SimulatedRobot* robot, const OutsideDevices& outside, LogRecorder& recorder, bool recording)
-      : robot_(robot), recorder_(recorder) {
-    devices_.ssl = robot != nullptr ? robot->vehicle_ssl() : nullptr;
-    devices_.log = recording ? &recorder : nullptr;
-    devices_.can = robot != nullptr ? robot->vehicle_can() : outside.can;
-    if (robot != nullptr) return;
-    link_ = outside.link;
-    if (link_ != nullptr) devices_.ssl = link_->ssl();
-    devices_.device_epoch_ns = -outside.start_ns;
-  }
+  /// `robot`: null unless one is simulated in this process. `link`: to a plant in another one, or null.
+  Surroundings(SimulatedRobot* robot, const Devices& devices, PlantLink* link, LogRecorder& recorder)
+      : robot_(robot), recorder_(recorder), link_(link), devices_(devices) {}
   /// Moves the simulated robot, if there is one, and notes its truth.
   void step_robot(rt::Nanoseconds now) {
     if (robot_ == nullptr) return;
@@ -92,7 +76,7 @@ class Surroundings {
  private:
   SimulatedRobot* robot_;
   LogRecorder& recorder_;
-  PlantLink* link_{};
+  PlantLink* link_;
   Devices devices_;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The real-time part of a live run: workers, bench, devices and requests on threads of their own, until it is
-// over.
+// The real-time part of a live run: workers, bench, devices and requests, each on a thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +43,7 @@ struct LiveMeasured {
   std::string late_start;             ///< what a machine too busy at the start left out, or empty
 };
 
-/// How far ahead tick 0 must lie, so that every thread has been made by then and sleeps: measured here and
-/// now.
+/// How far ahead tick 0 must lie, so that every thread has been made and sleeps by then: measured now.
 rt::Nanoseconds start_lead(const Runtime& runtime, bool realtime);
 
 /// Runs ticks 0 to `last`, tick 0 at `start_ns` of CLOCK_MONOTONIC. Returns when all threads have ended. A

@@ -2,8 +2,6 @@
 // Something that a run can be driven against instead of hardware: it has devices, and it knows the truth.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <string>
 
 #include "firmware_like/runtime/factories.hpp"

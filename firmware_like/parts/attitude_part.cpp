@@ -3,7 +3,6 @@
 
 #include "drivers/can_frames.hpp"
 #include "firmware_like/parts/own_frames.hpp"
-#include "firmware_like/parts/ugv_config.hpp"
 #include "firmware_like/runtime/live_keys.hpp"
 
 namespace sortie::firmware {
@@ -26,6 +25,17 @@ ChosenAttitude read_filter(VehicleBuilder& builder) {
 }
 
 }  // namespace
+
+estimators::AttitudeConfig read_attitude_config(VehicleBuilder& builder) {
+  Profile& profile = builder.profile();
+  for (const char* path :
+       {"groups.control.rate_hz", "imu.samples", "attitude.precision", "attitude.track_aid"})
+    profile.knob(path);
+  estimators::AttitudeConfig config;
+  for (int i = 0; i < 4; ++i) config.q_world_body[i] = builder.initial_pose().q_world_body[i];
+  profile.read("attitude", config);
+  return config;
+}
 
 AttitudePart::AttitudePart(VehicleBuilder& builder)
     : group_(builder.group("control", 1000)),

@@ -56,40 +56,36 @@ ChosenMap::ChosenMap(const ChosenMapConfig& config, rt::Arena& arena)
     smooth_.emplace(config.segments, edge_m,
                     mapping::SmoothnessPolicy(config.most_angle_rad, config.most_curvature),
                     segmenter_memory(config, arena));
-    smooth_map_.emplace(grid_, &*normals_, *smooth_);
   } else if (kHasEuclidean && config.by == SegmentsBy::euclidean) {
     euclidean_.emplace(config.segments, edge_m, mapping::EuclideanPolicy{}, segmenter_memory(config, arena));
-    euclidean_map_.emplace(grid_, nullptr, *euclidean_);
   }
 }
 
 mapping::RollingInsert ChosenMap::insert(const rt::PointScan& scan, const mapping::RigidPose& pose,
                                          rt::Tick tick) {
-  const auto all = [&](auto& map) {
-    const mapping::RollingInsert result = map.insert(scan, pose, tick);
+  mapping::RollingInsert result;
+  const bool segments = with_segmenter(*this, [&](auto& segmenter) {
+    mapping::LocalMap map(grid_, normals_ ? &*normals_ : nullptr, segmenter);
+    result = map.insert(scan, pose, tick);
     // A scan that was refused changes nothing, and leaves the changes of the one before where they are.
-    if (result.points.used > 0 || result.points.evicted > 0) {
-      normals_backlog_ = map.update_normals().backlog;
-      current_ = done_ = false;
-    }
-    return result;
-  };
-  const mapping::RollingInsert result = kHasEuclidean && euclidean_map_ ? all(*euclidean_map_)
-                                        : kHasSmooth && smooth_map_     ? all(*smooth_map_)
-                                                                        : grid_.insert(scan, pose, tick, {});
+    if (result.points.used == 0 && result.points.evicted == 0) return;
+    normals_backlog_ = map.update_normals().backlog;
+    current_ = done_ = false;
+  });
+  if (!segments) result = grid_.insert(scan, pose, tick, {});
   if (result.points.used > 0 || result.points.evicted > 0) digest_changes();
   return result;
 }
 
 void ChosenMap::segment(rt::Tick tick) {
-  with_segmenter(*this, [&](auto& segmenter) {
+  const bool segments = with_segmenter(*this, [&](auto& segmenter) {
     const mapping::SegmenterStep step = segmenter.update(grid_, static_cast<std::uint32_t>(tick));
     backlog_ = step.backlog;
     current_ = step.current || segmenter.status() != Status::ok;
     done_ = step.done;
     digest_events();
   });
-  if (labelling() == nullptr) current_ = done_ = true;
+  if (!segments) current_ = done_ = true;
 }
 
 /// What the newest scan changed, in no order, goes onto the chain.
@@ -168,24 +164,24 @@ SegmentSummary ChosenMap::summary() const {
   return summary;
 }
 
-MapVoxel ChosenMap::voxel(mapping::BlockIndex index, unsigned cell) const {
+VoxelOnMap ChosenMap::voxel(mapping::BlockIndex index, unsigned cell) const {
   const mapping::Block& block = grid_.block(index);
-  MapVoxel voxel;
-  voxel.p_world_m = grid_.to_world(grid_.centroid_m(block, cell));
+  VoxelOnMap voxel;
+  rt::store(grid_.to_world(grid_.centroid_m(block, cell)), voxel.p_world_m);
   voxel.count = grid_.voxel(block, cell).count;
   with_segmenter(*this,
                  [&](const auto& segmenter) { voxel.segment = segmenter.segment_of(grid_, index, cell); });
   if (kHasSmooth && normals_) {
     const mapping::SurfaceNormal& n = grid_.normal(block, cell);
     const rt::Vector3 normal{n.normal[0] / 32767.0, n.normal[1] / 32767.0, n.normal[2] / 32767.0};
-    voxel.normal_world = rt::rotate(grid_.world_from_grid().q, normal);
+    rt::store(rt::rotate(grid_.world_from_grid().q, normal), voxel.normal_world);
   }
   return voxel;
 }
 
 void ChosenMap::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "map")
-      .fixed(config_, normals_, euclidean_map_, smooth_map_, fragment_capacity_)
+      .fixed(config_, normals_, fragment_capacity_)
       .by_hand(grid_, euclidean_, smooth_)
       .scratch(labellings_)
       .state(current_, done_, backlog_, normals_backlog_, events_unseen_, change_digest_);

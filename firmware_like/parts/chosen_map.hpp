@@ -4,9 +4,9 @@
 
 #include <optional>
 
+#include "firmware_like/runtime/vehicle.hpp"
 #include "mapping/grid/normals.hpp"
 #include "mapping/segments/local_map.hpp"
-#include "mapping/segments/segment_features.hpp"
 #include "rt/arena.hpp"
 #include "rt/built_parts.hpp"
 #include "rt/keys.hpp"
@@ -55,22 +55,13 @@ struct SegmentSummary {
   std::uint32_t voxels{};   ///< in them; of smoothness, the flat ones
   std::uint32_t largest{};  ///< voxels of the largest one
   std::uint32_t backlog{};  ///< blocks that wait to be looked at
-  bool current{
-      true};  ///< what is shown is the exact partition of the map as it is now; never with a full pool
+  bool current{true};       ///< what is shown is the map's exact partition now; never with a full pool
   std::uint64_t born{};
   std::uint64_t renamed{};
   std::uint64_t gone{};
   std::uint64_t cut{};     ///< of those that were born, the ones that were cut from another
   std::uint64_t digest{};  ///< sum over the segments' ids and sizes, in no order
   SORTIE_FIELDS(segments, voxels, largest, backlog, current, born, renamed, gone, cut, digest)
-};
-
-/// One voxel as a reader sees it.
-struct MapVoxel {
-  rt::Vector3 p_world_m;  ///< mean of its points
-  std::uint32_t count{};  ///< of points in that mean
-  mapping::SegmentId segment{};
-  rt::Vector3 normal_world;  ///< zero: none
 };
 
 /// Grid, normals where a policy needs them, segmenter. No heap after construction.
@@ -106,7 +97,7 @@ class ChosenMap {
   /// Events of labellings that nobody could see, because the next one was finished in the same call.
   std::uint64_t events_unseen() const { return events_unseen_; }
 
-  /// Calls `put(const MapVoxel&)` for every active voxel. Not for the real-time path.
+  /// Calls `put(const VoxelOnMap&)` for every active voxel. Not for the real-time path.
   template <class Put>
   void for_each_voxel(Put put) const {
     for (std::uint32_t i = 0; i < grid_.block_numbers(); ++i) {
@@ -125,16 +116,18 @@ class ChosenMap {
   // A build of one scene has one kind of segmenter at most.
   static constexpr bool kHasSmooth = rt::kBuilt<"normals">;
   static constexpr bool kHasEuclidean = rt::kBuilt<"segments"> && (*rt::kOnlyScene == '\0' || !kHasSmooth);
+  // False: there is no segmenter.
   template <class Self, class Use>
-  static void with_segmenter(Self& self, Use use) {
+  static bool with_segmenter(Self& self, Use use) {
     if constexpr (kHasEuclidean) {
-      if (self.euclidean_) use(*self.euclidean_);
+      if (self.euclidean_) return use(*self.euclidean_), true;
     }
     if constexpr (kHasSmooth) {
-      if (self.smooth_) use(*self.smooth_);
+      if (self.smooth_) return use(*self.smooth_), true;
     }
+    return false;
   }
-  MapVoxel voxel(mapping::BlockIndex block, unsigned cell) const;
+  VoxelOnMap voxel(mapping::BlockIndex block, unsigned cell) const;
   void digest_changes();
   void digest_events();
 
@@ -143,8 +136,6 @@ class ChosenMap {
   std::optional<mapping::Normals> normals_;
   std::optional<mapping::Segmenter<mapping::EuclideanPolicy>> euclidean_;
   std::optional<mapping::Segmenter<mapping::SmoothnessPolicy>> smooth_;
-  std::optional<mapping::LocalMap<mapping::EuclideanPolicy>> euclidean_map_;
-  std::optional<mapping::LocalMap<mapping::SmoothnessPolicy>> smooth_map_;
   std::uint64_t fragment_capacity_{};
   bool current_{true};
   bool done_{true};

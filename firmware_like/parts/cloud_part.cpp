@@ -3,9 +3,8 @@
 // is placed on it, or it on another robot's.
 #include <algorithm>
 
-#include "firmware_like/parts/cloud_access.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
-#include "firmware_like/parts/locate_access.hpp"
+#include "firmware_like/parts/part_access.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/pose_algebra.hpp"
 

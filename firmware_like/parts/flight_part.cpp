@@ -74,16 +74,11 @@ void FlightPart::put_pose(rt::PoseEstimate& pose) {
   if (located_) distance_m_ += rt::norm(p - last_m_);
   located_ = true;
   last_m_ = p;
-  const rt::Vector3 v =
-      rt::rotate_back(rt::to_quaternion(state.q_world_body), rt::to_vector(state.v_world_m_s));
-  pose.v_body_m_s[0] = v.x;
-  pose.v_body_m_s[1] = v.y;
-  pose.v_body_m_s[2] = v.z;
-  for (int i = 0; i < 3; ++i) {
-    pose.p_world_body_m[i] = state.p_world_m[i];
-    pose.w_body_rad_s[i] = state.w_body_rad_s[i];
-  }
-  for (int i = 0; i < 4; ++i) pose.q_world_body[i] = state.q_world_body[i];
+  const rt::Quaternion q = rt::to_quaternion(state.q_world_body);
+  rt::store(p, pose.p_world_body_m);
+  rt::store(q, pose.q_world_body);
+  rt::store(rt::rotate_back(q, rt::to_vector(state.v_world_m_s)), pose.v_body_m_s);
+  rt::store(rt::to_vector(state.w_body_rad_s), pose.w_body_rad_s);
   // The filter's order is position, velocity, attitude; its attitude errors are of the body.
   const estimators::ErrorCovariance& p_all = estimator_->covariance();
   for (std::size_t r = 0; r < 6; ++r) {
@@ -159,14 +154,12 @@ std::unique_ptr<planner::FlightMap> FlightPart::make_flight_map(VehicleBuilder& 
 
 void FlightPart::add_sensing(VehicleBuilder& builder, rt::GroupId group, const planner::FlightMapConfig& size,
                              double bubble_m) {
-  sensing_ = std::make_unique<UavSensing>(builder);
-  // All poses since the job before; at most five seconds of them.
-  rt::Input<rt::PoseEstimate>* poses = builder.input(group, pose_task_, 1000);
   const auto asked = [this] {
     const planner::UavPilotOutput* pilot = question_input_->latest();
     return pilot != nullptr && pilot->question.number != 0;
   };
-  sensing_->add_tasks(builder, group, poses, asked, size.radii_m + rt::Vector3{bubble_m, bubble_m, bubble_m});
+  sensing_ = std::make_unique<UavSensing>(builder, group, asked,
+                                          size.radii_m + rt::Vector3{bubble_m, bubble_m, bubble_m});
   if (sensing_->map().config().voxel_size_m != size.voxel_m)
     builder.profile().fail("occupancy.voxel_m",
                            "must be flight_map.voxel_m: voxels are taken from its cells");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What every multirotor has: IMU, fixes of its place and requests in; state, ways through the map, and
-// commands to its rotors out.
+// What every multirotor has: IMU, fixes and requests in; state, ways through the map, rotor commands out.
 #pragma once
 
 #include <memory>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the vehicle is on the cloud of another robot: searched by planes, cells and lines of sight, until
 // clouds that were gathered one after the other agree.
-#include "firmware_like/parts/cloud_access.hpp"
 #include "firmware_like/parts/join_output.hpp"
-#include "firmware_like/parts/kept_cloud.hpp"
+#include "firmware_like/parts/kept_maps.hpp"
 #include "firmware_like/parts/part.hpp"
+#include "firmware_like/parts/part_access.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/pose_algebra.hpp"
 

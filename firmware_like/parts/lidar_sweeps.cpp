@@ -4,42 +4,66 @@
 #include <algorithm>
 #include <tuple>
 
-#include "firmware_like/parts/ugv_map_config.hpp"
-
 namespace sortie::firmware {
+namespace {
+
+/// Body frame: x forward, y left, z up, origin on the ground between the tracks.
+mapping::SelfFilterConfig read_outline(Profile& profile) {
+  mapping::SelfFilterConfig c;
+  c.margin_m = profile.number("outline.margin_m",
+                              {c.margin_m, 0, 1, "m", "as far from the robot a return still is the robot"});
+  const char* meaning = "least x, y, z and most x, y, z of the body in its own frame; all 0: no such part";
+  for (const char* path : {"outline.body_m", "outline.tracks_m"}) {
+    const std::vector<double> b =
+        profile.numbers(path, std::vector<double>(6, 0.0), {0, -10, 10, "m", meaning});
+    meaning = "the same of all between and with the tracks";
+    if (std::all_of(b.begin(), b.end(), [](double value) { return value == 0.0; })) continue;
+    if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5])) profile.fail(path, "the most must be above the least");
+    mapping::BodyBox& box = c.boxes[c.box_count++];
+    box.centre_m = {0.5 * (b[0] + b[3]), 0.5 * (b[1] + b[4]), 0.5 * (b[2] + b[5])};
+    box.half_m = {0.5 * (b[3] - b[0]), 0.5 * (b[4] - b[1]), 0.5 * (b[5] - b[2])};
+  }
+  c.flippers.large_radius_m = 0.1;
+  c.flippers.small_radius_m = c.flippers.half_width_m = 0.03;
+  profile.read("outline", c.flippers);
+  if (c.flippers.length_m == 0.0) c.flippers = {};
+  if (mapping::SelfFilter(c).usable() != Status::ok)
+    profile.fail("outline.flipper_length_m", "one wheel of the flipper would hold the other");
+  return c;
+}
+
+}  // namespace
 
 LidarSweepsConfig read_sweeps(Profile& profile, double min_range_m, double max_range_m) {
-  ScanLimits limits;
-  profile.read("limits", limits);
-  LidarSweepsConfig sweeps{read_sweep_config(profile), limits.buffers, limits.points};
-  sweeps.sweep.min_range_m = min_range_m;
-  sweeps.sweep.max_range_m = max_range_m;
-  return sweeps;
+  LidarSweepsConfig config;
+  profile.read("limits", config.scans);
+  const SensorMount mount = read_lidar_mount(profile);
+  mapping::SweepConfig& sweep = config.sweep;
+  sweep.p_body_sensor_m = rt::to_vector(mount.place_m);
+  sweep.q_body_sensor = mount.q_body_sensor();
+  profile.read("map", sweep);
+  sweep.robot = read_outline(profile);
+  sweep.min_range_m = min_range_m;
+  sweep.max_range_m = max_range_m;
+  return config;
 }
 
 LidarSweeps::LidarSweeps(VehicleBuilder& builder, rt::GroupId group, const LidarSweepsConfig& config)
-    : poses_(poses_since_last_job(builder, group)),
-      points_(config.points),
-      min_m_(config.sweep.min_range_m),
-      max_m_(config.sweep.max_range_m) {
-  std::tie(lidar_.scans, port_) = builder.scans(group, "SCAN", config.buffers, config.points);
-  lidar_.p_body_m = config.sweep.p_body_sensor_m;
-  lidar_.q_body = config.sweep.q_body_sensor;
-  lidar_.time_offset_ns = config.sweep.time_offset_ns;
-  placed_.resize(lidar_.scans->batch());
-  builder.offer(lidar_);
+    : poses_(poses_since_last_job(builder, group)), config_(config.sweep), points_(config.scans.points) {
+  std::tie(scans_, port_) = builder.scans(group, "SCAN", config.scans.buffers, config.scans.points);
+  placed_.resize(scans_->batch());
   builder.offer(*this);
   if (poses_ == nullptr) return;
   flippers_ = builder.input(group, builder.find<rt::Task<planner::FlipperOutput>>(), 1);
   sweeps_ = std::make_unique<mapping::Sweeps>(
-      config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", config.points));
+      config.sweep, builder.arena().make_array<rt::ScanPoint>("straight scan", points_));
 }
 
 void LidarSweeps::share(VehicleBuilder& builder, double min_m, double max_m) {
   shared_min_m_ = min_m;
   shared_max_m_ = max_m;
   if (sweeps_ == nullptr) return;
-  static_cast<void>(set_ranges(min_m_, max_m_));  // both are ranges
+  static_cast<void>(set_ranges(config_.min_range_m, config_.max_range_m));  // both are ranges
   if (placed_.size() > 1)
     kept_ = builder.arena().make_array<rt::ScanPoint>("straight scans", (placed_.size() - 1) * points_);
 }
@@ -48,8 +72,8 @@ Status LidarSweeps::set_ranges(double min_m, double max_m) {
   if (sweeps_ == nullptr) return Status::ok;
   const Status status = sweeps_->set_ranges(std::min(min_m, shared_min_m_), std::max(max_m, shared_max_m_));
   if (status != Status::ok) return status;
-  min_m_ = min_m;
-  max_m_ = max_m;
+  config_.min_range_m = min_m;
+  config_.max_range_m = max_m;
   return status;
 }
 
@@ -81,7 +105,7 @@ void LidarSweeps::take_poses() {
 
 const PlacedScan& LidarSweeps::place(std::uint32_t index) {
   for (; count_ <= index; ++count_) {
-    const ScanStream::View view = (*lidar_.scans)[count_];
+    const ScanStream::View view = (*this)[count_];
     placed_[count_] = straighten({view.header, view.elements});
     const bool moved = placed_[count_].scan.points != view.elements;
     if (moved && !kept_.empty() && count_ + 1 < size()) keep(placed_[count_], count_);

@@ -1,32 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The vehicle's scans as its mapping tasks see them: each straightened and placed once, whoever
-// asks.
+// The vehicle's scans as its mapping tasks see them: each straightened and placed once.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <vector>
 
 #include "firmware_like/parts/part.hpp"
+#include "firmware_like/parts/sensor_mount.hpp"
 #include "mapping/grid/rolling_grid_config.hpp"
 #include "mapping/grid/sweep.hpp"
 #include "planner/flipper_postures.hpp"
 
 namespace sortie::firmware {
 
-/// The lidar's scans as the group `mapping` has them, and how it sits on the body.
-struct LidarScans {
-  ScanStream* scans{};
-  rt::Vector3 p_body_m;
-  rt::Quaternion q_body;
-  rt::Nanoseconds time_offset_ns{};  ///< added to the stamps of scans that carry no pose
-};
-
 /// What scans are, and the memory for them.
 struct LidarSweepsConfig {
   mapping::SweepConfig sweep;
-  std::uint32_t buffers{};
-  std::uint32_t points{};  ///< of one scan
+  ScanLimits scans;
 };
 
 /// Reads [lidar], [outline], [limits] and the keys of [map] that say how sweeps are straightened, for a part
@@ -47,13 +37,14 @@ struct PlacedScan {
 /// construction; deterministic.
 class LidarSweeps {
  public:
-  /// Opens the stream, offers LidarScans and this object. Throws ProfileError.
+  /// Opens the stream, offers this object. Throws ProfileError.
   LidarSweeps(VehicleBuilder& builder, rt::GroupId group, const LidarSweepsConfig& config);
 
   /// At the beginning of each task that reads scans: takes poses, once a job.
   void begin(const rt::JobContext& context);
   /// Scans of this job.
-  std::uint32_t size() const { return lidar_.scans->size(); }
+  std::uint32_t size() const { return scans_->size(); }
+  ScanStream::View operator[](std::uint32_t index) const { return (*scans_)[index]; }
   /// Scan `index` of this job, in rising order. Lives until the next one is asked for; of a shared one (see
   /// share()) until the job's end. Cost: as of Sweeps::straighten(), the first time in a job.
   const PlacedScan& place(std::uint32_t index);
@@ -65,7 +56,8 @@ class LidarSweeps {
   /// of Sweeps::set_ranges().
   Status set_ranges(double min_m, double max_m);
 
-  const LidarScans& lidar() const { return lidar_; }
+  /// How the lidar sits on the body, and its clock.
+  const mapping::SweepConfig& config() const { return config_; }
   ScanPort* port() const { return port_; }
   /// False: only scans that carry a pose can be placed.
   bool has_odometry() const { return sweeps_ != nullptr; }
@@ -82,14 +74,13 @@ class LidarSweeps {
 
   rt::Input<rt::PoseEstimate>* poses_{};  // null without odometry
   rt::Input<planner::FlipperOutput>* flippers_{};
-  LidarScans lidar_;
+  mapping::SweepConfig config_;  // its ranges are those of the first reader
+  ScanStream* scans_{};
   ScanPort* port_{};
   std::unique_ptr<mapping::Sweeps> sweeps_;  // null without odometry
   std::vector<PlacedScan> placed_;           // of this job, as many as a batch has
   std::span<rt::ScanPoint> kept_;            // points of all scans of a batch but its last; empty: not shared
   std::uint32_t points_;
-  double min_m_;  // of the first reader
-  double max_m_;
   double shared_min_m_{1e300};
   double shared_max_m_{};
   rt::Nanoseconds next_pose_ns_{};

@@ -3,9 +3,9 @@
 // by one transform and stays smooth.
 #include <algorithm>
 
-#include "firmware_like/parts/kept_surfels.hpp"
+#include "firmware_like/parts/kept_maps.hpp"
 #include "firmware_like/parts/lidar_sweeps.hpp"
-#include "firmware_like/parts/locate_access.hpp"
+#include "firmware_like/parts/part_access.hpp"
 #include "mapping/registration/kept_pose.hpp"
 #include "mapping/registration/locator.hpp"
 #include "mapping/registration/pose_algebra.hpp"
@@ -65,11 +65,13 @@ class LocatePart final : public Part {
     } else {
       sweeps_->share(builder, config.min_range_m, config.max_range_m);
     }
-    T_body_sensor_ = {sweeps_->lidar().p_body_m, sweeps_->lidar().q_body};
+    T_body_sensor_ = {sweeps_->config().p_body_sensor_m, sweeps_->config().q_body_sensor};
     const InitialPose& initial = builder.initial_pose();
     T_start_sensor_ = after({rt::to_vector(initial.p_world_body_m), rt::to_quaternion(initial.q_world_body)},
                             T_body_sensor_);
-    access_.memory = read_memory(builder.profile());
+    builder.profile().read("locate", access_.memory);
+    builder.profile().check_power_of_two("locate.window_cells", access_.memory.window_cells);
+    builder.profile().check_power_of_two("locate.window_cells_up", access_.memory.window_cells_up);
     locator_ = std::make_unique<mapping::Locator>(config, builder.arena(), access_.memory);
     load_kept_map(builder, *locator_);
     access_.locator = locator_.get();
@@ -98,14 +100,6 @@ class LocatePart final : public Part {
   }
 
  private:
-  static mapping::RegistrationMemory read_memory(Profile& profile) {
-    mapping::RegistrationMemory memory;
-    profile.read("locate", memory);
-    profile.check_power_of_two("locate.window_cells", memory.window_cells);
-    profile.check_power_of_two("locate.window_cells_up", memory.window_cells_up);
-    return memory;
-  }
-
   void add_task(VehicleBuilder& builder, rt::GroupId group) {
     task_ = builder.task<rt::LocatedPose>(group, "locate", TaskDefaults{50'000, rt::Criticality::b},
                                           [this](rt::JobContext& context, rt::LocatedPose& output) {
@@ -135,7 +129,7 @@ class LocatePart final : public Part {
   }
 
   void take(rt::JobContext& context, std::uint32_t index) {
-    rt::ScanHeader header = (*sweeps_->lidar().scans)[index].header;
+    rt::ScanHeader header = (*sweeps_)[index].header;
     const bool posed = (header.flags & rt::kScanPosed) != 0;
     const PlacedScan& placed = sweeps_->place(index);
     const bool known = placed.placed && (!posed || config_.scan_poses);
@@ -143,7 +137,7 @@ class LocatePart final : public Part {
       ++unplaced_;
       return;
     }
-    if (!posed) header.stamp_ns += sweeps_->lidar().time_offset_ns;
+    if (!posed) header.stamp_ns += sweeps_->config().time_offset_ns;
     rt::PointScan scan = placed.scan;
     scan.header.stamp_ns = header.stamp_ns;
     const mapping::OdometryHint hint = hint_of(placed, known);

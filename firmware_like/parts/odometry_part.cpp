@@ -4,9 +4,9 @@
 
 #include "drivers/can_frames.hpp"
 #include "drivers/ugv_motors.hpp"
+#include "estimators/turning_centre.hpp"
 #include "firmware_like/parts/odometry_state.hpp"
 #include "firmware_like/parts/own_frames.hpp"
-#include "firmware_like/parts/ugv_config.hpp"
 #include "firmware_like/runtime/live_keys.hpp"
 #include "rt/built_parts.hpp"
 
@@ -14,6 +14,28 @@ namespace sortie::firmware {
 
 rt::Stream<rt::FlipperSample>* flipper_states(VehicleBuilder& builder, rt::GroupId group) {
   return builder.stream<rt::FlipperSample>(group, "FLIPPER", 64, 16).first;
+}
+
+estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder) {
+  Profile& profile = builder.profile();
+  estimators::TrackOdometryConfig config;
+  for (int i = 0; i < 3; ++i) config.p_world_body_m[i] = builder.initial_pose().p_world_body_m[i];
+  profile.read("odometry", config);
+  config.scale_right = config.scale_left;
+  if (config.obstacles) {
+    // [body]: the outline from the side. The robot's place, which every pose means, is on the ground between
+    // the tracks; the estimator's own defaults, those of an Absolem-like vehicle, begin between the axles.
+    constexpr double kRun_m = -0.07192;
+    estimators::TrackProfile& body = config.obstacle.modes.profile;
+    for (double* height_m : {&body.axle_m, &body.com_z_m, &body.pivot_z_m}) *height_m -= kRun_m;
+    profile.read("body", body);
+    config.icr_x_m = estimators::turning_centre_x_m(body);
+  }
+  config.icr_x_m = profile.number("odometry.icr_x_m",
+                                  {config.icr_x_m, -10, 10, "m",
+                                   "turning centre ahead of the place that poses mean; where a body is "
+                                   "described it follows from that"});
+  return config;
 }
 
 OdometryPart::OdometryPart(VehicleBuilder& builder)

@@ -8,6 +8,9 @@
 
 namespace sortie::firmware {
 
+/// Reader of [odometry] and [body]. Throws ProfileError.
+estimators::TrackOdometryConfig read_odometry_config(VehicleBuilder& builder);
+
 /// Group `control`, behind the attitude: tasks `odometry` and, where it is asked for, `odometry_state`. Gives
 /// the attitude the tracks' velocity of the job before.
 class OdometryPart final : public Part {

@@ -20,8 +20,7 @@ enum OdometryHealth : std::uint32_t {
   kOdometryAidRefused = 128u,     ///< tracks and accelerometer disagree about the acceleration
   kOdometrySlip = 256u,           ///< tracks and gyro disagree about the turn
   kOdometryAirborne = 512u,       ///< nothing carries the robot
-  kOdometryTurnsUnknown =
-      1024u,  ///< the tracks claim so much more turn than the gyro that they are no measure
+  kOdometryTurnsUnknown = 1024u,  ///< the tracks claim too much more turn than the gyro to be a measure
 };
 
 /// State of the odometry. On the wire it is a fields_t on SORTIE_FIELDS_odometry_state.

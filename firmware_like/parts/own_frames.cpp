@@ -4,33 +4,22 @@
 #include "drivers/can_frames.hpp"
 
 namespace sortie::firmware {
-namespace {
 
-void add(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanoseconds period_ns, int queue) {
+void add_own_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanoseconds period_ns,
+                    int queue) {
   std::vector<drivers::CanStream> frames;
   for (const std::uint32_t id : ids) {
     const drivers::CanMessage* const message = drivers::find_can_frame(id);
-    drivers::CanStream frame;
-    frame.name = message->name;
-    frame.id = id;
-    frame.size = message->size;
-    frame.period_ns = period_ns;
-    frame.queue = queue;
-    frames.push_back(std::move(frame));
+    frames.push_back(
+        {.name = message->name, .id = id, .size = message->size, .period_ns = period_ns, .queue = queue});
   }
   builder.bus_frames(std::move(frames));
-}
-
-}  // namespace
-
-void add_own_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanoseconds period_ns) {
-  add(builder, ids, period_ns, 0);
 }
 
 void add_device_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, const char* key,
                        double usual_hz, const char* device) {
   const double hz = builder.profile().number(key, {usual_hz, 0.1, 10'000, "Hz", device});
-  add(builder, ids, static_cast<rt::Nanoseconds>(1e9 / hz), -1);
+  add_own_frames(builder, ids, static_cast<rt::Nanoseconds>(1e9 / hz), -1);
 }
 
 }  // namespace sortie::firmware

@@ -9,8 +9,9 @@
 
 namespace sortie::firmware {
 
-/// Frames that the runtime sends, through one interface.
-void add_own_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanoseconds period_ns);
+/// Frames that are sent together. `queue`: as of CanStream; 0: by the runtime, through one interface.
+void add_own_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, rt::Nanoseconds period_ns,
+                    int queue = 0);
 
 /// Frames of a device that sends them together; how often is `key` of the profile, in Hz.
 void add_device_frames(VehicleBuilder& builder, std::span<const std::uint32_t> ids, const char* key,

@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "firmware_like/runtime/unit_trial.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
 #include "firmware_like/scene/part_list.hpp"
 
@@ -30,8 +29,6 @@ class Part : public Vehicle {
   virtual bool take_frame(const drivers::CanFrame& /*frame*/, rt::Nanoseconds /*now_ns*/) { return false; }
   /// I/O thread: a sample of the robot's own frames, which goes into the stream of its kind.
   virtual void heard(const drivers::CanSample& /*sample*/, rt::Nanoseconds /*now_ns*/) {}
-  /// As of UnitTryer.
-  virtual UnitTrial try_units() const { return {}; }
 };
 
 /// What the frames of the bus do not say of the IMU's samples: rt::ImuFlags that every one of them has.
@@ -39,8 +36,8 @@ struct ImuKind {
   std::uint32_t flags{};
 };
 
-/// All poses of the robot that became visible since the group's job before, at most a second of the usual
-/// 1000 Hz; null without any. The robot's pose is the rt::Task<rt::PoseEstimate> that a part offers.
+/// All poses of the robot that became visible since the group's job before, at most 1000, a second of the
+/// ground robot's; null without any. The robot's pose is the rt::Task<rt::PoseEstimate> that a part offers.
 inline rt::Input<rt::PoseEstimate>* poses_since_last_job(VehicleBuilder& builder, rt::GroupId group) {
   return builder.input(group, builder.find<rt::Task<rt::PoseEstimate>>(), 1000);
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a robot is on a kept map that knows nothing of it: searched while it is unplaced, a little a job.
-#include <algorithm>
 #include <string>
 
-#include "firmware_like/parts/locate_access.hpp"
 #include "firmware_like/parts/part.hpp"
+#include "firmware_like/parts/part_access.hpp"
 #include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "firmware_like/scene/input_error.hpp"
@@ -104,9 +103,8 @@ class RelocatePart final : public Part {
 
  private:
   static constexpr std::uint32_t kPatience = 5;  ///< scans that may fail to confirm a place
-  static constexpr double kLeastMove =
-      0.1;  ///< m and rad: what the locator is told at least that a place may be off
-  static constexpr double kLeastTurn = 0.03;
+  static constexpr double kLeastMove = 0.1;      ///< m: what the locator is told at least that a place is off
+  static constexpr double kLeastTurn = 0.03;     ///< rad
 
   void work(rt::JobContext& context) {
     mapping::Locator& locator = *access_->locator;

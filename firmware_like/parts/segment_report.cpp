@@ -70,9 +70,7 @@ void SegmentReport::add_features(const ChosenMap& map) {
   const mapping::BlockAt& anchor = grid.centre();
   const rt::Vector3 origin =
       grid.to_world(4.0 * edge_m * rt::Vector3{1.0 * anchor.x, 1.0 * anchor.y, 1.0 * anchor.z});
-  list_.origin_m[0] = origin.x;
-  list_.origin_m[1] = origin.y;
-  list_.origin_m[2] = origin.z;
+  rt::store(origin, list_.origin_m);
   const rt::RotationMatrix turn = to_matrix(grid.world_from_grid().q);
   for (std::uint32_t i = 0; i < list_.listed; ++i) {
     rt::ListedSegment& segment = list_.segment[i];

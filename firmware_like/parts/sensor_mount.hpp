@@ -15,6 +15,10 @@ struct SensorMount {
   const char* place = "";  ///< meaning of the keys
   const char* turn = "";
 
+  rt::Quaternion q_body_sensor() const {
+    return rt::from_yaw_pitch_roll(yaw_pitch_roll_rad[0], yaw_pitch_roll_rad[1], yaw_pitch_roll_rad[2]);
+  }
+
   SORTIE_KEYS(c, key) {
     key("x_m", c.place_m[0], {-10, 10, "m", c.place});
     key("y_m", c.place_m[1], {-10, 10, "m", c.place});
@@ -38,10 +42,18 @@ struct ScanLimits {
 
 /// Reads x_m, y_m, z_m, yaw_deg, pitch_deg and roll_deg of a table such as "lidar"; `place` and `turn` say in
 /// the list of keys what they are. Throws ProfileError.
-SensorMount read_mount(Profile& profile, const std::string& table, double usual_x_m, const char* place,
-                       const char* turn);
+inline SensorMount read_mount(Profile& profile, const std::string& table, double usual_x_m, const char* place,
+                              const char* turn) {
+  SensorMount mount{.place = place, .turn = turn};
+  mount.place_m[0] = usual_x_m;
+  profile.read(table, mount);
+  return mount;
+}
 
 /// Where the lidar sits on the body: [lidar]. Throws ProfileError.
-SensorMount read_lidar_mount(Profile& profile);
+inline SensorMount read_lidar_mount(Profile& profile) {
+  return read_mount(profile, "lidar", 0.05, "place of the lidar on the body",
+                    "turn of the lidar on the body");
+}
 
 }  // namespace sortie::firmware

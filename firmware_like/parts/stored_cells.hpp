@@ -2,7 +2,6 @@
 // A map of cells as text, short enough for a profile: what one robot has found out goes to another one.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>

@@ -32,8 +32,7 @@ struct GuideConfig {
   }
 };
 
-/// Readers of [airframe] with [flight], [state], [mission], and [flight_map] with [limits]. Throw
-/// ProfileError.
+/// Readers of [airframe] and [flight], [state], [mission], [flight_map] and [limits]. Throw ProfileError.
 planner::UavPilotConfig read_pilot_config(VehicleBuilder& builder);
 estimators::UavEstimatorConfig read_uav_estimator_config(VehicleBuilder& builder);
 std::vector<planner::UavGoal> read_uav_mission(VehicleBuilder& builder);

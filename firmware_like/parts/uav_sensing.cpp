@@ -16,24 +16,21 @@ constexpr double kBubbleChance = 0.01;
 
 }  // namespace
 
-UavSensing::UavSensing(VehicleBuilder& builder) : settings_(read_occupancy_settings(builder.profile())) {
-  Profile& profile = builder.profile();
-  profile.read("limits", scan_limits_);
-  const SensorMount mount = read_lidar_mount(profile);
+UavSensing::UavSensing(VehicleBuilder& builder, rt::GroupId group, std::function<bool()> asked,
+                       const rt::Vector3& bubble_m)
+    : settings_(read_occupancy_settings(builder.profile())), bubble_m_(bubble_m) {
+  ScanLimits limits;
+  builder.profile().read("limits", limits);
+  const SensorMount mount = read_lidar_mount(builder.profile());
   p_body_lidar_ = rt::to_vector(mount.place_m);
-  q_body_lidar_ = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                          mount.yaw_pitch_roll_rad[2]);
-}
-
-void UavSensing::add_tasks(VehicleBuilder& builder, rt::GroupId group, rt::Input<rt::PoseEstimate>* poses,
-                           std::function<bool()> asked, const rt::Vector3& bubble_m) {
-  bubble_m_ = bubble_m;
+  q_body_lidar_ = mount.q_body_sensor();
+  rt::Input<rt::PoseEstimate>* const poses = poses_since_last_job(builder, group);
   map_ = std::make_unique<mapping::OccupancyMap>(
       settings_.map,
       builder.arena().make_array<std::int8_t>(
           "occupancy", static_cast<std::size_t>(mapping::OccupancyMap::memory_bytes(settings_.map))));
   history_ = std::make_unique<mapping::PoseHistory>();
-  std::tie(scans_, port_) = builder.scans(group, "SCAN", scan_limits_.buffers, scan_limits_.points);
+  std::tie(scans_, port_) = builder.scans(group, "SCAN", limits.buffers, limits.points);
   const rt::TaskBase* task = builder.task<mapping::OccupancyOutput>(
       group, "occupancy", TaskDefaults{15'000, rt::Criticality::b},
       [this, poses, asked = std::move(asked)](rt::JobContext& context, mapping::OccupancyOutput& output) {

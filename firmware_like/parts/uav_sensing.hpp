@@ -5,23 +5,21 @@
 #include <functional>
 #include <memory>
 
+#include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
-#include "firmware_like/runtime/vehicle.hpp"
 #include "mapping/grid/pose_history.hpp"
 
 namespace sortie::firmware {
 
 /// Task `occupancy`: scans are entered into a window that moves with the vehicle, each point from where the
-/// lidar was when it was fired, by estimated poses. Readers of the map are in the same group, which has one
-/// thread.
+/// lidar was when it was fired, by estimated poses. Readers of the map are in the same group.
 class UavSensing {
  public:
-  /// Reads [occupancy], [lidar] and the pools of scans. Throws ProfileError.
-  explicit UavSensing(VehicleBuilder& builder);
-  /// Declares stream and task. `poses` is an input of the same group. Until `asked` says that there was a
-  /// question for a way, unknown cells within an ellipsoid of `bubble_m` around the vehicle count as free.
-  void add_tasks(VehicleBuilder& builder, rt::GroupId group, rt::Input<rt::PoseEstimate>* poses,
-                 std::function<bool()> asked, const rt::Vector3& bubble_m);
+  /// Reads [occupancy], [lidar] and the pools of scans, declares stream and task. Until `asked` says that
+  /// there was a question for a way, unknown cells within an ellipsoid of `bubble_m` around the vehicle count
+  /// as free. Throws ProfileError.
+  UavSensing(VehicleBuilder& builder, rt::GroupId group, std::function<bool()> asked,
+             const rt::Vector3& bubble_m);
 
   drivers::ScanSink* scan_sink() { return port_; }
   const mapping::OccupancyMap& map() const { return *map_; }
@@ -32,7 +30,6 @@ class UavSensing {
   void enter(const rt::PointScan& scan);
 
   OccupancySettings settings_;
-  ScanLimits scan_limits_;
   rt::Vector3 p_body_lidar_;
   rt::Quaternion q_body_lidar_;
   rt::Vector3 bubble_m_;

@@ -34,6 +34,23 @@ void add_state(VehicleBuilder& builder, const std::string& prefix, const drivers
 
 }  // namespace
 
+MotorsConfig read_motors(Profile& profile, bool flippers) {
+  const std::string protocol =
+      profile.text("drives.protocol", "own", "what the drives speak", {"own", "canopen", "odrive"});
+  MotorsConfig config;
+  if (protocol == "own") return config;
+  const auto read = [&](auto& drives) {
+    drives.flippers = flippers;
+    profile.read("drives", drives);
+  };
+  if (protocol == "canopen") {
+    read(config.canopen.emplace());
+  } else {
+    read(config.odrive.emplace());
+  }
+  return config;
+}
+
 std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
                                                  const drivers::canopen::UgvNodesConfig& config) {
   auto drives = std::make_unique<drivers::canopen::UgvNodes>(config);

@@ -25,8 +25,7 @@ UgvSsl::UgvSsl(VehicleBuilder& builder)
       map_settings_(read_occupancy_settings(builder.profile(), settings_)) {
   const SensorMount mount = read_ssl_mount(builder.profile());
   p_body_ssl_ = rt::to_vector(mount.place_m);
-  q_body_ssl_ = rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                        mount.yaw_pitch_roll_rad[2]);
+  q_body_ssl_ = mount.q_body_sensor();
   if (schedules()) add_occupancy(builder);
   add_task(builder);
 }
@@ -57,7 +56,7 @@ void UgvSsl::add_task(VehicleBuilder& builder) {
 }
 
 void UgvSsl::add_occupancy(VehicleBuilder& builder) {
-  lidar_ = builder.find<LidarScans>();
+  lidar_ = builder.find<LidarSweeps>();
   poses_ = poses_since_last_job(builder, group_);
   if (poses_ == nullptr)
     builder.profile().fail("ssl.policy", "\"scheduled\" needs poses: tasks.attitude and tasks.odometry");
@@ -72,8 +71,8 @@ void UgvSsl::add_occupancy(VehicleBuilder& builder) {
         take_poses();
         // A place that is none leaves the window where it is; rays from outside are counted.
         if (newest_.stamp_ns != 0) static_cast<void>(map_->centre_on(rt::to_vector(newest_.p_world_body_m)));
-        for (std::uint32_t i = 0; lidar_ != nullptr && i < lidar_->scans->size(); ++i) {
-          const ScanStream::View view = (*lidar_->scans)[i];
+        for (std::uint32_t i = 0; lidar_ != nullptr && i < lidar_->size(); ++i) {
+          const ScanStream::View view = (*lidar_)[i];
           context.add_units(view.header.points / map_settings_.scan_stride);
           enter_scan({view.header, view.elements});
         }
@@ -111,8 +110,7 @@ UnitTrial UgvSsl::try_units() const {
 }
 
 void UgvSsl::take_poses() {
-  // Refusals are poses without news: the odometry puts out at every release, with the stamp of its last
-  // sample.
+  // Refusals are poses without news: the odometry repeats its last stamp until the next sample.
   for (const rt::PoseEstimate& pose : *poses_) {
     if (history_->add({pose.stamp_ns, rt::to_vector(pose.p_world_body_m),
                        rt::to_quaternion(pose.q_world_body)}) == Status::ok)
@@ -125,12 +123,13 @@ void UgvSsl::enter_scan(const rt::PointScan& scan) {
                              rt::to_quaternion(scan.header.q_world_sensor)};
   if ((scan.header.flags & rt::kScanPosed) == 0) {
     mapping::StampedPose body;
-    const rt::Nanoseconds at = scan.header.stamp_ns + lidar_->time_offset_ns;
+    const rt::Nanoseconds at = scan.header.stamp_ns + lidar_->config().time_offset_ns;
     if (history_->at(at, map_settings_.max_pose_age_ns, body) != Status::ok) {
       ++scans_unplaced_;
       return;
     }
-    sensor = planner::mounted({body.p, body.q}, lidar_->p_body_m, lidar_->q_body);
+    sensor =
+        planner::mounted({body.p, body.q}, lidar_->config().p_body_sensor_m, lidar_->config().q_body_sensor);
   }
   // What is refused stands in the map's output.
   static_cast<void>(map_->update(scan, sensor, map_settings_.scan_stride));

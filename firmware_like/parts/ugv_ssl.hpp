@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ground robot's solid-state lidar: a map of what is known, the rays that are asked for, and what comes
-// back.
+// The ground robot's solid-state lidar: a map of what is known, rays that are asked for, what comes back.
 #pragma once
 
 #include <memory>
@@ -43,8 +42,7 @@ struct SslOutput {
 
 /// Tasks of the group `mapping`. `occupancy`, only where rays are scheduled: moves the map's window with the
 /// robot and enters the lidar's scans. `ssl`, an anytime task: enters what came back, plans over the map, and
-/// asks for the next rays, which leave at the job's deadline. Both share the map, and one group has one
-/// thread.
+/// asks for the next rays, which leave at the job's deadline. Both share the map, on one thread.
 class UgvSsl final : public Part {
  public:
   explicit UgvSsl(VehicleBuilder& builder);
@@ -76,7 +74,7 @@ class UgvSsl final : public Part {
   rt::GroupId group_;
   SslSettings settings_;
   OccupancySettings map_settings_;
-  const LidarScans* lidar_{};             // null without one
+  const LidarSweeps* lidar_{};            // null without one
   rt::Input<rt::PoseEstimate>* poses_{};  // only where rays are scheduled
   rt::Vector3 p_body_ssl_;
   rt::Quaternion q_body_ssl_;

@@ -5,11 +5,6 @@
 
 namespace sortie::firmware {
 
-SensorMount read_ssl_mount(Profile& profile) {
-  return read_mount(profile, "ssl", 0.2, "place of the solid-state lidar on the body",
-                    "turn of the solid-state lidar on the body");
-}
-
 SslSettings read_ssl_settings(Profile& profile) {
   SslSettings settings;
   settings.units = 2'000'000;

@@ -10,7 +10,10 @@
 namespace sortie::firmware {
 
 /// Where the solid-state lidar sits on the body: [ssl].
-SensorMount read_ssl_mount(Profile& profile);
+inline SensorMount read_ssl_mount(Profile& profile) {
+  return read_mount(profile, "ssl", 0.2, "place of the solid-state lidar on the body",
+                    "turn of the solid-state lidar on the body");
+}
 
 /// What task `ssl` is built with.
 struct SslSettings {

@@ -9,32 +9,20 @@ namespace sortie::firmware {
 
 namespace {
 
-std::unique_ptr<Vehicle> make(VehicleBuilder& builder, Robot::Maker core) {
-  refuse_unbuilt_parts(builder.profile());
-  return std::make_unique<Robot>(builder, core);
-}
-
-[[maybe_unused]] std::unique_ptr<Vehicle> refuse(VehicleBuilder& builder) {
+// A vehicle that is not in this build is known by its name, so that its scenes and logs get the cure.
+template <rt::PartName vehicle, Robot::Maker core>
+std::unique_ptr<Vehicle> make(VehicleBuilder& builder) {
   const Profile& profile = builder.profile();
-  profile.fail("scene.vehicle", not_in_this_build("vehicle " + profile.vehicle(), profile.name()));
+  if constexpr (rt::kBuilt<vehicle>) {
+    refuse_unbuilt_parts(profile);
+    return std::make_unique<Robot>(builder, core);
+  } else {
+    profile.fail("scene.vehicle", not_in_this_build("vehicle " + profile.vehicle(), profile.name()));
+  }
 }
 
 }  // namespace
 
-VehicleRegistry own_vehicles() {
-  VehicleRegistry vehicles;
-  // A vehicle that is not in this build is known by its name, so that its scenes and logs get the cure.
-  if constexpr (rt::kBuilt<"ugv">) {
-    vehicles.emplace_back("ugv", [](VehicleBuilder& builder) { return make(builder, nullptr); });
-  } else {
-    vehicles.emplace_back("ugv", refuse);
-  }
-  if constexpr (rt::kBuilt<"uav">) {
-    vehicles.emplace_back("uav", [](VehicleBuilder& builder) { return make(builder, make_flight); });
-  } else {
-    vehicles.emplace_back("uav", refuse);
-  }
-  return vehicles;
-}
+VehicleRegistry own_vehicles() { return {{"ugv", make<"ugv", nullptr>}, {"uav", make<"uav", make_flight>}}; }
 
 }  // namespace sortie::firmware

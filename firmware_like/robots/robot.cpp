@@ -88,10 +88,6 @@ void Robot::push(drivers::CanSample& sample, rt::Nanoseconds now_ns) {
   }
 }
 
-void Robot::open_devices() {
-  for (const std::unique_ptr<Part>& part : parts_) part->open_devices();
-}
-
 void Robot::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   if (devices.can != nullptr) {
     if (devices.device_epoch_ns != device_epoch_ns_) {  // at the first call
@@ -104,63 +100,6 @@ void Robot::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
       take_frame(frame, now_ns);
   }
   for (const std::unique_ptr<Part>& part : parts_) part->poll_devices(devices, now_ns);
-}
-
-std::optional<MotorsNews> Robot::motors_news() const {
-  return first([](const Part& part) { return part.motors_news(); });
-}
-
-RequestEntry<rt::DriveRequest> Robot::drive_requests() {
-  for (const std::unique_ptr<Part>& part : parts_) {
-    if (const auto entry = part->drive_requests(); entry.port != nullptr) return entry;
-  }
-  return {};
-}
-
-RequestEntry<rt::FlyRequest> Robot::fly_requests() {
-  for (const std::unique_ptr<Part>& part : parts_) {
-    if (const auto entry = part->fly_requests(); entry.port != nullptr) return entry;
-  }
-  return {};
-}
-
-drivers::ScanSink* Robot::scan_sink() {
-  return first([](Part& part) { return part.scan_sink(); });
-}
-
-const rt::Task<rt::PoseEstimate>* Robot::pose_task() const {
-  return first([](const Part& part) { return part.pose_task(); });
-}
-
-const rt::Task<rt::AttitudeEstimate>* Robot::attitude_task() const {
-  return first([](const Part& part) { return part.attitude_task(); });
-}
-
-const rt::Task<rt::LocatedPose>* Robot::located_task() const {
-  return first([](const Part& part) { return part.located_task(); });
-}
-
-void Robot::for_each_voxel(const std::function<void(const VoxelOnMap&)>& put) const {
-  for (const std::unique_ptr<Part>& part : parts_) part->for_each_voxel(put);
-}
-
-std::optional<mapping::OccupancyView> Robot::occupancy() const {
-  return first([](const Part& part) { return part.occupancy(); });
-}
-
-const mapping::ScanRegistration* Robot::surfels() const {
-  return first([](const Part& part) { return part.surfels(); });
-}
-
-const mapping::SensedCloud* Robot::cloud() const {
-  return first([](const Part& part) { return part.cloud(); });
-}
-
-UnitTrial Robot::try_units() const {
-  for (const std::unique_ptr<Part>& part : parts_) {
-    if (UnitTrial trial = part->try_units(); !trial.task.empty()) return trial;
-  }
-  return {};
 }
 
 }  // namespace sortie::firmware

@@ -19,8 +19,7 @@ class BasicArrivals {
  public:
   explicit BasicArrivals(std::uint32_t capacity) : times_(capacity) {}
 
-  /// Producer: sample number `sequence` arrived at `received_ns`. Numbers rise by one; the newest may be
-  /// noted again.
+  /// Producer: sample `sequence` arrived at `received_ns`. Numbers rise by one; the newest may come again.
   void note(std::uint64_t sequence, rt::Nanoseconds received_ns) {
     if (end_.load(std::memory_order_relaxed) == 0) first_.store(sequence, std::memory_order_relaxed);
     // Whoever sees the new time also sees that the number before it was the newest: the old one is gone then.

@@ -8,15 +8,12 @@
 #include <stdexcept>
 
 #include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
 namespace {
 
-std::string percent_of(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f %%", 100.0 * share);
-  return text;
-}
+std::string percent_of(double share) { return format_fixed(100.0 * share, 1) + " %"; }
 
 std::vector<std::size_t> by_urgency(const BusCheck& bus) {
   std::vector<std::size_t> order(bus.frames.size());

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Chains that a vehicle or a profile declares: found in the table, bounded, and held to what the profile
-// allows.
+// Chains that a vehicle or a profile declares: found in the table, bounded, held to what is allowed.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 

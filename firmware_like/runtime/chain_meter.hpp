@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measures one chain from the records of a run's jobs: which samples an output knows of, and when it became
-// visible.
+// Measures one chain from the records of jobs: which samples an output knows of, and when it became visible.
 #pragma once
 
 #include <deque>

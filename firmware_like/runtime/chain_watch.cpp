@@ -91,7 +91,7 @@ std::vector<ChainNews> ChainWatch::take_news(rt::Nanoseconds now_ns) {
     const std::uint64_t count = over(i);
     if (count == told_[i].count || (told_[i].count != 0 && now_ns - told_[i].at_ns < kApart)) continue;
     told_[i] = {count, now_ns};
-    news.push_back({runtime_.chains()[i].spec.name, excess(i), count});
+    news.push_back({runtime_.chains()[i].spec.name, excess(i)});
   }
   return news;
 }

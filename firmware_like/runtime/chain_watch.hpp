@@ -15,8 +15,7 @@ namespace sortie::firmware {
 /// A chain that was measured above what its profile allows.
 struct ChainNews {
   std::string chain;
-  std::string text;       ///< what was measured, what is allowed, how often so far
-  std::uint64_t count{};  ///< so far
+  std::string text;  ///< what was measured, what is allowed, how often so far
 };
 
 /// One meter a chain. Fed with every job's record, off the real-time path, by one thread at a time.

@@ -25,8 +25,7 @@ using VehicleFactory = std::function<std::unique_ptr<Vehicle>(VehicleBuilder&)>;
 /// Vehicles by the name that [scene] vehicle gives.
 using VehicleRegistry = std::vector<std::pair<std::string, VehicleFactory>>;
 
-/// Makes the simulated robot of a profile, or null if the profile has none. `scans`: where its lidar
-/// delivers.
+/// Makes the simulated robot of a profile, or null if it has none. `scans`: where its lidar delivers.
 using SimulatorFactory = std::function<std::unique_ptr<SimulatedRobot>(Profile&, drivers::ScanSink* scans)>;
 
 }  // namespace sortie::firmware

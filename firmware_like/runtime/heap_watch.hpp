@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The link between a run and the heap trap. The trap replaces malloc for a whole program, so only the program
-// knows it; the library asks here.
+// The heap trap replaces malloc for a whole program, so only a program knows of it; the library asks here.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +8,7 @@
 
 namespace sortie::firmware {
 
-/// What a program that links a heap trap tells the library. Both may be null: then heap calls are not
-/// counted.
+/// What a program that links a heap trap tells the library. Both null: heap calls are not counted.
 struct HeapWatch {
   void (*arm)(bool on){};      ///< for the calling thread
   std::uint64_t (*calls)(){};  ///< heap calls of armed threads since the program started

@@ -111,7 +111,7 @@ class InputPort final : public InputPortBase {
                                                             : ":u";
       fields_ += std::to_string(8 * sizeof(scalar));
     });
-    message_.resize(128 + fields_.size() + channel_bytes() + rt::canonical_size<T>());
+    message_.resize(128 + fields_.size() + drivers::kMaxChannelLength + 1 + rt::canonical_size<T>());
   }
 
   /// Admits one sample received at `received_ns` of the run's clock. Status: ok; full, or what encode() says
@@ -147,8 +147,6 @@ class InputPort final : public InputPortBase {
     }
     return stream_.push(sample);
   }
-
-  static constexpr std::size_t channel_bytes() { return drivers::kMaxChannelLength + 1; }
 
   Status encode(const T& sample, std::size_t& size) {
     if constexpr (HasWireType<T>) {

@@ -14,15 +14,13 @@ namespace sortie::firmware {
 namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{512} << 20;
+constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
 
 // It goes into a line of TOML.
 std::string plain_name(const std::string& path) {
   std::string name = std::filesystem::path(path).filename().string();
-  for (char& c : name) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                       c == '.' || c == '_' || c == '-';
-    if (!plain) c = '_';
-  }
+  for (char& c : name)
+    if (kPlain.find(c) == std::string_view::npos) c = '_';
   return name;
 }
 

@@ -16,8 +16,7 @@ struct KeptMap {
   std::string table;   ///< of the profile, whose part reads such a map: "locate", or "join" for a cloud
   std::vector<std::uint8_t> bytes;
 
-  /// `more`, and what a profile says of a run with this map: its name and digest, so that the log's header
-  /// has both.
+  /// `more`, and this map's name and digest as a profile has them, so that they stand in the log's header.
   std::vector<std::string> overrides(std::vector<std::string> more) const;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reports on their way out: what only shows something, and moves nothing. Commands go through
-// rt/command_outlet.hpp.
+// Reports on their way out, which move nothing. Commands go through rt/command_outlet.hpp.
 #pragma once
 
 #include <atomic>

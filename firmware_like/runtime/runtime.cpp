@@ -4,7 +4,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 #include <algorithm>
+#include <cmath>
 #include <new>
+#include <sstream>
 
 #include "firmware_like/runtime/kept_map.hpp"
 #include "rt/math.hpp"
@@ -26,24 +28,29 @@ std::byte* map_memory(std::size_t bytes) {
 }
 
 InitialPose read_initial(Profile& profile, const RuntimeStart& start) {
-  InitialPose pose = start.initial;
-  const double x =
-      profile.number("initial.x_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
-  const double y =
-      profile.number("initial.y_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
-  const double z =
-      profile.number("initial.z_m", {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
+  InitialPose pose;
+  const char* const axes[] = {"initial.x_m", "initial.y_m", "initial.z_m"};
+  for (int i = 0; i < 3; ++i)
+    pose.p_world_body_m[i] =
+        profile.number(axes[i], {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
   const double yaw =
       profile.number("initial.yaw_deg", {0, -360, 360, "deg", "start heading, if no log gives one"});
-  if (!start.has_initial) {
-    pose.p_world_body_m[0] = x;
-    pose.p_world_body_m[1] = y;
-    pose.p_world_body_m[2] = z;
-    const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
-    pose.q_world_body[0] = half.cos;
-    pose.q_world_body[3] = half.sin;
-  }
-  return pose;
+  const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
+  pose.q_world_body[0] = half.cos;
+  pose.q_world_body[3] = half.sin;
+  return start.has_initial ? start.initial : pose;
+}
+
+// Times and threads of the run itself (start, length) are the caller's.
+rt::posix::LiveOptions read_live_settings(Profile& profile) {
+  rt::posix::LiveOptions live;
+  live.stuck_limit_ns = rt::kNanosecondsPerSecond;
+  profile.read("live", live);
+  if (live.margin.least_ns > live.margin.most_ns)
+    profile.fail("live.margin_least_us", "must not be above live.margin_most_us");
+  if (live.ladder.return_load >= live.ladder.most_load)
+    profile.fail("ladder.return_load", "must be below ladder.most_load, or the ladder would swing");
+  return live;
 }
 
 }  // namespace
@@ -94,7 +101,8 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start) 
   const auto tick_us = profile_.integer("time.base_tick_us", {1000, 50, 1e6, "us", "length of a tick"});
   const InitialPose initial = read_initial(profile_, start);
   live_settings_ = read_live_settings(profile_);
-  outlets_ = read_run_outlets(profile_);
+  outlets_ = {};
+  profile_.read("live", outlets_);
   arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(mapping_, mapped_bytes_));
   executive_ =
       std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);
@@ -158,112 +166,72 @@ std::string Runtime::task_table() const {
   return table;
 }
 
-namespace {
-
-GroupResult group_result(const rt::Executive& executive, const rt::Group& group) {
-  const double tick_us = static_cast<double>(executive.base_tick_ns()) * 1e-3;
-  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
-  GroupResult result;
-  result.name = group.spec.name;
-  result.period_us = group.timing.period * tick_us;
-  result.phase_us = group.timing.phase * tick_us;
-  result.deadline_us = group.timing.deadline * tick_us;
-  result.core = group.spec.core;
-  result.jobs = group.jobs;
-  result.missed = group.missed;
-  result.skipped = group.skipped;
-  result.worst_in_row = group.misses.worst_in_row();
-  result.promises_broken = group.misses.broken();
-  result.late_p50_us = us(group.lateness.percentile(0.5));
-  result.late_p99_us = us(group.lateness.percentile(0.99));
-  result.late_p999_us = us(group.lateness.percentile(0.999));
-  result.late_max_us = us(group.lateness.max());
-  result.response_max_us = us(group.response.max());
-  result.lateness = bars_of(group.lateness);
-  result.response = bars_of(group.response);
-  return result;
+void Runtime::archive(rt::Archive& archive, rt::Tick tick) {
+  executive_->archive(archive, tick);
+  for (std::uint32_t i = 0; i < executive_->task_count(); ++i) {
+    archive.expect(i, "what the tasks remember lies in another order");
+    if (!builder_->archive_memory(executive_->task(i), archive))
+      archive.fail(Status::not_supported, "a task has not declared what it remembers");
+  }
 }
 
-TaskResult task_result(const rt::Executive& executive, const rt::TaskBase& task) {
-  const rt::Group& group = executive.group(task.group());
-  const rt::LatencyHistogram& wall = task.wall_time();
-  TaskResult result;
-  result.name = task.name();
-  result.group = group.spec.name;
-  result.period_us =
-      static_cast<double>(group.timing.period) * static_cast<double>(executive.base_tick_ns()) * 1e-3;
-  result.budget_us = task.budget_us();
-  result.count = wall.count();
-  result.missed = group.missed;
-  result.p50_us = static_cast<double>(wall.percentile(0.5)) * 1e-3;
-  result.p99_us = static_cast<double>(wall.percentile(0.99)) * 1e-3;
-  result.p999_us = static_cast<double>(wall.percentile(0.999)) * 1e-3;
-  result.max_us = static_cast<double>(wall.max()) * 1e-3;
-  result.digest = hex(task.chain());
-  result.histogram = bars_of(wall);
-  return result;
-}
-
-void add_pools(const Runtime& runtime, Results& results) {
-  const auto plan = runtime.memory_plan();
-  const auto bytes_of = [&plan](const std::string& name) -> std::uint64_t {
-    for (const PoolResult& pool : plan) {
-      if (pool.name == name) return pool.bytes;
+std::vector<std::string> Runtime::undeclared_state() const {
+  std::vector<std::string> lines;
+  for (std::uint32_t i = 0; i < executive_->task_count(); ++i) {
+    const rt::TaskBase& task = executive_->task(i);
+    const std::string place = "vehicle " + profile_.vehicle() + ", task " + task.name();
+    rt::Archive measure = rt::Archive::measuring();
+    if (task.hides_state()) {
+      lines.push_back(
+          place +
+          ": its function changes its own captures, which nobody can archive; move them to a member "
+          "of the vehicle and name that in VehicleBuilder::remembers()");
+    } else if (!builder_->archive_memory(task, measure)) {
+      lines.push_back(
+          place +
+          ": has not declared its state; call VehicleBuilder::remembers(task, object...) with what it "
+          "keeps beside its output, or remembers(task) if that is nothing");
+    } else if (measure.status() != Status::ok) {
+      lines.push_back(place + ": " + measure.where() + ": " + measure.why());
     }
-    return 0;
-  };
-  for (const auto& port : runtime.parts().ports()) {
-    const rt::StreamBase& stream = port->stream();
-    results.pools.push_back({port->channel(), stream.capacity(), stream.high_water(), stream.refused(),
-                             bytes_of(port->channel())});
-    results.counters["refused_samples"] += stream.refused();
   }
-  for (const auto& [name, level] : runtime.parts().pools()) {
-    const PoolLevel now = level();
-    results.pools.push_back({name, now.capacity, now.high_water, now.refused, bytes_of(name)});
-  }
+  return lines;
 }
 
-}  // namespace
-
-Results collect_results(const Runtime& runtime, std::uint64_t ticks) {
-  const rt::Executive& executive = runtime.executive();
-  Results results;
-  results.digest = hex(executive.digest());
-  results.ticks = ticks;
-  results.scene = runtime.profile().name();
-  results.vehicle = runtime.profile().vehicle();
-  results.machine = machine_description();
-  results.compiler = compiler_description();
-  results.profile_hash = hex(runtime.profile().hash());
-  results.left_out = runtime.parts().left_out();
-  if (!runtime.outlets().telemetry) results.left_out.emplace_back("telemetry");
-  if (!runtime.outlets().recorder) results.left_out.emplace_back("recorder");
-  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
-    const rt::TaskBase& task = executive.task(i);
-    results.counters["over_budget"] += task.over_budget();
-    results.counters["shed_jobs"] += task.shed();
-    results.counters["cut_jobs"] += task.cut();
-    results.tasks.push_back(task_result(executive, task));
+void Runtime::read_parameter_keys() {
+  access_.remote =
+      profile_.flag("parameters.remote", false, "`sortie set` may change parameters of a live run");
+  access_.robot = profile_.text("robot.name", "",
+                                "what the run calls itself to who commands it; empty: the computer's name");
+  access_.secret_file = profile_.text(
+      "parameters.secret_file", "", "32 hexadecimal digits; only who knows them may set parameters or drive");
+  if (access_.secret_file.empty()) {
+    access_.without_secret =
+        profile_.flag("parameters.without_secret", false,
+                      "on a bench: takes requests from anybody; else there are none without");
+  } else {
+    access_.most_clock_offset_ns = std::llround(
+        1e6 * profile_.number("parameters.max_request_age_ms",
+                              {2000, 0, 1e6, "ms", "requests of a clock further away are refused; 0: any"}));
   }
-  for (std::uint32_t i = 0; i < executive.group_count(); ++i) {
-    const rt::Group& group = executive.group(i);
-    results.counters["jobs"] += group.jobs;
-    results.counters["missed_jobs"] += group.missed;
-    results.counters["skipped_releases"] += group.skipped;
-    results.counters["promises_broken"] += group.misses.broken();
-    results.groups.push_back(group_result(executive, group));
+  script_ = profile_.script();
+  for (const ScriptLine& line : script_) {
+    const std::string path = "script[" + std::to_string(line.row) + "]";
+    const ParameterInfo* info = builder_->parameters().find(line.name);
+    if (info == nullptr) {
+      std::string known;
+      for (const ParameterInfo& other : builder_->parameters().all)
+        known += (known.empty() ? "" : ", ") + other.name;
+      profile_.fail(path, line.name + " is no run-time parameter of this scene; known: " +
+                              (known.empty() ? "none" : known));
+    }
+    if (info->owner->table.check(line.name, line.value) != Status::ok) {
+      std::ostringstream why;
+      why << line.name << " = " << line.value << " is outside " << info->low << " .. " << info->high << " "
+          << info->unit;
+      profile_.fail(path, why.str());
+    }
   }
-  results.schedule = schedule_result(runtime.schedule(), executive);
-  for (const DeclaredChain& chain : runtime.chains()) results.chains.push_back(chain_result(chain));
-  results.warnings = runtime.schedule().warnings;
-  add_pools(runtime, results);
-  for (const auto& [name, value] : runtime.parts().counters()) results.counters[name] = value();
-  for (const auto& group : runtime.parts().parameters().groups) {
-    results.counters["parameters_applied"] += group->table.state().applied;
-    results.counters["parameters_not_applied"] += group->table.state().refused;
-  }
-  return results;
 }
 
 }  // namespace sortie::firmware

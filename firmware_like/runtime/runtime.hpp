@@ -10,12 +10,12 @@
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/runtime/bus_check.hpp"
 #include "firmware_like/runtime/chain_declarations.hpp"
-#include "firmware_like/runtime/live_settings.hpp"
 #include "firmware_like/runtime/schedule_check.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/text_format.hpp"
 #include "rt/executive.hpp"
+#include "rt/posix/live_runner.hpp"
 
 namespace sortie::firmware {
 
@@ -25,6 +25,18 @@ struct RuntimeStart {
   InitialPose initial{};
   bool has_initial{};    ///< the log's header gives the pose; otherwise [initial] of the profile does
   const KeptMap* map{};  ///< that the run begins with (kept_map.hpp), or null; read by the constructor alone
+};
+
+/// What a scene's runs may give to the outside. Neither changes what the tasks put out.
+struct RunOutlets {
+  bool telemetry{true};  ///< over LCM
+  bool recorder{true};   ///< into a log, where one is asked for
+
+  SORTIE_KEYS(c, key) {
+    key("telemetry", c.telemetry,
+        {"a live run tells over LCM what it does, and answers requests; without it nobody can make one"});
+    key("recorder", c.recorder, {"runs and replays of this scene can be recorded"});
+  }
 };
 
 /// Who may change parameters, drive and fly from outside: [parameters] of the profile.
@@ -51,7 +63,6 @@ class Runtime {
   const rt::Executive& executive() const { return *executive_; }
   Vehicle& vehicle() { return *vehicle_; }
   const Vehicle& vehicle() const { return *vehicle_; }
-  VehicleBuilder& parts() { return *builder_; }
   const VehicleBuilder& parts() const { return *builder_; }
   /// Changes that a run makes by itself, in order of time; each is known to be in range.
   const std::vector<ScriptLine>& script() const { return script_; }

@@ -33,12 +33,10 @@ class Speaker {
                ") divides the other, so they meet in ever different ways";
       case rt::FindingKind::long_hyperperiod:
         return "the releases repeat too late to be played one by one: responses are bounded for any phases, "
-               "and "
-               "phases are chosen from the first releases";
+               "and phases are chosen from the first releases";
       case rt::FindingKind::one_processor:
         return "groups without a core are analysed as if they shared one processor with all others; several "
-               "make it "
-               "better, never worse";
+               "make it better, never worse";
     }
     return {};
   }

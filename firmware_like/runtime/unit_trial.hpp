@@ -21,14 +21,7 @@ struct UnitTrial {
   double ns_per_unit{};   ///< of the dearest map that was tried
   std::uint32_t units{};  ///< what the task may spend
   double budget_us{};     ///< what it may take
-};
-
-/// A vehicle that has anytime tasks whose units can be tried.
-class UnitTryer {
- public:
-  virtual ~UnitTryer() = default;
-  /// At the boot of a live run: what the units take here; no task's name where nothing was tried.
-  virtual UnitTrial try_units() const = 0;
+  explicit operator bool() const { return !task.empty(); }
 };
 
 /// Plans over a map that is wholly unknown and over one of scattered walls, and times both; of three times
@@ -43,8 +36,7 @@ inline constexpr double kAutoShare = 0.8;
 /// The units that take `share` of the budget, from 1 to 4e9; the trial must have timed something.
 std::uint32_t units_that_fit(const UnitTrial& trial, double share);
 
-/// What to tell a user when the units do not fit into the budget, with the units that would; empty when they
-/// do.
+/// What to tell a user when the units do not fit into the budget, with those that would; or empty.
 std::string unit_warning(const UnitTrial& trial);
 
 }  // namespace sortie::firmware

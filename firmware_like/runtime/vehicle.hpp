@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "firmware_like/runtime/unit_trial.hpp"
 #include "firmware_like/runtime/vehicle_builder.hpp"
 #include "mapping/occupancy/occupancy_view.hpp"
 #include "planner/request_gate.hpp"
@@ -39,6 +40,7 @@ template <class Request>
 struct RequestEntry {
   InputPort<Request>* port{};  ///< null: the vehicle takes none
   planner::RequestRules rules;
+  explicit operator bool() const { return port != nullptr; }
 };
 
 /// A voxel of a vehicle's map.
@@ -78,8 +80,7 @@ class Vehicle {
   virtual const rt::Task<rt::PoseEstimate>* pose_task() const { return nullptr; }
   /// The task whose output is the attitude, judged when there is no pose.
   virtual const rt::Task<rt::AttitudeEstimate>* attitude_task() const { return nullptr; }
-  /// The task whose output is the robot's place on a map that it makes, or null: errors and trajectories of
-  /// their own come from it.
+  /// The task whose output is the place on a map that the robot makes, or null: it is judged by itself.
   virtual const rt::Task<rt::LocatedPose>* located_task() const { return nullptr; }
   /// Calls `put` for every voxel of the map at the end of a run, in no order. Without a map: nothing.
   virtual void for_each_voxel(const std::function<void(const VoxelOnMap&)>& /*put*/) const {}
@@ -89,6 +90,8 @@ class Vehicle {
   virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
   /// The cloud as it is when no job runs; null without one.
   virtual const mapping::SensedCloud* cloud() const { return nullptr; }
+  /// At the boot of a live run: what a unit of an anytime task takes here; of no task where none is tried.
+  virtual UnitTrial try_units() const { return {}; }
 };
 
 }  // namespace sortie::firmware

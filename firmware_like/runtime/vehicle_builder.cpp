@@ -38,7 +38,8 @@ rt::GroupId VehicleBuilder::group(const std::string& name, double default_rate_h
   for (std::uint16_t i = 0; i < executive_.group_count(); ++i) {
     if (executive_.group(i).spec.name == name) return {i};
   }
-  const std::string path = "groups." + name + ".rate_hz";
+  const std::string below = "groups." + name + ".";
+  const std::string path = below + "rate_hz";
   const double rate = profile_.number(path, {default_rate_hz, 0.01, 1e5, "Hz", "releases a second"});
   const double ticks = 1e9 / rate / static_cast<double>(executive_.base_tick_ns());
   const double whole = std::round(ticks);
@@ -55,11 +56,10 @@ rt::GroupId VehicleBuilder::group(const std::string& name, double default_rate_h
   spec.name = keep(name);
   spec.period_ticks = static_cast<std::uint32_t>(whole);
   spec.deadline_ticks = static_cast<std::uint32_t>(
-      profile_.integer("groups." + name + ".deadline_ticks",
+      profile_.integer(below + "deadline_ticks",
                        {0, 0, whole, "ticks", "outputs become visible then; 0: at the period's end"}));
-  spec.core = static_cast<int>(profile_.integer("groups." + name + ".core",
-                                                {-1, -1, 255, "", "processor of the live worker, -1: any"}));
-  const std::string below = "groups." + name + ".";
+  spec.core = static_cast<int>(
+      profile_.integer(below + "core", {-1, -1, 255, "", "processor of the live worker, -1: any"}));
   const std::string overrun =
       profile_.text(below + "overrun", "skip",
                     "live releases whose time has passed: leave them out, run some late, or end the run",
@@ -133,8 +133,7 @@ ParameterGroup& VehicleBuilder::parameter_group(rt::GroupId group, const std::st
   if (!owner.tasks.empty())
     profile_.fail(path, "the first parameter of a group must be declared before the group's first task");
   const std::string name = owner.spec.name;
-  parameters_.groups.push_back(std::make_unique<ParameterGroup>());
-  ParameterGroup* added = parameters_.groups.back().get();
+  ParameterGroup* added = parameters_.groups.emplace_back(std::make_unique<ParameterGroup>()).get();
   added->group = group.index;
   // No stream() of the builder: a change does not grow stale.
   const std::string channel = std::string(drivers::kChannelChange) + "_" + name;

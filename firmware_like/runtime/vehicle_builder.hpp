@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a vehicle is built with: groups, tasks, streams, keys. It is written once and runs live, simulated and
-// over a log.
+// What a vehicle is built with: written once, it runs live, simulated and over a log.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -13,7 +13,6 @@
 #include "firmware_like/runtime/chain_declarations.hpp"
 #include "firmware_like/runtime/factories.hpp"
 #include "firmware_like/runtime/input_port.hpp"
-#include "firmware_like/runtime/offers.hpp"
 #include "firmware_like/runtime/parameters.hpp"
 #include "firmware_like/runtime/report_queue.hpp"
 #include "firmware_like/scene/profile.hpp"
@@ -42,8 +41,7 @@ struct TaskDefaults {
   double budget_us{};
   rt::Criticality criticality{rt::Criticality::a};
   std::uint32_t units{};  ///< of an anytime task (rt::JobContext::spend), 0: it is none
-  /// The scene may say units = "auto": the vehicle can time a unit of this task
-  /// (firmware_like/runtime/unit_trial.hpp).
+  /// The scene may say units = "auto": the vehicle can time a unit of this task (Vehicle::try_units).
   bool auto_units{};
 };
 
@@ -78,8 +76,7 @@ class VehicleBuilder {
   /// Tasks that were asked for and are not wanted, in the order of asking, each once.
   const std::vector<std::string>& left_out() const { return left_out_; }
 
-  /// A task with what [tasks.NAME] says: budget_us, criticality, units. `function(rt::JobContext&, T&
-  /// output)`.
+  /// A task with budget_us, criticality and units of [tasks.NAME]. `function(rt::JobContext&, T& output)`.
   template <rt::Described T, class F>
   rt::Task<T>* task(rt::GroupId group, const std::string& name, const TaskDefaults& defaults, F function) {
     return executive_.add_task<T>(group, task_spec(name, defaults), std::move(function));
@@ -106,11 +103,11 @@ class VehicleBuilder {
   rt::Input<T>* input(rt::GroupId reader, const rt::Task<T>* task, std::uint32_t history = 4) {
     if (task == nullptr) return nullptr;
     const std::string name = std::string(task->name()) + "_in_" + group_name(reader);
-    if (rt::Input<T>* known = offers_.find<rt::Input<T>>(name); known != nullptr) return known;
+    if (rt::Input<T>* known = find_named<rt::Input<T>>(name); known != nullptr) return known;
     rt::Input<T>* input = executive_.add_input<T>(reader, task, history);
     if (input == nullptr) return nullptr;
     apply_stale_rule(*input, name);
-    offers_.put(name, input);
+    put_named(name, input);
     return input;
   }
 
@@ -119,33 +116,33 @@ class VehicleBuilder {
   template <rt::Described T>
   std::pair<rt::Stream<T>*, InputPort<T>*> stream(rt::GroupId reader, const std::string& channel,
                                                   std::uint32_t capacity, std::uint32_t batch) {
-    if (auto* known = offers_.find<rt::Stream<T>>(channel); known != nullptr)
-      return {known, offers_.find<InputPort<T>>(channel)};
+    if (auto* known = find_named<rt::Stream<T>>(channel); known != nullptr)
+      return {known, find_named<InputPort<T>>(channel)};
     auto* stream = executive_.add_stream<T>(reader, keep(channel), capacity, batch);
     check();
     auto port = std::make_unique<InputPort<T>>(channel, *stream);
     InputPort<T>* handle = port.get();
     ports_.push_back(std::move(port));
     apply_stale_rule(*stream, channel);
-    offers_.put(channel, stream);
-    offers_.put(channel, handle);
+    put_named(channel, stream);
+    put_named(channel, handle);
     return {stream, handle};
   }
   /// Where samples of `channel` come in, or null where nothing in the scene reads them.
   template <rt::Described T>
   InputPort<T>* find_port(const std::string& channel) const {
-    return offers_.find<InputPort<T>>(channel);
+    return find_named<InputPort<T>>(channel);
   }
 
   /// Hands an object of one part to those that are made behind it; it lives as long as the vehicle.
   template <class T>
   void offer(T& object) {
-    offers_.put("", &object);
+    put_named("", &object);
   }
   /// What was offered as a T, or null.
   template <class T>
   T* find() const {
-    return offers_.find<T>("");
+    return find_named<T>("");
   }
 
   /// Lets the number at `path`, which profile().number() has read, be changed while the group runs: between
@@ -161,8 +158,7 @@ class VehicleBuilder {
   std::pair<ScanStream*, ScanPort*> scans(rt::GroupId reader, const std::string& channel,
                                           std::uint32_t buffers, std::uint32_t points);
 
-  /// A way out for commands of a group's tasks. Counters NAME_late and, where a command can be a stop,
-  /// NAME_late_stops.
+  /// A way out for commands of a group. Counters NAME_late and, where one can be a stop, NAME_late_stops.
   template <class T>
   rt::CommandOutlet<T>* outlet(rt::GroupId group, const std::string& name) {
     rt::CommandOutlet<T>* outlet = executive_.add_outlet<T>(group);
@@ -207,8 +203,7 @@ class VehicleBuilder {
   /// so. All of its tasks must exist in the scene.
   void chain(const ChainSpec& spec) { chains_.push_back(spec); }
 
-  /// Frames that this vehicle or its devices put on the CAN bus again and again: what the check of its load
-  /// knows of.
+  /// Frames that the vehicle or its devices put on the CAN bus again and again, for the check of its load.
   void bus_frames(std::vector<drivers::CanStream> frames) {
     for (drivers::CanStream& frame : frames) bus_frames_.push_back(std::move(frame));
   }
@@ -217,12 +212,10 @@ class VehicleBuilder {
   /// Throws ProfileError if the executive refused something.
   void check() const;
 
-  ParameterSet& parameters() { return parameters_; }
   const ParameterSet& parameters() const { return parameters_; }
 
   using Pools = std::vector<std::pair<std::string, std::function<PoolLevel()>>>;
   using Counters = std::vector<std::pair<std::string, std::function<std::uint64_t()>>>;
-  std::vector<std::unique_ptr<InputPortBase>>& ports() { return ports_; }
   const std::vector<std::unique_ptr<InputPortBase>>& ports() const { return ports_; }
   const std::vector<ChainSpec>& chains() const { return chains_; }
   /// Tasks whose units the scene leaves to the boot of a live run; until then they have their default.
@@ -244,6 +237,28 @@ class VehicleBuilder {
     if (rule.after_ticks != 0) counter("stale_" + name, [&port] { return port.stale_jobs(); });
   }
   ParameterGroup& parameter_group(rt::GroupId group, const std::string& path);
+  template <class T>
+  void put_named(std::string_view name, T* thing) {
+    offers_.push_back({&kKey<T>, std::string(name), thing});
+  }
+  // The first that was put there as a T of that name, or null.
+  template <class T>
+  T* find_named(std::string_view name) const {
+    for (const Offer& offer : offers_) {
+      if (offer.type == &kKey<T> && offer.name == name) return static_cast<T*>(offer.object);
+    }
+    return nullptr;
+  }
+
+  // Its address stands for the type: a type's own name would tie code to what another build may lack.
+  template <class T>
+  static inline char kKey{};
+  // What the parts of a vehicle hand each other while it is built; it belongs to whoever put it there.
+  struct Offer {
+    const char* type;
+    std::string name;
+    void* object;
+  };
 
   Profile& profile_;
   rt::Executive& executive_;
@@ -261,7 +276,7 @@ class VehicleBuilder {
   Counters counters_;
   Counters uses_;
   ParameterSet parameters_;
-  Offers offers_;
+  std::vector<Offer> offers_;
 };
 
 }  // namespace sortie::firmware

@@ -6,12 +6,13 @@
 #include <set>
 
 #include "firmware_like/parts/chosen_map.hpp"
-#include "firmware_like/parts/motors_config.hpp"
+#include "firmware_like/parts/emergency_inputs.hpp"
+#include "firmware_like/parts/odometry_part.hpp"
 #include "firmware_like/parts/uav_config.hpp"
-#include "firmware_like/parts/ugv_config.hpp"
 #include "firmware_like/parts/ugv_drive_config.hpp"
+#include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
-#include "firmware_like/runtime/live_settings.hpp"
+#include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "mapping/grid/sweep.hpp"
 

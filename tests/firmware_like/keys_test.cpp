@@ -274,7 +274,7 @@ TEST_CASE("a live key is a run-time parameter in its list's range: set by its se
                                     return vehicle;
                                   }}};
   Runtime runtime(profile_of("[rig]\ngain = 2\narm_deg = 30\n"), vehicles, RuntimeStart{});
-  ParameterSet& set = runtime.parts().parameters();
+  const ParameterSet& set = runtime.parts().parameters();
   std::string known;
   for (const ParameterInfo& info : set.all) known += info.name + " ";
   CHECK(known == "rig.arm_deg rig.gain rig.block_ms ");

@@ -201,13 +201,13 @@ TEST_CASE("units that do not fit into their budget are told with those that woul
   CHECK(firmware::unit_warning(trial).empty());
   // The vehicle tries where it schedules, and nowhere else.
   const firmware::Runtime with(firmware::load_scene("ugv_ssl", {}), firmware::own_vehicles(), {});
-  const firmware::UnitTrial tried = dynamic_cast<const firmware::UnitTryer&>(with.vehicle()).try_units();
+  const firmware::UnitTrial tried = with.vehicle().try_units();
   CHECK(tried.task == "ssl");
   CHECK(tried.units == 2'000'000);
   CHECK(tried.ns_per_unit > 0.0);
   const firmware::Runtime without(firmware::load_scene("ugv_ssl", {"ssl.policy=\"grid\""}),
                                   firmware::own_vehicles(), {});
-  CHECK(dynamic_cast<const firmware::UnitTryer&>(without.vehicle()).try_units().task.empty());
+  CHECK(without.vehicle().try_units().task.empty());
 }
 
 }  // namespace sortie::testing

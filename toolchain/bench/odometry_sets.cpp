@@ -10,7 +10,7 @@
 #include "drivers/wire.hpp"
 #include "drivers/wire_records.hpp"
 #include "firmware_like/live/live_run.hpp"
-#include "firmware_like/parts/ugv_config.hpp"
+#include "firmware_like/parts/odometry_part.hpp"
 #include "rt/fields.hpp"
 
 namespace sortie::toolchain {

@@ -22,9 +22,7 @@ struct RaySensor {
 RaySensor read_sensor(firmware::Profile& profile) {
   firmware::SslSettings settings = firmware::read_ssl_settings(profile);
   const firmware::SensorMount mount = firmware::read_ssl_mount(profile);
-  return {rt::to_vector(mount.place_m),
-          rt::from_yaw_pitch_roll(mount.yaw_pitch_roll_rad[0], mount.yaw_pitch_roll_rad[1],
-                                  mount.yaw_pitch_roll_rad[2]),
+  return {rt::to_vector(mount.place_m), mount.q_body_sensor(),
           firmware::read_occupancy_settings(profile, settings).silent_free_m};
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/simulate/sensors_config.hpp"
 
-#include "firmware_like/parts/ugv_map_config.hpp"
-#include "firmware_like/parts/ugv_ssl.hpp"
+#include "firmware_like/parts/sensor_mount.hpp"
+#include "firmware_like/parts/ugv_ssl_config.hpp"
 #include "firmware_like/scene/units.hpp"
 
 namespace sortie::toolchain {

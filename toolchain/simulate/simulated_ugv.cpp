@@ -5,7 +5,7 @@
 
 #include "drivers/can_stub.hpp"
 #include "drivers/ssl_port.hpp"
-#include "firmware_like/parts/motors_config.hpp"
+#include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "hil/ugv_plant.hpp"
 #include "toolchain/simulate/course_config.hpp"

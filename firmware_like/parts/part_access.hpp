@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the part `locate` lets a later part of its group see: its locator, and the scan of this job.
+// What parts of the group `mapping` let later parts of it see. A task of the same group, behind the owner's
+// in the table, may use it in its job.
 #pragma once
 
+#include "mapping/registration/cloud_match.hpp"
 #include "mapping/registration/locator.hpp"
 
 namespace sortie::firmware {
 
-/// Offered by `locate`. A task of the same group, behind it in the table, may use the locator's registration
-/// and place() the robot in its job.
+/// Offered by `locate`: its locator, to place() the robot with, and the scan of this job.
 struct LocateAccess {
   mapping::Locator* locator{};
   mapping::RegistrationMemory memory;
@@ -17,6 +18,14 @@ struct LocateAccess {
   mapping::OdometryHint hint;
   bool has_odometry{};            ///< `hint` is the odometry's; else where the robot starts
   rt::Quaternion q_level_sensor;  ///< the scan's attitude
+};
+
+/// Offered by `cloud`.
+struct CloudAccess {
+  mapping::SensedCloud cloud;
+  std::uint64_t views{};  ///< that are in it
+  bool held{};            ///< set by the reader: the cloud stays as it is, views are left out
+  bool renew{};           ///< set by the reader: the next job begins with an empty cloud
 };
 
 }  // namespace sortie::firmware

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/parts/kept_surfels.hpp"
+#include "firmware_like/parts/kept_maps.hpp"
 
-#include "firmware_like/parts/named_map.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "mapping/registration/cloud_file.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -12,10 +13,32 @@ using mapping::SurfelMapFault;
 using mapping::SurfelMapHead;
 using mapping::SurfelMapResult;
 
-constexpr const char* kMakeAgain = "; make it again with `sortie export surfels LOG -o FILE`";
+// The map that the run begins with, for the part whose keys are in `table`; null where there is none.
+const KeptMap* named_map(VehicleBuilder& builder, const std::string& table) {
+  Profile& profile = builder.profile();
+  const std::string key = table + ".map";
+  const std::string name = profile.text(key, "", "the map that the run begins with; --map FILE writes it");
+  const std::string digest = profile.text(key + "_digest", "", "its digest; --map FILE writes it");
+  const KeptMap* map = builder.kept_map(table);
+  if (map == nullptr) {
+    if (!name.empty() || !digest.empty())
+      profile.fail(key, "begins with the map " + name + " (digest " + digest + "); give it with --map FILE");
+    return nullptr;
+  }
+  if (map->digest != digest)
+    profile.fail(key, "begins with the map " + name + " (digest " + digest + "), and --map " + map->path +
+                          " is another one (digest " + map->digest + ")");
+  return map;
+}
 
 [[noreturn]] void refuse_bytes(const KeptMap& map, const std::string& why) {
-  throw InputError("--map " + map.path + ": " + why + kMakeAgain, 3);
+  throw InputError("--map " + map.path + ": " + why + "; make it again with `sortie export " +
+                       (map.table == "join" ? "cloud" : "surfels") + " LOG -o FILE`",
+                   3);
+}
+
+[[noreturn]] void refuse(const KeptMap& map, const mapping::CloudFileResult& result) {
+  refuse_bytes(map, "byte " + std::to_string(result.byte) + ": " + result.why);
 }
 
 // `cure`: a key of the scene and its value.
@@ -80,6 +103,20 @@ void load_kept_map(VehicleBuilder& builder, mapping::Locator& locator) {
   if (builder.arena().refused() != 0) return;  // its memory is still being measured
   const SurfelMapResult result = locator.load(map->bytes);
   if (result.fault != SurfelMapFault::none) refuse(*map, result, locator.registration().config());
+}
+
+KeptCloud load_kept_cloud(VehicleBuilder& builder) {
+  KeptCloud kept;
+  const KeptMap* map = named_map(builder, "join");
+  if (map == nullptr) return kept;
+  const mapping::CloudFileResult head = mapping::read_cloud_head(map->bytes);
+  if (head.fault != mapping::CloudFileFault::none) refuse(*map, head);
+  kept.sensor = head.sensor;
+  kept.layer = std::make_unique<mapping::SightLayer>(head.config, builder.arena());
+  if (builder.arena().refused() != 0) return kept;  // its memory is still being measured
+  const mapping::CloudFileResult result = mapping::load_cloud(map->bytes, *kept.layer);
+  if (result.fault != mapping::CloudFileFault::none) refuse(*map, result);
+  return kept;
 }
 
 }  // namespace sortie::firmware
