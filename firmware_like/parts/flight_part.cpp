@@ -279,8 +279,10 @@ void FlightPart::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
 void FlightPart::send_command(drivers::CanBus& can, const rt::RotorCommand& command) {
   drivers::CanFrame frames[drivers::kCanRotorFrames];
   bool sent = drivers::encode_rotors(command, command_counter_, frames) == Status::ok;
-  if (sent) ++command_counter_;
-  for (std::uint32_t f = 0; sent && 3 * f < command.rotors; ++f) sent = can.send(frames[f]) == Status::ok;
+  for (std::uint32_t f = 0; sent && 3 * f < command.rotors; ++f) {
+    sent = can.send(frames[f]) == Status::ok;
+    if (sent && f == 0) ++command_counter_;
+  }
   ++(sent ? commands_sent_ : commands_refused_);
 }
 

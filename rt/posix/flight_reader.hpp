@@ -64,8 +64,8 @@ class FlightReader {
 
   /// True for a ring with a whole header whose run ended by itself. Reads the header alone. Never throws.
   static bool has_ended(const std::string& path) noexcept;
-  /// True for one whose run has not ended and whose writer is gone. Another user's file, and a link, are none.
-  /// Reads the header alone. Never throws.
+  /// True for one whose run has not ended and whose writer is gone. Another user's file, and a link, are
+  /// none. Reads the header alone. Never throws.
   static bool was_left(const std::string& path) noexcept;
 
   const FlightHeader& header() const { return *header_; }
