@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/datagram_link.hpp"
 
-#if defined(__linux__)
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -13,11 +12,8 @@
 #include "drivers/kernel_stamp.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "rt/posix/clock.hpp"
-#endif
 
 namespace sortie::drivers {
-
-#if defined(__linux__)
 
 namespace {
 
@@ -225,19 +221,5 @@ void DatagramLink::note_overruns(std::uint32_t kernel_total) noexcept {
   counters_.overruns += static_cast<std::uint32_t>(kernel_total - kernel_overruns_);  // the total wraps
   kernel_overruns_ = kernel_total;
 }
-
-#else
-
-Status DatagramLink::open(const DatagramLinkConfig&, std::string& problem) {
-  problem = "links between processes need Linux";
-  return Status::not_supported;
-}
-void DatagramLink::close() noexcept {}
-Status DatagramLink::send(std::span<const std::uint8_t>) noexcept { return Status::disconnected; }
-Status DatagramLink::receive(std::span<const std::uint8_t>&, rt::Nanoseconds&) noexcept {
-  return Status::disconnected;
-}
-
-#endif
 
 }  // namespace sortie::drivers

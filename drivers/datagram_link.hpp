@@ -67,7 +67,7 @@ class DatagramLink {
   DatagramLink& operator=(const DatagramLink&) = delete;
 
   /// Opens this end. Status: ok; out_of_range (port or session 0); disconnected (the port is taken, or the
-  /// system refuses); not_supported. `problem` then says what is wrong and the cure.
+  /// system refuses). `problem` then says what is wrong and the cure.
   [[nodiscard]] Status open(const DatagramLinkConfig& config, std::string& problem);
   /// Says bye to the peer and closes.
   void close() noexcept;
