@@ -48,13 +48,10 @@ std::vector<DriveConfig> drives_of(const UgvNodesConfig& config) {
 // A start is three steps of CiA 402 and a fault's reset, each a command, and a reading a cycle later.
 constexpr int kStartCycles = 12;
 
-drivers::UgvDrivesConfig shared_of(const UgvNodesConfig& config) {
+DriveGroupConfig group_of(const UgvNodesConfig& config) {
   DriveGroupConfig group = config.group;
   group.start_timeout_ns = std::max(group.start_timeout_ns, kStartCycles * config.line.sync_period_ns);
-  return {.group = group,
-          .flippers = config.flippers,
-          .per_m = config.increments_per_m,
-          .per_rad = config.increments_per_rad};
+  return group;
 }
 
 }  // namespace
@@ -70,7 +67,9 @@ std::int64_t IncrementCount::add(std::int32_t reading) noexcept {
 }
 
 UgvNodes::UgvNodes(const UgvNodesConfig& config)
-    : UgvDrives(shared_of(config)), config_(config), line_(config.line, drives_of(config)) {
+    : UgvDrives(group_of(config), config.flippers, config.increments_per_m, config.increments_per_rad),
+      config_(config),
+      line_(config.line, drives_of(config)) {
   attach_all();
 }
 

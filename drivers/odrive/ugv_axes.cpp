@@ -47,17 +47,12 @@ std::vector<AxisConfig> axes_of(const UgvAxesConfig& config) {
   return axes;
 }
 
-drivers::UgvDrivesConfig shared_of(const UgvAxesConfig& config) {
-  return {.group = config.group,
-          .flippers = config.flippers,
-          .per_m = config.turns_per_m,
-          .per_rad = config.turns_per_rad};
-}
-
 }  // namespace
 
 UgvAxes::UgvAxes(const UgvAxesConfig& config)
-    : UgvDrives(shared_of(config)), config_(config), line_(config.line, axes_of(config)) {
+    : UgvDrives(config.group, config.flippers, config.turns_per_m, config.turns_per_rad),
+      config_(config),
+      line_(config.line, axes_of(config)) {
   attach_all();
 }
 

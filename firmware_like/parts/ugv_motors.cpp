@@ -34,7 +34,7 @@ void add_state(VehicleBuilder& builder, const std::string& prefix, const drivers
 
 }  // namespace
 
-std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
+std::unique_ptr<drivers::UgvDrives> make_canopen(VehicleBuilder& builder,
                                                  const drivers::canopen::UgvNodesConfig& config) {
   auto drives = std::make_unique<drivers::canopen::UgvNodes>(config);
   const drivers::canopen::NodeLine* const line = &drives->line();
@@ -47,7 +47,7 @@ std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
   return drives;
 }
 
-std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
+std::unique_ptr<drivers::UgvDrives> make_odrive(VehicleBuilder& builder,
                                                 const drivers::odrive::UgvAxesConfig& config) {
   auto axes = std::make_unique<drivers::odrive::UgvAxes>(config);
   const drivers::odrive::AxisLine* const line = &axes->line();
