@@ -4,9 +4,8 @@
 #include <string_view>
 
 #include "drivers/channels.hpp"
-#include "drivers/wire_fly.hpp"
+#include "drivers/wire_fields.hpp"
 #include "drivers/wire_requests.hpp"
-#include "drivers/wire_tag.hpp"
 #include "rt/samples.hpp"
 #include "rt/uav_samples.hpp"
 

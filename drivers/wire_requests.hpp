@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Requests to the drive of a run, as they come over the network. encode() and decode() are those of
-// wire_fields.hpp; no heap.
+// Requests to the drive or the pilot of a run, as they come over the network. encode() and decode() are those
+// of wire_fields.hpp; no heap. What the fields may be is for the receiver to judge.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sortie::drivers {
 
-/// drive_request_t. Fields as in rt::DriveRequest; what they may be is for the receiver to judge.
+/// drive_request_t. Fields as in rt::DriveRequest.
 struct DriveRequestMessage {
   std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
@@ -26,7 +26,24 @@ struct DriveRequestMessage {
 template <>
 struct WireRules<DriveRequestMessage> : WireTagged {};
 
-/// Bytes of the message, fingerprint and tag included: always the same.
+/// fly_request_t. Fields as in rt::FlyRequest.
+struct FlyRequestMessage {
+  std::int64_t utime{};    ///< us UTC of the sender's clock
+  std::int64_t session{};  ///< of the run that is meant
+  std::int64_t sender{};   ///< any number
+  std::int64_t counter{};  ///< above all that the run has taken
+  double x_m{};
+  double y_m{};
+  double z_m{};
+  double yaw_rad{};
+  std::int32_t mode{};
+  SORTIE_FIELDS(utime, session, sender, counter, x_m, y_m, z_m, yaw_rad, mode)
+};
+template <>
+struct WireRules<FlyRequestMessage> : WireTagged {};
+
+/// Bytes of the messages, fingerprint and tag included: always the same.
 inline constexpr std::size_t kDriveRequestBytes = kLeastBytes<DriveRequestMessage>;
+inline constexpr std::size_t kFlyRequestBytes = kLeastBytes<FlyRequestMessage>;
 
 }  // namespace sortie::drivers

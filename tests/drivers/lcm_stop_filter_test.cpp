@@ -7,7 +7,6 @@
 #include "drivers/group_sender.hpp"
 #include "drivers/lcm_receiver.hpp"
 #include "drivers/stop_filter.hpp"
-#include "drivers/wire_fly.hpp"
 #include "drivers/wire_requests.hpp"
 #include "tests/drivers/own_network.hpp"
 

@@ -11,7 +11,6 @@
 #include "drivers/wire.hpp"
 #include "drivers/wire_answers.hpp"
 #include "drivers/wire_contacts.hpp"
-#include "drivers/wire_fly.hpp"
 #include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
@@ -19,7 +18,6 @@
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
-#include "drivers/wire_timing.hpp"
 #include "rt/describe.hpp"
 #include "rt/fixed_vector.hpp"
 #include "tests/drivers/message_bytes.hpp"
@@ -157,8 +155,8 @@ TEST_CASE("the type of every message follows from its struct, member for member 
       {"can_t", is_committed<CanFrame>("can_t")},
       {"custom_t", is_committed<CustomView>("custom_t")},
       {"fields_t", is_committed<FieldsView>("fields_t") && is_committed<FieldsMessage>("fields_t")},
-      {"exec_stats_t", is_committed<StatsMessage<std::vector<TaskTiming>>>("exec_stats_t")},
-      {"pool_stats_t", is_committed<StatsMessage<std::vector<PoolUse>>>("pool_stats_t")},
+      {"exec_stats_t", is_committed<ExecStats>("exec_stats_t")},
+      {"pool_stats_t", is_committed<PoolStats>("pool_stats_t")},
       {"parameters_t", is_committed<ParametersMessage>("parameters_t")},
       {"set_parameter_t", is_committed<SetParameter>("set_parameter_t")},
       {"parameter_t", is_committed<rt::ParameterChange>("parameter_t")},
