@@ -5,7 +5,7 @@
 
 #include <ctime>
 
-#include "drivers/stop_filter.hpp"
+#include "drivers/datagram_filter.hpp"
 #include "firmware_like/result/add_counters.hpp"
 
 namespace sortie::firmware {
