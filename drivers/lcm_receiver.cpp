@@ -14,6 +14,9 @@
 #include <ctime>
 #include <stdexcept>
 
+#include "drivers/channels.hpp"
+#include "drivers/wire_cursor.hpp"
+
 namespace sortie::drivers {
 namespace {
 
@@ -29,21 +32,37 @@ bool set(int fd, int level, int option, const Value& value) {
 }
 
 rt::Nanoseconds arrival(msghdr& header) {
+  // Where this kernel gives no stamp (emulators have none) the time of taking it has to do.
+  timespec time{};
+  ::clock_gettime(CLOCK_REALTIME, &time);
   for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
-    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec time{};
-    std::memcpy(&time, CMSG_DATA(part), sizeof time);
-    return std::int64_t{time.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{time.tv_nsec};
+    if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_TIMESTAMPNS)
+      std::memcpy(&time, CMSG_DATA(part), sizeof time);
   }
-  // No stamp from this kernel (emulators have none): the time of taking it has to do.
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{now.tv_nsec};
+  return std::int64_t{time.tv_sec} * rt::kNanosecondsPerSecond + std::int64_t{time.tv_nsec};
 }
 
 }  // namespace
 
-LcmReceiver::LcmReceiver(const std::string& url) : LcmReceiver(url, {}) {}
+Status parse_lc02(std::span<const std::uint8_t> datagram, Lc02Message& message) noexcept {
+  constexpr std::uint32_t kWholeMessage = 0x4c433032u;
+  constexpr std::uint32_t kFragmentMessage = 0x4c433033u;
+  WireReader reader(datagram);
+  const auto magic = reader.get<std::uint32_t>();
+  const auto sequence = reader.get<std::uint32_t>();
+  if (reader.status() != Status::ok) return Status::malformed;
+  if (magic == kFragmentMessage) return Status::not_supported;
+  if (magic != kWholeMessage) return Status::malformed;
+
+  const auto rest = reader.get_bytes(reader.left());
+  const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
+  const std::size_t length = text.substr(0, kMaxChannelLength + 1).find('\0');
+  if (length == 0 || length == std::string_view::npos) return Status::malformed;
+  message.sequence = sequence;
+  message.channel = text.substr(0, length);
+  message.payload = rest.subspan(length + 1);
+  return Status::ok;
+}
 
 LcmReceiver::LcmReceiver(const std::string& url, std::span<const FilterRule> any_of)
     : buffer_(std::make_unique<std::uint8_t[]>(kMaxDatagram)) {
