@@ -16,9 +16,7 @@ constexpr double kSoftStart_m_s2 = 2.0;
 constexpr double kSoftStart_rad_s = 1.0;
 
 // Torque through whatever makes the robot wait: what is wanted and not enabled holds.
-SourceSays says(std::uint32_t flags) {
-  return (flags & (rt::kCommandEnabled | rt::kCommandWanted)) != 0 ? SourceSays::on : SourceSays::off;
-}
+bool is_on(std::uint32_t flags) { return (flags & (rt::kCommandEnabled | rt::kCommandWanted)) != 0; }
 rt::Nanoseconds made_at(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) {
   return stamp_ns == 0 ? now_ns : stamp_ns;
 }
@@ -36,8 +34,8 @@ void UgvDrives::attach(std::span<MotorDrive* const> drives) {
 
 Status UgvDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept {
   if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
-  const Status status =
-      group_.say(kDriveSource, says(command.flags), command.asked, made_at(command.stamp_ns, now_ns), now_ns);
+  const Status status = group_.say(kDriveSource, is_on(command.flags), command.asked,
+                                   made_at(command.stamp_ns, now_ns), now_ns);
   if (status != Status::ok) return status;
   const bool enabled = (command.flags & rt::kCommandEnabled) != 0;
   wishes_[0] = enabled ? command.left_m_s * per_m_ : 0.0;
@@ -50,7 +48,7 @@ Status UgvDrives::set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns)
     if (!std::isfinite(angle)) return Status::not_finite;
   }
   if (!flippers_) return Status::ok;
-  const Status status = group_.say(kFlipperSource, says(command.flags), command.asked,
+  const Status status = group_.say(kFlipperSource, is_on(command.flags), command.asked,
                                    made_at(command.stamp_ns, now_ns), now_ns);
   if (status != Status::ok) return status;
   for (std::size_t i = 0; i < rt::kFlippers; ++i) wishes_[kTracks + i] = command.angle_rad[i] * per_rad_;

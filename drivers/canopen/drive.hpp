@@ -85,7 +85,6 @@ class Drive final : public MotorDrive {
   void follow(double target) noexcept override;
   void stop() noexcept override { tell(Order::stop); }
 
-  /// It was told to have torque, or found with it, and has not said since that it has none.
   /// A suspect was lost since the last call.
   bool take_loss() noexcept { return std::exchange(loss_, false); }
 
@@ -123,7 +122,7 @@ class Drive final : public MotorDrive {
   bool ran_{};          // since begin()
   bool known_fault_{};  // it had one at begin(), and has had it since
   bool new_fault_{};    // since begin()
-  bool suspect_{};
+  bool suspect_{};      // told to have torque, or found with it, and has not said since that it has none
   bool loss_{};
   std::size_t step_{};
   std::uint32_t settling_{};     // readings of a drive that still has torque

@@ -53,7 +53,7 @@ std::vector<AxisConfig> axes_of(const UgvAxesConfig& config) {
 UgvAxes::UgvAxes(const UgvAxesConfig& config)
     : UgvDrives(config.group, config.flippers, config.turns_per_m, config.turns_per_rad),
       config_(config),
-      line_(config.line, axes_of(config)) {
+      line_(config.period_ns, axes_of(config)) {
   attach_all();
 }
 
@@ -148,7 +148,7 @@ std::vector<CanStream> bus_frames(const UgvAxesConfig& config) {
                       .period_ns = period_ns});
   };
   const auto axis = [&](std::uint8_t node, bool flipper) {
-    add("command", node, flipper ? kSetInputPos : kSetInputVel, config.line.period_ns);
+    add("command", node, flipper ? kSetInputPos : kSetInputVel, config.period_ns);
     frames.back().queue = 0;  // ours leave through one interface
     add("estimates", node, kEncoderEstimates, kEstimates);
     if (flipper) add("current", node, kIq, kEstimates);
