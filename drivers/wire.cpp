@@ -4,7 +4,7 @@
 
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_segments.hpp"
-#include "drivers/wire_sensor_truth.hpp"
+#include "drivers/wire_truth.hpp"
 #include "rt/fields.hpp"
 
 namespace sortie::drivers {

@@ -2,15 +2,13 @@
 // The types that follow from the structs are those that channels.hpp, and with it every log, knows.
 #include "drivers/channels.hpp"
 #include "drivers/wire.hpp"
-#include "drivers/wire_answers.hpp"
-#include "drivers/wire_contacts.hpp"
-#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
+#include "drivers/wire_truth.hpp"
 
 namespace sortie::drivers {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "drivers/wire_answers.hpp"
+#include "drivers/wire_requests.hpp"
 #include "firmware_like/link/request_kind.hpp"
 #include "rt/describe.hpp"
 #include "rt/time.hpp"

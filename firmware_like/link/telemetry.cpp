@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "drivers/wire_located.hpp"
+#include "drivers/wire.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_telemetry.hpp"

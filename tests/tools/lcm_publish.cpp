@@ -11,15 +11,13 @@
 
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/wire.hpp"
-#include "drivers/wire_answers.hpp"
-#include "drivers/wire_contacts.hpp"
-#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
+#include "drivers/wire_truth.hpp"
 
 namespace {
 

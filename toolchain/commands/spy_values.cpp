@@ -6,14 +6,12 @@
 #include <string_view>
 
 #include "drivers/wire.hpp"
-#include "drivers/wire_answers.hpp"
-#include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
-#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
 #include "drivers/wire_ssl.hpp"
+#include "drivers/wire_truth.hpp"
 #include "rt/fields.hpp"
 #include "toolchain/commands/spy_segments.hpp"
 
