@@ -169,15 +169,12 @@ Status CanSampleDecoder::finish_fix(const CanFrame& across, const CanFrame& up, 
     counters_.wrong_size += 2;
     return Status::malformed;
   }
-  const auto value = [](const CanFrame& frame, const CanSignal& field) {
-    return static_cast<double>(read_can_field(frame, field)) * field.scale;
-  };
   out.fix = {};
   out.fix.stamp_ns = fix_.stamp_ns;
-  out.fix.p_world_m[0] = value(across, kCanFixAcrossFields[0]);
-  out.fix.p_world_m[1] = value(across, kCanFixAcrossFields[1]);
-  out.fix.p_world_m[2] = value(up, kCanFixUpFields[0]);
-  out.fix.yaw_rad = value(up, kCanFixUpFields[1]);
+  out.fix.p_world_m[0] = physical_can_field(across, kCanFixAcrossFields[0]);
+  out.fix.p_world_m[1] = physical_can_field(across, kCanFixAcrossFields[1]);
+  out.fix.p_world_m[2] = physical_can_field(up, kCanFixUpFields[0]);
+  out.fix.yaw_rad = physical_can_field(up, kCanFixUpFields[1]);
   out.fix.flags = static_cast<std::uint32_t>(flags);
   fix_.given = true;
   fix_.last_ns = fix_.stamp_ns;

@@ -193,7 +193,10 @@ Status DatagramLink::receive(std::span<const std::uint8_t>& payload, rt::Nanosec
       continue;
     }
     const KernelNote note = read_kernel_note(message);
-    if (note.counts_overruns) note_overruns(note.overruns);
+    if (note.counts_overruns) {
+      counters_.overruns += static_cast<std::uint32_t>(note.overruns - kernel_overruns_);  // the total wraps
+      kernel_overruns_ = note.overruns;
+    }
     const std::uint16_t port = ntohs(source.sin_port);
     Head head;
     if ((message.msg_flags & MSG_TRUNC) != 0) {
@@ -215,11 +218,6 @@ Status DatagramLink::receive(std::span<const std::uint8_t>& payload, rt::Nanosec
   if (has_peer_ && now_ns - heard_ns_ > config_.silence_ns) has_peer_ = false;
   greet(now_ns);
   return Status::empty;
-}
-
-void DatagramLink::note_overruns(std::uint32_t kernel_total) noexcept {
-  counters_.overruns += static_cast<std::uint32_t>(kernel_total - kernel_overruns_);  // the total wraps
-  kernel_overruns_ = kernel_total;
 }
 
 }  // namespace sortie::drivers

@@ -99,7 +99,6 @@ class DatagramLink {
   bool read_head(std::span<const std::uint8_t> datagram, Head& head) noexcept;
   bool admit(const Head& head, std::uint16_t port, rt::Nanoseconds stamp_ns) noexcept;
   bool admit_peer(const Head& head, std::uint16_t port) noexcept;
-  void note_overruns(std::uint32_t kernel_total) noexcept;
 
   DatagramLinkConfig config_;
   int descriptor_{-1};
