@@ -207,16 +207,12 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
 
 void DriveGroup::order(std::span<const double> targets, rt::Nanoseconds now_ns) noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
-    MotorDrive& drive = *drives_[i];
-    if (state_ == GroupState::stopping) {
-      drive.stop();
-    } else if (!torque()) {
-      drive.rest();
-    } else if (i < targets.size() && obeys(source_of_[i], now_ns)) {
-      drive.follow(targets[i]);
-    } else {
-      drive.hold();
-    }
+    const bool follows = i < targets.size() && obeys(source_of_[i], now_ns);
+    const DriveOrder order = state_ == GroupState::stopping ? DriveOrder::stop
+                             : !torque()                    ? DriveOrder::rest
+                             : follows                      ? DriveOrder::follow
+                                                            : DriveOrder::hold;
+    drives_[i]->tell(order, follows ? targets[i] : 0.0);
   }
 }
 

@@ -80,10 +80,7 @@ class Drive final : public MotorDrive {
   bool free(rt::Nanoseconds now_ns) const noexcept override;
   StopReason trouble(rt::Nanoseconds now_ns) const noexcept override;
   void begin() noexcept override;
-  void rest() noexcept override { tell(Order::rest); }
-  void hold() noexcept override { tell(Order::hold); }
-  void follow(double target) noexcept override;
-  void stop() noexcept override { tell(Order::stop); }
+  void tell(DriveOrder order, double target) noexcept override;
 
   /// A suspect was lost since the last call.
   bool take_loss() noexcept { return std::exchange(loss_, false); }
@@ -99,9 +96,7 @@ class Drive final : public MotorDrive {
 
  private:
   enum class Wanted : std::uint8_t { nothing, stop_pdos, start };  // network management to be sent
-  enum class Order : std::uint8_t { rest, hold, follow, stop };
 
-  void tell(Order order) noexcept;
   void begin_set_up(rt::Nanoseconds now_ns) noexcept;
   void next_step() noexcept;
   void judge_step(rt::Nanoseconds now_ns) noexcept;
@@ -115,7 +110,7 @@ class Drive final : public MotorDrive {
   SdoClient sdo_;
   DrivePhase phase_{DrivePhase::absent};
   Wanted wanted_{Wanted::nothing};
-  Order order_{Order::rest};
+  DriveOrder order_{DriveOrder::rest};
   bool offered_nmt_{};
   bool read_{};
   bool reset_low_{true};
