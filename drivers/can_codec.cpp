@@ -18,6 +18,11 @@ bool decode_axes(const CanFrame& frame, const CanSignal* fields, double* axes) {
   return clipped;
 }
 
+Status tallied(std::uint64_t& counter, Status status) {
+  ++counter;
+  return status;
+}
+
 }  // namespace
 
 CanSampleDecoder::CanSampleDecoder(const CanCodecConfig& config)
@@ -41,35 +46,16 @@ CanSampleDecoder::CanSampleDecoder(const CanCodecConfig& config)
 Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept {
   out.kind = CanSampleKind::none;
   ++counters_.frames;
-  if ((frame.flags & kCanError) != 0) {
-    ++counters_.error_frames;
-    return Status::not_supported;
-  }
+  if ((frame.flags & kCanError) != 0) return tallied(counters_.error_frames, Status::not_supported);
   const CanMessage* spec = (frame.flags & kCanExtended) != 0 ? nullptr : find_can_frame(frame.id);
-  if (spec == nullptr) {
-    ++counters_.unknown_id;
-    return Status::not_supported;
-  }
-  if ((frame.flags & kCanRemote) != 0) {
-    ++counters_.remote_frames;
-    return Status::not_supported;
-  }
-  if (frame.size != spec->size || frame.flags != 0) {
-    ++counters_.wrong_size;
-    return Status::malformed;
-  }
-  if (spec->id == kCanDriveId) {
-    ++counters_.drive_frames;
-    return Status::ok;
-  }
-  if (spec->id == kCanFlipperFrontId || spec->id == kCanFlipperRearId) {
-    ++counters_.flipper_frames;
-    return Status::ok;
-  }
-  if (spec->id >= kCanRotorsId && spec->id < kCanRotorsId + kCanRotorFrames) {
-    ++counters_.rotor_frames;
-    return Status::ok;
-  }
+  if (spec == nullptr) return tallied(counters_.unknown_id, Status::not_supported);
+  if ((frame.flags & kCanRemote) != 0) return tallied(counters_.remote_frames, Status::not_supported);
+  if (frame.size != spec->size || frame.flags != 0) return tallied(counters_.wrong_size, Status::malformed);
+  if (spec->id == kCanDriveId) return tallied(counters_.drive_frames, Status::ok);
+  if (spec->id == kCanFlipperFrontId || spec->id == kCanFlipperRearId)
+    return tallied(counters_.flipper_frames, Status::ok);
+  if (spec->id >= kCanRotorsId && spec->id < kCanRotorsId + kCanRotorFrames)
+    return tallied(counters_.rotor_frames, Status::ok);
   if (spec->id >= kCanFlipperStateId && spec->id < kCanFlipperStateId + 4) return join_flipper(frame, out);
   const bool is_imu = spec->id == kCanImuGyrId || spec->id == kCanImuAccId;
   const bool is_fix = spec->id == kCanFixAcrossId || spec->id == kCanFixUpId;
@@ -90,10 +76,7 @@ Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, co
   rt::Nanoseconds stamp_ns = 0;
   const auto counter = static_cast<std::uint16_t>(read_can_field(frame, time));
   const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns);
-  if (timed != Status::ok) {
-    ++counters_.out_of_time;
-    return timed;
-  }
+  if (timed != Status::ok) return tallied(counters_.out_of_time, timed);
   if (pair.waiting && pair.second != second && pair.stamp_ns == stamp_ns) {
     pair.waiting = false;
     complete = true;
@@ -110,10 +93,8 @@ Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, co
 Status CanSampleDecoder::join_flipper(const CanFrame& frame, CanSample& out) {
   rt::Nanoseconds stamp_ns = 0;
   const auto counter = static_cast<std::uint16_t>(read_can_field(frame, kCanFlipperStateFields[2]));
-  if (const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns); timed != Status::ok) {
-    ++counters_.out_of_time;
-    return timed;
-  }
+  const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns);
+  if (timed != Status::ok) return tallied(counters_.out_of_time, timed);
   bool complete = false;
   counters_.missing_partner +=
       flippers_.add(frame.id - kCanFlipperStateId, stamp_ns,
@@ -121,24 +102,17 @@ Status CanSampleDecoder::join_flipper(const CanFrame& frame, CanSample& out) {
                     static_cast<std::int16_t>(read_can_field(frame, kCanFlipperStateFields[1])), complete);
   if (!complete) return Status::ok;
   const Status order = flippers_.take(out.flipper);
-  if (order != Status::ok) {
-    ++counters_.flipper_order;
-    return order;
-  }
+  if (order != Status::ok) return tallied(counters_.flipper_order, order);
   ++counters_.flipper_samples;
   out.kind = CanSampleKind::flipper;
   return Status::ok;
 }
 
 Status CanSampleDecoder::check_order(Pair& pair) {
-  if (pair.given && pair.stamp_ns == pair.last_ns) {
-    ++counters_.time_repeated;
-    return Status::time_repeated;
-  }
-  if (pair.given && pair.stamp_ns < pair.last_ns) {
-    ++counters_.time_backwards;
-    return Status::time_backwards;
-  }
+  if (pair.given && pair.stamp_ns == pair.last_ns)
+    return tallied(counters_.time_repeated, Status::time_repeated);
+  if (pair.given && pair.stamp_ns < pair.last_ns)
+    return tallied(counters_.time_backwards, Status::time_backwards);
   return Status::ok;
 }
 
@@ -197,10 +171,7 @@ Status CanSampleDecoder::finish_track(const CanFrame& left, const CanFrame& righ
   const auto right_raw = static_cast<std::int32_t>(read_can_field(right, kCanTrackRightFields[0]));
   const bool left_good = left_.update(left_raw, limit);
   const bool right_good = right_.update(right_raw, limit);
-  if (!left_good || !right_good) {
-    ++counters_.encoder_jumps;
-    return Status::out_of_range;
-  }
+  if (!left_good || !right_good) return tallied(counters_.encoder_jumps, Status::out_of_range);
   out.track = {};
   out.track.stamp_ns = track_.stamp_ns;
   out.track.left_m = static_cast<double>(left_.total()) * kCanTrackLeftFields[0].scale;

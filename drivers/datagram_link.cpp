@@ -28,6 +28,11 @@ sockaddr_in loopback(std::uint16_t port) {
   return name;
 }
 
+bool not_taken(std::uint64_t& counter) {
+  ++counter;
+  return false;
+}
+
 }  // namespace
 
 Status DatagramLink::open(const DatagramLinkConfig& config, std::string& problem) {
@@ -135,10 +140,7 @@ bool DatagramLink::read_head(std::span<const std::uint8_t> datagram, Head& head)
 // nobody else is there; the other end believes who holds the port and knows its session.
 bool DatagramLink::admit_peer(const Head& head, std::uint16_t port) noexcept {
   const bool good = config_.listens ? head.kind == Kind::hello && !has_peer_ : head.kind != Kind::bye;
-  if (!good) {
-    ++counters_.wrong_session;
-    return false;
-  }
+  if (!good) return not_taken(counters_.wrong_session);
   ++counters_.peers;
   peer_ = head.from;
   peer_port_ = port;
@@ -149,20 +151,11 @@ bool DatagramLink::admit_peer(const Head& head, std::uint16_t port) noexcept {
 bool DatagramLink::admit(const Head& head, std::uint16_t port, rt::Nanoseconds stamp_ns) noexcept {
   const bool addressed =
       head.kind == Kind::hello && config_.listens ? head.to == 0 : head.to == config_.session;
-  if (!addressed) {
-    ++counters_.wrong_session;
-    return false;
-  }
+  if (!addressed) return not_taken(counters_.wrong_session);
   if (head.from != peer_ && !admit_peer(head, port)) return false;
-  if (config_.listens && port != peer_port_) {
-    ++counters_.foreign;
-    return false;
-  }
+  if (config_.listens && port != peer_port_) return not_taken(counters_.foreign);
   const auto ahead = static_cast<std::int32_t>(head.number - peer_number_);
-  if (ahead <= 0) {
-    ++counters_.repeated;
-    return false;
-  }
+  if (ahead <= 0) return not_taken(counters_.repeated);
   counters_.lost += static_cast<std::uint64_t>(ahead - 1);
   peer_number_ = head.number;
   heard_ns_ = stamp_ns;
