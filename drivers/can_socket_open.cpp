@@ -44,19 +44,20 @@ struct Opened {
 };
 
 template <class Value>
-bool set(int descriptor, int level, int option, const Value& value) noexcept {
+bool set_option(int descriptor, int level, int option, const Value& value) noexcept {
   return ::setsockopt(descriptor, level, option, &value, sizeof value) == 0;
 }
 
 OpenStep set_options(int descriptor, const SocketCanConfig& config) noexcept {
   const int on = 1;
-  if (!set(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, on)) return OpenStep::stamps;
-  if (!set(descriptor, SOL_SOCKET, SO_RXQ_OVFL, on)) return OpenStep::overruns;
-  if (config.receive_buffer_bytes > 0 && !set(descriptor, SOL_SOCKET, SO_RCVBUF, config.receive_buffer_bytes))
+  if (!set_option(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, on)) return OpenStep::stamps;
+  if (!set_option(descriptor, SOL_SOCKET, SO_RXQ_OVFL, on)) return OpenStep::overruns;
+  if (config.receive_buffer_bytes > 0 &&
+      !set_option(descriptor, SOL_SOCKET, SO_RCVBUF, config.receive_buffer_bytes))
     return OpenStep::buffer;
   // Lost arbitration is daily life on a bus and would flood the queue.
   const can_err_mask_t errors = config.error_frames ? CAN_ERR_MASK & ~CAN_ERR_LOSTARB : 0;
-  if (!set(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors)) return OpenStep::error_frames;
+  if (!set_option(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors)) return OpenStep::error_frames;
   if (config.filters.empty()) return OpenStep::done;
   can_filter filters[kMostFilters];
   std::size_t count = 0;
@@ -85,7 +86,7 @@ OpenStep bind_to(int descriptor, const std::string& name, CanSocketKind kind) no
   if (kind != CanSocketKind::fd) return OpenStep::done;
   if (::ioctl(descriptor, SIOCGIFMTU, &request) != 0 || request.ifr_mtu < static_cast<int>(CANFD_MTU))
     return OpenStep::fd_width;
-  return set(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) ? OpenStep::done : OpenStep::fd;
+  return set_option(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) ? OpenStep::done : OpenStep::fd;
 }
 
 Opened try_open(const SocketCanConfig& config, CanSocketKind kind) noexcept {
