@@ -10,8 +10,6 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "drivers/can_timing.hpp"
-
 namespace sortie::drivers {
 
 namespace {
@@ -53,16 +51,24 @@ bool is_interface(std::string_view interface) {
          std::all_of(interface.begin(), interface.end(), [](char c) { return c > ' ' && c < '\x7f'; });
 }
 
-bool writable(const CanFrame& frame) {
+bool writable(const CanFdFrame& frame) {
   if (frame.stamp_ns < 0) return false;
-  if (frame.flags != kCanError) return can_frame_valid(frame);
+  if (frame.flags != kCanError) return can_fd_frame_valid(frame);
   return frame.size <= 8 && frame.id <= 0x1FFFFFFF;
 }
 
-// Time, interface and identifier.
-template <class Frame>
-void put_head(Sink& line, const Frame& frame, std::string_view interface, CandumpDigits digits) {
+}  // namespace
+
+std::size_t format_candump_line(const CanFrame& frame, std::string_view interface, CandumpDigits digits,
+                                std::span<char> out) noexcept {
+  return format_candump_line(widened(frame), interface, digits, out);
+}
+
+std::size_t format_candump_line(const CanFdFrame& frame, std::string_view interface, CandumpDigits digits,
+                                std::span<char> out) noexcept {
+  if (!is_interface(interface) || !writable(frame)) return 0;
   const rt::Nanoseconds part = frame.stamp_ns % rt::kNanosecondsPerSecond;
+  Sink line(out);
   line.put('(');
   line.decimal(frame.stamp_ns / rt::kNanosecondsPerSecond, 10);
   line.put('.');
@@ -76,36 +82,18 @@ void put_head(Sink& line, const Frame& frame, std::string_view interface, Candum
     line.hex(frame.id | ((frame.flags & kCanError) != 0 ? kErrorFrameBit : 0u), 8);
   }
   line.put('#');
-}
-
-}  // namespace
-
-std::size_t format_candump_line(const CanFrame& frame, std::string_view interface, CandumpDigits digits,
-                                std::span<char> out) noexcept {
-  if (!is_interface(interface) || !writable(frame)) return 0;
-  Sink line(out);
-  put_head(line, frame, interface, digits);
+  if ((frame.flags & kCanFd) != 0) {
+    line.put('#');
+    line.hex(
+        ((frame.flags & kCanBitRateSwitch) != 0 ? 1u : 0u) | ((frame.flags & kCanErrorState) != 0 ? 2u : 0u),
+        1);
+  }
   if ((frame.flags & kCanRemote) != 0) {
     line.put('R');
     if (frame.size != 0) line.put(static_cast<char>('0' + frame.size));
   } else {
     for (std::size_t i = 0; i < frame.size; ++i) line.hex(frame.data[i], 2);
   }
-  return line.length();
-}
-
-std::size_t format_candump_line(const CanFdFrame& frame, std::string_view interface, CandumpDigits digits,
-                                std::span<char> out) noexcept {
-  CanFrame classical;
-  if (narrowed(frame, classical) == Status::ok) return format_candump_line(classical, interface, digits, out);
-  if (!is_interface(interface) || frame.stamp_ns < 0 || !can_fd_frame_valid(frame)) return 0;
-  Sink line(out);
-  put_head(line, frame, interface, digits);
-  line.put('#');
-  line.hex(
-      ((frame.flags & kCanBitRateSwitch) != 0 ? 1u : 0u) | ((frame.flags & kCanErrorState) != 0 ? 2u : 0u),
-      1);
-  for (std::size_t i = 0; i < frame.size; ++i) line.hex(frame.data[i], 2);
   return line.length();
 }
 

@@ -73,8 +73,7 @@ bool parse_time(Cursor& line, rt::Nanoseconds& stamp_ns, CandumpFault& fault) {
   return true;
 }
 
-template <class Record>
-bool parse_interface(Cursor& line, Record& record, CandumpFault& fault) {
+bool parse_interface(Cursor& line, CandumpFdRecord& record, CandumpFault& fault) {
   static_cast<void>(line.take_while([](char c) { return c == ' '; }));
   const std::string_view name = line.take_while([](char c) { return c > ' ' && c < '\x7f'; });
   if (name.empty() || name.size() >= sizeof(record.interface) || !line.take(' '))
@@ -84,8 +83,7 @@ bool parse_interface(Cursor& line, Record& record, CandumpFault& fault) {
   return true;
 }
 
-template <class Frame>
-bool parse_id(Cursor& line, Frame& frame, CandumpFault& fault) {
+bool parse_id(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
   const std::string_view digits = line.take_while([](char c) { return hex_digit(c) >= 0; });
   if (digits.size() != 3 && digits.size() != 8)
     return refuse(fault, "the identifier does not have 3 or 8 hexadecimal digits",
@@ -102,8 +100,7 @@ bool parse_id(Cursor& line, Frame& frame, CandumpFault& fault) {
   return true;
 }
 
-template <class Frame>
-bool parse_remote(Cursor& line, Frame& frame, CandumpFault& fault) {
+bool parse_remote(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
   if ((frame.flags & kCanError) != 0)
     return refuse(fault, "an error frame cannot be a remote frame",
                   "clear bit 29 of the identifier or write its data");
@@ -117,8 +114,7 @@ bool parse_remote(Cursor& line, Frame& frame, CandumpFault& fault) {
   return refuse(fault, "a remote frame asks for more than 8 bytes", "write R0 to R8, or R alone");
 }
 
-template <class Frame>
-bool parse_data(Cursor& line, Frame& frame, std::size_t most, CandumpFault& fault) {
+bool parse_data(Cursor& line, CanFdFrame& frame, std::size_t most, CandumpFault& fault) {
   const std::string_view digits = line.take_while([](char c) { return hex_digit(c) >= 0; });
   if (digits.size() % 2 != 0)
     return refuse(fault, "the data end in half a byte",
@@ -134,11 +130,6 @@ bool parse_data(Cursor& line, Frame& frame, std::size_t most, CandumpFault& faul
 }
 
 // What follows the second #.
-bool parse_fd(Cursor&, CanFrame&, CandumpFault& fault) {
-  return refuse(fault, "this is a CAN FD frame (##), and only classical CAN is read",
-                "remove the FD frames: grep -v '##' OLD > NEW");
-}
-
 bool parse_fd(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
   const int flags = hex_digit(line.peek());
   if ((frame.flags & kCanError) != 0 || flags < 0 || flags > 3)
@@ -155,11 +146,14 @@ bool parse_fd(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
   return true;
 }
 
-template <class Frame>
-bool parse_frame(Cursor& line, Frame& frame, CandumpFault& fault) {
+bool parse_frame(Cursor& line, bool fd, CanFdFrame& frame, CandumpFault& fault) {
   if (!parse_id(line, frame, fault)) return false;
   if (!line.take('#')) return refuse(fault, "there is no # behind the identifier", kFormCure);
-  if (line.take('#')) return parse_fd(line, frame, fault);
+  if (line.take('#')) {
+    if (fd) return parse_fd(line, frame, fault);
+    return refuse(fault, "this is a CAN FD frame (##), and only classical CAN is read",
+                  "remove the FD frames: grep -v '##' OLD > NEW");
+  }
   return line.take('R') ? parse_remote(line, frame, fault) : parse_data(line, frame, 8, fault);
 }
 
@@ -170,26 +164,29 @@ bool parse_end(Cursor& line, CandumpFault& fault) {
   return refuse(fault, "there are characters behind the frame that do not belong there", kFormCure);
 }
 
-template <class Record>
-Status parse_line(std::string_view line, Record& record, CandumpFault& fault) {
+// `record` may be half filled unless ok. `fd`: it may be an FD frame.
+Status parse_line(std::string_view line, bool fd, CandumpFdRecord& record, CandumpFault& fault) {
   Cursor cursor(line);
-  Record read;
-  if (!parse_time(cursor, read.frame.stamp_ns, fault) || !parse_interface(cursor, read, fault) ||
-      !parse_frame(cursor, read.frame, fault) || !parse_end(cursor, fault)) {
-    return Status::malformed;
-  }
-  record = read;
-  return Status::ok;
+  const bool good = parse_time(cursor, record.frame.stamp_ns, fault) &&
+                    parse_interface(cursor, record, fault) && parse_frame(cursor, fd, record.frame, fault) &&
+                    parse_end(cursor, fault);
+  return good ? Status::ok : Status::malformed;
 }
 
 }  // namespace
 
 Status parse_candump_line(std::string_view line, CandumpRecord& record, CandumpFault& fault) noexcept {
-  return parse_line(line, record, fault);
+  CandumpFdRecord read;
+  if (const Status status = parse_line(line, false, read, fault); status != Status::ok) return status;
+  std::copy_n(read.interface, sizeof read.interface, record.interface);
+  return narrowed(read.frame, record.frame);
 }
 
 Status parse_candump_line(std::string_view line, CandumpFdRecord& record, CandumpFault& fault) noexcept {
-  return parse_line(line, record, fault);
+  CandumpFdRecord read;
+  const Status status = parse_line(line, true, read, fault);
+  if (status == Status::ok) record = read;
+  return status;
 }
 
 }  // namespace sortie::drivers

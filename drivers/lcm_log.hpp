@@ -85,11 +85,8 @@ class LcmLogReader {
   /// Complete events given so far.
   [[nodiscard]] std::uint64_t events() const noexcept { return cursor_.events(); }
   [[nodiscard]] std::uint64_t size_bytes() const noexcept { return bytes_.size(); }
-  [[nodiscard]] std::uint64_t position() const noexcept { return cursor_.position(); }
-  [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
  private:
-  std::string path_;
   std::span<const std::uint8_t> bytes_;
   LcmLogCursor cursor_;
 };

@@ -64,7 +64,7 @@ void unmap(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-LcmLogReader::LcmLogReader(const std::string& path) : path_(path), bytes_(map_file(path)), cursor_(bytes_) {
+LcmLogReader::LcmLogReader(const std::string& path) : bytes_(map_file(path)), cursor_(bytes_) {
   if (!bytes_.empty() && !begin_an_event(bytes_)) {
     const std::string found = first_bytes(bytes_);
     unmap(bytes_);
