@@ -65,10 +65,16 @@ Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept 
   bool complete = false;
   const Status joined = join(pair, frame, second, spec->fields[spec->field_count - 1], complete);
   if (joined != Status::ok || !complete) return joined;
+  if (const Status order = check_order(pair); order != Status::ok) return order;
   const CanFrame& first = second ? first_half : frame;
   const CanFrame& last = second ? frame : first_half;
-  if (is_fix) return finish_fix(first, last, out);
-  return is_imu ? finish_imu(first, last, out) : finish_track(first, last, out);
+  const Status given = is_fix   ? finish_fix(first, last, out)
+                       : is_imu ? finish_imu(first, last, out)
+                                : finish_track(first, last, out);
+  if (given != Status::ok) return given;
+  pair.given = true;
+  pair.last_ns = pair.stamp_ns;
+  return Status::ok;
 }
 
 Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, const CanSignal& time,
@@ -117,8 +123,6 @@ Status CanSampleDecoder::check_order(Pair& pair) {
 }
 
 Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, CanSample& out) {
-  const Status order = check_order(imu_);
-  if (order != Status::ok) return order;
   out.imu = {};
   out.imu.stamp_ns = imu_.stamp_ns;
   out.imu.flags = rt::kImuGyr | rt::kImuAcc;
@@ -128,16 +132,12 @@ Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, Ca
     out.imu.flags |= rt::kImuSaturated | (gyr_clipped ? 0u : +rt::kImuOnlyAccSaturated);
     ++counters_.saturated;
   }
-  imu_.given = true;
-  imu_.last_ns = imu_.stamp_ns;
   ++counters_.imu_samples;
   out.kind = CanSampleKind::imu;
   return Status::ok;
 }
 
 Status CanSampleDecoder::finish_fix(const CanFrame& across, const CanFrame& up, CanSample& out) {
-  const Status order = check_order(fix_);
-  if (order != Status::ok) return order;
   const std::int64_t flags = read_can_field(up, kCanFixUpFields[2]);
   if (flags > (rt::kFixPosition | rt::kFixYaw)) {
     counters_.wrong_size += 2;
@@ -150,16 +150,12 @@ Status CanSampleDecoder::finish_fix(const CanFrame& across, const CanFrame& up, 
   out.fix.p_world_m[2] = physical_can_field(up, kCanFixUpFields[0]);
   out.fix.yaw_rad = physical_can_field(up, kCanFixUpFields[1]);
   out.fix.flags = static_cast<std::uint32_t>(flags);
-  fix_.given = true;
-  fix_.last_ns = fix_.stamp_ns;
   ++counters_.fix_samples;
   out.kind = CanSampleKind::fix;
   return Status::ok;
 }
 
 Status CanSampleDecoder::finish_track(const CanFrame& left, const CanFrame& right, CanSample& out) {
-  const Status order = check_order(track_);
-  if (order != Status::ok) return order;
   // 10,000 s of silence is enough for any travel; the bound keeps the product inside 64 bits.
   constexpr rt::Nanoseconds kLongest = 10'000 * rt::kNanosecondsPerSecond;
   constexpr std::int64_t kSlackCounts = 500;
@@ -176,8 +172,6 @@ Status CanSampleDecoder::finish_track(const CanFrame& left, const CanFrame& righ
   out.track.stamp_ns = track_.stamp_ns;
   out.track.left_m = static_cast<double>(left_.total()) * kCanTrackLeftFields[0].scale;
   out.track.right_m = static_cast<double>(right_.total()) * kCanTrackRightFields[0].scale;
-  track_.given = true;
-  track_.last_ns = track_.stamp_ns;
   ++counters_.track_samples;
   out.kind = CanSampleKind::track;
   return Status::ok;

@@ -108,6 +108,13 @@ class Axis final : public MotorDrive {
   const AxisCounters& counters() const noexcept { return counters_; }
 
  private:
+  static constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
+  static constexpr rt::Nanoseconds kAskEvery = 50 * kMs;     // a state, until the heartbeat shows it
+  static constexpr rt::Nanoseconds kRestWithin = 500 * kMs;  // then it is let go, at rest or not
+  static constexpr rt::Nanoseconds kIdleWithin = 250 * kMs;  // then its watchdog has to do it
+  static constexpr rt::Nanoseconds kUnderWay = 2 * kMs;  // a heartbeat as old as a frame does not answer it
+  static constexpr std::uint8_t kSetUpFrames = 4;        // idle, mode, limits, forget errors
+
   enum class Asks : std::uint8_t { nothing, start_step, idle };  // what the cycle's first frame is for
 
   void take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "drivers/odrive/axis.hpp"
-#include "drivers/odrive/axis_times.hpp"
 #include "drivers/odrive_dbc.hpp"
 
 namespace sortie::drivers::odrive {
