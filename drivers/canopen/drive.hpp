@@ -119,7 +119,7 @@ class Drive final : public MotorDrive {
   bool new_fault_{};    // since begin()
   bool suspect_{};      // told to have torque, or found with it, and has not said since that it has none
   bool loss_{};
-  std::size_t step_{};
+  std::uint32_t step_{};
   std::uint32_t settling_{};     // readings of a drive that still has torque
   std::uint64_t emergencies_{};  // known at begin()
   std::int32_t target_{};

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "drivers/can_bus.hpp"
 #include "drivers/motor_drive.hpp"
