@@ -253,22 +253,18 @@ Status Drive::command(CanFrame& frame) noexcept {
   // rises, so every other word has it low.
   const bool reset = runs && !ran_ && reset_low_;
   reset_low_ = !reset;
-  const std::int32_t still = config_.kind == DriveKind::velocity ? 0 : hold_;
   if (runs) suspect_ = true;
-  frame = {};
-  frame.id = kRpdo1Id + config_.node;
-  frame.size = kCommandBytes;
-  write_le(frame, 0, 2, control_word(state(), wish, reset));
-  write_le(frame, 2, 4, static_cast<std::uint32_t>(order_ == DriveOrder::follow ? target_ : still));
+  frame = command_frame(control_word(state(), wish, reset), order_ == DriveOrder::follow);
   return Status::ok;
 }
 
-CanFrame Drive::blind_stop() const noexcept {
+CanFrame Drive::command_frame(std::uint16_t word, bool follows) const noexcept {
+  const std::int32_t still = config_.kind == DriveKind::velocity ? 0 : hold_;
   CanFrame frame;
   frame.id = kRpdo1Id + config_.node;
   frame.size = kCommandBytes;
-  write_le(frame, 0, 2, kQuickStop);
-  write_le(frame, 2, 4, static_cast<std::uint32_t>(config_.kind == DriveKind::velocity ? 0 : hold_));
+  write_le(frame, 0, 2, word);
+  write_le(frame, 2, 4, static_cast<std::uint32_t>(follows ? target_ : still));
   return frame;
 }
 

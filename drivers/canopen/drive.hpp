@@ -71,7 +71,7 @@ class Drive final : public MotorDrive {
   /// Status: ok; empty: the drive is not operational, nothing is to be sent.
   [[nodiscard]] Status command(CanFrame& frame) noexcept;
   /// A quick stop for a drive that nothing is known of.
-  CanFrame blind_stop() const noexcept;
+  CanFrame blind_stop() const noexcept { return command_frame(kQuickStop, false); }
   /// Forgets all about it: it is to be found and set up again.
   void forget(rt::Nanoseconds now_ns) noexcept;
 
@@ -100,6 +100,7 @@ class Drive final : public MotorDrive {
   void begin_set_up(rt::Nanoseconds now_ns) noexcept;
   void next_step() noexcept;
   void judge_step(rt::Nanoseconds now_ns) noexcept;
+  CanFrame command_frame(std::uint16_t word, bool follows) const noexcept;
   bool step_good(const SetupStep& step, const SdoResult& result) noexcept;
   void take_heartbeat(NmtState state, rt::Nanoseconds now_ns) noexcept;
   void take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
