@@ -18,6 +18,11 @@ bool decode_axes(const CanFrame& frame, const CanSignal* fields, double* axes) {
   return clipped;
 }
 
+Status tallied(std::uint64_t& counter, Status status) {
+  ++counter;
+  return status;
+}
+
 }  // namespace
 
 CanSampleDecoder::CanSampleDecoder(const CanCodecConfig& config)
@@ -41,35 +46,16 @@ CanSampleDecoder::CanSampleDecoder(const CanCodecConfig& config)
 Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept {
   out.kind = CanSampleKind::none;
   ++counters_.frames;
-  if ((frame.flags & kCanError) != 0) {
-    ++counters_.error_frames;
-    return Status::not_supported;
-  }
+  if ((frame.flags & kCanError) != 0) return tallied(counters_.error_frames, Status::not_supported);
   const CanMessage* spec = (frame.flags & kCanExtended) != 0 ? nullptr : find_can_frame(frame.id);
-  if (spec == nullptr) {
-    ++counters_.unknown_id;
-    return Status::not_supported;
-  }
-  if ((frame.flags & kCanRemote) != 0) {
-    ++counters_.remote_frames;
-    return Status::not_supported;
-  }
-  if (frame.size != spec->size || frame.flags != 0) {
-    ++counters_.wrong_size;
-    return Status::malformed;
-  }
-  if (spec->id == kCanDriveId) {
-    ++counters_.drive_frames;
-    return Status::ok;
-  }
-  if (spec->id == kCanFlipperFrontId || spec->id == kCanFlipperRearId) {
-    ++counters_.flipper_frames;
-    return Status::ok;
-  }
-  if (spec->id >= kCanRotorsId && spec->id < kCanRotorsId + kCanRotorFrames) {
-    ++counters_.rotor_frames;
-    return Status::ok;
-  }
+  if (spec == nullptr) return tallied(counters_.unknown_id, Status::not_supported);
+  if ((frame.flags & kCanRemote) != 0) return tallied(counters_.remote_frames, Status::not_supported);
+  if (frame.size != spec->size || frame.flags != 0) return tallied(counters_.wrong_size, Status::malformed);
+  if (spec->id == kCanDriveId) return tallied(counters_.drive_frames, Status::ok);
+  if (spec->id == kCanFlipperFrontId || spec->id == kCanFlipperRearId)
+    return tallied(counters_.flipper_frames, Status::ok);
+  if (spec->id >= kCanRotorsId && spec->id < kCanRotorsId + kCanRotorFrames)
+    return tallied(counters_.rotor_frames, Status::ok);
   if (spec->id >= kCanFlipperStateId && spec->id < kCanFlipperStateId + 4) return join_flipper(frame, out);
   const bool is_imu = spec->id == kCanImuGyrId || spec->id == kCanImuAccId;
   const bool is_fix = spec->id == kCanFixAcrossId || spec->id == kCanFixUpId;
@@ -79,10 +65,16 @@ Status CanSampleDecoder::decode(const CanFrame& frame, CanSample& out) noexcept 
   bool complete = false;
   const Status joined = join(pair, frame, second, spec->fields[spec->field_count - 1], complete);
   if (joined != Status::ok || !complete) return joined;
+  if (const Status order = check_order(pair); order != Status::ok) return order;
   const CanFrame& first = second ? first_half : frame;
   const CanFrame& last = second ? frame : first_half;
-  if (is_fix) return finish_fix(first, last, out);
-  return is_imu ? finish_imu(first, last, out) : finish_track(first, last, out);
+  const Status given = is_fix   ? finish_fix(first, last, out)
+                       : is_imu ? finish_imu(first, last, out)
+                                : finish_track(first, last, out);
+  if (given != Status::ok) return given;
+  pair.given = true;
+  pair.last_ns = pair.stamp_ns;
+  return Status::ok;
 }
 
 Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, const CanSignal& time,
@@ -90,10 +82,7 @@ Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, co
   rt::Nanoseconds stamp_ns = 0;
   const auto counter = static_cast<std::uint16_t>(read_can_field(frame, time));
   const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns);
-  if (timed != Status::ok) {
-    ++counters_.out_of_time;
-    return timed;
-  }
+  if (timed != Status::ok) return tallied(counters_.out_of_time, timed);
   if (pair.waiting && pair.second != second && pair.stamp_ns == stamp_ns) {
     pair.waiting = false;
     complete = true;
@@ -110,10 +99,8 @@ Status CanSampleDecoder::join(Pair& pair, const CanFrame& frame, bool second, co
 Status CanSampleDecoder::join_flipper(const CanFrame& frame, CanSample& out) {
   rt::Nanoseconds stamp_ns = 0;
   const auto counter = static_cast<std::uint16_t>(read_can_field(frame, kCanFlipperStateFields[2]));
-  if (const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns); timed != Status::ok) {
-    ++counters_.out_of_time;
-    return timed;
-  }
+  const Status timed = clock_.unwrap(counter, frame.stamp_ns, stamp_ns);
+  if (timed != Status::ok) return tallied(counters_.out_of_time, timed);
   bool complete = false;
   counters_.missing_partner +=
       flippers_.add(frame.id - kCanFlipperStateId, stamp_ns,
@@ -121,30 +108,21 @@ Status CanSampleDecoder::join_flipper(const CanFrame& frame, CanSample& out) {
                     static_cast<std::int16_t>(read_can_field(frame, kCanFlipperStateFields[1])), complete);
   if (!complete) return Status::ok;
   const Status order = flippers_.take(out.flipper);
-  if (order != Status::ok) {
-    ++counters_.flipper_order;
-    return order;
-  }
+  if (order != Status::ok) return tallied(counters_.flipper_order, order);
   ++counters_.flipper_samples;
   out.kind = CanSampleKind::flipper;
   return Status::ok;
 }
 
 Status CanSampleDecoder::check_order(Pair& pair) {
-  if (pair.given && pair.stamp_ns == pair.last_ns) {
-    ++counters_.time_repeated;
-    return Status::time_repeated;
-  }
-  if (pair.given && pair.stamp_ns < pair.last_ns) {
-    ++counters_.time_backwards;
-    return Status::time_backwards;
-  }
+  if (pair.given && pair.stamp_ns == pair.last_ns)
+    return tallied(counters_.time_repeated, Status::time_repeated);
+  if (pair.given && pair.stamp_ns < pair.last_ns)
+    return tallied(counters_.time_backwards, Status::time_backwards);
   return Status::ok;
 }
 
 Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, CanSample& out) {
-  const Status order = check_order(imu_);
-  if (order != Status::ok) return order;
   out.imu = {};
   out.imu.stamp_ns = imu_.stamp_ns;
   out.imu.flags = rt::kImuGyr | rt::kImuAcc;
@@ -154,41 +132,30 @@ Status CanSampleDecoder::finish_imu(const CanFrame& gyr, const CanFrame& acc, Ca
     out.imu.flags |= rt::kImuSaturated | (gyr_clipped ? 0u : +rt::kImuOnlyAccSaturated);
     ++counters_.saturated;
   }
-  imu_.given = true;
-  imu_.last_ns = imu_.stamp_ns;
   ++counters_.imu_samples;
   out.kind = CanSampleKind::imu;
   return Status::ok;
 }
 
 Status CanSampleDecoder::finish_fix(const CanFrame& across, const CanFrame& up, CanSample& out) {
-  const Status order = check_order(fix_);
-  if (order != Status::ok) return order;
   const std::int64_t flags = read_can_field(up, kCanFixUpFields[2]);
   if (flags > (rt::kFixPosition | rt::kFixYaw)) {
     counters_.wrong_size += 2;
     return Status::malformed;
   }
-  const auto value = [](const CanFrame& frame, const CanSignal& field) {
-    return static_cast<double>(read_can_field(frame, field)) * field.scale;
-  };
   out.fix = {};
   out.fix.stamp_ns = fix_.stamp_ns;
-  out.fix.p_world_m[0] = value(across, kCanFixAcrossFields[0]);
-  out.fix.p_world_m[1] = value(across, kCanFixAcrossFields[1]);
-  out.fix.p_world_m[2] = value(up, kCanFixUpFields[0]);
-  out.fix.yaw_rad = value(up, kCanFixUpFields[1]);
+  out.fix.p_world_m[0] = physical_can_field(across, kCanFixAcrossFields[0]);
+  out.fix.p_world_m[1] = physical_can_field(across, kCanFixAcrossFields[1]);
+  out.fix.p_world_m[2] = physical_can_field(up, kCanFixUpFields[0]);
+  out.fix.yaw_rad = physical_can_field(up, kCanFixUpFields[1]);
   out.fix.flags = static_cast<std::uint32_t>(flags);
-  fix_.given = true;
-  fix_.last_ns = fix_.stamp_ns;
   ++counters_.fix_samples;
   out.kind = CanSampleKind::fix;
   return Status::ok;
 }
 
 Status CanSampleDecoder::finish_track(const CanFrame& left, const CanFrame& right, CanSample& out) {
-  const Status order = check_order(track_);
-  if (order != Status::ok) return order;
   // 10,000 s of silence is enough for any travel; the bound keeps the product inside 64 bits.
   constexpr rt::Nanoseconds kLongest = 10'000 * rt::kNanosecondsPerSecond;
   constexpr std::int64_t kSlackCounts = 500;
@@ -200,16 +167,11 @@ Status CanSampleDecoder::finish_track(const CanFrame& left, const CanFrame& righ
   const auto right_raw = static_cast<std::int32_t>(read_can_field(right, kCanTrackRightFields[0]));
   const bool left_good = left_.update(left_raw, limit);
   const bool right_good = right_.update(right_raw, limit);
-  if (!left_good || !right_good) {
-    ++counters_.encoder_jumps;
-    return Status::out_of_range;
-  }
+  if (!left_good || !right_good) return tallied(counters_.encoder_jumps, Status::out_of_range);
   out.track = {};
   out.track.stamp_ns = track_.stamp_ns;
   out.track.left_m = static_cast<double>(left_.total()) * kCanTrackLeftFields[0].scale;
   out.track.right_m = static_cast<double>(right_.total()) * kCanTrackRightFields[0].scale;
-  track_.given = true;
-  track_.last_ns = track_.stamp_ns;
   ++counters_.track_samples;
   out.kind = CanSampleKind::track;
   return Status::ok;

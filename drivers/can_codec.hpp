@@ -98,7 +98,6 @@ class CanSampleDecoder {
   Status join_flipper(const CanFrame& frame, CanSample& out);
   Status finish_imu(const CanFrame& gyr, const CanFrame& acc, CanSample& out);
   Status finish_track(const CanFrame& left, const CanFrame& right, CanSample& out);
-
   Status finish_fix(const CanFrame& across, const CanFrame& up, CanSample& out);
 
   CanCounterClock clock_;
@@ -116,9 +115,8 @@ class CanSampleDecoder {
 std::uint16_t can_time_counter(rt::Nanoseconds stamp_ns, const CanCodecConfig& config = {});
 
 /// Encodes an IMU sample as two frames: out[0] gyro, out[1] accelerometer. Axes beyond the range are clipped
-/// to
-/// +-32767, as a device clips them. The frames carry the sample's stamp until a bus stamps them. Status: ok,
-/// not_finite (nothing written).
+/// to +-32767, as a device clips them. The frames carry the sample's stamp until a bus stamps them. Status:
+/// ok, not_finite (nothing written).
 [[nodiscard]] Status encode_imu(const rt::ImuSample& sample, std::uint16_t counter, CanFrame out[2]) noexcept;
 
 /// Encodes track travel as two frames: out[0] left, out[1] right. The count wraps at 32 bits. Status: ok,

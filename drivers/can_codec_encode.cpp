@@ -67,10 +67,8 @@ Status decode_drive(const CanFrame& frame, rt::DriveCommand& command, std::uint8
   if (flags > kDriveEnabled) return Status::malformed;
   command = {};
   command.stamp_ns = frame.stamp_ns;
-  command.left_m_s =
-      static_cast<double>(read_can_field(frame, kCanDriveFields[0])) * kCanDriveFields[0].scale;
-  command.right_m_s =
-      static_cast<double>(read_can_field(frame, kCanDriveFields[1])) * kCanDriveFields[1].scale;
+  command.left_m_s = physical_can_field(frame, kCanDriveFields[0]);
+  command.right_m_s = physical_can_field(frame, kCanDriveFields[1]);
   command.flags = static_cast<std::uint32_t>(flags);
   counter = static_cast<std::uint8_t>(read_can_field(frame, kCanDriveFields[2]));
   return Status::ok;

@@ -69,10 +69,8 @@ Status decode_rotors(const CanFrame& frame, CanRotorThird& third) noexcept {
   const std::int64_t flags = read_can_field(frame, kCanRotorFields[4]);
   if (flags > kRotorsEnabled) return Status::malformed;
   third.first = kPerFrame * (frame.id - kCanRotorsId);
-  for (std::size_t i = 0; i < kPerFrame; ++i) {
-    third.speed_rad_s[i] =
-        static_cast<double>(read_can_field(frame, kCanRotorFields[i])) * kCanRotorFields[i].scale;
-  }
+  for (std::size_t i = 0; i < kPerFrame; ++i)
+    third.speed_rad_s[i] = physical_can_field(frame, kCanRotorFields[i]);
   third.counter = static_cast<std::uint8_t>(read_can_field(frame, kCanRotorFields[3]));
   third.enabled = flags != 0;
   return Status::ok;

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/can_fd.hpp"
 
-#include <algorithm>
-
-#if defined(__linux__)
 #include <linux/can.h>
 
+#include <algorithm>
 #include <cstring>
-
-#include "drivers/can_socket_open.hpp"
-#endif
 
 namespace sortie::drivers {
 
@@ -42,64 +37,14 @@ Status narrowed(const CanFdFrame& frame, CanFrame& out) noexcept {
   return Status::ok;
 }
 
-#if defined(__linux__)
-
-namespace {
-
-canfd_frame to_kernel(const CanFdFrame& frame) {
+Status CanFdSocket::send(const CanFdFrame& frame) noexcept {
+  if (!can_fd_frame_valid(frame)) return Status::malformed;
   canfd_frame k{};
-  k.can_id = frame.id;
-  if ((frame.flags & kCanExtended) != 0) k.can_id |= CAN_EFF_FLAG;
-  if ((frame.flags & kCanRemote) != 0) k.can_id |= CAN_RTR_FLAG;
+  k.can_id = to_kernel_id(frame.id, frame.flags);
   k.len = frame.size;
   if ((frame.flags & kCanBitRateSwitch) != 0) k.flags |= CANFD_BRS;
   if ((frame.flags & kCanErrorState) != 0) k.flags |= CANFD_ESI;
   if ((frame.flags & kCanRemote) == 0) std::memcpy(k.data, frame.data, frame.size);
-  return k;
-}
-
-// `k.len` is at most what the kind allows.
-CanFdFrame from_kernel(const canfd_frame& k, bool is_fd) {
-  CanFdFrame frame;
-  std::uint32_t flags = 0;
-  if ((k.can_id & CAN_ERR_FLAG) != 0) {
-    flags = kCanError;
-    frame.id = k.can_id & CAN_ERR_MASK;
-  } else {
-    const bool extended = (k.can_id & CAN_EFF_FLAG) != 0;
-    if (extended) flags |= kCanExtended;
-    if ((k.can_id & CAN_RTR_FLAG) != 0) flags |= kCanRemote;
-    frame.id = k.can_id & (extended ? CAN_EFF_MASK : CAN_SFF_MASK);
-  }
-  if (is_fd) {
-    flags |= kCanFd;
-    if ((k.flags & CANFD_BRS) != 0) flags |= kCanBitRateSwitch;
-    if ((k.flags & CANFD_ESI) != 0) flags |= kCanErrorState;
-  }
-  frame.flags = static_cast<std::uint8_t>(flags);
-  frame.size = k.len;
-  if ((flags & kCanRemote) == 0) std::memcpy(frame.data, k.data, frame.size);
-  return frame;
-}
-
-}  // namespace
-
-Status CanFdSocket::open(const SocketCanConfig& config, std::string& problem) {
-  close();
-  int descriptor = -1;
-  const Status status = open_can_socket(config, CanSocketKind::fd, descriptor, problem);
-  if (status != Status::ok) return status;
-  config_ = config;
-  const auto again = [](void* self) {
-    return reopen_can_socket(static_cast<CanFdSocket*>(self)->config_, CanSocketKind::fd);
-  };
-  path_.use(descriptor, config.epoch_ns, again, this);
-  return Status::ok;
-}
-
-Status CanFdSocket::send(const CanFdFrame& frame) noexcept {
-  if (!can_fd_frame_valid(frame)) return Status::malformed;
-  const canfd_frame k = to_kernel(frame);
   // The beginning of an FD frame is a classical one: the length of the packet tells the kernel which it is.
   return path_.send(&k, (frame.flags & kCanFd) != 0 ? CANFD_MTU : CAN_MTU);
 }
@@ -113,25 +58,18 @@ Status CanFdSocket::receive(CanFdFrame& frame) noexcept {
   const bool is_fd = bytes == CANFD_MTU;
   if ((!is_fd && bytes != CAN_MTU) || k.len > (is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN))
     return Status::malformed;
-  frame = from_kernel(k, is_fd);
+  frame = {};
   frame.stamp_ns = stamp_ns;
-  if ((frame.flags & kCanError) != 0) {
-    path_.note_error(frame.id, frame.data[1]);
-  } else {
-    path_.note_frame();
+  frame.id = from_kernel_id(k.can_id, frame.flags);
+  if (is_fd) {
+    const unsigned more = kCanFd | ((k.flags & CANFD_BRS) != 0 ? unsigned{kCanBitRateSwitch} : 0u) |
+                          ((k.flags & CANFD_ESI) != 0 ? unsigned{kCanErrorState} : 0u);
+    frame.flags = static_cast<std::uint8_t>(frame.flags | more);
   }
+  frame.size = k.len;
+  if ((frame.flags & kCanRemote) == 0) std::memcpy(frame.data, k.data, frame.size);
+  path_.note(frame.flags, frame.id, frame.data[1]);
   return Status::ok;
 }
-
-#else
-
-Status CanFdSocket::open(const SocketCanConfig&, std::string& problem) {
-  problem = "SocketCAN: only Linux has it; run against the simulated bus";
-  return Status::not_supported;
-}
-Status CanFdSocket::send(const CanFdFrame&) noexcept { return Status::not_supported; }
-Status CanFdSocket::receive(CanFdFrame&) noexcept { return Status::not_supported; }
-
-#endif
 
 }  // namespace sortie::drivers

@@ -53,7 +53,9 @@ class CanFdSocket {
   CanFdSocket& operator=(const CanFdSocket&) = delete;
 
   /// As SocketCan::open; not_supported also where the interface carries no FD frames.
-  [[nodiscard]] Status open(const SocketCanConfig& config, std::string& problem);
+  [[nodiscard]] Status open(const SocketCanConfig& config, std::string& problem) {
+    return path_.open(config, CanSocketKind::fd, problem);
+  }
   /// Uses a datagram socket that carries Linux `struct can_frame`s and `struct canfd_frame`s. Takes
   /// ownership.
   void adopt(int descriptor, rt::Nanoseconds epoch_ns = 0, CanSocketPath::Opener opener = nullptr,
@@ -73,7 +75,6 @@ class CanFdSocket {
   [[nodiscard]] int descriptor() const noexcept { return path_.descriptor(); }
 
  private:
-  SocketCanConfig config_;  // to open it again
   CanSocketPath path_;
 };
 

@@ -41,10 +41,8 @@ Status decode_flippers(const CanFrame& frame, FlipperPairCommand& command) noexc
   if (flags > kEnabled) return Status::malformed;
   command.stamp_ns = frame.stamp_ns;
   command.pair = frame.id == kCanFlipperFrontId ? FlipperPair::front : FlipperPair::rear;
-  command.left_rad =
-      static_cast<double>(read_can_field(frame, kCanFlipperFields[0])) * kCanFlipperFields[0].scale;
-  command.right_rad =
-      static_cast<double>(read_can_field(frame, kCanFlipperFields[1])) * kCanFlipperFields[1].scale;
+  command.left_rad = physical_can_field(frame, kCanFlipperFields[0]);
+  command.right_rad = physical_can_field(frame, kCanFlipperFields[1]);
   command.flags = static_cast<std::uint32_t>(flags);
   command.counter = static_cast<std::uint8_t>(read_can_field(frame, kCanFlipperFields[2]));
   return Status::ok;

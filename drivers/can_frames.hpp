@@ -5,9 +5,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <string_view>
 
 #include "drivers/can_bus.hpp"

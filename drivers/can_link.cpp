@@ -2,7 +2,6 @@
 // Requests to the kernel's table of interfaces (rtnetlink, RTM_NEWLINK).
 #include "drivers/can_link.hpp"
 
-#if defined(__linux__)
 #include <linux/can/netlink.h>
 #include <linux/if_link.h>
 #include <linux/netlink.h>
@@ -14,11 +13,8 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
-#endif
 
 namespace sortie::drivers {
-
-#if defined(__linux__)
 
 namespace {
 
@@ -119,19 +115,5 @@ bool move_can_to(const std::string& name, int process, std::string& problem) {
   request.put(IFLA_NET_NS_PID, &number, sizeof number);
   return request.ask(problem);
 }
-
-#else
-
-bool make_virtual_can(const std::string& name, std::string& problem) { return switch_on(name, problem); }
-bool set_can_bitrate(const std::string& name, std::uint32_t, std::string& problem) {
-  return switch_on(name, problem);
-}
-bool move_can_to(const std::string& name, int, std::string& problem) { return switch_on(name, problem); }
-bool switch_on(const std::string& name, std::string& problem) {
-  problem = name + ": only Linux has CAN interfaces";
-  return false;
-}
-
-#endif
 
 }  // namespace sortie::drivers

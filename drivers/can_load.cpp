@@ -29,7 +29,8 @@ struct Stream {
   Nanoseconds response_ns{};  // from due to its last bit and the intermission, at most
 };
 
-void check(const CanStream& s, std::size_t count, std::size_t index) {
+// What decides who wins the bus. Throws where no bus has such a stream.
+std::uint32_t key_of(const CanStream& s, std::size_t count, std::size_t index) {
   CanFrame frame;
   frame.id = s.id;
   frame.size = s.size;
@@ -41,6 +42,7 @@ void check(const CanStream& s, std::size_t count, std::size_t index) {
   if (s.after >= 0 &&
       (static_cast<std::size_t>(s.after) >= count || static_cast<std::size_t>(s.after) == index))
     fail("it follows a frame that is not there");
+  return can_arbitration_key(frame);
 }
 
 // Frames due in a window, when the first was `late_ns` late and the others are not.
@@ -181,12 +183,8 @@ CanLoad can_load(std::uint32_t bitrate, std::span<const CanStream> streams) {
   CanLoad load;
   for (std::size_t i = 0; i < streams.size(); ++i) {
     const CanStream& s = streams[i];
-    check(s, streams.size(), i);
-    CanFrame frame;
-    frame.id = s.id;
-    frame.flags = static_cast<std::uint8_t>(s.extended ? kCanExtended : 0);
     Stream row;
-    row.key = can_arbitration_key(frame);
+    row.key = key_of(s, streams.size(), i);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       if (rows[k].key == row.key)
         throw std::runtime_error("CAN frames " + streams[k].name + " and " + s.name + " have one identifier");

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A port on a real CAN bus through Linux's SocketCAN (AF_CAN, raw). Compiled everywhere; where the kernel has
-// no CAN, opening says so.
+// A port on a real CAN bus through Linux's SocketCAN (AF_CAN, raw). Where the kernel has no CAN, opening says
+// so.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include "drivers/can_bus.hpp"
-#include "drivers/can_socket_config.hpp"
 #include "drivers/can_socket_path.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
@@ -21,13 +20,14 @@ namespace sortie::drivers {
 class SocketCan final : public CanBus {
  public:
   SocketCan() = default;
-  ~SocketCan() override = default;
   SocketCan(const SocketCan&) = delete;
   SocketCan& operator=(const SocketCan&) = delete;
 
   /// Opens the interface. Status: ok; not_supported (the kernel has no CAN); disconnected (no such interface,
   /// it is down, it is no CAN interface, or not allowed). `problem` then says what is wrong and the cure.
-  [[nodiscard]] Status open(const SocketCanConfig& config, std::string& problem);
+  [[nodiscard]] Status open(const SocketCanConfig& config, std::string& problem) {
+    return path_.open(config, CanSocketKind::classical, problem);
+  }
 
   /// Uses a datagram socket that carries Linux `struct can_frame`s, for gateways and tests. Takes ownership.
   /// Frames without a kernel stamp are stamped when they are taken. `opener`: who opens it again when it is
@@ -53,7 +53,6 @@ class SocketCan final : public CanBus {
   [[nodiscard]] bool bus_off() const noexcept { return path_.bus_off(); }
 
  private:
-  SocketCanConfig config_;  // to open it again
   CanSocketPath path_;
 };
 

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Opening a SocketCAN port: start-up code, with a cure for everything that usually goes wrong.
-#include "drivers/can_socket_open.hpp"
-
-#include "drivers/can_socket.hpp"
-
-#if defined(__linux__)
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
@@ -16,28 +11,12 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
-#endif
+
+#include "drivers/can_socket_path.hpp"
 
 namespace sortie::drivers {
 
-#if defined(__linux__)
-
 namespace {
-
-std::string reason(int error) { return std::generic_category().message(error); }
-
-/// Closes the socket unless it was handed on.
-struct Guard {
-  int descriptor;
-  ~Guard() {
-    if (descriptor >= 0) ::close(descriptor);
-  }
-  int release() {
-    const int d = descriptor;
-    descriptor = -1;
-    return d;
-  }
-};
 
 constexpr std::size_t kMostFilters = 32;
 
@@ -65,19 +44,20 @@ struct Opened {
 };
 
 template <class Value>
-bool set(int descriptor, int level, int option, const Value& value) noexcept {
+bool set_option(int descriptor, int level, int option, const Value& value) noexcept {
   return ::setsockopt(descriptor, level, option, &value, sizeof value) == 0;
 }
 
 OpenStep set_options(int descriptor, const SocketCanConfig& config) noexcept {
   const int on = 1;
-  if (!set(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, on)) return OpenStep::stamps;
-  if (!set(descriptor, SOL_SOCKET, SO_RXQ_OVFL, on)) return OpenStep::overruns;
-  if (config.receive_buffer_bytes > 0 && !set(descriptor, SOL_SOCKET, SO_RCVBUF, config.receive_buffer_bytes))
+  if (!set_option(descriptor, SOL_SOCKET, SO_TIMESTAMPNS, on)) return OpenStep::stamps;
+  if (!set_option(descriptor, SOL_SOCKET, SO_RXQ_OVFL, on)) return OpenStep::overruns;
+  if (config.receive_buffer_bytes > 0 &&
+      !set_option(descriptor, SOL_SOCKET, SO_RCVBUF, config.receive_buffer_bytes))
     return OpenStep::buffer;
   // Lost arbitration is daily life on a bus and would flood the queue.
   const can_err_mask_t errors = config.error_frames ? CAN_ERR_MASK & ~CAN_ERR_LOSTARB : 0;
-  if (!set(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors)) return OpenStep::error_frames;
+  if (!set_option(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, errors)) return OpenStep::error_frames;
   if (config.filters.empty()) return OpenStep::done;
   can_filter filters[kMostFilters];
   std::size_t count = 0;
@@ -106,21 +86,27 @@ OpenStep bind_to(int descriptor, const std::string& name, CanSocketKind kind) no
   if (kind != CanSocketKind::fd) return OpenStep::done;
   if (::ioctl(descriptor, SIOCGIFMTU, &request) != 0 || request.ifr_mtu < static_cast<int>(CANFD_MTU))
     return OpenStep::fd_width;
-  return set(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) ? OpenStep::done : OpenStep::fd;
+  return set_option(descriptor, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, 1) ? OpenStep::done : OpenStep::fd;
 }
 
 Opened try_open(const SocketCanConfig& config, CanSocketKind kind) noexcept {
-  Guard guard{::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)};
-  if (guard.descriptor < 0) return {OpenStep::socket, errno};
-  OpenStep step = set_options(guard.descriptor, config);
-  if (step == OpenStep::done) step = bind_to(guard.descriptor, config.interface, kind);
-  if (step != OpenStep::done) return {step, errno};
-  return {step, 0, guard.release()};
+  const int descriptor = ::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
+  if (descriptor < 0) return {OpenStep::socket, errno};
+  OpenStep step = set_options(descriptor, config);
+  if (step == OpenStep::done) step = bind_to(descriptor, config.interface, kind);
+  if (step == OpenStep::done) return {step, 0, descriptor};
+  const int error = errno;
+  ::close(descriptor);
+  return {step, error};
+}
+
+bool lacks_can(const Opened& opened) {
+  return opened.step == OpenStep::socket && (opened.error == EAFNOSUPPORT || opened.error == EPROTONOSUPPORT);
 }
 
 // What is wrong, and the cure.
 std::string explain(const Opened& opened, const std::string& name) {
-  const std::string why = " (" + reason(opened.error) + ")";
+  const std::string why = " (" + std::generic_category().message(opened.error) + ")";
   const std::string the = "SocketCAN: interface '" + name + "' ";
   const auto refused = [&](const char* what) {
     return std::string("SocketCAN: the kernel refuses ") + what + why;
@@ -129,7 +115,7 @@ std::string explain(const Opened& opened, const std::string& name) {
     case OpenStep::done:
       return {};
     case OpenStep::socket:
-      if (opened.error == EAFNOSUPPORT || opened.error == EPROTONOSUPPORT)
+      if (lacks_can(opened))
         return "SocketCAN: this kernel has no CAN (AF_CAN); load it (modprobe can_raw), use a kernel with "
                "CONFIG_CAN, or run against the simulated bus";
       return "SocketCAN: no socket" + why;
@@ -167,44 +153,23 @@ std::string explain(const Opened& opened, const std::string& name) {
 
 }  // namespace
 
-Status open_can_socket(const SocketCanConfig& config, CanSocketKind kind, int& descriptor,
-                       std::string& problem) {
-  const Opened opened = try_open(config, kind);
-  if (opened.step == OpenStep::done) {
-    descriptor = opened.descriptor;
-    return Status::ok;
-  }
-  problem = explain(opened, config.interface);
-  const bool lacks =
-      opened.step == OpenStep::socket && (opened.error == EAFNOSUPPORT || opened.error == EPROTONOSUPPORT);
-  const bool narrow = opened.step == OpenStep::fd_width || opened.step == OpenStep::fd;
-  return lacks || narrow ? Status::not_supported : Status::disconnected;
-}
-
-int reopen_can_socket(const SocketCanConfig& config, CanSocketKind kind) noexcept {
-  return try_open(config, kind).descriptor;
-}
-
-Status SocketCan::open(const SocketCanConfig& config, std::string& problem) {
+Status CanSocketPath::open(const SocketCanConfig& config, CanSocketKind kind, std::string& problem) {
   close();
-  int descriptor = -1;
-  const Status status = open_can_socket(config, CanSocketKind::classical, descriptor, problem);
-  if (status != Status::ok) return status;
+  const Opened opened = try_open(config, kind);
+  if (opened.step != OpenStep::done) {
+    problem = explain(opened, config.interface);
+    const bool narrow = opened.step == OpenStep::fd_width || opened.step == OpenStep::fd;
+    return lacks_can(opened) || narrow ? Status::not_supported : Status::disconnected;
+  }
   config_ = config;
+  kind_ = kind;
+  // It could be opened once: without memory, and without words.
   const auto again = [](void* self) {
-    return reopen_can_socket(static_cast<SocketCan*>(self)->config_, CanSocketKind::classical);
+    const auto& path = *static_cast<const CanSocketPath*>(self);
+    return try_open(path.config_, path.kind_).descriptor;
   };
-  path_.use(descriptor, config.epoch_ns, again, this);
+  use(opened.descriptor, config.epoch_ns, again, this);
   return Status::ok;
 }
-
-#else
-
-Status SocketCan::open(const SocketCanConfig&, std::string& problem) {
-  problem = "SocketCAN: only Linux has it; run against the simulated bus";
-  return Status::not_supported;
-}
-
-#endif
 
 }  // namespace sortie::drivers

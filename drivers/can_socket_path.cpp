@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/can_socket_path.hpp"
 
-#if defined(__linux__)
+#include <linux/can.h>
 #include <linux/can/error.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,11 +10,8 @@
 
 #include "drivers/kernel_stamp.hpp"
 #include "rt/posix/clock.hpp"
-#endif
 
 namespace sortie::drivers {
-
-#if defined(__linux__)
 
 namespace {
 
@@ -42,6 +39,23 @@ Status meaning_of(int error, Status when_busy) {
 }
 
 }  // namespace
+
+std::uint32_t to_kernel_id(std::uint32_t id, std::uint8_t flags) noexcept {
+  if ((flags & kCanExtended) != 0) id |= CAN_EFF_FLAG;
+  if ((flags & kCanRemote) != 0) id |= CAN_RTR_FLAG;
+  return id;
+}
+
+std::uint32_t from_kernel_id(std::uint32_t kernel_id, std::uint8_t& flags) noexcept {
+  if ((kernel_id & CAN_ERR_FLAG) != 0) {
+    flags = kCanError;
+    return kernel_id & CAN_ERR_MASK;
+  }
+  const bool extended = (kernel_id & CAN_EFF_FLAG) != 0;
+  flags = static_cast<std::uint8_t>(extended ? kCanExtended : 0);
+  if ((kernel_id & CAN_RTR_FLAG) != 0) flags = static_cast<std::uint8_t>(flags | kCanRemote);
+  return kernel_id & (extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+}
 
 void CanSocketPath::use(int descriptor, rt::Nanoseconds epoch_ns, Opener opener, void* context) noexcept {
   close();
@@ -127,34 +141,21 @@ Status CanSocketPath::receive(void* to, std::size_t room, std::size_t& bytes,
   return Status::ok;
 }
 
-void CanSocketPath::note_frame() noexcept {
-  ++counters_.received;
-  bus_off_ = false;  // only a controller that is on the bus hears it
-}
-
-void CanSocketPath::note_error(std::uint32_t error_class, std::uint8_t controller) noexcept {
+void CanSocketPath::note(std::uint8_t flags, std::uint32_t id, std::uint8_t controller) noexcept {
+  if ((flags & kCanError) == 0) {
+    ++counters_.received;
+    bus_off_ = false;  // only a controller that is on the bus hears it
+    return;
+  }
   ++counters_.error_frames;
-  const bool off = (error_class & CAN_ERR_BUSOFF) != 0;
-  const bool active = (error_class & CAN_ERR_CRTL) != 0 && (controller & CAN_ERR_CRTL_ACTIVE) != 0;
+  const bool off = (id & CAN_ERR_BUSOFF) != 0;
+  const bool active = (id & CAN_ERR_CRTL) != 0 && (controller & CAN_ERR_CRTL_ACTIVE) != 0;
   if (off && !bus_off_) {
     ++counters_.bus_off;
     tried_ns_ = rt::posix::monotonic_now();
   }
   if (off) bus_off_ = true;
-  if ((error_class & CAN_ERR_RESTARTED) != 0 || active) bus_off_ = false;
+  if ((id & CAN_ERR_RESTARTED) != 0 || active) bus_off_ = false;
 }
-
-#else
-
-void CanSocketPath::use(int, rt::Nanoseconds, Opener, void*) noexcept {}
-void CanSocketPath::close() noexcept { descriptor_ = -1; }
-Status CanSocketPath::send(const void*, std::size_t) noexcept { return Status::not_supported; }
-Status CanSocketPath::receive(void*, std::size_t, std::size_t&, rt::Nanoseconds&) noexcept {
-  return Status::not_supported;
-}
-void CanSocketPath::note_frame() noexcept {}
-void CanSocketPath::note_error(std::uint32_t, std::uint8_t) noexcept {}
-
-#endif
 
 }  // namespace sortie::drivers

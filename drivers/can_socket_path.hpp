@@ -1,16 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one way of every CAN port to the kernel and back: sending, receiving, what errors mean, and how a port
-// comes back by itself. Internal to the ports.
+// The one way of every CAN port to the kernel and back: opening, sending, receiving, what errors mean, and
+// how a port comes back by itself. Internal to the ports, but for the configuration.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "drivers/can_bus.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers {
+
+/// Frames with (id & mask) == (filter.id & mask) of the right width come through.
+struct SocketCanFilter {
+  std::uint32_t id{};
+  std::uint32_t mask{};
+  bool extended{};
+};
+
+/// How a port is opened.
+struct SocketCanConfig {
+  std::string interface = "can0";
+  std::vector<SocketCanFilter> filters{};  ///< none: every frame comes through; 32 at most
+  bool error_frames = true;                ///< controller errors arrive as frames with kCanError
+  rt::Nanoseconds epoch_ns = 0;            ///< CLOCK_MONOTONIC at the start of the run; stamps count from it
+  int receive_buffer_bytes = 0;            ///< 0: the kernel's default (some 270 frames)
+};
+
+/// Which frames a socket carries.
+enum class CanSocketKind : std::uint8_t { classical, fd };
+
+/// Identifier and CanFlags of a frame as the kernel has them in one word, and back.
+[[nodiscard]] std::uint32_t to_kernel_id(std::uint32_t id, std::uint8_t flags) noexcept;
+[[nodiscard]] std::uint32_t from_kernel_id(std::uint32_t kernel_id, std::uint8_t& flags) noexcept;
 
 /// A socket, and what became of it. The rules:
 /// - Bus-off ends by the first sign of life of the bus: a restart, a controller that says it is active, any
@@ -31,6 +56,8 @@ class CanSocketPath {
   CanSocketPath(const CanSocketPath&) = delete;
   CanSocketPath& operator=(const CanSocketPath&) = delete;
 
+  /// As SocketCan::open. With `fd` also not_supported: the interface carries no FD frames.
+  [[nodiscard]] Status open(const SocketCanConfig& config, CanSocketKind kind, std::string& problem);
   /// Takes ownership of a socket; who opens it again, if anybody does. Counters begin anew.
   void use(int descriptor, rt::Nanoseconds epoch_ns, Opener opener, void* context) noexcept;
   void close() noexcept;
@@ -40,9 +67,9 @@ class CanSocketPath {
   /// One packet of at most `room` bytes. Status: ok; empty; malformed; disconnected.
   [[nodiscard]] Status receive(void* to, std::size_t room, std::size_t& bytes,
                                rt::Nanoseconds& stamp_ns) noexcept;
-  /// After a packet was understood: a frame of the bus, or an error frame with its class and first two bytes.
-  void note_frame() noexcept;
-  void note_error(std::uint32_t error_class, std::uint8_t controller) noexcept;
+  /// After a packet was understood: a frame of the bus, or an error frame, whose `id` is its class and
+  /// `controller` its second byte.
+  void note(std::uint8_t flags, std::uint32_t id, std::uint8_t controller) noexcept;
 
   [[nodiscard]] const CanCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
@@ -53,6 +80,8 @@ class CanSocketPath {
   bool there() noexcept;
   Status failed(int error, Status when_busy) noexcept;
 
+  SocketCanConfig config_;  // to open it again
+  CanSocketKind kind_{};
   int descriptor_{-1};
   rt::Nanoseconds epoch_ns_{};
   Opener opener_{};

@@ -109,9 +109,6 @@ class CanStub {
   /// Totals since start-up.
   const CanStubStats& stats() const noexcept { return stats_; }
 
-  /// Length of one bit.
-  rt::Nanoseconds bit_ns() const noexcept { return bit_ns_; }
-
  private:
   class Node;
   struct Flight {

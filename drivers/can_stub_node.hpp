@@ -57,8 +57,7 @@ class CanStub::Node final : public CanBus {
   void put(const CanFrame& frame) noexcept { bump(rx.try_push(frame) ? received : rx_overrun); }
 
   /// Bus owner: takes the next frame to send up from the queue, if none is up already. A frame cannot have
-  /// been ready before the bus last looked, nor after now.
-  /// True: a frame was taken from the queue.
+  /// been ready before the bus last looked, nor after now. True: a frame was taken from the queue.
   bool take_up(rt::Nanoseconds earliest_ns, rt::Nanoseconds now_ns) noexcept {
     if (has_head) return false;
     if (babbles) {
@@ -75,8 +74,7 @@ class CanStub::Node final : public CanBus {
 
   /// Bus owner: on the bus at this time.
   bool active(rt::Nanoseconds at_ns) const noexcept { return plugged && at_ns >= off_until_ns; }
-  /// Bus owner: ends a bus-off whose time is over.
-  /// True: it has come back.
+  /// Bus owner: ends a bus-off whose time is over. True: it has come back.
   bool recover(rt::Nanoseconds at_ns) noexcept {
     if (!errors.bus_off || at_ns < off_until_ns) return false;
     errors = {};

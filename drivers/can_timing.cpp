@@ -16,10 +16,7 @@ class BitMeter {
   void put(std::uint32_t value, int count) {
     for (int i = count - 1; i >= 0; --i) put_bit((value >> i) & 1u);
   }
-  void put_crc() {
-    const std::uint32_t crc = crc_;
-    put(crc, 15);
-  }
+  void put_crc() { put(crc_, 15); }
   int bits() const { return bits_; }
 
  private:

@@ -52,71 +52,58 @@ std::int64_t decimal(std::string_view digits) {
 
 constexpr const char* kFormCure = "a line reads: (1408129200.042000) can0 123#0011AABB";
 
+bool refuse(CandumpFault& fault, const char* reason, const char* cure) {
+  fault = {reason, cure};
+  return false;
+}
+
 bool parse_time(Cursor& line, rt::Nanoseconds& stamp_ns, CandumpFault& fault) {
-  if (!line.take('(')) {
-    fault = {"the line does not begin with a time in parentheses", kFormCure};
-    return false;
-  }
+  if (!line.take('(')) return refuse(fault, "the line does not begin with a time in parentheses", kFormCure);
   const std::string_view seconds = line.take_while(is_digit);
   const bool point = line.take('.');
   const std::string_view fraction = line.take_while(is_digit);
-  if (seconds.empty() || !point || (fraction.size() != 6 && fraction.size() != 9) || !line.take(')')) {
-    fault = {"the time is not seconds with 6 or 9 decimals",
-             "record absolute or relative times with candump -L, or write (seconds.microseconds)"};
-    return false;
-  }
-  if (seconds.size() > 10 || decimal(seconds) > 9'223'372'035) {
-    fault = {"the time is beyond the year 2262", "the seconds count from 1970 and have at most 10 digits"};
-    return false;
-  }
+  if (seconds.empty() || !point || (fraction.size() != 6 && fraction.size() != 9) || !line.take(')'))
+    return refuse(fault, "the time is not seconds with 6 or 9 decimals",
+                  "record absolute or relative times with candump -L, or write (seconds.microseconds)");
+  if (seconds.size() > 10 || decimal(seconds) > 9'223'372'035)
+    return refuse(fault, "the time is beyond the year 2262",
+                  "the seconds count from 1970 and have at most 10 digits");
   const std::int64_t part = fraction.size() == 6 ? decimal(fraction) * 1000 : decimal(fraction);
   stamp_ns = decimal(seconds) * rt::kNanosecondsPerSecond + part;
   return true;
 }
 
-template <class Record>
-bool parse_interface(Cursor& line, Record& record, CandumpFault& fault) {
+bool parse_interface(Cursor& line, CandumpFdRecord& record, CandumpFault& fault) {
   static_cast<void>(line.take_while([](char c) { return c == ' '; }));
   const std::string_view name = line.take_while([](char c) { return c > ' ' && c < '\x7f'; });
-  if (name.empty() || name.size() >= sizeof(record.interface) || !line.take(' ')) {
-    fault = {"there is no interface name of 1 to 15 characters behind the time", kFormCure};
-    return false;
-  }
+  if (name.empty() || name.size() >= sizeof(record.interface) || !line.take(' '))
+    return refuse(fault, "there is no interface name of 1 to 15 characters behind the time", kFormCure);
   std::copy(name.begin(), name.end(), record.interface);
   static_cast<void>(line.take_while([](char c) { return c == ' '; }));
   return true;
 }
 
-template <class Frame>
-bool parse_id(Cursor& line, Frame& frame, CandumpFault& fault) {
+bool parse_id(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
   const std::string_view digits = line.take_while([](char c) { return hex_digit(c) >= 0; });
-  if (digits.size() != 3 && digits.size() != 8) {
-    fault = {"the identifier does not have 3 or 8 hexadecimal digits",
-             "11-bit identifiers have 3 digits (07F), 29-bit ones 8 (0000007F)"};
-    return false;
-  }
+  if (digits.size() != 3 && digits.size() != 8)
+    return refuse(fault, "the identifier does not have 3 or 8 hexadecimal digits",
+                  "11-bit identifiers have 3 digits (07F), 29-bit ones 8 (0000007F)");
   std::uint32_t id = 0;
   for (const char c : digits) id = id << 4 | static_cast<std::uint32_t>(hex_digit(c));
-  if (digits.size() == 3 && id > 0x7FF) {
-    fault = {"an identifier of 3 digits is above 7FF", "write a 29-bit identifier with 8 digits"};
-    return false;
-  }
-  if (id > (kIdMask | kErrorBit)) {
-    fault = {"the identifier is above 1FFFFFFF",
-             "a 29-bit identifier begins with 0 or 1, an error frame with 2 or 3"};
-    return false;
-  }
+  if (digits.size() == 3 && id > 0x7FF)
+    return refuse(fault, "an identifier of 3 digits is above 7FF", "write a 29-bit identifier with 8 digits");
+  if (id > (kIdMask | kErrorBit))
+    return refuse(fault, "the identifier is above 1FFFFFFF",
+                  "a 29-bit identifier begins with 0 or 1, an error frame with 2 or 3");
   if (digits.size() == 8) frame.flags = (id & kErrorBit) != 0 ? kCanError : kCanExtended;
   frame.id = id & kIdMask;
   return true;
 }
 
-template <class Frame>
-bool parse_remote(Cursor& line, Frame& frame, CandumpFault& fault) {
-  if ((frame.flags & kCanError) != 0) {
-    fault = {"an error frame cannot be a remote frame", "clear bit 29 of the identifier or write its data"};
-    return false;
-  }
+bool parse_remote(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
+  if ((frame.flags & kCanError) != 0)
+    return refuse(fault, "an error frame cannot be a remote frame",
+                  "clear bit 29 of the identifier or write its data");
   frame.flags = static_cast<std::uint8_t>(frame.flags | kCanRemote);
   if (!is_digit(line.peek())) return true;
   const std::string_view size = line.take_while(is_digit);
@@ -124,23 +111,17 @@ bool parse_remote(Cursor& line, Frame& frame, CandumpFault& fault) {
     frame.size = static_cast<std::uint8_t>(size[0] - '0');
     return true;
   }
-  fault = {"a remote frame asks for more than 8 bytes", "write R0 to R8, or R alone"};
-  return false;
+  return refuse(fault, "a remote frame asks for more than 8 bytes", "write R0 to R8, or R alone");
 }
 
-template <class Frame>
-bool parse_data(Cursor& line, Frame& frame, std::size_t most, CandumpFault& fault) {
+bool parse_data(Cursor& line, CanFdFrame& frame, std::size_t most, CandumpFault& fault) {
   const std::string_view digits = line.take_while([](char c) { return hex_digit(c) >= 0; });
-  if (digits.size() % 2 != 0) {
-    fault = {"the data end in half a byte",
-             "every byte has two hexadecimal digits; the line may have been cut off"};
-    return false;
-  }
-  if (digits.size() > 2 * most) {
-    fault = {most == 8 ? "there are more than 8 data bytes" : "there are more than 64 data bytes",
-             "a classical frame has 8 at most, a CAN FD frame (##) 64; remove this line"};
-    return false;
-  }
+  if (digits.size() % 2 != 0)
+    return refuse(fault, "the data end in half a byte",
+                  "every byte has two hexadecimal digits; the line may have been cut off");
+  if (digits.size() > 2 * most)
+    return refuse(fault, most == 8 ? "there are more than 8 data bytes" : "there are more than 64 data bytes",
+                  "a classical frame has 8 at most, a CAN FD frame (##) 64; remove this line");
   frame.size = static_cast<std::uint8_t>(digits.size() / 2);
   for (std::size_t i = 0; i < frame.size; ++i) {
     frame.data[i] = static_cast<std::uint8_t>(hex_digit(digits[2 * i]) * 16 + hex_digit(digits[2 * i + 1]));
@@ -149,40 +130,30 @@ bool parse_data(Cursor& line, Frame& frame, std::size_t most, CandumpFault& faul
 }
 
 // What follows the second #.
-bool parse_fd(Cursor&, CanFrame&, CandumpFault& fault) {
-  fault = {"this is a CAN FD frame (##), and only classical CAN is read",
-           "remove the FD frames: grep -v '##' OLD > NEW"};
-  return false;
-}
-
 bool parse_fd(Cursor& line, CanFdFrame& frame, CandumpFault& fault) {
   const int flags = hex_digit(line.peek());
-  if ((frame.flags & kCanError) != 0 || flags < 0 || flags > 3) {
-    fault = {"a CAN FD frame has a digit of flags behind ##, 0 to 3, and is no error frame",
-             "it reads 123##1AABB: 1 for a bit rate switch, 2 for error state"};
-    return false;
-  }
+  if ((frame.flags & kCanError) != 0 || flags < 0 || flags > 3)
+    return refuse(fault, "a CAN FD frame has a digit of flags behind ##, 0 to 3, and is no error frame",
+                  "it reads 123##1AABB: 1 for a bit rate switch, 2 for error state");
   static_cast<void>(line.take(line.peek()));
   if (!parse_data(line, frame, 64, fault)) return false;
-  if (can_fd_size(frame.size) != frame.size) {
-    fault = {"no CAN FD frame has so many data bytes",
-             "it has 0 to 8, 12, 16, 20, 24, 32, 48 or 64; the line may have been cut off"};
-    return false;
-  }
+  if (can_fd_size(frame.size) != frame.size)
+    return refuse(fault, "no CAN FD frame has so many data bytes",
+                  "it has 0 to 8, 12, 16, 20, 24, 32, 48 or 64; the line may have been cut off");
   const unsigned more = kCanFd | ((flags & 1) != 0 ? unsigned{kCanBitRateSwitch} : 0u) |
                         ((flags & 2) != 0 ? unsigned{kCanErrorState} : 0u);
   frame.flags = static_cast<std::uint8_t>(frame.flags | more);
   return true;
 }
 
-template <class Frame>
-bool parse_frame(Cursor& line, Frame& frame, CandumpFault& fault) {
+bool parse_frame(Cursor& line, bool fd, CanFdFrame& frame, CandumpFault& fault) {
   if (!parse_id(line, frame, fault)) return false;
-  if (!line.take('#')) {
-    fault = {"there is no # behind the identifier", kFormCure};
-    return false;
+  if (!line.take('#')) return refuse(fault, "there is no # behind the identifier", kFormCure);
+  if (line.take('#')) {
+    if (fd) return parse_fd(line, frame, fault);
+    return refuse(fault, "this is a CAN FD frame (##), and only classical CAN is read",
+                  "remove the FD frames: grep -v '##' OLD > NEW");
   }
-  if (line.take('#')) return parse_fd(line, frame, fault);
   return line.take('R') ? parse_remote(line, frame, fault) : parse_data(line, frame, 8, fault);
 }
 
@@ -190,30 +161,32 @@ bool parse_end(Cursor& line, CandumpFault& fault) {
   if (line.take(' ') && !line.take('R')) static_cast<void>(line.take('T'));
   static_cast<void>(line.take_while([](char c) { return c == ' ' || c == '\r'; }));
   if (line.done()) return true;
-  fault = {"there are characters behind the frame that do not belong there", kFormCure};
-  return false;
+  return refuse(fault, "there are characters behind the frame that do not belong there", kFormCure);
 }
 
-template <class Record>
-Status parse_line(std::string_view line, Record& record, CandumpFault& fault) {
+// `record` may be half filled unless ok. `fd`: it may be an FD frame.
+Status parse_line(std::string_view line, bool fd, CandumpFdRecord& record, CandumpFault& fault) {
   Cursor cursor(line);
-  Record read;
-  if (!parse_time(cursor, read.frame.stamp_ns, fault) || !parse_interface(cursor, read, fault) ||
-      !parse_frame(cursor, read.frame, fault) || !parse_end(cursor, fault)) {
-    return Status::malformed;
-  }
-  record = read;
-  return Status::ok;
+  const bool good = parse_time(cursor, record.frame.stamp_ns, fault) &&
+                    parse_interface(cursor, record, fault) && parse_frame(cursor, fd, record.frame, fault) &&
+                    parse_end(cursor, fault);
+  return good ? Status::ok : Status::malformed;
 }
 
 }  // namespace
 
 Status parse_candump_line(std::string_view line, CandumpRecord& record, CandumpFault& fault) noexcept {
-  return parse_line(line, record, fault);
+  CandumpFdRecord read;
+  if (const Status status = parse_line(line, false, read, fault); status != Status::ok) return status;
+  std::copy_n(read.interface, sizeof read.interface, record.interface);
+  return narrowed(read.frame, record.frame);
 }
 
 Status parse_candump_line(std::string_view line, CandumpFdRecord& record, CandumpFault& fault) noexcept {
-  return parse_line(line, record, fault);
+  CandumpFdRecord read;
+  const Status status = parse_line(line, true, read, fault);
+  if (status == Status::ok) record = read;
+  return status;
 }
 
 }  // namespace sortie::drivers

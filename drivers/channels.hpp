@@ -16,23 +16,20 @@ inline constexpr std::string_view kChannelGap = "SORTIE_GAP";        ///< gap_t,
 inline constexpr std::string_view kChannelEvent = "SORTIE_EVENT";    ///< event_t, something to know at once
 inline constexpr std::string_view kChannelStats = "SORTIE_STATS";    ///< exec_stats_t, telemetry
 inline constexpr std::string_view kChannelPools = "SORTIE_POOLS";    ///< pool_stats_t, telemetry
-inline constexpr std::string_view kChannelParameters =
-    "SORTIE_PARAMETERS";                                       ///< parameters_t, what is in force, telemetry
-inline constexpr std::string_view kChannelSet = "SORTIE_SET";  ///< set_parameter_t, requests to a run
+inline constexpr std::string_view kChannelParameters = "SORTIE_PARAMETERS";  ///< parameters_t, telemetry
+inline constexpr std::string_view kChannelSet = "SORTIE_SET";      ///< set_parameter_t, requests to a run
 inline constexpr std::string_view kChannelDrive = "SORTIE_DRIVE";  ///< drive_request_t, requests to a run
 inline constexpr std::string_view kChannelFly = "SORTIE_FLY";      ///< fly_request_t, requests to a run
-inline constexpr std::string_view kChannelAnswers =
-    "SORTIE_ANSWERS";  ///< request_answers_t, prefix: "_" and the task that obeys follow
-inline constexpr std::string_view kChannelChange =
-    "PARAMETER";  ///< parameter_t, prefix: "_" and the group follow
-inline constexpr std::string_view kChannelFields =
-    "SORTIE_FIELDS";  ///< fields_t, prefix: "_" and the task follow
-inline constexpr std::string_view kChannelCustom =
-    "SORTIE_CUSTOM";                                        ///< custom_t, prefix: "_" and the stream follow
-inline constexpr std::string_view kChannelImu = "IMU";      ///< imu_t
-inline constexpr std::string_view kChannelTrack = "TRACK";  ///< track_t
-inline constexpr std::string_view kChannelScan = "SCAN";    ///< scan_t
-inline constexpr std::string_view kChannelSsl = "SSL";      ///< ssl_returns_t
+/// The next four are prefixes: "_" and a name follow.
+inline constexpr std::string_view kChannelAnswers = "SORTIE_ANSWERS";  ///< request_answers_t, task that obeys
+inline constexpr std::string_view kChannelFields = "SORTIE_FIELDS";    ///< fields_t, task
+inline constexpr std::string_view kChannelChange = "PARAMETER";        ///< parameter_t, group
+inline constexpr std::string_view kChannelCustom = "SORTIE_CUSTOM";    ///< custom_t, stream
+
+inline constexpr std::string_view kChannelImu = "IMU";                 ///< imu_t
+inline constexpr std::string_view kChannelTrack = "TRACK";             ///< track_t
+inline constexpr std::string_view kChannelScan = "SCAN";               ///< scan_t
+inline constexpr std::string_view kChannelSsl = "SSL";                 ///< ssl_returns_t
 inline constexpr std::string_view kChannelSslCommand = "SSL_COMMAND";  ///< ssl_command_t, what was asked for
 inline constexpr std::string_view kChannelTruth = "TRUTH";             ///< truth_t
 inline constexpr std::string_view kChannelSensorTruth = "TRUTH_SENSORS";  ///< custom_t, rt::SensorTruth

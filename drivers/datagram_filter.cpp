@@ -5,18 +5,45 @@
 #include <sys/socket.h>
 
 #include <cerrno>
+#include <string_view>
+
+#include "drivers/channels.hpp"
+#include "drivers/wire_requests.hpp"
+#include "rt/samples.hpp"
+#include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
 
 namespace {
+
+constexpr std::size_t kLcmHead = 8;      // "LC02" and the sequence number, before the channel
 constexpr std::uint32_t kUdpHeader = 8;  // a filter of a UDP socket sees that, too
 constexpr std::uint32_t kWhole = 0xffffffff;
+
+// The mode lies at a fixed place of a message whose length is fixed, `behind_mode` bytes before its end.
+FilterRule rule_of(std::string_view channel, std::size_t message_bytes, std::size_t behind_mode,
+                   std::uint32_t mode) {
+  FilterRule rule;
+  std::uint16_t offset = kLcmHead;
+  for (const char letter : channel) rule.push_back({offset++, static_cast<std::uint8_t>(letter)});
+  rule.push_back({offset++, 0});
+  const std::size_t end = offset + message_bytes;
+  const auto at = static_cast<std::uint16_t>(end - behind_mode - 1);
+  rule.push_back({at, static_cast<std::uint8_t>(mode)});  // big endian: its last byte
+  return rule;
+}
+
 }  // namespace
 
-FilterRule bytes_at(std::uint16_t offset, std::span<const std::uint8_t> bytes) {
-  FilterRule rule;
-  for (const std::uint8_t byte : bytes) rule.push_back({offset++, byte});
-  return rule;
+std::vector<FilterRule> stop_filter() {
+  // Behind the mode of a drive_request_t: posture, flags, tag; of a fly_request_t: the tag.
+  std::vector<FilterRule> rules;
+  for (const rt::FlyMode mode : {rt::FlyMode::hover, rt::FlyMode::land, rt::FlyMode::stop})
+    rules.push_back(rule_of(kChannelFly, kFlyRequestBytes, kTagBytes, static_cast<std::uint32_t>(mode)));
+  for (const rt::DriveMode mode : {rt::DriveMode::halt, rt::DriveMode::emergency})
+    rules.push_back(rule_of(kChannelDrive, kDriveRequestBytes, kTagBytes + 2 * sizeof(std::int32_t),
+                            static_cast<std::uint32_t>(mode)));
+  return rules;
 }
 
 // Classic BPF. A load beyond the datagram's end drops it, so the longest rules are tried last.

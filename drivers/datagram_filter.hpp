@@ -17,8 +17,9 @@ struct FilterByte {
 using FilterRule = std::vector<FilterByte>;
 inline constexpr std::size_t kMostFilterBytes = 64;
 
-/// The rule that a datagram of this length or more begins with these bytes from `offset` on.
-FilterRule bytes_at(std::uint16_t offset, std::span<const std::uint8_t> bytes);
+/// LCM datagrams whose form is that of a halt to a drive, or of a stop to a pilot. Whether they are is for
+/// their tag to say. Takes heap.
+std::vector<FilterRule> stop_filter();
 
 /// From now on the UDP socket takes only what fits to one of the rules. False where the kernel has no
 /// filters; then it takes everything, and errno says why. It is no protection: whoever sends can send what

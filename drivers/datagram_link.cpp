@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/datagram_link.hpp"
 
-#if defined(__linux__)
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -13,11 +12,8 @@
 #include "drivers/kernel_stamp.hpp"
 #include "drivers/wire_cursor.hpp"
 #include "rt/posix/clock.hpp"
-#endif
 
 namespace sortie::drivers {
-
-#if defined(__linux__)
 
 namespace {
 
@@ -30,6 +26,11 @@ sockaddr_in loopback(std::uint16_t port) {
   name.sin_port = htons(port);
   name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   return name;
+}
+
+bool not_taken(std::uint64_t& counter) {
+  ++counter;
+  return false;
 }
 
 }  // namespace
@@ -139,10 +140,7 @@ bool DatagramLink::read_head(std::span<const std::uint8_t> datagram, Head& head)
 // nobody else is there; the other end believes who holds the port and knows its session.
 bool DatagramLink::admit_peer(const Head& head, std::uint16_t port) noexcept {
   const bool good = config_.listens ? head.kind == Kind::hello && !has_peer_ : head.kind != Kind::bye;
-  if (!good) {
-    ++counters_.wrong_session;
-    return false;
-  }
+  if (!good) return not_taken(counters_.wrong_session);
   ++counters_.peers;
   peer_ = head.from;
   peer_port_ = port;
@@ -153,20 +151,11 @@ bool DatagramLink::admit_peer(const Head& head, std::uint16_t port) noexcept {
 bool DatagramLink::admit(const Head& head, std::uint16_t port, rt::Nanoseconds stamp_ns) noexcept {
   const bool addressed =
       head.kind == Kind::hello && config_.listens ? head.to == 0 : head.to == config_.session;
-  if (!addressed) {
-    ++counters_.wrong_session;
-    return false;
-  }
+  if (!addressed) return not_taken(counters_.wrong_session);
   if (head.from != peer_ && !admit_peer(head, port)) return false;
-  if (config_.listens && port != peer_port_) {
-    ++counters_.foreign;
-    return false;
-  }
+  if (config_.listens && port != peer_port_) return not_taken(counters_.foreign);
   const auto ahead = static_cast<std::int32_t>(head.number - peer_number_);
-  if (ahead <= 0) {
-    ++counters_.repeated;
-    return false;
-  }
+  if (ahead <= 0) return not_taken(counters_.repeated);
   counters_.lost += static_cast<std::uint64_t>(ahead - 1);
   peer_number_ = head.number;
   heard_ns_ = stamp_ns;
@@ -197,7 +186,10 @@ Status DatagramLink::receive(std::span<const std::uint8_t>& payload, rt::Nanosec
       continue;
     }
     const KernelNote note = read_kernel_note(message);
-    if (note.counts_overruns) note_overruns(note.overruns);
+    if (note.counts_overruns) {
+      counters_.overruns += static_cast<std::uint32_t>(note.overruns - kernel_overruns_);  // the total wraps
+      kernel_overruns_ = note.overruns;
+    }
     const std::uint16_t port = ntohs(source.sin_port);
     Head head;
     if ((message.msg_flags & MSG_TRUNC) != 0) {
@@ -220,24 +212,5 @@ Status DatagramLink::receive(std::span<const std::uint8_t>& payload, rt::Nanosec
   greet(now_ns);
   return Status::empty;
 }
-
-void DatagramLink::note_overruns(std::uint32_t kernel_total) noexcept {
-  counters_.overruns += static_cast<std::uint32_t>(kernel_total - kernel_overruns_);  // the total wraps
-  kernel_overruns_ = kernel_total;
-}
-
-#else
-
-Status DatagramLink::open(const DatagramLinkConfig&, std::string& problem) {
-  problem = "links between processes need Linux";
-  return Status::not_supported;
-}
-void DatagramLink::close() noexcept {}
-Status DatagramLink::send(std::span<const std::uint8_t>) noexcept { return Status::disconnected; }
-Status DatagramLink::receive(std::span<const std::uint8_t>&, rt::Nanoseconds&) noexcept {
-  return Status::disconnected;
-}
-
-#endif
 
 }  // namespace sortie::drivers

@@ -67,7 +67,7 @@ class DatagramLink {
   DatagramLink& operator=(const DatagramLink&) = delete;
 
   /// Opens this end. Status: ok; out_of_range (port or session 0); disconnected (the port is taken, or the
-  /// system refuses); not_supported. `problem` then says what is wrong and the cure.
+  /// system refuses). `problem` then says what is wrong and the cure.
   [[nodiscard]] Status open(const DatagramLinkConfig& config, std::string& problem);
   /// Says bye to the peer and closes.
   void close() noexcept;
@@ -99,7 +99,6 @@ class DatagramLink {
   bool read_head(std::span<const std::uint8_t> datagram, Head& head) noexcept;
   bool admit(const Head& head, std::uint16_t port, rt::Nanoseconds stamp_ns) noexcept;
   bool admit_peer(const Head& head, std::uint16_t port) noexcept;
-  void note_overruns(std::uint32_t kernel_total) noexcept;
 
   DatagramLinkConfig config_;
   int descriptor_{-1};

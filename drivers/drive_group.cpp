@@ -42,14 +42,14 @@ bool DriveGroup::fresh(const Source& source, rt::Nanoseconds now_ns) const noexc
   return source.heard && now_ns - source.stamp_ns <= config_.command_timeout_ns;
 }
 
-Status DriveGroup::say(std::size_t which, SourceSays says, std::uint32_t asked, rt::Nanoseconds stamp_ns,
+Status DriveGroup::say(std::size_t which, bool on, std::uint32_t asked, rt::Nanoseconds stamp_ns,
                        rt::Nanoseconds now_ns) noexcept {
   if (which >= kMaxSources) return Status::out_of_range;
   Source& source = sources_[which];
   stamp_ns = std::min(stamp_ns, now_ns);  // nothing is younger than now
   if (now_ns - stamp_ns > config_.command_timeout_ns) return Status::stale;
   if (source.heard && stamp_ns < source.stamp_ns) return Status::time_backwards;
-  source.on = says == SourceSays::on;
+  source.on = on;
   // A request that comes while a stop is going on, or with the end of a silence, may have been made before
   // its maker could know of it. No silence is before the first, but an emergency stop may have been.
   const bool hears = !hit_ && (source.heard ? fresh(source, now_ns) : !was_pressed_) &&
@@ -207,16 +207,12 @@ void DriveGroup::decide(bool bus_works, std::span<const double> targets, rt::Nan
 
 void DriveGroup::order(std::span<const double> targets, rt::Nanoseconds now_ns) noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
-    MotorDrive& drive = *drives_[i];
-    if (state_ == GroupState::stopping) {
-      drive.stop();
-    } else if (!torque()) {
-      drive.rest();
-    } else if (i < targets.size() && obeys(source_of_[i], now_ns)) {
-      drive.follow(targets[i]);
-    } else {
-      drive.hold();
-    }
+    const bool follows = i < targets.size() && obeys(source_of_[i], now_ns);
+    const DriveOrder order = state_ == GroupState::stopping ? DriveOrder::stop
+                             : !torque()                    ? DriveOrder::rest
+                             : follows                      ? DriveOrder::follow
+                                                            : DriveOrder::hold;
+    drives_[i]->tell(order, follows ? targets[i] : 0.0);
   }
 }
 

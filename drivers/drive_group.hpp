@@ -30,8 +30,8 @@ struct DriveGroupConfig {
   /// Silence of a source that asked for the drives.
   rt::Nanoseconds command_timeout_ns = 200 * rt::kNanosecondsPerMillisecond;
   /// After a stop that nobody asked for the drives are started again when all have been seen ready for so
-  /// long, if they are still asked for; 0: only when they are asked anew. Never after
-  /// an emergency stop or a start that failed.
+  /// long, if they are still asked for; 0: only when they are asked anew. Never after an emergency stop or a
+  /// start that failed.
   rt::Nanoseconds rearm_ns = 0;
   /// How long a request waits for drives that are still being set up.
   rt::Nanoseconds ready_timeout_ns = 5'000 * rt::kNanosecondsPerMillisecond;
@@ -59,9 +59,6 @@ enum class GroupState : std::uint8_t {
   stopping,  ///< all stop
 };
 
-/// What a source of commands says.
-enum class SourceSays : std::uint8_t { off, on };
-
 /// All drives run, or none does. None moves before all run. After every stop that was not asked for each
 /// source must ask anew (drivers/request_latch.hpp): the drives start when one does, and obey those that did.
 /// One thread; no heap, no clock of its own; a few instructions a drive and call.
@@ -73,11 +70,10 @@ class DriveGroup {
   /// std::runtime_error for none or too many.
   void set_drives(std::span<MotorDrive* const> drives, std::span<const std::uint8_t> sources);
 
-  /// A command of a source, with the number of its newest request, and how old it is when it is taken:
-  /// `stamp_ns` is when it was made. Status: ok;
-  /// out_of_range (no such source); stale (older than the time-out: it is as if it had not come);
-  /// time_backwards (older than the one before, which stays).
-  [[nodiscard]] Status say(std::size_t source, SourceSays says, std::uint32_t asked, rt::Nanoseconds stamp_ns,
+  /// A command of a source: whether it wants the drives, the number of its newest request, and when it was
+  /// made. Status: ok; out_of_range (no such source); stale (older than the time-out: it is as if it had not
+  /// come); time_backwards (older than the one before, which stays).
+  [[nodiscard]] Status say(std::size_t source, bool on, std::uint32_t asked, rt::Nanoseconds stamp_ns,
                            rt::Nanoseconds now_ns) noexcept;
   /// The emergency stop. What was asked for until its release is forgotten. A press holds until decide() has
   /// seen it, however short it was.

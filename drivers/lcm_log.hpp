@@ -11,7 +11,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "rt/status.hpp"
 
@@ -37,32 +36,26 @@ struct LogEvent {
 struct LogProblem {
   std::uint64_t offset{};   ///< byte offset of the event that is damaged
   std::uint64_t event{};    ///< complete events before it
-  std::uint64_t skipped{};  ///< bytes thrown away to go on (all the rest, if it did not go on)
+  std::uint64_t skipped{};  ///< bytes from there to the end
   const char* reason = "";  ///< static text
 
   /// One line: "byte 1234: the last event is cut off (after 17 complete events, 40 bytes dropped)".
   [[nodiscard]] std::string describe() const;
 };
 
-/// What a reader does at a damaged place.
-enum class OnDamage : std::uint8_t {
-  stop,           ///< report and end there
-  resynchronise,  ///< report, look for the next whole event, go on
-};
+/// Whether these bytes (not none), as far as they go, are the first of an event.
+[[nodiscard]] bool begin_an_event(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Walks the events of a log that lies in memory. No heap, no exception; never reads outside `bytes`,
 /// whatever they hold.
 class LcmLogCursor {
  public:
-  LcmLogCursor() = default;
-  explicit LcmLogCursor(std::span<const std::uint8_t> bytes, OnDamage on_damage = OnDamage::stop) noexcept
-      : bytes_(bytes), on_damage_(on_damage) {}
+  explicit LcmLogCursor(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
 
-  /// Gives the next complete event. `empty`: clean end. `malformed`: damaged here, see problem(); with `stop`
-  /// each further call says the same, with `resynchronise` the next call goes on behind the damage.
-  /// Cost: constant, or linear in the bytes skipped.
+  /// Gives the next complete event. `empty`: clean end. `malformed`: damaged here, see problem(); each
+  /// further call says the same. Cost: constant; linear in the bytes of a damaged rest.
   [[nodiscard]] Status next(LogEvent& event) noexcept;
-  /// The latest damage; meaningful once next() gave `malformed`.
+  /// The damage; meaningful once next() gave `malformed`.
   [[nodiscard]] const LogProblem& problem() const noexcept { return problem_; }
   [[nodiscard]] std::uint64_t events() const noexcept { return events_; }
   /// Byte offset of the next event.
@@ -70,10 +63,8 @@ class LcmLogCursor {
 
  private:
   std::span<const std::uint8_t> bytes_;
-  OnDamage on_damage_{OnDamage::stop};
   std::size_t position_{};
   std::uint64_t events_{};
-  bool stopped_{};
   LogProblem problem_{};
 };
 
@@ -83,34 +74,21 @@ class LcmLogReader {
  public:
   /// Throws std::runtime_error (path, what is wrong, cure) if the file is missing, unreadable, a directory,
   /// or does not begin like an LCM log. An empty file is a log without events.
-  explicit LcmLogReader(const std::string& path, OnDamage on_damage = OnDamage::stop);
+  explicit LcmLogReader(const std::string& path);
   ~LcmLogReader();
   LcmLogReader(const LcmLogReader&) = delete;
   LcmLogReader& operator=(const LcmLogReader&) = delete;
 
   /// As LcmLogCursor::next(). The event's views live as long as the reader.
-  [[nodiscard]] Status next(LogEvent& event) noexcept;
-  /// Back to the first event; problems() is cleared.
-  void rewind() noexcept;
-  /// Damaged places met since the start, oldest first, at most kMaxProblems of them.
-  [[nodiscard]] const std::vector<LogProblem>& problems() const noexcept { return problems_; }
-  /// Damaged places met since the start, all of them.
-  [[nodiscard]] std::uint64_t problem_count() const noexcept { return problem_count_; }
+  [[nodiscard]] Status next(LogEvent& event) noexcept { return cursor_.next(event); }
+  [[nodiscard]] const LogProblem& problem() const noexcept { return cursor_.problem(); }
   /// Complete events given so far.
   [[nodiscard]] std::uint64_t events() const noexcept { return cursor_.events(); }
   [[nodiscard]] std::uint64_t size_bytes() const noexcept { return bytes_.size(); }
-  [[nodiscard]] std::uint64_t position() const noexcept { return cursor_.position(); }
-  [[nodiscard]] const std::string& path() const noexcept { return path_; }
-
-  static constexpr std::size_t kMaxProblems = 16;
 
  private:
-  std::string path_;
-  OnDamage on_damage_;
   std::span<const std::uint8_t> bytes_;
   LcmLogCursor cursor_;
-  std::vector<LogProblem> problems_;
-  std::uint64_t problem_count_{};
 };
 
 /// Writes a log through a buffer of its own. For a thread that may block on a disk.

@@ -18,17 +18,12 @@ struct Head {
   std::uint32_t data_bytes{};
 };
 
-bool begins_like_sync(std::span<const std::uint8_t> bytes) {
-  constexpr std::uint8_t kSync[4] = {0xED, 0xA1, 0xDA, 0x01};
-  return std::memcmp(bytes.data(), kSync, bytes.size() < 4 ? bytes.size() : 4) == 0;
-}
-
 // Null, or why there is no whole event at the start of `bytes` (not empty).
 const char* find_fault(std::span<const std::uint8_t> bytes, Head& head) {
   if (std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; })) {
     return "zeros from here on: these bytes never reached the disk (power cut?)";
   }
-  if (!begins_like_sync(bytes)) return "there is no event here (sync word missing)";
+  if (!begin_an_event(bytes)) return "there is no event here (sync word missing)";
   if (bytes.size() < kLcmLogHeaderBytes) return "the last event is cut off in its header";
   WireReader reader(bytes.subspan(4));
   head.number = reader.get<std::int64_t>();
@@ -45,23 +40,12 @@ const char* find_fault(std::span<const std::uint8_t> bytes, Head& head) {
   return nullptr;
 }
 
-// First place at or after `from` where a whole event lies that is followed by another one or by the end.
-std::size_t find_event(std::span<const std::uint8_t> bytes, std::size_t from) {
-  while (from < bytes.size()) {
-    const void* found = std::memchr(bytes.data() + from, 0xED, bytes.size() - from);
-    if (found == nullptr) break;
-    from = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes.data());
-    Head head;
-    if (find_fault(bytes.subspan(from), head) == nullptr) {
-      const std::size_t end = from + kLcmLogHeaderBytes + head.channel_bytes + head.data_bytes;
-      if (end == bytes.size() || begins_like_sync(bytes.subspan(end))) return from;
-    }
-    ++from;
-  }
-  return bytes.size();
-}
-
 }  // namespace
+
+bool begin_an_event(std::span<const std::uint8_t> bytes) noexcept {
+  constexpr std::uint8_t kSync[4] = {0xED, 0xA1, 0xDA, 0x01};
+  return std::memcmp(bytes.data(), kSync, bytes.size() < 4 ? bytes.size() : 4) == 0;
+}
 
 std::string LogProblem::describe() const {
   char text[256];
@@ -72,19 +56,11 @@ std::string LogProblem::describe() const {
 }
 
 Status LcmLogCursor::next(LogEvent& event) noexcept {
-  if (stopped_) return Status::malformed;
   if (position_ == bytes_.size()) return Status::empty;
   const auto rest = bytes_.subspan(position_);
   Head head;
   if (const char* reason = find_fault(rest, head); reason != nullptr) {
-    const bool stop = on_damage_ == OnDamage::stop;
-    const std::size_t go_on_at = stop ? bytes_.size() : find_event(bytes_, position_ + 1);
-    problem_ = {position_, events_, go_on_at - position_, reason};
-    if (stop) {
-      stopped_ = true;
-    } else {
-      position_ = go_on_at;
-    }
+    problem_ = {position_, events_, rest.size(), reason};
     return Status::malformed;
   }
   const auto* channel = reinterpret_cast<const char*>(rest.data() + kLcmLogHeaderBytes);

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Maps a log file and walks it.
-#ifndef _FILE_OFFSET_BITS
-#define _FILE_OFFSET_BITS 64
-#endif
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -64,12 +61,8 @@ void unmap(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-LcmLogReader::LcmLogReader(const std::string& path, OnDamage on_damage)
-    : path_(path), on_damage_(on_damage), bytes_(map_file(path)), cursor_(bytes_, on_damage) {
-  problems_.reserve(kMaxProblems);
-  constexpr std::uint8_t kSync[4] = {0xED, 0xA1, 0xDA, 0x01};
-  const std::size_t known = bytes_.size() < 4 ? bytes_.size() : 4;
-  if (on_damage == OnDamage::stop && known != 0 && std::memcmp(bytes_.data(), kSync, known) != 0) {
+LcmLogReader::LcmLogReader(const std::string& path) : bytes_(map_file(path)), cursor_(bytes_) {
+  if (!bytes_.empty() && !begin_an_event(bytes_)) {
     const std::string found = first_bytes(bytes_);
     unmap(bytes_);
     refuse(path, "byte 0: is not an LCM event log (begins with " + found +
@@ -78,23 +71,5 @@ LcmLogReader::LcmLogReader(const std::string& path, OnDamage on_damage)
 }
 
 LcmLogReader::~LcmLogReader() { unmap(bytes_); }
-
-Status LcmLogReader::next(LogEvent& event) noexcept {
-  const std::uint64_t before = cursor_.position();
-  const Status status = cursor_.next(event);
-  // A stopped cursor repeats itself: its problem is noted once.
-  const bool is_new = problem_count_ == 0 || cursor_.position() != before;
-  if (status == Status::malformed && is_new) {
-    ++problem_count_;
-    if (problems_.size() < kMaxProblems) problems_.push_back(cursor_.problem());
-  }
-  return status;
-}
-
-void LcmLogReader::rewind() noexcept {
-  cursor_ = LcmLogCursor(bytes_, on_damage_);
-  problems_.clear();
-  problem_count_ = 0;
-}
 
 }  // namespace sortie::drivers

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes a log through a buffer; after an error of the disk the file ends with its last complete event.
-#ifndef _FILE_OFFSET_BITS
-#define _FILE_OFFSET_BITS 64
-#endif
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -14,6 +14,8 @@
 #include <ctime>
 #include <stdexcept>
 
+#include "drivers/channels.hpp"
+#include "drivers/wire_cursor.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::drivers {
@@ -43,7 +45,25 @@ rt::Nanoseconds arrival(msghdr& header) {
 
 }  // namespace
 
-LcmReceiver::LcmReceiver(const std::string& url) : LcmReceiver(url, {}) {}
+Status parse_lc02(std::span<const std::uint8_t> datagram, Lc02Message& message) noexcept {
+  constexpr std::uint32_t kWholeMessage = 0x4c433032u;
+  constexpr std::uint32_t kFragmentMessage = 0x4c433033u;
+  WireReader reader(datagram);
+  const auto magic = reader.get<std::uint32_t>();
+  const auto sequence = reader.get<std::uint32_t>();
+  if (reader.status() != Status::ok) return Status::malformed;
+  if (magic == kFragmentMessage) return Status::not_supported;
+  if (magic != kWholeMessage) return Status::malformed;
+
+  const auto rest = reader.get_bytes(reader.left());
+  const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
+  const std::size_t length = text.substr(0, kMaxChannelLength + 1).find('\0');
+  if (length == 0 || length == std::string_view::npos) return Status::malformed;
+  message.sequence = sequence;
+  message.channel = text.substr(0, length);
+  message.payload = rest.subspan(length + 1);
+  return Status::ok;
+}
 
 LcmReceiver::LcmReceiver(const std::string& url, std::span<const FilterRule> any_of)
     : buffer_(std::make_unique<std::uint8_t[]>(kMaxDatagram)) {

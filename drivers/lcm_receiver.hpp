@@ -7,14 +7,27 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "drivers/datagram_filter.hpp"
-#include "drivers/lc02.hpp"
 #include "drivers/lcm_url.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers {
+
+/// A whole message in one datagram; views of the datagram's bytes.
+struct Lc02Message {
+  std::uint32_t sequence{};
+  std::string_view channel;  ///< 1 to 63 bytes, any value but zero
+  std::span<const std::uint8_t> payload;
+};
+
+/// Takes an LCM datagram apart without trusting it. Form, big endian: u32 "LC02", u32 sequence, channel,
+/// zero, payload. Status: ok; not_supported (a fragment, "LC03": messages above 64 kB are not put together,
+/// because that needs memory that a stranger chooses); malformed (anything else). `message` changes only with
+/// ok. Reads nothing outside the datagram; cost: linear in the channel's length.
+[[nodiscard]] Status parse_lc02(std::span<const std::uint8_t> datagram, Lc02Message& message) noexcept;
 
 /// What came in since start.
 struct LcmReceiverCounters {
@@ -28,18 +41,16 @@ struct LcmReceiverCounters {
 /// A received message; views live until the next call of receive().
 struct ReceivedMessage {
   Lc02Message message;
-  rt::Nanoseconds
-      stamp_ns{};  ///< UTC, when the kernel took the datagram (or receive() did, where it gives no stamp)
+  rt::Nanoseconds stamp_ns{};  ///< UTC, when the kernel took it (or receive() did, where it gives no stamp)
 };
 
 /// One thread uses it. No heap after construction; memory: 64 kB and the kernel's buffer.
 class LcmReceiver {
  public:
-  /// Joins the group. Throws std::runtime_error (address, system's reason, cure).
-  explicit LcmReceiver(const std::string& url);
-  /// The same, and the kernel puts only what fits to one of the rules into this socket's queue. Throws also
-  /// where the kernel has no filters.
-  LcmReceiver(const std::string& url, std::span<const FilterRule> any_of);
+  /// Joins the group. With rules the kernel puts only what fits to one of them into this socket's queue.
+  /// Throws std::runtime_error (address, system's reason, cure), with rules also where the kernel has no
+  /// filters.
+  explicit LcmReceiver(const std::string& url, std::span<const FilterRule> any_of = {});
   ~LcmReceiver();
   LcmReceiver(const LcmReceiver&) = delete;
   LcmReceiver& operator=(const LcmReceiver&) = delete;

@@ -40,7 +40,7 @@ bool parse_group(std::string_view text, std::uint32_t& group) {
 
 MulticastAddress parse_udpm_url(std::string_view url) {
   constexpr std::string_view kScheme = "udpm://";
-  if (url.substr(0, kScheme.size()) != kScheme) refuse(url, "only udpm:// can be listened to");
+  if (!url.starts_with(kScheme)) refuse(url, "only udpm:// can be listened to");
   MulticastAddress address{kDefaultGroup, kDefaultPort, 0};
   std::string_view rest = url.substr(kScheme.size());
   const std::size_t question = rest.find('?');
@@ -64,9 +64,9 @@ MulticastAddress parse_udpm_url(std::string_view url) {
     constexpr std::string_view kTtl = "ttl=";
     constexpr std::string_view kBuffer = "recv_buf_size=";
     std::uint32_t value = 0;
-    if (option.substr(0, kTtl.size()) == kTtl) {
+    if (option.starts_with(kTtl)) {
       if (!parse_number(option.substr(kTtl.size()), 255, value)) refuse(url, "ttl is not in 0..255");
-    } else if (option.substr(0, kBuffer.size()) == kBuffer) {
+    } else if (option.starts_with(kBuffer)) {
       if (!parse_number(option.substr(kBuffer.size()), kMaxBuffer, value))
         refuse(url, "recv_buf_size is no number");
       address.receive_buffer = value;

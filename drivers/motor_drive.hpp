@@ -26,6 +26,14 @@ enum class StopReason : std::uint8_t {
 
 const char* to_string(StopReason reason);
 
+/// What a drive is told.
+enum class DriveOrder : std::uint8_t {
+  rest,  ///< no torque
+  hold,  ///< torque, and no motion: speed 0, or where it stood when it came under torque or was told to hold
+  follow,  ///< torque, and a target
+  stop,    ///< to rest on the steepest ramp, then no torque
+};
+
 /// One drive. The group asks what it is, and tells it one thing in every cycle; what is told holds until the
 /// next. No call waits, throws or takes memory.
 class MotorDrive {
@@ -45,15 +53,8 @@ class MotorDrive {
 
   /// A start is asked for: what happened before does not count any more, and faults may be forgotten.
   virtual void begin() noexcept = 0;
-
-  /// No torque.
-  virtual void rest() noexcept = 0;
-  /// Torque, and no motion: speed 0, or where it stood when it came under torque or was told to hold.
-  virtual void hold() noexcept = 0;
-  /// Torque, and a target in the drive's own unit, or a second.
-  virtual void follow(double target) noexcept = 0;
-  /// To rest on the steepest ramp, then no torque.
-  virtual void stop() noexcept = 0;
+  /// `target`: to follow, in the drive's own unit, or a second.
+  virtual void tell(DriveOrder order, double target) noexcept = 0;
 };
 
 }  // namespace sortie::drivers

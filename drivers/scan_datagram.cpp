@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "drivers/wire_cursor.hpp"
+#include "drivers/wire.hpp"
 
 namespace sortie::drivers {
 
@@ -57,15 +57,9 @@ Status ScanSender::send_part() noexcept {
   writer.put_array(header_.p_world_sensor_m, 3);
   writer.put_array(header_.q_world_sensor, 4);
   writer.put(header_.flags);
-  for (std::uint32_t i = next_; i < next_ + count; ++i) {
-    const rt::ScanPoint& point = leaving_[i];
-    writer.put(point.x_m);
-    writer.put(point.y_m);
-    writer.put(point.z_m);
-    writer.put(point.intensity);
-    writer.put(point.age_10us);
-  }
-  const Status status = link_.send({payload, writer.size()});
+  detail::WireOut points{writer};
+  for (std::uint32_t i = next_; i < next_ + count; ++i) detail::walk(points, std::as_const(leaving_[i]));
+  const Status status = link_.send({payload, points.writer.size()});
   if (status == Status::ok) next_ += count;
   return status;
 }
@@ -144,14 +138,8 @@ void ScanReceiver::take(std::span<const std::uint8_t> payload) noexcept {
     drop();
     return;
   }
-  for (std::uint32_t i = 0; i < part.count; ++i) {
-    rt::ScanPoint& point = points_[next_ + i];
-    point.x_m = reader.get<float>();
-    point.y_m = reader.get<float>();
-    point.z_m = reader.get<float>();
-    point.intensity = reader.get<std::uint16_t>();
-    point.age_10us = reader.get<std::uint16_t>();
-  }
+  detail::WireIn points{reader};
+  for (std::uint32_t i = 0; i < part.count; ++i) detail::walk(points, points_[next_ + i]);
   next_ += part.count;
   if (next_ < header_.points) return;
   points_ = nullptr;  // handed on, whatever the sink makes of it

@@ -126,20 +126,16 @@ void SslDatagramDevice::take(std::span<const std::uint8_t> payload, rt::Nanoseco
   std::int64_t ignored = 0;
   if (decode(payload, command, ignored) != Status::ok) {
     ++counters_.malformed;
-    return;
-  }
-  if (any_ && static_cast<std::int32_t>(command.number - newest_) <= 0) {
+  } else if (any_ && static_cast<std::int32_t>(command.number - newest_) <= 0) {
     ++counters_.repeated;
-    return;
-  }
-  if (!is_in_time(command.stamp_ns, arrival_ns, kMostBehindNs, kMostAheadNs)) {
+  } else if (!is_in_time(command.stamp_ns, arrival_ns, kMostBehindNs, kMostAheadNs)) {
     ++counters_.out_of_time;
-    return;
+  } else {
+    any_ = true;
+    newest_ = command.number;
+    command.stamp_ns = difference_of(command.stamp_ns, epoch_ns_);
+    ++(device.send(command) == Status::ok ? counters_.commands : counters_.refused);
   }
-  any_ = true;
-  newest_ = command.number;
-  command.stamp_ns = difference_of(command.stamp_ns, epoch_ns_);
-  ++(device.send(command) == Status::ok ? counters_.commands : counters_.refused);
 }
 
 void SslDatagramDevice::deliver(SslPort& device) noexcept {

@@ -3,6 +3,8 @@
 // one.
 #pragma once
 
+#include <algorithm>
+
 #include "rt/spsc_ring.hpp"
 #include "rt/ssl_samples.hpp"
 #include "rt/status.hpp"
@@ -20,13 +22,12 @@ class SslPort {
   [[nodiscard]] virtual Status receive(rt::SslReturns& returns) noexcept = 0;
 };
 
-/// True if the device can fire it.
-constexpr bool can_be_fired(const rt::SslCommand& command) {
-  if (command.rays > rt::kSslMaxRays) return false;
-  for (std::uint32_t i = 0; i < command.rays; ++i) {
-    if (command.direction[i] >= rt::kSslDirections) return false;
-  }
-  return true;
+/// True if the device can fire a command, or have fired what it returns: no more rays than a frame has, and
+/// all within the grid.
+constexpr bool can_be_fired(const auto& sample) {
+  return sample.rays <= rt::kSslMaxRays &&
+         std::all_of(sample.direction, sample.direction + sample.rays,
+                     [](std::uint16_t direction) { return direction < rt::kSslDirections; });
 }
 
 /// Both ends in memory, each for a thread of its own. About 9 kB, no heap.

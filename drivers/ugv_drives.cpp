@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace sortie::drivers {
 namespace {
@@ -11,20 +10,21 @@ namespace {
 // A pause is not made up for at once.
 constexpr rt::Nanoseconds kLongestStep = 20 * rt::kNanosecondsPerMillisecond;
 
+// When a run begins while somebody already asks for speed, or for an angle far away: how fast targets go
+// there. From then on they are followed as they come.
+constexpr double kSoftStart_m_s2 = 2.0;
+constexpr double kSoftStart_rad_s = 1.0;
+
 // Torque through whatever makes the robot wait: what is wanted and not enabled holds.
-SourceSays says(std::uint32_t flags) {
-  return (flags & (rt::kCommandEnabled | rt::kCommandWanted)) != 0 ? SourceSays::on : SourceSays::off;
-}
+bool is_on(std::uint32_t flags) { return (flags & (rt::kCommandEnabled | rt::kCommandWanted)) != 0; }
 rt::Nanoseconds made_at(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) {
   return stamp_ns == 0 ? now_ns : stamp_ns;
 }
 
 }  // namespace
 
-UgvDrives::UgvDrives(const UgvDrivesConfig& config) : config_(config), group_(config.group) {
-  if (!(config.soft_start_m_s2 > 0.0 && config.soft_start_rad_s > 0.0))
-    throw std::runtime_error("drives: the rates of a soft start must be above 0");
-}
+UgvDrives::UgvDrives(const DriveGroupConfig& group, bool flippers, double per_m, double per_rad)
+    : flippers_(flippers), per_m_(per_m), per_rad_(per_rad), group_(group) {}
 
 void UgvDrives::attach(std::span<MotorDrive* const> drives) {
   std::array<std::uint8_t, kMaxDrives> sources{};
@@ -34,12 +34,12 @@ void UgvDrives::attach(std::span<MotorDrive* const> drives) {
 
 Status UgvDrives::set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept {
   if (!std::isfinite(command.left_m_s) || !std::isfinite(command.right_m_s)) return Status::not_finite;
-  const Status status =
-      group_.say(kDriveSource, says(command.flags), command.asked, made_at(command.stamp_ns, now_ns), now_ns);
+  const Status status = group_.say(kDriveSource, is_on(command.flags), command.asked,
+                                   made_at(command.stamp_ns, now_ns), now_ns);
   if (status != Status::ok) return status;
   const bool enabled = (command.flags & rt::kCommandEnabled) != 0;
-  wishes_[0] = enabled ? command.left_m_s * config_.per_m : 0.0;
-  wishes_[1] = enabled ? command.right_m_s * config_.per_m : 0.0;
+  wishes_[0] = enabled ? command.left_m_s * per_m_ : 0.0;
+  wishes_[1] = enabled ? command.right_m_s * per_m_ : 0.0;
   return Status::ok;
 }
 
@@ -47,12 +47,11 @@ Status UgvDrives::set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns)
   for (const double angle : command.angle_rad) {
     if (!std::isfinite(angle)) return Status::not_finite;
   }
-  if (!config_.flippers) return Status::ok;
-  const Status status = group_.say(kFlipperSource, says(command.flags), command.asked,
+  if (!flippers_) return Status::ok;
+  const Status status = group_.say(kFlipperSource, is_on(command.flags), command.asked,
                                    made_at(command.stamp_ns, now_ns), now_ns);
   if (status != Status::ok) return status;
-  for (std::size_t i = 0; i < rt::kFlippers; ++i)
-    wishes_[kTracks + i] = command.angle_rad[i] * config_.per_rad;
+  for (std::size_t i = 0; i < rt::kFlippers; ++i) wishes_[kTracks + i] = command.angle_rad[i] * per_rad_;
   return Status::ok;
 }
 
@@ -65,11 +64,14 @@ void UgvDrives::decide(bool bus_works, std::span<const double> standing, rt::Nan
   std::array<double, kMaxDrives> targets{};
   for (std::size_t i = 0; i < count; ++i) {
     const bool track = i < kTracks;
-    if (!group_.obeys(track ? kDriveSource : kFlipperSource, now_ns))
-      soft_[i].begin(track ? 0.0 : standing[i]);
-    const double most = passed_s * (track ? config_.soft_start_m_s2 * config_.per_m
-                                          : config_.soft_start_rad_s * config_.per_rad);
-    targets[i] = soft_[i].next(wishes_[i], most);
+    SoftTarget& soft = soft_[i];
+    if (!group_.obeys(track ? kDriveSource : kFlipperSource, now_ns)) soft = {track ? 0.0 : standing[i]};
+    targets[i] = wishes_[i];
+    if (!soft.joins) continue;
+    const double most = passed_s * (track ? kSoftStart_m_s2 * per_m_ : kSoftStart_rad_s * per_rad_);
+    soft.value += std::clamp(wishes_[i] - soft.value, -most, most);
+    soft.joins = soft.value != wishes_[i];
+    targets[i] = soft.value;
   }
   group_.decide(bus_works, {targets.data(), count}, now_ns);
 }

@@ -1,30 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ground robot's drives, whatever their protocol: two sources of commands, each with an age of its own,
-// one group that runs or stops all, and targets that do not step when a run begins.
+// The ground robot's drives behind whatever protocol they speak: commands in, samples out, in the units of
+// the rest of the program. Two sources of commands, each with an age of its own, one group that runs or stops
+// all, and targets that do not step when a run begins.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
 
+#include "drivers/can_bus.hpp"
 #include "drivers/drive_group.hpp"
-#include "drivers/soft_target.hpp"
-#include "drivers/ugv_motors.hpp"
 #include "rt/keys.hpp"
+#include "rt/samples.hpp"
 
 namespace sortie::drivers {
-
-/// What all protocols share.
-struct UgvDrivesConfig {
-  DriveGroupConfig group{};
-  bool flippers = true;
-  double per_m = 1.0;    ///< units of a track's drive in a metre
-  double per_rad = 1.0;  ///< of a flipper's in a radian
-  /// When a run begins while somebody already asks for speed, or for an angle far away: how fast targets go
-  /// there. From then on they are followed as they come.
-  double soft_start_m_s2 = 2.0;
-  double soft_start_rad_s = 1.0;
-};
 
 /// Keys of every protocol's config `c`, which calls its cycle and its silence by names of its own.
 template <class Config, class Span, class Key>
@@ -45,24 +34,41 @@ constexpr void shared_drive_keys(Config& c, Span& cycle_ns, Span& silence_ns, Ke
 /// Tracks come first among the drives, flippers behind them.
 inline constexpr std::size_t kTracks = 2;
 
-/// Commands and their ages. Every source (tracks, flippers) that has enabled its motors must go on saying so:
-/// one that falls silent stops all, and no other's commands renew it. A command that cannot be used renews
-/// nothing.
-class UgvDrives : public UgvMotors {
+/// Two tracks and up to four flippers. Every source of commands (tracks, flippers) that has enabled its
+/// motors must go on saying so: one that falls silent stops all, and no other's commands renew it. A command
+/// that cannot be used renews nothing. One thread; no call waits, throws or takes memory. What a user calls
+/// is virtual, so that a program without such motors has none of their code.
+class UgvDrives {
  public:
-  /// As UgvMotors; also stale, time_backwards: by the command's stamp (0: made now).
-  [[nodiscard]] Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept final;
-  [[nodiscard]] Status set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept final;
-  void press(bool pressed) noexcept final { group_.press(pressed); }
-  bool pressed() const noexcept final { return group_.pressed(); }
+  virtual ~UgvDrives() = default;
 
-  bool running() const noexcept final { return group_.running(); }
-  StopReason stop_reason() const noexcept final { return group_.reason(); }
+  /// New commands; the motors run while either is enabled. Speeds and angles that the motors' numbers cannot
+  /// hold are limited. Status: ok; not_finite (the command before stays, and ages); stale, time_backwards (by
+  /// the command's stamp; 0: made now).
+  [[nodiscard]] virtual Status set(const rt::DriveCommand& command, rt::Nanoseconds now_ns) noexcept;
+  [[nodiscard]] virtual Status set(const rt::FlipperCommand& command, rt::Nanoseconds now_ns) noexcept;
+
+  /// The emergency stop. While it is pressed all motors stop and then have no torque; what was asked for is
+  /// forgotten, so that nothing runs after its release until it is asked anew.
+  virtual void press(bool pressed) noexcept { group_.press(pressed); }
+  virtual bool pressed() const noexcept { return group_.pressed(); }
+
+  /// Takes a frame; true: it was a motor's.
+  virtual bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept = 0;
+  /// Sends what is due. At least once a millisecond.
+  virtual void poll(rt::Nanoseconds now_ns, CanBus& bus) noexcept = 0;
+
+  /// What both tracks (all flippers) showed at one moment. Status: ok; empty: nothing new.
+  [[nodiscard]] virtual Status read(rt::TrackSample& sample) noexcept = 0;
+  [[nodiscard]] virtual Status read(rt::FlipperSample& sample) noexcept = 0;
+
+  virtual bool running() const noexcept { return group_.running(); }
+  virtual StopReason stop_reason() const noexcept { return group_.reason(); }
   const DriveGroup& group() const noexcept { return group_; }
 
  protected:
-  /// Throws std::runtime_error where a setting cannot be used.
-  explicit UgvDrives(const UgvDrivesConfig& config);
+  /// `per_m`, `per_rad`: units of a track's drive in a metre, of a flipper's in a radian.
+  UgvDrives(const DriveGroupConfig& group, bool flippers, double per_m, double per_rad);
   /// Set-up: the drives, tracks first, then flippers.
   void attach(std::span<MotorDrive* const> drives);
   /// Once a poll: what all are to do. `standing`: where each drive is, in its units.
@@ -72,7 +78,15 @@ class UgvDrives : public UgvMotors {
   static constexpr std::size_t kDriveSource = 0;
   static constexpr std::size_t kFlipperSource = 1;
 
-  UgvDrivesConfig config_;
+  /// Begins where the motor is, and goes to what is asked for at a limited rate, until it has caught up.
+  struct SoftTarget {
+    double value{};
+    bool joins{true};
+  };
+
+  bool flippers_;
+  double per_m_;
+  double per_rad_;
   DriveGroup group_;
   std::array<double, kMaxDrives> wishes_{};
   std::array<SoftTarget, kMaxDrives> soft_{};

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The messages of samples. encode() and decode() are those of wire_fields.hpp, but for the decoder of scans;
-// for any thread, no heap.
+// The messages of samples, and of a robot's place on its map. encode() and decode() are those of
+// wire_fields.hpp, but for the decoder of scans; for any thread, no heap.
 #pragma once
 
 #include "drivers/can_bus.hpp"
 #include "drivers/channels.hpp"
 #include "drivers/wire_fields.hpp"
+#include "rt/located_pose.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::drivers {
@@ -26,6 +27,10 @@ struct WireRules<rt::TruthSample> : WirePlain {
 template <>
 struct WireRules<CanFrame> : WirePlain {
   static constexpr bool taken(const CanFrame& frame) { return frame.size <= 8; }
+};
+template <>
+struct WireRules<rt::LocatedPose> : WireNumbered {
+  static bool taken(const rt::LocatedPose& pose) { return pose.weak_moves <= 3 && pose.weak_turns <= 3; }
 };
 /// What stands before the points.
 template <>
@@ -59,6 +64,7 @@ inline constexpr std::size_t kImuBytes = kLeastBytes<rt::ImuSample>;
 inline constexpr std::size_t kTrackBytes = kLeastBytes<rt::TrackSample>;
 inline constexpr std::size_t kTruthBytes = kLeastBytes<rt::TruthSample>;
 inline constexpr std::size_t kCanBytes = kLeastBytes<CanFrame>;
+inline constexpr std::size_t kLocatedBytes = kLeastBytes<rt::LocatedPose>;
 inline constexpr std::size_t kScanHeadBytes = kLeastBytes<rt::PointScan>;
 inline constexpr std::size_t kScanPointBytes = 16;
 

@@ -75,20 +75,14 @@ class WireWriter {
   }
   /// LCM string: length with the final zero as int32, bytes, zero.
   void put_string(std::string_view text) noexcept {
-    if (text.size() > kMaxString) {
-      full_ = true;
-      return;
-    }
+    if (text.size() > kMaxString) return refuse();
     put(static_cast<std::int32_t>(text.size() + 1));
     put_array(text.data(), text.size());
     put(std::uint8_t{0});
   }
   /// Number of elements that follow, as LCM counts them: int32. More than that holds is `full`.
   void put_count(std::size_t count) noexcept {
-    if (count > kMaxCount) {
-      full_ = true;
-      return;
-    }
+    if (count > kMaxCount) return refuse();
     put(static_cast<std::int32_t>(count));
   }
   /// Whether that many elements of at least `bytes` each can follow; if not, nothing more will.

@@ -16,10 +16,12 @@
 
 #include "drivers/lcm_type.hpp"
 #include "drivers/siphash.hpp"
-#include "drivers/wire_tag.hpp"
 #include "drivers/wire_walk.hpp"
 
 namespace sortie::drivers {
+
+/// Of the tag of a command, which ends its message: SipHash over all before it.
+inline constexpr std::size_t kTagBytes = 8;
 
 /// Bytes of a message of T, fingerprint included, with all its texts and lists empty.
 template <WireMessage T>
@@ -71,8 +73,20 @@ Status encode_any(const T& value, std::int64_t seq, const SipKey* key, std::span
   WireOut stream{WireWriter(out)};
   stream.writer.put(kFingerprintOf<T>);
   walk_message(stream, value, seq);
-  if constexpr (WireRules<T>::kTagged) put_tag(stream.writer, key, out);
+  if constexpr (WireRules<T>::kTagged) {
+    const bool tagged = key != nullptr && stream.writer.status() == Status::ok;
+    stream.writer.put(tagged ? siphash24(*key, out.first(stream.writer.size())) : std::uint64_t{0});
+  }
   return stream.writer.finish(size);
+}
+
+// Reads the tag, which must end the message.
+inline Status finish_with_tag(WireReader& reader, const SipKey* key,
+                              std::span<const std::uint8_t> message) noexcept {
+  const auto tag = reader.get<std::uint64_t>();
+  if (reader.finish() != Status::ok) return Status::malformed;
+  const bool fits = key == nullptr || tag == siphash24(*key, message.first(message.size() - kTagBytes));
+  return fits ? Status::ok : Status::disconnected;
 }
 
 // Reads in place: `value` may be half filled unless ok.

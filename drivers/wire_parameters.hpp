@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/wire_answers.hpp"
+#include "drivers/wire_requests.hpp"
 #include "rt/describe.hpp"
 #include "rt/parameter.hpp"
 

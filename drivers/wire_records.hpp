@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The records of a log that are not samples (header, tick, gap, user samples) and telemetry (fields,
-// statistics, pose): plain structs, to message bytes and back.
+// The records of a log that are not samples (header, tick, timing, event, gap, user samples), and the pose:
+// plain structs, to message bytes and back.
 //
 // encode() and decode() are those of wire_fields.hpp. Records with texts and vectors are for threads that are
 // not real-time: their decoders allocate, but never more than the message is long.
@@ -66,8 +66,15 @@ struct TaskOutput {
   SORTIE_FIELDS(digest, units)
 };
 
-/// A tick record for encoding: views of someone else's memory.
-struct TickView {
+/// Lists in someone else's memory, or in their own.
+template <class T>
+using WireView = std::span<const T>;
+template <class T>
+using WireOwned = std::vector<T>;
+
+/// tick_t.
+template <template <class> class List>
+struct TickOf {
   std::int64_t tick{};
   std::int64_t job{};
   std::int32_t group{};
@@ -75,34 +82,13 @@ struct TickView {
   std::int8_t level{};  ///< of the degrade ladder
   std::int16_t shed{};  ///< bit i: task i was left out
   std::int16_t cut{};   ///< bit i: the clock stopped task i
-  std::span<const StreamTake> streams;
-  std::span<const ChannelTake> channels;
-  std::span<const TaskOutput> tasks;
-  std::span<const std::uint8_t> fields;  ///< canonical outputs, or empty
+  List<StreamTake> streams;
+  List<ChannelTake> channels;
+  List<TaskOutput> tasks;
+  List<std::uint8_t> fields;  ///< canonical outputs, or empty
 };
-
-/// A tick record as read back. Reuse one object: its vectors keep their memory.
-struct TickRecord {
-  std::int64_t tick{};
-  std::int64_t job{};
-  std::int32_t group{};
-  std::int8_t verdict{};
-  std::int8_t level{};
-  std::int16_t shed{};
-  std::int16_t cut{};
-  std::vector<StreamTake> streams;
-  std::vector<ChannelTake> channels;
-  std::vector<TaskOutput> tasks;
-  std::vector<std::uint8_t> fields;
-
-  /// The same as views; lives as long as this record is not changed.
-  [[nodiscard]] TickView view() const {
-    return {tick, job, group, verdict, level, shed, cut, streams, channels, tasks, fields};
-  }
-};
-
-/// tick_t, of both.
-struct TickRules : WirePlain {
+template <template <class> class List>
+struct WireRules<TickOf<List>> : WirePlain {
   static constexpr void members(auto& self, auto&& visit) {
     visit("tick", self.tick);
     visit("job", self.job);
@@ -117,10 +103,31 @@ struct TickRules : WirePlain {
     visit("fields", listed("nfields", self.fields));
   }
 };
-template <>
-struct WireRules<TickView> : TickRules {};
-template <>
-struct WireRules<TickRecord> : TickRules {};
+/// For encoding.
+using TickView = TickOf<WireView>;
+/// As read back. Reuse one object: its vectors keep their memory.
+using TickRecord = TickOf<WireOwned>;
+
+/// timing_t: when a job began, on the run's clock, and how long each of its tasks took.
+template <class Durations>
+struct TimingOf {
+  std::int64_t tick{};
+  std::int32_t group{};
+  std::int64_t started_ns{};
+  Durations duration_ns;
+};
+template <class Durations>
+struct WireRules<TimingOf<Durations>> : WirePlain {
+  static constexpr void members(auto& self, auto&& visit) {
+    visit("tick", self.tick);
+    visit("group", self.group);
+    visit("started_ns", self.started_ns);
+    visit("duration_ns", listed<std::int64_t>("ntasks", self.duration_ns));
+  }
+};
+using JobTiming = TimingOf<std::span<const std::uint32_t>>;
+/// As read back.
+using JobTimingRecord = TimingOf<std::vector<std::int64_t>>;
 
 /// Something that a user wants to know when it happens: a step of the degrade ladder, a stuck task, a broken
 /// promise.

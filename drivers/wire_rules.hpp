@@ -24,7 +24,7 @@ namespace sortie::drivers {
 /// What a message has beside the members of its struct.
 struct WirePlain {
   static constexpr bool kNumbered = false;  ///< `seq`, its number in its stream, follows the first member
-  static constexpr bool kTagged = false;    ///< it ends with `tag`, as wire_tag.hpp has it
+  static constexpr bool kTagged = false;    ///< it ends with `tag`, as wire_fields.hpp has it
 };
 struct WireNumbered : WirePlain {
   static constexpr bool kNumbered = true;

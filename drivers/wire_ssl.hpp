@@ -2,10 +2,10 @@
 // Messages of a solid-state lidar. encode() and decode() are those of wire_fields.hpp; no heap.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <span>
 
+#include "drivers/ssl_port.hpp"
 #include "drivers/wire_fields.hpp"
 #include "rt/ssl_samples.hpp"
 
@@ -26,13 +26,8 @@ struct SslRules : WireNumbered {
       visit("age_10us", of_rays(self.age_10us));
     }
   }
-  /// No more rays than a frame has, and all within the grid.
-  static bool taken(const auto& sample) {
-    return sample.rays <= rt::kSslMaxRays &&
-           std::all_of(sample.direction, sample.direction + sample.rays,
-                       [](std::uint16_t direction) { return direction < rt::kSslDirections; });
-  }
-  static bool sent(const auto& sample) { return taken(sample); }
+  static bool taken(const auto& sample) { return can_be_fired(sample); }
+  static bool sent(const auto& sample) { return can_be_fired(sample); }
 };
 template <>
 struct WireRules<rt::SslCommand> : SslRules {};

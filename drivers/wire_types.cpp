@@ -2,17 +2,13 @@
 // The types that follow from the structs are those that channels.hpp, and with it every log, knows.
 #include "drivers/channels.hpp"
 #include "drivers/wire.hpp"
-#include "drivers/wire_answers.hpp"
-#include "drivers/wire_contacts.hpp"
-#include "drivers/wire_fly.hpp"
-#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_truth.hpp"
 
 namespace sortie::drivers {
 
@@ -33,8 +29,8 @@ static_assert(kFingerprintOf<EventRecord> == kFingerprintEvent);
 static_assert(kFingerprintOf<CustomView> == kFingerprintCustom);
 static_assert(kFingerprintOf<FieldsView> == kFingerprintFields &&
               kFingerprintOf<FieldsMessage> == kFingerprintFields);
-static_assert(kFingerprintOf<StatsMessage<std::vector<TaskTiming>>> == kFingerprintExecStats);
-static_assert(kFingerprintOf<StatsMessage<std::vector<PoolUse>>> == kFingerprintPoolStats);
+static_assert(kFingerprintOf<ExecStats> == kFingerprintExecStats);
+static_assert(kFingerprintOf<PoolStats> == kFingerprintPoolStats);
 static_assert(kFingerprintOf<rt::ParameterChange> == kFingerprintParameter);
 static_assert(kFingerprintOf<SetParameter> == kFingerprintSetParameter);
 static_assert(kFingerprintOf<ParametersMessage> == kFingerprintParameters);

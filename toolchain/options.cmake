@@ -51,6 +51,9 @@ if(SORTIE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()
 
+# Files beyond 2 GiB on 32 bits, in every unit alike: a batch has other files' headers before those of the log.
+add_compile_definitions(_FILE_OFFSET_BITS=64)
+
 # Replayable arithmetic: no fused multiply-add, no fast-math, no SLP vectorisation (GCC 12 fuses there in spite of
 # -ffp-contract=off), one sign of char, and Eigen without its own SIMD kernels (their summation order differs by CPU).
 add_library(sortie_strict INTERFACE)

@@ -90,26 +90,9 @@ constexpr std::uint16_t control_word(DriveState state, DriveWish wish, bool rese
     case DriveState::switched_on:
     case DriveState::operation_enabled:
       return kEnableOperation;
-    // A quick stop is left through its end, not back into operation.
-    case DriveState::quick_stop:
-      return kDisableVoltage;
     default:
-      return kDisableVoltage;
+      return kDisableVoltage;  // a quick stop, too: it is left through its end, not back into operation
   }
-}
-
-/// The name that a person reads.
-constexpr const char* to_string(DriveState state) {
-  constexpr const char* kNames[] = {"not ready",
-                                    "switch-on disabled",
-                                    "ready to switch on",
-                                    "switched on",
-                                    "operation enabled",
-                                    "quick stop",
-                                    "fault reaction",
-                                    "fault",
-                                    "unknown"};
-  return kNames[static_cast<unsigned>(state)];
 }
 
 }  // namespace sortie::drivers::canopen

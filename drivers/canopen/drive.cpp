@@ -45,15 +45,14 @@ void Drive::begin() noexcept {
   emergencies_ = counters_.emergencies;
 }
 
-void Drive::tell(Order order) noexcept {
-  // Whoever is to hold stands where it stands now; who is to go on holding, where it stood.
-  if (order != order_) hold_ = reading_.position;
+void Drive::tell(DriveOrder order, double target) noexcept {
+  if (order == DriveOrder::follow) {
+    target_ = static_cast<std::int32_t>(std::floor(std::clamp(target, -2.1e9, 2.1e9) + 0.5));
+  } else if (order != order_) {
+    // Whoever is to hold stands where it stands now; who is to go on holding, where it stood.
+    hold_ = reading_.position;
+  }
   order_ = order;
-}
-
-void Drive::follow(double target) noexcept {
-  order_ = Order::follow;
-  target_ = static_cast<std::int32_t>(std::floor(std::clamp(target, -2.1e9, 2.1e9) + 0.5));
 }
 
 bool Drive::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
@@ -132,7 +131,7 @@ void Drive::take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept
   new_fault_ = new_fault_ || (now == DriveState::fault && !known_fault_);
   known_fault_ = known_fault_ && now == DriveState::fault;
   if (now == DriveState::operation_enabled) {
-    ran_ = ran_ || order_ == Order::hold || order_ == Order::follow;
+    ran_ = ran_ || order_ == DriveOrder::hold || order_ == DriveOrder::follow;
   } else {
     hold_ = reading_.position;
   }
@@ -244,32 +243,28 @@ void Drive::sent(rt::Nanoseconds now_ns) noexcept {
 
 Status Drive::command(CanFrame& frame) noexcept {
   if (phase_ != DrivePhase::operational) return Status::empty;
-  const bool runs = order_ == Order::hold || order_ == Order::follow;
+  const bool runs = order_ == DriveOrder::hold || order_ == DriveOrder::follow;
   // What turns is stopped, not let go.
   const bool turns = state() == DriveState::operation_enabled || state() == DriveState::quick_stop;
-  const DriveWish wish = runs                             ? DriveWish::run
-                         : order_ == Order::stop && turns ? DriveWish::quick_stop
-                                                          : DriveWish::rest;
+  const DriveWish wish = runs                                  ? DriveWish::run
+                         : order_ == DriveOrder::stop && turns ? DriveWish::quick_stop
+                                                               : DriveWish::rest;
   // A fault is forgotten by a start alone, not by one that came up and failed later. The bit acts when it
   // rises, so every other word has it low.
   const bool reset = runs && !ran_ && reset_low_;
   reset_low_ = !reset;
-  const std::int32_t still = config_.kind == DriveKind::velocity ? 0 : hold_;
   if (runs) suspect_ = true;
-  frame = {};
-  frame.id = kRpdo1Id + config_.node;
-  frame.size = kCommandBytes;
-  write_le(frame, 0, 2, control_word(state(), wish, reset));
-  write_le(frame, 2, 4, static_cast<std::uint32_t>(order_ == Order::follow ? target_ : still));
+  frame = command_frame(control_word(state(), wish, reset), order_ == DriveOrder::follow);
   return Status::ok;
 }
 
-CanFrame Drive::blind_stop() const noexcept {
+CanFrame Drive::command_frame(std::uint16_t word, bool follows) const noexcept {
+  const std::int32_t still = config_.kind == DriveKind::velocity ? 0 : hold_;
   CanFrame frame;
   frame.id = kRpdo1Id + config_.node;
   frame.size = kCommandBytes;
-  write_le(frame, 0, 2, kQuickStop);
-  write_le(frame, 2, 4, static_cast<std::uint32_t>(config_.kind == DriveKind::velocity ? 0 : hold_));
+  write_le(frame, 0, 2, word);
+  write_le(frame, 2, 4, static_cast<std::uint32_t>(follows ? target_ : still));
   return frame;
 }
 

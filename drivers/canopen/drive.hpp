@@ -71,7 +71,7 @@ class Drive final : public MotorDrive {
   /// Status: ok; empty: the drive is not operational, nothing is to be sent.
   [[nodiscard]] Status command(CanFrame& frame) noexcept;
   /// A quick stop for a drive that nothing is known of.
-  CanFrame blind_stop() const noexcept;
+  CanFrame blind_stop() const noexcept { return command_frame(kQuickStop, false); }
   /// Forgets all about it: it is to be found and set up again.
   void forget(rt::Nanoseconds now_ns) noexcept;
 
@@ -80,12 +80,8 @@ class Drive final : public MotorDrive {
   bool free(rt::Nanoseconds now_ns) const noexcept override;
   StopReason trouble(rt::Nanoseconds now_ns) const noexcept override;
   void begin() noexcept override;
-  void rest() noexcept override { tell(Order::rest); }
-  void hold() noexcept override { tell(Order::hold); }
-  void follow(double target) noexcept override;
-  void stop() noexcept override { tell(Order::stop); }
+  void tell(DriveOrder order, double target) noexcept override;
 
-  /// It was told to have torque, or found with it, and has not said since that it has none.
   /// A suspect was lost since the last call.
   bool take_loss() noexcept { return std::exchange(loss_, false); }
 
@@ -100,12 +96,11 @@ class Drive final : public MotorDrive {
 
  private:
   enum class Wanted : std::uint8_t { nothing, stop_pdos, start };  // network management to be sent
-  enum class Order : std::uint8_t { rest, hold, follow, stop };
 
-  void tell(Order order) noexcept;
   void begin_set_up(rt::Nanoseconds now_ns) noexcept;
   void next_step() noexcept;
   void judge_step(rt::Nanoseconds now_ns) noexcept;
+  CanFrame command_frame(std::uint16_t word, bool follows) const noexcept;
   bool step_good(const SetupStep& step, const SdoResult& result) noexcept;
   void take_heartbeat(NmtState state, rt::Nanoseconds now_ns) noexcept;
   void take_reading(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
@@ -116,16 +111,16 @@ class Drive final : public MotorDrive {
   SdoClient sdo_;
   DrivePhase phase_{DrivePhase::absent};
   Wanted wanted_{Wanted::nothing};
-  Order order_{Order::rest};
+  DriveOrder order_{DriveOrder::rest};
   bool offered_nmt_{};
   bool read_{};
   bool reset_low_{true};
   bool ran_{};          // since begin()
   bool known_fault_{};  // it had one at begin(), and has had it since
   bool new_fault_{};    // since begin()
-  bool suspect_{};
+  bool suspect_{};      // told to have torque, or found with it, and has not said since that it has none
   bool loss_{};
-  std::size_t step_{};
+  std::uint32_t step_{};
   std::uint32_t settling_{};     // readings of a drive that still has torque
   std::uint64_t emergencies_{};  // known at begin()
   std::int32_t target_{};

@@ -66,8 +66,8 @@ DriveSetup::DriveSetup(const DriveConfig& config) {
 
 void DriveSetup::add(SetupKind kind, std::uint16_t index, std::uint8_t sub, std::uint32_t value,
                      std::uint8_t bytes) {
-  if (count_ >= steps_.size()) throw std::logic_error("canopen: more set-up steps than there is room for");
-  steps_[count_++] = {kind, {index, sub}, value, bytes};
+  if (!push_back({kind, {index, sub}, value, bytes}))
+    throw std::logic_error("canopen: more set-up steps than there is room for");
 }
 
 // A mapping may change only while its PDO does not exist and its count is 0 (CiA 301, 7.5.2.36).

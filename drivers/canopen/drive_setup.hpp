@@ -2,12 +2,11 @@
 // What is written into a drive's object dictionary before it may run, step by step, and how each is judged.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 
 #include "drivers/canopen/cia402.hpp"
 #include "drivers/canopen/frames.hpp"
+#include "rt/fixed_vector.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::drivers::canopen {
@@ -47,19 +46,14 @@ struct SetupStep {
 /// and who was here before may have left it enabled), heartbeats both ways (the consumer's read back, since
 /// the robot's safe stop hangs on it), what a lost connection does (a quick stop), the mode, and the first
 /// PDO of each direction with mappings of our own. 42 steps at most.
-class DriveSetup {
+class DriveSetup : public rt::FixedVector<SetupStep, 42> {
  public:
   explicit DriveSetup(const DriveConfig& config);
-  std::size_t size() const noexcept { return count_; }
-  const SetupStep& operator[](std::size_t i) const noexcept { return steps_[i]; }
 
  private:
   void add(SetupKind kind, std::uint16_t index, std::uint8_t sub, std::uint32_t value, std::uint8_t bytes);
   void map(std::uint16_t communication, std::uint16_t mapping, std::uint32_t cob_id, std::uint32_t flags,
            std::uint8_t transmission, const std::uint32_t* entries, std::uint8_t count);
-
-  std::array<SetupStep, 42> steps_{};
-  std::size_t count_{};
 };
 
 /// Transmission type of a PDO: applied or sent at once, or with every SYNC.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/canopen/frames.hpp"
 
+#include <algorithm>
+#include <initializer_list>
+
 namespace sortie::drivers::canopen {
 namespace {
 
@@ -11,11 +14,16 @@ constexpr std::uint8_t kWriteCommand = 0x20;  // and the client's data bits; the
 constexpr std::uint8_t kExpedited = 2;
 constexpr std::uint8_t kSizeSaid = 1;
 
-bool plain(const CanFrame& frame) { return frame.flags == 0; }
+// Whether `raw` is one of the values that have a meaning.
+template <class Enum>
+bool is_one_of(std::initializer_list<Enum> values, std::uint8_t raw) {
+  return std::any_of(values.begin(), values.end(),
+                     [raw](Enum value) { return raw == static_cast<std::uint8_t>(value); });
+}
 
 // Node of a frame whose identifier is `base` + node; 0: it is another frame.
 std::uint8_t node_of(const CanFrame& frame, std::uint32_t base) {
-  if (!plain(frame) || frame.id <= base || frame.id > base + kMaxNode) return 0;
+  if (frame.flags != 0 || frame.id <= base || frame.id > base + kMaxNode) return 0;
   return static_cast<std::uint8_t>(frame.id - base);
 }
 
@@ -101,27 +109,22 @@ CanFrame encode_nmt(NmtCommand command, std::uint8_t node) noexcept {
 }
 
 Status decode_nmt(const CanFrame& frame, NmtCommand& command, std::uint8_t& node) noexcept {
-  if (!plain(frame) || frame.id != kNmtId) return Status::not_supported;
-  if (frame.size != 2 || frame.data[1] > kMaxNode) return Status::malformed;
-  switch (frame.data[0]) {
-    case 1:
-    case 2:
-    case 128:
-    case 129:
-    case 130:
-      command = static_cast<NmtCommand>(frame.data[0]);
-      node = frame.data[1];
-      return Status::ok;
-    default:
-      return Status::malformed;
-  }
+  if (frame.flags != 0 || frame.id != kNmtId) return Status::not_supported;
+  if (frame.size != 2 || frame.data[1] > kMaxNode ||
+      !is_one_of({NmtCommand::start, NmtCommand::stop, NmtCommand::pre_operational, NmtCommand::reset_node,
+                  NmtCommand::reset_communication},
+                 frame.data[0]))
+    return Status::malformed;
+  command = static_cast<NmtCommand>(frame.data[0]);
+  node = frame.data[1];
+  return Status::ok;
 }
 
 CanFrame encode_sync() noexcept { return frame_of(kSyncId, 0); }
 
 bool is_sync(const CanFrame& frame) noexcept {
   // With a counter it is one byte long, which is none of our business.
-  return plain(frame) && frame.id == kSyncId && frame.size <= 1;
+  return frame.flags == 0 && frame.id == kSyncId && frame.size <= 1;
 }
 
 CanFrame encode_heartbeat(std::uint8_t node, NmtState state) noexcept {
@@ -133,18 +136,13 @@ CanFrame encode_heartbeat(std::uint8_t node, NmtState state) noexcept {
 Status decode_heartbeat(const CanFrame& frame, std::uint8_t& node, NmtState& state) noexcept {
   const std::uint8_t from = node_of(frame, kHeartbeatId);
   if (from == 0) return Status::not_supported;
-  if (frame.size != 1) return Status::malformed;
-  switch (frame.data[0]) {
-    case 0:
-    case 4:
-    case 5:
-    case 127:
-      node = from;
-      state = static_cast<NmtState>(frame.data[0]);
-      return Status::ok;
-    default:
-      return Status::malformed;
-  }
+  if (frame.size != 1 ||
+      !is_one_of({NmtState::boot_up, NmtState::stopped, NmtState::operational, NmtState::pre_operational},
+                 frame.data[0]))
+    return Status::malformed;
+  node = from;
+  state = static_cast<NmtState>(frame.data[0]);
+  return Status::ok;
 }
 
 CanFrame encode_emergency(std::uint8_t node, const Emergency& emergency) noexcept {

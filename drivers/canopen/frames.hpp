@@ -66,7 +66,6 @@ struct ObjectKey {
 
 /// Why a node refused an SDO (CiA 301, table 22); the codes that this code sends.
 inline constexpr std::uint32_t kAbortTimeout = 0x0504'0000;
-inline constexpr std::uint32_t kAbortCommand = 0x0504'0001;
 inline constexpr std::uint32_t kAbortReadOnly = 0x0601'0002;
 inline constexpr std::uint32_t kAbortNoObject = 0x0602'0000;
 inline constexpr std::uint32_t kAbortNotMappable = 0x0604'0041;

@@ -13,8 +13,8 @@ void SdoClient::begin(const Sdo& request) noexcept {
 bool SdoClient::poll(rt::Nanoseconds now_ns, CanFrame& frame) noexcept {
   if (result_.progress != SdoProgress::waiting) return false;
   if (!offered_) {
-    if (now_ns - sent_ns_ < config_.timeout_ns) return false;
-    if (attempts_ >= config_.attempts) {
+    if (now_ns - sent_ns_ < kTimeoutNs) return false;
+    if (attempts_ >= kAttempts) {
       result_ = {SdoProgress::timed_out, kAbortTimeout};
       return false;
     }

@@ -18,17 +18,13 @@ struct SdoResult {
   std::uint32_t value{};  ///< of a read; of an abort, its code
 };
 
-/// When to give up.
-struct SdoClientConfig {
-  rt::Nanoseconds timeout_ns = 100 * rt::kNanosecondsPerMillisecond;  ///< of one attempt
-  std::uint32_t attempts = 3;
-};
-
 /// One client. No heap, no clock of its own; 64 bytes.
 class SdoClient {
  public:
-  explicit SdoClient(std::uint8_t node = 1, const SdoClientConfig& config = {})
-      : config_(config), node_(node) {}
+  static constexpr rt::Nanoseconds kTimeoutNs = 100 * rt::kNanosecondsPerMillisecond;  ///< of one attempt
+  static constexpr std::uint32_t kAttempts = 3;
+
+  explicit SdoClient(std::uint8_t node) : node_(node) {}
 
   /// Begins a transfer; one under way is forgotten (its late answer names another object, or repeats a
   /// value).
@@ -46,12 +42,10 @@ class SdoClient {
   bool take(const Sdo& reply) noexcept;
 
   const SdoResult& result() const noexcept { return result_; }
-  const Sdo& request() const noexcept { return request_; }
 
  private:
   void begin(const Sdo& request) noexcept;
 
-  SdoClientConfig config_;
   Sdo request_{};
   SdoResult result_{};
   rt::Nanoseconds sent_ns_{};

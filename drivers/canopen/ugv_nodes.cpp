@@ -48,13 +48,10 @@ std::vector<DriveConfig> drives_of(const UgvNodesConfig& config) {
 // A start is three steps of CiA 402 and a fault's reset, each a command, and a reading a cycle later.
 constexpr int kStartCycles = 12;
 
-drivers::UgvDrivesConfig shared_of(const UgvNodesConfig& config) {
+DriveGroupConfig group_of(const UgvNodesConfig& config) {
   DriveGroupConfig group = config.group;
   group.start_timeout_ns = std::max(group.start_timeout_ns, kStartCycles * config.line.sync_period_ns);
-  return {.group = group,
-          .flippers = config.flippers,
-          .per_m = config.increments_per_m,
-          .per_rad = config.increments_per_rad};
+  return group;
 }
 
 }  // namespace
@@ -70,7 +67,9 @@ std::int64_t IncrementCount::add(std::int32_t reading) noexcept {
 }
 
 UgvNodes::UgvNodes(const UgvNodesConfig& config)
-    : UgvDrives(shared_of(config)), config_(config), line_(config.line, drives_of(config)) {
+    : UgvDrives(group_of(config), config.flippers, config.increments_per_m, config.increments_per_rad),
+      config_(config),
+      line_(config.line, drives_of(config)) {
   attach_all();
 }
 
@@ -137,6 +136,32 @@ Status UgvNodes::read(rt::FlipperSample& sample) noexcept {
     sample.torque_n_m[i] = 1e-3 * reading.torque * config_.rated_torque_n_m;
   }
   return Status::ok;
+}
+
+// Set-up, network management and emergencies come rarely and are left out.
+std::vector<CanStream> bus_frames(const UgvNodesConfig& config) {
+  std::vector<CanStream> frames;
+  const auto add = [&](std::string name, std::uint32_t id, std::uint8_t size, rt::Nanoseconds period_ns) {
+    frames.push_back({.name = std::move(name), .id = id, .size = size, .period_ns = period_ns});
+    return &frames.back();
+  };
+  const rt::Nanoseconds sync_ns = config.line.sync_period_ns;
+  // Ours leave through one interface, SYNC before the commands.
+  constexpr int kOurs = 0;
+  add("sync", kSyncId, 0, sync_ns)->queue = kOurs;
+  add("heartbeat of the runtime", kHeartbeatId + config.line.node, 1, config.line.heartbeat_ns)->queue =
+      kOurs;
+  const auto drive = [&](std::uint8_t node) {
+    const std::string of = " of drive " + std::to_string(node);
+    add("command" + of, kRpdo1Id + node, 6, sync_ns)->queue = kOurs;
+    add("reading" + of, kTpdo1Id + node, 8, sync_ns)->after = 0;
+    add("heartbeat" + of, kHeartbeatId + node, 1, config.line.heartbeat_ns);
+  };
+  for (const std::uint8_t node : config.track_nodes) drive(node);
+  for (const std::uint8_t node : config.flipper_nodes) {
+    if (config.flippers) drive(node);
+  }
+  return frames;
 }
 
 }  // namespace sortie::drivers::canopen

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "drivers/odrive/axis_times.hpp"
 #include "drivers/odrive_dbc.hpp"
 
 namespace sortie::drivers::odrive {
 namespace {
 
-constexpr rt::Nanoseconds kPhaseTimeout = 500 * kMs;  // for what a heartbeat must show
-constexpr rt::Nanoseconds kRefusedFor = 2'000 * kMs;
+constexpr rt::Nanoseconds kPhaseTimeout = 500 * rt::kNanosecondsPerMillisecond;  // until a heartbeat shows it
+constexpr rt::Nanoseconds kRefusedFor = 2'000 * rt::kNanosecondsPerMillisecond;
 constexpr double kJump = 0.5;  // turns beyond what an axis can do: it has begun to count anew
 
 }  // namespace

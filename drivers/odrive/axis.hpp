@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "drivers/can_bus.hpp"
 #include "drivers/motor_drive.hpp"
@@ -95,10 +94,7 @@ class Axis final : public MotorDrive {
   bool free(rt::Nanoseconds now_ns) const noexcept override;
   StopReason trouble(rt::Nanoseconds now_ns) const noexcept override;
   void begin() noexcept override;
-  void rest() noexcept override { tell(Order::rest); }
-  void hold() noexcept override { tell(Order::hold); }
-  void follow(double target) noexcept override;
-  void stop() noexcept override { tell(Order::stop); }
+  void tell(DriveOrder order, double target) noexcept override;
 
   const AxisConfig& config() const noexcept { return config_; }
   AxisPhase phase() const noexcept { return phase_; }
@@ -111,13 +107,18 @@ class Axis final : public MotorDrive {
   const AxisCounters& counters() const noexcept { return counters_; }
 
  private:
-  enum class Order : std::uint8_t { rest, hold, follow, stop };
+  static constexpr rt::Nanoseconds kMs = rt::kNanosecondsPerMillisecond;
+  static constexpr rt::Nanoseconds kAskEvery = 50 * kMs;     // a state, until the heartbeat shows it
+  static constexpr rt::Nanoseconds kRestWithin = 500 * kMs;  // then it is let go, at rest or not
+  static constexpr rt::Nanoseconds kIdleWithin = 250 * kMs;  // then its watchdog has to do it
+  static constexpr rt::Nanoseconds kUnderWay = 2 * kMs;  // a heartbeat as old as a frame does not answer it
+  static constexpr std::uint8_t kSetUpFrames = 4;        // idle, mode, limits, forget errors
+
   enum class Asks : std::uint8_t { nothing, start_step, idle };  // what the cycle's first frame is for
 
   void take_heartbeat(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
   void take_estimate(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
   void take_current(const CanFrame& frame) noexcept;
-  void tell(Order order) noexcept;
   void enter(AxisPhase phase, rt::Nanoseconds now_ns) noexcept;
   void refuse(rt::Nanoseconds now_ns) noexcept;
   bool fresh(rt::Nanoseconds now_ns) const noexcept;
@@ -131,8 +132,8 @@ class Axis final : public MotorDrive {
   AxisConfig config_;
   AxisPhase phase_{AxisPhase::absent};
   AxisState state_{AxisState::undefined};
-  Order order_{Order::rest};
-  Order told_{Order::rest};  // at the cycle before
+  DriveOrder order_{DriveOrder::rest};
+  DriveOrder told_{DriveOrder::rest};  // at the cycle before
   Asks asks_{Asks::nothing};
   std::uint32_t error_{};
   std::uint32_t known_{};  // of it: what was there at begin(), and has not been away since

@@ -7,10 +7,10 @@
 #include "drivers/drive_group.hpp"
 
 namespace sortie::drivers::odrive {
-AxisLine::AxisLine(const AxisLineConfig& config, std::span<const AxisConfig> axes) : config_(config) {
+AxisLine::AxisLine(rt::Nanoseconds period_ns, std::span<const AxisConfig> axes) : period_ns_(period_ns) {
   if (axes.empty() || axes.size() > kMaxDrives)
     throw std::runtime_error("odrive: a line has 1 to " + std::to_string(kMaxDrives) + " axes");
-  if (config.period_ns < 3 * rt::kNanosecondsPerMillisecond)
+  if (period_ns < 3 * rt::kNanosecondsPerMillisecond)
     throw std::runtime_error("odrive: a cycle takes at least 3 ms");
   axes_.reserve(axes.size());
   for (const AxisConfig& axis : axes) {
@@ -18,7 +18,7 @@ AxisLine::AxisLine(const AxisLineConfig& config, std::span<const AxisConfig> axe
       if (other.config().node == axis.node)
         throw std::runtime_error("odrive: two axes have the number " + std::to_string(axis.node));
     }
-    if (axis.silence_ns < 2 * config.period_ns)
+    if (axis.silence_ns < 2 * period_ns)
       throw std::runtime_error("odrive: a watchdog must outlast two cycles, or it stops an axis that runs");
     axes_.emplace_back(axis);
   }
@@ -34,7 +34,7 @@ bool AxisLine::take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept {
 }
 
 bool AxisLine::works(rt::Nanoseconds now_ns) const noexcept {
-  return now_ns - whole_ns_ <= deaf_after(config_.period_ns);
+  return now_ns - whole_ns_ <= deaf_after(period_ns_);
 }
 
 void AxisLine::watch(bool torque, rt::Nanoseconds now_ns) noexcept {
@@ -46,9 +46,9 @@ void AxisLine::watch(bool torque, rt::Nanoseconds now_ns) noexcept {
 void AxisLine::send(rt::Nanoseconds now_ns, CanBus& bus) noexcept {
   if (now_ns >= next_ns_) {
     ++counters_.cycles;
-    const rt::Nanoseconds behind = (now_ns - next_ns_) / config_.period_ns;
+    const rt::Nanoseconds behind = (now_ns - next_ns_) / period_ns_;
     counters_.late_cycles += static_cast<std::uint64_t>(behind);
-    next_ns_ += (behind + 1) * config_.period_ns;
+    next_ns_ += (behind + 1) * period_ns_;
     if (next_ == axes_.size()) next_ = 0;  // else the cycle before is not out yet, and goes on
   }
   int frames = 0;

@@ -11,11 +11,6 @@
 
 namespace sortie::drivers::odrive {
 
-/// What all axes share.
-struct AxisLineConfig {
-  rt::Nanoseconds period_ns = 10 * rt::kNanosecondsPerMillisecond;
-};
-
 /// Counts since construction.
 struct AxisLineCounters {
   std::uint64_t cycles{};
@@ -33,8 +28,8 @@ struct AxisLineCounters {
 /// If this process dies, each axis' own watchdog stops it; none runs before that was seen to work.
 class AxisLine {
  public:
-  /// Throws std::runtime_error where a setting cannot be used.
-  AxisLine(const AxisLineConfig& config, std::span<const AxisConfig> axes);
+  /// `period_ns`: of a cycle. Throws std::runtime_error where a setting cannot be used.
+  AxisLine(rt::Nanoseconds period_ns, std::span<const AxisConfig> axes);
 
   /// Takes a frame of the bus. True: it belongs to one of the axes.
   bool take(const CanFrame& frame, rt::Nanoseconds now_ns) noexcept;
@@ -54,7 +49,7 @@ class AxisLine {
  private:
   bool send_to(Axis& axis, rt::Nanoseconds now_ns, CanBus& bus, int& frames) noexcept;
 
-  AxisLineConfig config_;
+  rt::Nanoseconds period_ns_;
   std::vector<Axis> axes_;
   std::size_t next_{};  // whose frames are next in this cycle
   bool polled_{};

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "drivers/odrive/axis.hpp"
-#include "drivers/odrive/axis_times.hpp"
 #include "drivers/odrive_dbc.hpp"
 
 namespace sortie::drivers::odrive {
@@ -61,19 +60,18 @@ void Axis::begin() noexcept {
   asked_ns_ -= kAskEvery;
 }
 
-void Axis::tell(Order order) noexcept {
-  if (order != order_) hold_turns_ = reading_.turns;
+void Axis::tell(DriveOrder order, double target) noexcept {
+  if (order == DriveOrder::follow) {
+    target_ = target;
+  } else if (order != order_) {
+    hold_turns_ = reading_.turns;
+  }
   order_ = order;
-}
-
-void Axis::follow(double target) noexcept {
-  order_ = Order::follow;
-  target_ = target;
 }
 
 bool Axis::torque_wanted() const noexcept {
   return phase_ == AxisPhase::starting ||
-         (phase_ == AxisPhase::ready && (order_ == Order::hold || order_ == Order::follow));
+         (phase_ == AxisPhase::ready && (order_ == DriveOrder::hold || order_ == DriveOrder::follow));
 }
 
 bool Axis::is_left_to_its_watchdog(rt::Nanoseconds now_ns) const noexcept {
@@ -85,7 +83,8 @@ bool Axis::is_left_to_its_watchdog(rt::Nanoseconds now_ns) const noexcept {
 // It is not to have torque any more: at rest, or after long enough, it is let go.
 bool Axis::wants_idle(rt::Nanoseconds now_ns) const noexcept {
   if (!suspect_ || torque_wanted()) return false;
-  const bool stops = phase_ == AxisPhase::absent || (phase_ == AxisPhase::ready && order_ == Order::stop);
+  const bool stops =
+      phase_ == AxisPhase::absent || (phase_ == AxisPhase::ready && order_ == DriveOrder::stop);
   const rt::Nanoseconds since = phase_ == AxisPhase::absent ? since_ns_ : order_ns_;
   const bool rests = phase_ == AxisPhase::ready && config_.kind == AxisKind::velocity &&
                      now_ns - order_ns_ > kUnderWay && std::fabs(reading_.turns_s) < kAtRest;
@@ -159,7 +158,7 @@ CanFrame Axis::set_up_frame(std::uint8_t step) const noexcept {
 
 CanFrame Axis::target_frame() const noexcept {
   const double limit = config_.velocity_limit_turn_s;
-  const bool follows = phase_ == AxisPhase::ready && order_ == Order::follow;
+  const bool follows = phase_ == AxisPhase::ready && order_ == DriveOrder::follow;
   CanFrame frame;
   if (config_.kind == AxisKind::velocity) {
     frame = to_axis(kSetInputVel, config_.node);

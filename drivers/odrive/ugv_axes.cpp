@@ -7,6 +7,7 @@
 #include <string>
 
 #include "drivers/can_frames.hpp"
+#include "drivers/odrive_dbc.hpp"
 
 namespace sortie::drivers::odrive {
 namespace {
@@ -47,17 +48,12 @@ std::vector<AxisConfig> axes_of(const UgvAxesConfig& config) {
   return axes;
 }
 
-drivers::UgvDrivesConfig shared_of(const UgvAxesConfig& config) {
-  return {.group = config.group,
-          .flippers = config.flippers,
-          .per_m = config.turns_per_m,
-          .per_rad = config.turns_per_rad};
-}
-
 }  // namespace
 
 UgvAxes::UgvAxes(const UgvAxesConfig& config)
-    : UgvDrives(shared_of(config)), config_(config), line_(config.line, axes_of(config)) {
+    : UgvDrives(config.group, config.flippers, config.turns_per_m, config.turns_per_rad),
+      config_(config),
+      line_(config.period_ns, axes_of(config)) {
   attach_all();
 }
 
@@ -138,6 +134,31 @@ Status UgvAxes::read(rt::FlipperSample& sample) noexcept {
     sample.torque_n_m[i] = line_.axis(kTracks + i).reading().current_a * config_.torque_per_a_n_m;
   }
   return Status::ok;
+}
+
+// Frames of set-up and of states come rarely and are left out.
+std::vector<CanStream> bus_frames(const UgvAxesConfig& config) {
+  constexpr rt::Nanoseconds kEstimates = 10 * rt::kNanosecondsPerMillisecond;  // as an axis comes
+  std::vector<CanStream> frames;
+  const auto add = [&](const char* what, std::uint8_t node, const CanMessage& message,
+                       rt::Nanoseconds period_ns) {
+    frames.push_back({.name = std::string(what) + " of axis " + std::to_string(node),
+                      .id = message.id | static_cast<std::uint32_t>(node) << 5u,
+                      .size = message.size,
+                      .period_ns = period_ns});
+  };
+  const auto axis = [&](std::uint8_t node, bool flipper) {
+    add("command", node, flipper ? kSetInputPos : kSetInputVel, config.period_ns);
+    frames.back().queue = 0;  // ours leave through one interface
+    add("estimates", node, kEncoderEstimates, kEstimates);
+    if (flipper) add("current", node, kIq, kEstimates);
+    add("heartbeat", node, kHeartbeat, config.silence_ns / 3);
+  };
+  for (const std::uint8_t node : config.track_nodes) axis(node, false);
+  for (const std::uint8_t node : config.flipper_nodes) {
+    if (config.flippers) axis(node, true);
+  }
+  return frames;
 }
 
 }  // namespace sortie::drivers::odrive

@@ -25,11 +25,11 @@ struct UgvAxesConfig {
   double velocity_limit_turn_s = 40.0;
   rt::Nanoseconds silence_ns = 150 * rt::kNanosecondsPerMillisecond;
   bool prove_watchdog = true;
-  AxisLineConfig line{};
+  rt::Nanoseconds period_ns = 10 * rt::kNanosecondsPerMillisecond;  ///< of a cycle
   DriveGroupConfig group{};
 
   SORTIE_KEYS(c, key) {
-    shared_drive_keys(c, c.line.period_ns, c.silence_ns, key);
+    shared_drive_keys(c, c.period_ns, c.silence_ns, key);
     key("turns_per_m", c.turns_per_m, {1e-3, 1e6, "1/m", "odrive: of a track's motor"});
     key("turns_per_rad", c.turns_per_rad, {1e-3, 1e6, "1/rad", "odrive: of a flipper's motor"});
     key("torque_per_a_n_m", c.torque_per_a_n_m,

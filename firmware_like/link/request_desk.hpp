@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/wire_answers.hpp"
+#include "drivers/wire_requests.hpp"
 #include "firmware_like/link/request_kind.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "planner/request_gate.hpp"

@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-#include "drivers/stop_filter.hpp"
+#include "drivers/datagram_filter.hpp"
 #include "firmware_like/result/add_counters.hpp"
 #include "rt/posix/clock.hpp"
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "drivers/lcm_receiver.hpp"
-#include "drivers/wire_answers.hpp"
+#include "drivers/wire_requests.hpp"
 #include "firmware_like/link/request_desk.hpp"
 #include "firmware_like/link/secret.hpp"
 #include "firmware_like/runtime/runtime.hpp"

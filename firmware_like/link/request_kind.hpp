@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "drivers/channels.hpp"
-#include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_requests.hpp"
 #include "rt/samples.hpp"

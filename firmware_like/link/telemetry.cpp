@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "drivers/wire_located.hpp"
+#include "drivers/wire.hpp"
+#include "drivers/wire_records.hpp"
 #include "drivers/wire_segments.hpp"
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_telemetry.hpp"
 #include "rt/built_parts.hpp"
 #include "rt/posix/clock.hpp"
 #include "rt/posix/make_thread.hpp"
@@ -51,10 +52,7 @@ void Telemetry::publish(std::string_view channel, const What&... what) {
 
 void Telemetry::publish_fields(std::int64_t utime, const std::string& name,
                                const std::vector<drivers::NamedValue>& values) {
-  const std::string channel = std::string(drivers::kChannelFields) + "_" + name;
-  static_cast<void>(publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-    return drivers::encode_fields(utime, name, values, out, size);
-  }));
+  publish(std::string(drivers::kChannelFields) + "_" + name, drivers::FieldsView{utime, name, values});
 }
 
 void Telemetry::publish_outputs(std::int64_t utime) {
@@ -146,14 +144,14 @@ void Telemetry::publish_answers(std::int64_t utime) {
 }
 
 void Telemetry::publish_statistics(std::int64_t utime) {
-  publish(drivers::kChannelStats, utime, recorder_.timings());
-  std::vector<drivers::PoolUse> pools;
+  publish(drivers::kChannelStats, drivers::ExecStats{utime, recorder_.timings()});
+  drivers::PoolStats pools{utime, {}};
   for (const auto& port : runtime_.parts().ports()) {
     const rt::StreamBase& stream = port->stream();
-    pools.push_back({port->channel(), stream.capacity(), stream.waiting(), stream.high_water(),
-                     static_cast<std::int64_t>(stream.refused())});
+    pools.rows.push_back({port->channel(), stream.capacity(), stream.waiting(), stream.high_water(),
+                          static_cast<std::int64_t>(stream.refused())});
   }
-  publish(drivers::kChannelPools, utime, pools);
+  publish(drivers::kChannelPools, pools);
 }
 
 void Telemetry::tell(const drivers::EventRecord& event) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/live/truth_writer.hpp"
 
-#include "drivers/wire_contacts.hpp"
-#include "drivers/wire_sensor_truth.hpp"
+#include "drivers/wire_truth.hpp"
 
 namespace sortie::firmware {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/log/contact_truth.hpp"
 
-#include "drivers/wire_contacts.hpp"
+#include "drivers/wire_truth.hpp"
 #include "firmware_like/log/log_file.hpp"
 
 namespace sortie::firmware {

@@ -55,7 +55,7 @@ LogFile::LogFile(const std::string& path) : path_(path), reader_(checked(path)) 
     if (received > last_sample_ns_) last_sample_ns_ = received;
   }
   if (status == Status::malformed) {
-    damage_ = path + ": " + reader_.problems().back().describe() + "; everything before it is used";
+    damage_ = path + ": " + reader_.problem().describe() + "; everything before it is used";
     problems_.push_back(damage_);
   }
   const auto& headers = channel(std::string(drivers::kChannelHeader));

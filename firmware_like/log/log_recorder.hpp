@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "drivers/wire_records.hpp"
 #include "drivers/wire_telemetry.hpp"
-#include "drivers/wire_timing.hpp"
 #include "firmware_like/runtime/input_port.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "rt/spsc_ring.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_records.hpp"
 #include "firmware_like/log/log_event.hpp"
 #include "firmware_like/scene/json_reader.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_records.hpp"
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/result/results.hpp"
 #include "rt/histogram.hpp"

@@ -211,7 +211,7 @@ class DrivePart final : public Part {
   rt::Stream<rt::FlipperSample>* flipper_states_{};
   rt::CommandOutlet<rt::FlipperCommand>* flipper_outlet_{};
   // The I/O thread's.
-  std::unique_ptr<drivers::UgvMotors> motors_;  ///< null: they speak the robot's own frames
+  std::unique_ptr<drivers::UgvDrives> motors_;  ///< null: they speak the robot's own frames
   OwnMotors own_motors_;
   EmergencyInputs emergency_;
   bool emergency_asked_{};                    // by the newest command

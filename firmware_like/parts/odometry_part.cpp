@@ -3,7 +3,7 @@
 #include "firmware_like/parts/odometry_part.hpp"
 
 #include "drivers/can_frames.hpp"
-#include "drivers/ugv_motors.hpp"
+#include "drivers/ugv_drives.hpp"
 #include "estimators/turning_centre.hpp"
 #include "firmware_like/parts/odometry_state.hpp"
 #include "firmware_like/parts/own_frames.hpp"
@@ -101,7 +101,7 @@ void OdometryPart::add_state(VehicleBuilder& builder) {
 }
 
 void OdometryPart::finish(VehicleBuilder& builder) {
-  if (builder.find<drivers::UgvMotors>() != nullptr) return;  // those have said theirs
+  if (builder.find<drivers::UgvDrives>() != nullptr) return;  // those have said theirs
   using namespace drivers;
   const std::uint32_t tracks[] = {kCanTrackLeftId, kCanTrackRightId};
   const std::uint32_t states[] = {kCanFlipperStateId, kCanFlipperStateId + 1, kCanFlipperStateId + 2,

@@ -51,7 +51,7 @@ MotorsConfig read_motors(Profile& profile, bool flippers) {
   return config;
 }
 
-std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
+std::unique_ptr<drivers::UgvDrives> make_canopen(VehicleBuilder& builder,
                                                  const drivers::canopen::UgvNodesConfig& config) {
   auto drives = std::make_unique<drivers::canopen::UgvNodes>(config);
   const drivers::canopen::NodeLine* const line = &drives->line();
@@ -64,7 +64,7 @@ std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
   return drives;
 }
 
-std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
+std::unique_ptr<drivers::UgvDrives> make_odrive(VehicleBuilder& builder,
                                                 const drivers::odrive::UgvAxesConfig& config) {
   auto axes = std::make_unique<drivers::odrive::UgvAxes>(config);
   const drivers::odrive::AxisLine* const line = &axes->line();

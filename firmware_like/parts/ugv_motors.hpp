@@ -7,6 +7,7 @@
 
 #include "drivers/canopen/ugv_nodes.hpp"
 #include "drivers/odrive/ugv_axes.hpp"
+#include "drivers/ugv_drives.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
 
 namespace sortie::firmware {
@@ -21,9 +22,9 @@ struct MotorsConfig {
 MotorsConfig read_motors(Profile& profile, bool flippers);
 
 /// Throw std::runtime_error where a setting cannot be used. Set-up only.
-std::unique_ptr<drivers::UgvMotors> make_canopen(VehicleBuilder& builder,
+std::unique_ptr<drivers::UgvDrives> make_canopen(VehicleBuilder& builder,
                                                  const drivers::canopen::UgvNodesConfig& config);
-std::unique_ptr<drivers::UgvMotors> make_odrive(VehicleBuilder& builder,
+std::unique_ptr<drivers::UgvDrives> make_odrive(VehicleBuilder& builder,
                                                 const drivers::odrive::UgvAxesConfig& config);
 
 }  // namespace sortie::firmware

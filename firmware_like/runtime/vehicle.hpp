@@ -72,7 +72,7 @@ class Vehicle {
   virtual std::optional<MotorsNews> motors_news() const { return {}; }
   /// Where requests from outside go in (drivers/wire_requests.hpp), if the profile lets them.
   virtual RequestEntry<rt::DriveRequest> drive_requests() { return {}; }
-  /// The same for a vehicle that flies (drivers/wire_fly.hpp).
+  /// The same for a vehicle that flies (drivers/wire_requests.hpp).
   virtual RequestEntry<rt::FlyRequest> fly_requests() { return {}; }
   /// Where a lidar driver delivers, or null.
   virtual drivers::ScanSink* scan_sink() { return nullptr; }

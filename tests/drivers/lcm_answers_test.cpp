@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "drivers/wire_answers.hpp"
+#include "drivers/wire_requests.hpp"
 #include "sortie/request_answers_t.hpp"
 #include "tests/drivers/message_bytes.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <random>
 
-#include "drivers/wire_fly.hpp"
+#include "drivers/wire_requests.hpp"
 #include "sortie/fly_request_t.hpp"
 #include "tests/drivers/message_bytes.hpp"
 

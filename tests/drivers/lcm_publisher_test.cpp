@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "drivers/lc02.hpp"
 #include "drivers/lcm_log.hpp"
 #include "drivers/lcm_publisher.hpp"
+#include "drivers/lcm_receiver.hpp"
 
 using namespace sortie;
 using namespace sortie::drivers;

@@ -4,10 +4,9 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "drivers/datagram_filter.hpp"
 #include "drivers/group_sender.hpp"
 #include "drivers/lcm_receiver.hpp"
-#include "drivers/stop_filter.hpp"
-#include "drivers/wire_fly.hpp"
 #include "drivers/wire_requests.hpp"
 #include "tests/drivers/own_network.hpp"
 

@@ -4,9 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "drivers/wire_records.hpp"
 #include "drivers/wire_telemetry.hpp"
-#include "drivers/wire_timing.hpp"
-#include "rt/samples.hpp"
 #include "sortie/exec_stats_t.hpp"
 #include "sortie/fields_t.hpp"
 #include "sortie/pool_stats_t.hpp"
@@ -18,8 +17,7 @@ using namespace sortie::drivers;
 using namespace sortie::test;
 
 TEST_CASE("telemetry is written as lcm-gen writes it and comes back") {
-  const std::vector<TaskTiming> tasks{{"attitude", 10, 1, 1.5, 2.5, 9.0, 20.0},
-                                      {"odometry", 11, 0, 3, 4, 5, 6}};
+  const ExecStats tasks{33, {{"attitude", 10, 1, 1.5, 2.5, 9.0, 20.0}, {"odometry", 11, 0, 3, 4, 5, 6}}};
   exec_stats_t twin{};
   twin.utime = 33;
   twin.n = 2;
@@ -30,17 +28,16 @@ TEST_CASE("telemetry is written as lcm-gen writes it and comes back") {
   twin.p99_us = {2.5, 4};
   twin.max_us = {9, 5};
   twin.budget_us = {20, 6};
-  const Bytes bytes = exact([&](auto out, auto& size) { return encode(33, tasks, out, size); });
+  const Bytes bytes = exact([&](auto out, auto& size) { return encode(tasks, out, size); });
   CHECK(bytes == generated_bytes(twin));
-  std::vector<TaskTiming> back;
-  std::int64_t utime = 0;
-  REQUIRE(decode(bytes, utime, back) == Status::ok);
-  CHECK(utime == 33);
-  REQUIRE(back.size() == 2);
-  CHECK(back[1].task == "odometry");
-  CHECK(back[0].budget_us == 20.0);
+  ExecStats back;
+  REQUIRE(decode(bytes, back) == Status::ok);
+  CHECK(back.utime == 33);
+  REQUIRE(back.rows.size() == 2);
+  CHECK(back.rows[1].task == "odometry");
+  CHECK(back.rows[0].budget_us == 20.0);
 
-  const std::vector<PoolUse> pools{{"voxels", 100, 50, 60, 2}};
+  const PoolStats pools{34, {{"voxels", 100, 50, 60, 2}}};
   pool_stats_t pool_twin{};
   pool_twin.utime = 34;
   pool_twin.n = 1;
@@ -49,24 +46,23 @@ TEST_CASE("telemetry is written as lcm-gen writes it and comes back") {
   pool_twin.used = {50};
   pool_twin.high_water = {60};
   pool_twin.refused = {2};
-  const Bytes pool_bytes = exact([&](auto out, auto& size) { return encode(34, pools, out, size); });
+  const Bytes pool_bytes = exact([&](auto out, auto& size) { return encode(pools, out, size); });
   CHECK(pool_bytes == generated_bytes(pool_twin));
-  std::vector<PoolUse> pools_back;
-  REQUIRE(decode(pool_bytes, utime, pools_back) == Status::ok);
-  CHECK(pools_back[0].high_water == 60);
+  PoolStats pools_back;
+  REQUIRE(decode(pool_bytes, pools_back) == Status::ok);
+  CHECK(pools_back.rows[0].high_water == 60);
 
-  rt::DriveCommand command;
-  command.left_m_s = 0.25;
-  command.waypoint = 7;
-  command.asked = 3;
+  const std::vector<NamedValue> command{{"stamp_ns", 0}, {"left_m_s", 0.25}, {"right_m_s", 0},
+                                        {"waypoint", 7}, {"flags", 0},       {"asked", 3}};
   fields_t fields_twin{};
   fields_twin.utime = 35;
   fields_twin.task = "drive";
   fields_twin.n = 6;
   fields_twin.name = {"stamp_ns", "left_m_s", "right_m_s", "waypoint", "flags", "asked"};
   fields_twin.value = {0, 0.25, 0, 7, 0, 3};
-  const Bytes field_bytes =
-      exact([&](auto out, auto& size) { return encode_fields(35, "drive", command, out, size); });
+  const Bytes field_bytes = exact([&](auto out, auto& size) {
+    return encode(FieldsView{35, "drive", command}, out, size);
+  });
   CHECK(field_bytes == generated_bytes(fields_twin));
   FieldsMessage fields_back;
   REQUIRE(decode(field_bytes, fields_back) == Status::ok);
@@ -96,8 +92,8 @@ TEST_CASE("job timing is written as lcm-gen writes it and comes back") {
   }
 
   const std::vector<NamedValue> values{{"a", 1.5}, {"b[1]", -2}};
-  const Bytes list =
-      exact([&](auto out, auto& size) { return encode_fields(1, "task", std::span(values), out, size); });
+  const FieldsView view{1, "task", values};
+  const Bytes list = exact([&](auto out, auto& size) { return encode(view, out, size); });
   FieldsMessage fields;
   REQUIRE(decode(list, fields) == Status::ok);
   REQUIRE(fields.values.size() == 2);

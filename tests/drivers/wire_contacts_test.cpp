@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // contacts_t against lcm-gen's code: same bytes, every bit back, nothing taken that is damaged.
-#include "drivers/wire_contacts.hpp"
+#include "drivers/wire_truth.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstring>

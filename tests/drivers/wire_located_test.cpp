@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // located_t against lcm-gen's code: same bytes, every bit back, nothing taken that is damaged.
-#include "drivers/wire_located.hpp"
+#include "drivers/wire.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstring>

@@ -164,7 +164,7 @@ TEST_CASE("a log with one altered field is refused, whatever the field, and the 
       altered = record.tick;
       item.alters(record);
       std::size_t size = 0;
-      REQUIRE(drivers::encode(record.view(), event.bytes, size) == Status::ok);
+      REQUIRE(drivers::encode(record, event.bytes, size) == Status::ok);
       return true;
     });
     REQUIRE(altered >= 0);
@@ -192,7 +192,7 @@ TEST_CASE(
       if (record.group != group || record.tick < 1000 || record.tick >= 1100) return true;
       record.verdict = static_cast<std::int8_t>(rt::Verdict::missed);
       std::size_t size = 0;
-      REQUIRE(drivers::encode(record.view(), event.bytes, size) == Status::ok);
+      REQUIRE(drivers::encode(record, event.bytes, size) == Status::ok);
       return true;
     });
     const ReplayOutcome outcome = replay_log(path);

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <thread>
 
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_records.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
 #include "firmware_like/log/recorded_doctor.hpp"
 #include "firmware_like/log/releases.hpp"

@@ -206,7 +206,7 @@ TEST_CASE("a job's number that cannot be is refused with its place, and drops no
       REQUIRE(drivers::decode(event.bytes, job) == Status::ok);
       if (job.group == 1 && job.job == 7) edit(job);  // every 20 ticks: 20 is 4 times 5
       std::size_t size = 0;
-      REQUIRE(drivers::encode(job.view(), event.bytes, size) == Status::ok);
+      REQUIRE(drivers::encode(job, event.bytes, size) == Status::ok);
       return true;
     });
     return replay(LogFile(path), stall_vehicles(), {});

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "drivers/wire_cursor.hpp"
-#include "drivers/wire_fly.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_requests.hpp"
 #include "planner/request_gate.hpp"

@@ -99,7 +99,7 @@ TEMPLATE_TEST_CASE("drives: a cycle that is longer than a bus may be deaf runs",
     config.line.sync_period_ns = 100 * kMs;
     config.heartbeat_timeout_ns = 400 * kMs;
   } else {
-    config.line.period_ns = 100 * kMs;
+    config.period_ns = 100 * kMs;
     config.silence_ns = 500 * kMs;
   }
   DrivesWorld<TestType> world(false, config);

@@ -10,7 +10,7 @@
 
 #include "drivers/can_load.hpp"
 #include "drivers/can_stub.hpp"
-#include "drivers/ugv_motors.hpp"
+#include "drivers/ugv_drives.hpp"
 #include "hil/motor_wishes.hpp"
 #include "tests/hil/asker.hpp"
 

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "drivers/wire_sensor_truth.hpp"
+#include "drivers/wire_truth.hpp"
 #include "rt/digest.hpp"
 #include "tests/hil/ugv_bench.hpp"
 

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <sstream>
 
-#include "drivers/wire_contacts.hpp"
+#include "drivers/wire_truth.hpp"
 #include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"

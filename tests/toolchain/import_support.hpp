@@ -60,7 +60,7 @@ inline Log read_log(const std::string& path) {
       FAIL("unexpected channel " << event.channel);
     }
   }
-  CHECK(reader.problem_count() == 0);
+  CHECK(reader.next(event) == Status::empty);
   return log;
 }
 

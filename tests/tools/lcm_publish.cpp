@@ -11,17 +11,13 @@
 
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/wire.hpp"
-#include "drivers/wire_answers.hpp"
-#include "drivers/wire_contacts.hpp"
-#include "drivers/wire_fly.hpp"
-#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
 #include "drivers/wire_segments.hpp"
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_telemetry.hpp"
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_truth.hpp"
 
 namespace {
 
@@ -59,14 +55,20 @@ void send(LcmPublisher& publisher, std::string_view channel, Encode&& encode_int
 }
 
 void send_telemetry(LcmPublisher& publisher, const Circle& robot, std::int64_t step) {
-  const std::vector<TaskTiming> tasks{{"attitude", step, 0, 11, 19, 41, 200},
-                                      {"odometry", step, 0, 5, 9, 30, 100}};
-  const std::vector<PoolUse> pools{{"voxels", 262144, 1000 + step, 1000 + step, 0}};
   const std::int64_t utime = robot.stamp_ns / 1000;
-  send(publisher, kChannelStats, [&](auto out, auto& size) { return encode(utime, tasks, out, size); });
-  send(publisher, kChannelPools, [&](auto out, auto& size) { return encode(utime, pools, out, size); });
-  send(publisher, "SORTIE_FIELDS_attitude",
-       [&](auto out, auto& size) { return encode_fields(utime, "attitude", robot.imu(), out, size); });
+  const ExecStats tasks{utime,
+                        {{"attitude", step, 0, 11, 19, 41, 200}, {"odometry", step, 0, 5, 9, 30, 100}}};
+  const PoolStats pools{utime, {{"voxels", 262144, 1000 + step, 1000 + step, 0}}};
+  std::vector<NamedValue> values;
+  rt::for_each_scalar(robot.imu(), [&values](const char* name, int index, auto scalar) {
+    const std::string suffix = index < 0 ? "" : "[" + std::to_string(index) + "]";
+    values.push_back({name + suffix, static_cast<double>(scalar)});
+  });
+  send(publisher, kChannelStats, [&](auto out, auto& size) { return encode(tasks, out, size); });
+  send(publisher, kChannelPools, [&](auto out, auto& size) { return encode(pools, out, size); });
+  send(publisher, "SORTIE_FIELDS_attitude", [&](auto out, auto& size) {
+    return encode(FieldsView{utime, "attitude", values}, out, size);
+  });
 }
 
 // Types that are at home in logs; lcm-logplayer sends them, too.

@@ -4,7 +4,7 @@
 #include <memory>
 #include <sstream>
 
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_records.hpp"
 #include "firmware_like/log/releases.hpp"
 #include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/scene/input_error.hpp"

@@ -11,7 +11,7 @@
 
 #include "drivers/lcm_publisher.hpp"
 #include "drivers/lcm_receiver.hpp"
-#include "drivers/wire_answers.hpp"
+#include "drivers/wire_requests.hpp"
 #include "firmware_like/link/request_kind.hpp"
 
 namespace sortie::toolchain {

@@ -6,16 +6,12 @@
 #include <string_view>
 
 #include "drivers/wire.hpp"
-#include "drivers/wire_answers.hpp"
-#include "drivers/wire_contacts.hpp"
 #include "drivers/wire_cursor.hpp"
-#include "drivers/wire_fly.hpp"
-#include "drivers/wire_located.hpp"
 #include "drivers/wire_parameters.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"
 #include "drivers/wire_ssl.hpp"
-#include "drivers/wire_timing.hpp"
+#include "drivers/wire_truth.hpp"
 #include "rt/fields.hpp"
 #include "toolchain/commands/spy_segments.hpp"
 
@@ -116,10 +112,9 @@ Status read_tick(Message message, Values& values) {
 }
 
 Status read_timings(Message message, Values& values) {
-  std::int64_t utime = 0;
-  std::vector<drivers::TaskTiming> tasks;
-  const Status status = drivers::decode(message, utime, tasks);
-  for (const drivers::TaskTiming& task : tasks) {
+  drivers::ExecStats stats;
+  const Status status = drivers::decode(message, stats);
+  for (const drivers::TaskTiming& task : stats.rows) {
     add(values, task.task + ".missed", task.missed);
     add(values, task.task + ".p99_us", task.p99_us);
     add(values, task.task + ".max_us", task.max_us);
@@ -128,10 +123,9 @@ Status read_timings(Message message, Values& values) {
 }
 
 Status read_pools(Message message, Values& values) {
-  std::int64_t utime = 0;
-  std::vector<drivers::PoolUse> pools;
-  const Status status = drivers::decode(message, utime, pools);
-  for (const drivers::PoolUse& pool : pools) {
+  drivers::PoolStats stats;
+  const Status status = drivers::decode(message, stats);
+  for (const drivers::PoolUse& pool : stats.rows) {
     add(values, pool.pool + ".used", pool.used);
     add(values, pool.pool + ".capacity", pool.capacity);
     add(values, pool.pool + ".refused", pool.refused);

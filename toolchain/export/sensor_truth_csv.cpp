@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/wire_sensor_truth.hpp"
+#include "drivers/wire_truth.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "rt/fields.hpp"
 #include "toolchain/export/csv.hpp"

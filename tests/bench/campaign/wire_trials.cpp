@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "drivers/can_codec.hpp"
-#include "drivers/lc02.hpp"
+#include "drivers/lcm_receiver.hpp"
 #include "drivers/wire.hpp"
 #include "drivers/wire_records.hpp"
 #include "drivers/wire_requests.hpp"

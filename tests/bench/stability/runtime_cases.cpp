@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "drivers/can_unwrap.hpp"
-#include "drivers/lc02.hpp"
+#include "drivers/lcm_receiver.hpp"
 #include "rt/histogram.hpp"
 #include "rt/let_channel.hpp"
 #include "rt/math.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "drivers/lc02.hpp"
+#include "drivers/lcm_receiver.hpp"
 #include "drivers/lcm_url.hpp"
 #include "toolchain/commands/spy_table.hpp"
 
