@@ -22,20 +22,14 @@ Option* Option::capture_default_str() {
   return this;
 }
 
-Option* Option::in_range(int low, int high) {
+template <class T>
+Option* Option::in_range(T low, T high) {
   option_->check(CLI::Range(low, high));
   return this;
 }
-
-Option* Option::in_range(std::uint64_t low, std::uint64_t high) {
-  option_->check(CLI::Range(low, high));
-  return this;
-}
-
-Option* Option::in_range(double low, double high) {
-  option_->check(CLI::Range(low, high));
-  return this;
-}
+template Option* Option::in_range(int, int);
+template Option* Option::in_range(std::uint64_t, std::uint64_t);
+template Option* Option::in_range(double, double);
 
 Option* Option::not_negative() {
   option_->check(CLI::NonNegativeNumber);
@@ -93,39 +87,18 @@ Option* Command::keep(CLI::Option* option) {
   return options_.back().get();
 }
 
-Option* Command::add_option(const std::string& name, std::string& value, const std::string& about) {
+template <class T>
+Option* Command::add_option(const std::string& name, T& value, const std::string& about) {
   return keep(app_->add_option(name, value, about));
 }
-
-Option* Command::add_option(const std::string& name, std::vector<std::string>& values,
-                            const std::string& about) {
-  return keep(app_->add_option(name, values, about));
-}
-
-Option* Command::add_option(const std::string& name, double& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, int& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::uint16_t& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::uint32_t& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::uint64_t& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::optional<std::uint64_t>& value,
-                            const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
+template Option* Command::add_option(const std::string&, std::string&, const std::string&);
+template Option* Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option* Command::add_option(const std::string&, double&, const std::string&);
+template Option* Command::add_option(const std::string&, int&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint16_t&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint32_t&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option* Command::add_option(const std::string&, std::optional<std::uint64_t>&, const std::string&);
 
 Option* Command::add_flag(const std::string& name, bool& value, const std::string& about) {
   return keep(app_->add_flag(name, value, about));
