@@ -25,7 +25,7 @@ std::string names_of(const std::vector<ColumnSpec>& columns) {
 std::vector<double> Profile::numbers(const std::string& path, const std::vector<double>& fallback,
                                      const NumberSpec& spec) {
   std::vector<double> result = fallback;
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   const std::string count = std::to_string(fallback.size());
   if (node) {
     if (!node.is_list() || node.size() != fallback.size())
@@ -49,7 +49,7 @@ std::vector<double> Profile::numbers(const std::string& path, const std::vector<
 std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector<ColumnSpec>& columns,
                                       std::size_t most, const char* meaning) {
   std::vector<ProfileRow> result;
-  const TomlNode list = tree_->root.at_path(path);
+  const TomlNode list = tree_->at_path(path);
   if (list && !list.is_list()) fail(path, "must be a list: [[" + path + "]], with " + names_of(columns));
   if (list.size() > most)
     fail(path, std::to_string(list.size()) + " rows; at most " + std::to_string(most) + " fit");

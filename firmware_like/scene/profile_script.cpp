@@ -13,7 +13,7 @@ constexpr double kLatest_s = 1e7;  // as long as the longest run
 
 std::vector<ScriptLine> Profile::script() {
   std::vector<ScriptLine> lines;
-  const TomlNode rows = tree_->root.at_path("script");
+  const TomlNode rows = tree_->at_path("script");
   if (rows && !rows.is_list())
     fail("script", "must be a list: [[script]] at_s = ..., set = \"...\", value = ...");
   for (std::size_t i = 0; i < rows.size(); ++i) {

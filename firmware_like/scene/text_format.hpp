@@ -33,11 +33,8 @@ std::string format_seconds(std::int64_t nanoseconds);
 std::string pad_left(std::string_view text, std::size_t width);
 std::string pad_right(std::string_view text, std::size_t width);
 
-/// Edits of one character that turn one word into the other. Cost: the product of their lengths.
-std::size_t edit_distance(const std::string& a, const std::string& b);
-
 /// The known words that are likeliest meant by a misspelt one, at most `most`, nearest first; none that needs
-/// more edits than a quarter of the word, or three.
+/// more edits than a quarter of the word, or three. Cost: the product of the lengths for each of them.
 std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& known,
                                        std::size_t most);
 
