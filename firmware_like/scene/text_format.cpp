@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 namespace sortie::firmware {
@@ -88,6 +90,11 @@ std::string format_seconds(std::int64_t nanoseconds) {
   std::string fraction = std::to_string(size % 1'000'000'000u);
   fraction.insert(0, 9 - fraction.size(), '0');
   return (negative ? "-" : "") + std::to_string(size / 1'000'000'000u) + "." + fraction;
+}
+
+std::vector<std::string> split_words(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
 }
 
 std::string pad_left(std::string_view text, std::size_t width) {

@@ -29,6 +29,9 @@ std::string hex(std::uint64_t value);
 /// Nanoseconds as seconds with nine decimals, exact: "1432235498.027976000".
 std::string format_seconds(std::int64_t nanoseconds);
 
+/// Words between blanks, tabs and line ends.
+std::vector<std::string> split_words(const std::string& text);
+
 /// Filled with blanks to `width`.
 std::string pad_left(std::string_view text, std::size_t width);
 std::string pad_right(std::string_view text, std::size_t width);
