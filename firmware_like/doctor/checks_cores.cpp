@@ -34,10 +34,8 @@ Finding check_governor(const BoardView& board) {
     if (const auto name = board.files.read(cpu_folder(core) + "cpufreq/scaling_governor"))
       by_name[*name].push_back(core);
   }
-  if (by_name.empty()) {
-    finding.value = "no cpufreq: firmware or host set the frequency";
-    return finding;
-  }
+  if (by_name.empty())
+    return with(finding, "no cpufreq: firmware or host set the frequency", Health::unknown);
   for (const auto& [name, cores] : by_name) {
     finding.value += (finding.value.empty() ? "" : "; ") + name + " on core " + describe_cores(cores);
   }
@@ -80,10 +78,7 @@ Finding check_interrupts(const BoardView& board) {
                   "a device's interrupt takes microseconds from whatever job its core runs", ""};
   constexpr double kFew = 100.0;  // a second: below it the loss is under 0.1 %
   const CoreCounters& counters = board.recent();
-  if (counters.time_s <= 0) {
-    finding.value = "not known";
-    return finding;
-  }
+  if (counters.time_s <= 0) return not_known(finding);
   double best = -1;
   std::string top;
   for (const int core : cores_of(board)) {
@@ -106,10 +101,7 @@ Finding check_interrupts(const BoardView& board) {
                      ", " + format_short(static_cast<double>(found->second.timer) / counters.time_s) +
                      "/s of its timer";
   }
-  if (best < 0) {
-    finding.value = "not known";
-    return finding;
-  }
+  if (best < 0) return not_known(finding);
   finding.value += board.window.time_s > 0 ? "" : "; mean since boot";
   finding.verdict = best <= kFew ? Health::good : Health::warn;
   if (finding.verdict != Health::good) {
