@@ -40,7 +40,6 @@ void ReleaseCounter::job(rt::Tick tick, rt::Nanoseconds started_ns, rt::Nanoseco
 }
 
 GroupResult ReleaseCounter::result() const {
-  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
   const double tick_us = static_cast<double>(rule_.base_tick_ns) * 1e-3;
   GroupResult result;
   result.name = rule_.name;
@@ -49,13 +48,7 @@ GroupResult ReleaseCounter::result() const {
   result.jobs = jobs_;
   result.missed = missed_;
   result.skipped = skipped_;
-  result.late_p50_us = us(lateness_.percentile(0.5));
-  result.late_p99_us = us(lateness_.percentile(0.99));
-  result.late_p999_us = us(lateness_.percentile(0.999));
-  result.late_max_us = us(lateness_.max());
-  result.response_max_us = us(response_.max());
-  result.lateness = bars_of(lateness_);
-  result.response = bars_of(response_);
+  put_times(result);
   return result;
 }
 
