@@ -176,16 +176,6 @@ void refuse_early_fault(const std::string& fault, rt::Tick tick, rt::Tick begin)
       "--fault " + fault + ": lies before tick " + std::to_string(begin) + ", where this replay begins", 2);
 }
 
-void take_observed(ReplayOutcome& outcome, ReplayObserver& observer) {
-  outcome.estimate = std::move(observer.estimate);
-  tidy(outcome.estimate);
-  outcome.located = std::move(observer.located);
-  tidy(outcome.located);
-  outcome.divergence = observer.first;
-  outcome.diverged_jobs = observer.diverged_jobs;
-  outcome.compared_jobs = observer.compared_jobs;
-}
-
 // Of the log, of what it did not hold, and of digests. `inexact_truth`: the log of a truth whose clock is
 // another.
 void add_warnings(ReplayOutcome& outcome, const LogFile& log, const LogFeed& feed, bool use_ticks,
@@ -256,15 +246,12 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   const rt::Tick fault_tick = options.fault.empty() ? ~rt::Tick{0} : plant_fault(runtime, options.fault);
 
   LogFeed feed(log, runtime, use_ticks);
-  const ReplayPart part = choose_part(log, options, runtime, feed);
-  refuse_early_fault(options.fault, fault_tick, part.begin);
-  outcome.begin_tick = part.begin;
-  outcome.first_tick = part.asked;
-  outcome.restored_tick = part.restored;
+  choose_part(log, options, outcome, feed);
+  refuse_early_fault(options.fault, fault_tick, outcome.begin_tick);
   const std::unique_ptr<LogRecorder> recorder =
       options.record.empty() ? nullptr : open_recorder(log, runtime, options.record);
   const bool whole = options.from.empty() && options.to.empty();
-  ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
+  ReplayObserver observer(outcome, feed, options, options.from.empty() ? 0 : outcome.first_tick,
                           is_simulated(log) && header.source.rfind(kReplayOf, 0) != 0,
                           RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
   JobSinks sinks{&observer, recorder.get()};
@@ -278,10 +265,11 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
 
   if (options.before_run) options.before_run(runtime);
   ProgressFeed shown(feed, runtime, options, recorder.get());
-  const double wall_s = run_jobs(executive, shown, options.threaded, part.begin, feed.last_tick());
+  const double wall_s = run_jobs(executive, shown, options.threaded, outcome.begin_tick, feed.last_tick());
   if (recorder) recorder->stop();
 
-  take_observed(outcome, observer);
+  tidy(outcome.estimate);
+  tidy(outcome.located);
   outcome.truth = truth ? std::move(truth->poses) : log.truth();
   outcome.contacts = truth ? contact_summaries(truth->log, truth->offset.offset_ns) : contact_summaries(log);
   outcome.recorded = feed.recorded_digest();
