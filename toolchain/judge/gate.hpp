@@ -54,9 +54,4 @@ class Gate {
   firmware::TomlTree tree_;
 };
 
-/// The same at once.
-inline std::vector<std::string> check_gate(const std::string& path, const firmware::Results& results) {
-  return Gate(path).judge(results);
-}
-
 }  // namespace sortie::toolchain
