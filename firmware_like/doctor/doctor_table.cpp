@@ -12,33 +12,12 @@ namespace {
 constexpr std::size_t kIndent = 26;
 constexpr std::size_t kWidth = 100;
 
-const char* colour_of(Health health) {
-  switch (health) {
-    case Health::good:
-      return "\033[32m";
-    case Health::warn:
-      return "\033[33m";
-    case Health::bad:
-      return "\033[31m";
-    case Health::unknown:
-      break;
-  }
-  return "\033[2m";
-}
+// By Health: good, warn, bad, unknown.
+constexpr const char* kColours[] = {"\033[32m", "\033[33m", "\033[31m", "\033[2m"};
+constexpr int kRanks[] = {3, 1, 0, 2};
 
-int rank(Health health) {
-  switch (health) {
-    case Health::bad:
-      return 0;
-    case Health::warn:
-      return 1;
-    case Health::unknown:
-      return 2;
-    case Health::good:
-      break;
-  }
-  return 3;
-}
+const char* colour_of(Health health) { return kColours[static_cast<std::size_t>(health)]; }
+int rank(Health health) { return kRanks[static_cast<std::size_t>(health)]; }
 
 /// Words from column kIndent on, broken before column kWidth; the first line has begun.
 void print_wrapped(std::ostream& out, const std::string& text) {
