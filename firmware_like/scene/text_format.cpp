@@ -16,13 +16,6 @@ namespace {
 
 std::string not_finite(double value) { return std::isnan(value) ? "nan" : value < 0.0 ? "-inf" : "inf"; }
 
-template <class Float>
-std::string exact(Float value) {
-  if (!std::isfinite(value)) return not_finite(static_cast<double>(value));
-  std::array<char, 64> buffer{};
-  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr};
-}
-
 /// Edits of one character that turn one word into the other.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -51,8 +44,11 @@ std::string format_fixed(double value, int decimals) {
   return text;
 }
 
-std::string format_exact(double value) { return exact(value); }
-std::string format_exact(float value) { return exact(value); }
+std::string format_exact(double value) {
+  if (!std::isfinite(value)) return not_finite(value);
+  std::array<char, 64> buffer{};
+  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr};
+}
 
 std::string format_short(double value) {
   if (std::isnan(value)) return "-";

@@ -18,7 +18,6 @@ std::string format_fixed(double value, int decimals);
 
 /// The shortest text that reads back as the same number. "nan" and "inf" as such.
 std::string format_exact(double value);
-std::string format_exact(float value);
 
 /// 307572 -> "307,572".
 std::string group_digits(std::uint64_t value);

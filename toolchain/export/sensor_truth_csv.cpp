@@ -6,7 +6,6 @@
 
 #include "drivers/wire_sensor_truth.hpp"
 #include "firmware_like/scene/input_error.hpp"
-#include "rt/fields.hpp"
 #include "toolchain/export/csv.hpp"
 
 namespace sortie::toolchain {
@@ -17,14 +16,10 @@ void write_sensor_truth_csv(std::ostream& out, const firmware::LogFile& log) {
     throw firmware::InputError(
         log.path() + ": holds no truth about sensors; a simulated run that is recorded writes it", 2);
   }
-  // The stamp is the table's own first column.
-  rt::SensorTruth truth;
-  std::vector<std::string> names;
-  rt::for_each_scalar(truth, [&names](const char* name, int index, auto) {
-    names.push_back(index < 0 ? std::string(name) : name + ("_" + std::to_string(index)));
-  });
-  names.erase(names.begin());
+  std::vector<std::string> names = csv_columns<rt::SensorTruth>();
+  names.erase(names.begin());  // the stamp is the table's own first column
   CsvWriter csv(out, names);
+  rt::SensorTruth truth;
   for (const firmware::StoredEvent& stored : records) {
     if (drivers::decode(stored.message, truth) != Status::ok) continue;
     std::vector<double> row;
