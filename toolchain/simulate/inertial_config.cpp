@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/simulate/inertial_config.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 #include <algorithm>
 #include <string>

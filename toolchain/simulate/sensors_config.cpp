@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/simulate/sensors_config.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 #include "firmware_like/parts/ugv_map_config.hpp"
 #include "firmware_like/parts/ugv_ssl.hpp"

@@ -8,10 +8,7 @@
 #include "firmware_like/parts/motors_config.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "hil/ugv_plant.hpp"
-#include "toolchain/simulate/course_config.hpp"
-#include "toolchain/simulate/inertial_config.hpp"
-#include "toolchain/simulate/sensors_config.hpp"
-#include "toolchain/simulate/simulated_uav.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 namespace sortie::toolchain {
 
@@ -198,8 +195,6 @@ std::unique_ptr<firmware::SimulatedRobot> make_simulated_robot(firmware::Profile
   const rt::Nanoseconds contacts_every_ns = read_contacts_period(profile, config);
   try {
     return std::make_unique<SimulatedUgv>(config, scans, contacts_every_ns);
-  } catch (const firmware::ProfileError&) {
-    throw;
   } catch (const std::runtime_error& error) {
     profile.fail("hil", error.what());
   }
