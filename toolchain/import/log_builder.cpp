@@ -50,17 +50,6 @@ class OutputLog {
   drivers::LcmLogWriter writer_;
 };
 
-template <class Encode>
-void encode_and_append(OutputLog& log, std::string_view channel, std::int64_t receipt_us, std::size_t bytes,
-                       std::vector<std::uint8_t>& buffer, Encode&& encode) {
-  if (buffer.size() < bytes) buffer.resize(bytes);
-  std::size_t size = 0;
-  const Status status = encode(std::span(buffer), size);
-  if (status != Status::ok)
-    throw firmware::InputError(std::string(channel) + ": a sample cannot be written: " + to_string(status));
-  log.append(channel, receipt_us, std::span(buffer).first(size));
-}
-
 drivers::LogHeader header_of(const std::string& kind, const std::vector<std::string>& sources) {
   drivers::LogHeader header;
   header.version = kImporterVersion;
@@ -121,7 +110,12 @@ void LogBuilder::write(const std::string& path, const std::string& kind, ImportR
   OutputLog log(path);
   std::vector<std::uint8_t> buffer;
   const auto put = [&](std::string_view channel, std::int64_t us, std::size_t bytes, auto&& encode) {
-    encode_and_append(log, channel, us, bytes, buffer, encode);
+    if (buffer.size() < bytes) buffer.resize(bytes);
+    std::size_t size = 0;
+    const Status status = encode(std::span(buffer), size);
+    if (status != Status::ok)
+      throw firmware::InputError(std::string(channel) + ": a sample cannot be written: " + to_string(status));
+    log.append(channel, us, std::span(buffer).first(size));
   };
   const auto with_seq = [](const auto& sample, std::uint64_t& count) {
     const auto seq = static_cast<std::int64_t>(count++);

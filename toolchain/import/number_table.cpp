@@ -106,9 +106,8 @@ bool NumberTable::next(std::size_t time_column) {
     }
     judge_.good();
     const std::int64_t stamp = stamps_[time_column];
-    if (has_latest_ && stamp < latest_ns_) judge_.time_backwards(file_.place(), latest_ns_ - stamp);
+    if (latest_ns_ && stamp < *latest_ns_) judge_.time_backwards(file_.place(), *latest_ns_ - stamp);
     latest_ns_ = stamp;
-    has_latest_ = true;
     return true;
   }
   if (!file_.tail().empty()) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,8 +66,7 @@ class NumberTable {
   std::vector<std::string_view> fields_;
   std::vector<double> numbers_;
   std::vector<std::int64_t> stamps_;
-  std::int64_t latest_ns_{};
-  bool has_latest_{false};
+  std::optional<std::int64_t> latest_ns_;
 };
 
 }  // namespace sortie::toolchain
