@@ -6,12 +6,24 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "firmware_like/live/simulated_robot.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "hil/ugv_plant.hpp"
 
 namespace sortie::toolchain {
+
+/// Reads a number into `value`, which holds the fallback.
+template <class T>
+void read_number(firmware::Profile& profile, const std::string& path, T& value, double low, double high,
+                 const char* unit, const char* meaning) {
+  const firmware::NumberSpec spec{static_cast<double>(value), low, high, unit, meaning};
+  if constexpr (std::is_integral_v<T>)
+    value = static_cast<T>(profile.integer(path, spec));
+  else
+    value = profile.number(path, spec);
+}
 
 /// Reads rates, noise, ranges, stamps' errors and losses of the simulated IMU and encoders.
 void read_inertial(firmware::Profile& profile, hil::UgvConfig& config);
