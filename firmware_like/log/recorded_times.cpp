@@ -161,9 +161,7 @@ void RecordedTimes::add_measured(Results& results) const {
   std::string& why = results.live.why_no_causes;
   why = log_.path() +
         " ends before its run told wake-ups and causes: it was killed, or an older version made it";
-  for (const StoredEvent& stored : log_.channel(std::string(drivers::kChannelEvent))) {
-    drivers::EventRecord event;
-    if (drivers::decode(stored.message, event) != Status::ok || event.kind != kMeasuredKind) continue;
+  for (const drivers::EventRecord& event : events_of(log_, kMeasuredKind)) {
     try {
       const Json figures = Json::parse(event.text);
       if (event.subject == kRun) {

@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "firmware_like/log/log_clock.hpp"
+#include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/log_recorder.hpp"
-#include "firmware_like/log/recorded_doctor.hpp"
 #include "firmware_like/log/replay_observer.hpp"
 #include "firmware_like/log/replay_part.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
