@@ -7,7 +7,6 @@
 #include "firmware_like/live/live_options.hpp"
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/log/replay_command.hpp"
-#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/json.hpp"
 
