@@ -23,20 +23,16 @@ namespace {
 class ProgressFeed final : public rt::JobFeed {
  public:
   ProgressFeed(LogFeed& feed, Runtime& runtime, const ReplayOptions& options, LogRecorder* recorder)
-      : feed_(feed),
-        runtime_(runtime),
-        on_tick_(options.on_tick),
-        progress_(options.progress),
-        recorder_(recorder) {}
+      : feed_(feed), runtime_(runtime), options_(options), recorder_(recorder) {}
   void before_tick(rt::Tick tick) override {
-    if (on_tick_) on_tick_(tick, runtime_, feed_);
+    if (options_.on_tick) options_.on_tick(tick, runtime_, feed_);
     if (recorder_ != nullptr && tick % 64 == 0) recorder_->drain();
     if (tick % 1024 == 0) rt::posix::anchor_fast_clock();
-    if (!progress_ || tick % 1024 != 0 || feed_.last_tick() <= feed_.first_tick() ||
+    if (!options_.progress || tick % 1024 != 0 || feed_.last_tick() <= feed_.first_tick() ||
         tick < feed_.first_tick())
       return;
-    progress_(static_cast<double>(tick - feed_.first_tick()) /
-              static_cast<double>(feed_.last_tick() - feed_.first_tick()));
+    options_.progress(static_cast<double>(tick - feed_.first_tick()) /
+                      static_cast<double>(feed_.last_tick() - feed_.first_tick()));
   }
   bool prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt::JobOrder& order) override {
     return feed_.prepare(group, job, tick, order);
@@ -45,8 +41,7 @@ class ProgressFeed final : public rt::JobFeed {
  private:
   LogFeed& feed_;
   Runtime& runtime_;
-  const std::function<void(rt::Tick, Runtime&, LogFeed&)>& on_tick_;
-  const std::function<void(double)>& progress_;
+  const ReplayOptions& options_;
   LogRecorder* recorder_;
 };
 

@@ -16,10 +16,9 @@ std::string percent(double share) { return format_fixed(100.0 * share, 1) + " %"
 std::string where(int core) { return core < 0 ? "any" : std::to_string(core); }
 std::string bound(double us) { return std::isfinite(us) ? format_short(us) : "none"; }
 
-void row(std::ostream& out, const std::string& name, const std::vector<std::string>& cells,
-         std::size_t width) {
+void row(std::ostream& out, const std::string& name, const std::vector<std::string>& cells) {
   out << pad_right(shorten(name, 18), 18);
-  for (const std::string& cell : cells) out << pad_left(cell, width);
+  for (const std::string& cell : cells) out << pad_left(cell, 10);
   out << '\n';
 }
 
@@ -56,14 +55,12 @@ Json to_json(const ChainResult& chain) {
 }
 
 void print_schedule(std::ostream& out, const ScheduleResult& schedule) {
-  row(out, "group [us]", {"period", "phase", "deadline", "core", "priority", "budget", "load", "response"},
-      10);
+  row(out, "group [us]", {"period", "phase", "deadline", "core", "priority", "budget", "load", "response"});
   for (const ScheduledGroup& group : schedule.groups) {
     row(out, group.name,
         {format_short(group.period_us), format_short(group.phase_us), format_short(group.deadline_us),
          where(group.core), std::to_string(group.priority), format_short(group.budget_us),
-         percent(group.utilisation), bound(group.response_us) + (group.fits ? "" : "!")},
-        10);
+         percent(group.utilisation), bound(group.response_us) + (group.fits ? "" : "!")});
   }
   for (const ScheduledCore& core : schedule.cores) {
     out << pad_right(core.core < 0 ? "one processor" : "core " + std::to_string(core.core), 18) << "  load "
@@ -88,8 +85,7 @@ void print_chains(std::ostream& out, const std::vector<ChainResult>& chains) {
   // Two lines a chain: a bound and what was measured below it stand side by side.
   row(out, "chain [us]",
       measured ? std::vector<std::string>{"", "bound", "p50", "p99", "max", "count", "allowed"}
-               : std::vector<std::string>{"", "bound", "allowed"},
-      10);
+               : std::vector<std::string>{"", "bound", "allowed"});
   for (const ChainResult& chain : chains) {
     const auto line = [&](const std::string& name, const char* what, double computed,
                           const ChainFigures& figures, double allowed) {
@@ -100,7 +96,7 @@ void print_chains(std::ostream& out, const std::vector<ChainResult>& chains) {
         cells.push_back(std::to_string(figures.count));
       }
       cells.push_back(allowed > 0 ? format_short(allowed) : "-");
-      row(out, name, cells, 10);
+      row(out, name, cells);
     };
     line(chain.name, "reaction", chain.reaction_us, chain.reaction, chain.max_reaction_us);
     line("", "age", chain.age_us, chain.age, chain.max_age_us);
