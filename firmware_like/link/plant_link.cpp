@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "firmware_like/link/secret.hpp"
-#include "firmware_like/result/add_counters.hpp"
+#include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/profile.hpp"
 
 namespace sortie::firmware {

@@ -6,7 +6,7 @@
 #include <ctime>
 
 #include "drivers/stop_filter.hpp"
-#include "firmware_like/result/add_counters.hpp"
+#include "firmware_like/result/results.hpp"
 
 namespace sortie::firmware {
 

@@ -139,6 +139,13 @@ struct Results {
   DoctorReport doctor;  ///< of the machine whose times these are; not present: nobody looked
 };
 
+/// Adds the counters of a part to those of a result, each as `prefix` and its name.
+template <rt::Described Counters>
+void add_counters(const std::string& prefix, const Counters& counters,
+                  std::map<std::string, std::uint64_t>& out) {
+  rt::for_each_scalar(counters, [&](const char* name, int, auto count) { out[prefix + name] = count; });
+}
+
 /// The interface object of `--json`. Key names are fixed: digest, ticks, scene, errors{}, tasks[]{name,
 /// period_us, budget_us, count, missed, p50_us, p99_us, p999_us, max_us}, pools[]{name, capacity, high_water,
 /// refused}, counters{}; more keys may follow them. A figure that is not finite becomes null.
