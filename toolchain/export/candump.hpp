@@ -12,8 +12,7 @@ namespace sortie::toolchain {
 /// What was written and what could not be.
 struct CandumpCounts {
   std::size_t frames{};
-  std::size_t
-      refused{};  ///< frames that the format cannot hold: stamp before 1970, size above 8, id too wide
+  std::size_t refused{};  ///< the format cannot hold them: stamp before 1970, size above 8, id too wide
 };
 
 /// One line a frame, microseconds, as of interface can0; frames in the order given.
