@@ -7,64 +7,30 @@
 
 namespace sortie::firmware {
 
-Option* Option::required() {
-  option_->required();
-  return this;
+Option* Option::required() { return ours(option_->required()); }
+Option* Option::type_name(const std::string& name) { return ours(option_->type_name(name)); }
+Option* Option::capture_default_str() { return ours(option_->capture_default_str()); }
+Option* Option::not_negative() { return ours(option_->check(CLI::NonNegativeNumber)); }
+Option* Option::take_all() { return ours(option_->take_all()); }
+Option* Option::delimiter(char between) { return ours(option_->delimiter(between)); }
+Option* Option::excludes(Option* other) { return ours(option_->excludes(other->option_)); }
+Option* Option::group(const std::string& title) { return ours(option_->group(title)); }
+
+Option* Option::one_of(const std::vector<std::string>& choices) {
+  return ours(option_->check(CLI::IsMember(choices)));
 }
 
-Option* Option::type_name(const std::string& name) {
-  option_->type_name(name);
-  return this;
-}
-
-Option* Option::capture_default_str() {
-  option_->capture_default_str();
-  return this;
+Option* Option::expected(int least, int most) {
+  return ours(option_->expected(least, most)->allow_extra_args(false));
 }
 
 template <class T>
 Option* Option::in_range(T low, T high) {
-  option_->check(CLI::Range(low, high));
-  return this;
+  return ours(option_->check(CLI::Range(low, high)));
 }
 template Option* Option::in_range(int, int);
 template Option* Option::in_range(std::uint64_t, std::uint64_t);
 template Option* Option::in_range(double, double);
-
-Option* Option::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
-  return this;
-}
-
-Option* Option::one_of(const std::vector<std::string>& choices) {
-  option_->check(CLI::IsMember(choices));
-  return this;
-}
-
-Option* Option::take_all() {
-  option_->take_all();
-  return this;
-}
-
-Option* Option::delimiter(char between) {
-  option_->delimiter(between);
-  return this;
-}
-
-Option* Option::expected(int least, int most) {
-  option_->expected(least, most)->allow_extra_args(false);
-  return this;
-}
-
-Option* Option::excludes(Option* other) {
-  option_->excludes(other->option_);
-  return this;
-}
-
-Option* Option::group(const std::string& title) {
-  option_->group(title);
-  return this;
-}
 
 std::size_t Option::count() const { return option_->count(); }
 

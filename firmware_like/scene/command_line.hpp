@@ -53,6 +53,9 @@ class Option {
   std::size_t count() const;
 
  private:
+  // In the place of the library's option, which its functions give back.
+  Option* ours(CLI::Option*) { return this; }
+
   CLI::Option* option_;
 };
 
