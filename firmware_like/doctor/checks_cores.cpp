@@ -27,8 +27,7 @@ bool holds(const std::vector<int>& cores, int core) {
 Finding check_governor(const BoardView& board) {
   Finding finding{
       "governor", "", Health::unknown,
-      "a core that changes its frequency runs the same job at different speeds and stops while it switches",
-      ""};
+      "a core that changes its frequency runs the same job at different speeds and stops while it switches"};
   std::map<std::string, std::vector<int>> by_name;
   for (const int core : cores_of(board)) {
     if (const auto name = board.files.read(cpu_folder(core) + "cpufreq/scaling_governor"))
@@ -47,8 +46,7 @@ Finding check_governor(const BoardView& board) {
 
 Finding check_isolated_cores(const BoardView& board) {
   Finding finding{"isolated_cores", "", Health::warn,
-                  "on a core that ordinary programs share, their time in the kernel delays every release",
-                  ""};
+                  "on a core that ordinary programs share, their time in the kernel delays every release"};
   std::vector<int> isolated = parse_core_list(board.files.read(kCpu + "isolated").value_or(""));
   for (const int core :
        parse_core_list(board.files.read("/sys/fs/cgroup/cpuset.cpus.isolated").value_or(""))) {
@@ -75,7 +73,7 @@ Finding check_isolated_cores(const BoardView& board) {
 
 Finding check_interrupts(const BoardView& board) {
   Finding finding{"interrupts", "", Health::unknown,
-                  "a device's interrupt takes microseconds from whatever job its core runs", ""};
+                  "a device's interrupt takes microseconds from whatever job its core runs"};
   constexpr double kFew = 100.0;  // a second: below it the loss is under 0.1 %
   const CoreCounters& counters = board.recent();
   if (counters.time_s <= 0) return not_known(finding);
@@ -120,7 +118,7 @@ Finding check_interrupts(const BoardView& board) {
 Finding check_smt_sibling(const BoardView& board) {
   Finding finding{
       "smt_sibling", "", Health::good,
-      "two hardware threads share one core's units: what runs on the other one halves the speed at will", ""};
+      "two hardware threads share one core's units: what runs on the other one halves the speed at will"};
   const CoreCounters& counters = board.recent();
   double busiest = 0;
   std::string siblings;
@@ -145,7 +143,7 @@ Finding check_smt_sibling(const BoardView& board) {
 
 Finding check_heat(const BoardView& board) {
   Finding finding{"heat", "", Health::unknown,
-                  "a core that is too hot is slowed by the hardware, in the middle of a job", ""};
+                  "a core that is too hot is slowed by the hardware, in the middle of a job"};
   std::uint64_t since_boot = 0;
   std::uint64_t now = 0;
   bool counted = false;

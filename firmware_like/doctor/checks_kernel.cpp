@@ -25,7 +25,7 @@ std::string percent(double share) { return format_short(100 * share) + " %"; }
 
 Finding check_preempt_rt(const BoardView& board) {
   Finding finding{"preempt_rt", "", Health::warn,
-                  "without PREEMPT_RT a system call of any program may hold its core for milliseconds", ""};
+                  "without PREEMPT_RT a system call of any program may hold its core for milliseconds"};
   const std::string version = board.files.read("/proc/version").value_or("");
   if (board.files.number("/sys/kernel/realtime").value_or(0) == 1 || holds(version, "PREEMPT_RT"))
     return with(finding, "PREEMPT_RT", Health::good);
@@ -43,7 +43,7 @@ Finding check_preempt_rt(const BoardView& board) {
 
 Finding check_rt_throttling(const BoardView& board) {
   Finding finding{"rt_throttling", "", Health::unknown,
-                  "the kernel stops all real-time threads of a core that has used up its share", ""};
+                  "the kernel stops all real-time threads of a core that has used up its share"};
   const std::string folder = "/proc/sys/kernel/sched_rt_";
   const auto runtime = board.files.number(folder + "runtime_us");
   const auto period = board.files.number(folder + "period_us");
@@ -62,8 +62,7 @@ Finding check_rt_throttling(const BoardView& board) {
 Finding check_fair_server(const BoardView& board) {
   Finding finding{"fair_server", "", Health::good,
                   "when ordinary tasks starve on a full core, the kernel takes it from real-time threads in "
-                  "blocks of 50 ms",
-                  ""};
+                  "blocks of 50 ms"};
   if (board.kernel_major == 0) return not_known(finding);
   if (!board.kernel_at_least(6, 12)) return with(finding, "none before Linux 6.12", Health::good);
   const std::string folder = "/sys/kernel/debug/sched/fair_server/";
@@ -85,7 +84,7 @@ Finding check_fair_server(const BoardView& board) {
 
 Finding check_timer_tick(const BoardView& board) {
   Finding finding{"timer_tick", "", Health::warn,
-                  "the kernel's tick interrupts a running job for some microseconds", ""};
+                  "the kernel's tick interrupts a running job for some microseconds"};
   const std::vector<int> tickless =
       parse_core_list(board.files.read("/sys/devices/system/cpu/nohz_full").value_or(""));
   finding.value =
@@ -111,9 +110,9 @@ Finding check_timer_tick(const BoardView& board) {
 }
 
 Finding check_clock_source(const BoardView& board) {
-  Finding finding{"clock_source", "", Health::warn,
-                  "each job reads the clock several times: 20 ns from a counter, 1 us and more from a device",
-                  ""};
+  Finding finding{
+      "clock_source", "", Health::warn,
+      "each job reads the clock several times: 20 ns from a counter, 1 us and more from a device"};
   const std::string folder = "/sys/devices/system/clocksource/clocksource0/";
   const auto source = board.files.read(folder + "current_clocksource");
   if (!source) return not_known(finding);
@@ -134,8 +133,7 @@ Finding check_clock_source(const BoardView& board) {
 
 Finding check_hypervisor(const BoardView& board) {
   Finding finding{"hypervisor", "none", Health::good,
-                  "a host may stop the whole machine for milliseconds, and nothing inside can prevent it",
-                  ""};
+                  "a host may stop the whole machine for milliseconds, and nothing inside can prevent it"};
   const bool marked = holds(board.files.read("/proc/cpuinfo").value_or(""), " hypervisor") ||
                       board.files.exists("/sys/hypervisor/type") ||
                       board.files.exists("/proc/device-tree/hypervisor");

@@ -51,7 +51,7 @@ bool group_without_share(const BoardView& board) {
 
 Finding check_realtime_priority(const BoardView& board) {
   Finding finding{"realtime_priority", "", Health::bad,
-                  "without SCHED_FIFO every program may run before the robot's tasks", ""};
+                  "without SCHED_FIFO every program may run before the robot's tasks"};
   constexpr std::int64_t kWanted = 80;
   const auto limit = limit_of(board, "Max realtime priority");
   const bool capable = has_capability(board, kCapSysNice);
@@ -76,8 +76,7 @@ Finding check_realtime_priority(const BoardView& board) {
 
 Finding check_memory_lock(const BoardView& board) {
   Finding finding{"memory_lock", "", Health::bad,
-                  "a page that is not locked may be missing when a job touches it: milliseconds from a disk",
-                  ""};
+                  "a page that is not locked may be missing when a job touches it: milliseconds from a disk"};
   constexpr std::int64_t kPlenty = std::int64_t{256} << 20;
   const auto limit = limit_of(board, "Max locked memory");
   if (has_capability(board, kCapIpcLock)) return with(finding, "CAP_IPC_LOCK", Health::good);
@@ -91,7 +90,7 @@ Finding check_memory_lock(const BoardView& board) {
 Finding check_swap(const BoardView& board) {
   Finding finding{
       "swap", "none", Health::good,
-      "what is not locked (other programs, files of the log) goes to the disk and makes everybody wait", ""};
+      "what is not locked (other programs, files of the log) goes to the disk and makes everybody wait"};
   const auto text = board.files.read("/proc/swaps");
   if (!text) return not_known(finding);
   std::int64_t size = 0;
@@ -112,7 +111,7 @@ Finding check_swap(const BoardView& board) {
 
 Finding check_huge_pages(const BoardView& board) {
   Finding finding{"huge_pages", "", Health::unknown,
-                  "the kernel moves memory about to make huge pages, and a process waits for it", ""};
+                  "the kernel moves memory about to make huge pages, and a process waits for it"};
   const std::string path = "/sys/kernel/mm/transparent_hugepage/enabled";
   const std::string text = board.files.read(path).value_or("");
   const std::size_t from = text.find("[");
@@ -130,7 +129,7 @@ Finding check_huge_pages(const BoardView& board) {
 
 Finding check_cpu_dma_latency(const BoardView& board) {
   Finding finding{"cpu_dma_latency", "", Health::good,
-                  "an idle core sleeps deeply and wakes tens to hundreds of microseconds late", ""};
+                  "an idle core sleeps deeply and wakes tens to hundreds of microseconds late"};
   const std::string device = "/dev/cpu_dma_latency";
   std::int64_t deepest = 0;
   const std::string folder =
