@@ -80,13 +80,7 @@ class ReplayObserver {
     if (!found) found = compare_outputs(executive, recorded, record);
     if (!found && live != nullptr) found = compare_with_times(executive, recorded, *live);
     if (!found && all_in_time_ && recorded.verdict != rt::Verdict::done)
-      found = Divergence{recorded.tick,
-                         executive.group(recorded.group).spec.name,
-                         "",
-                         "verdict",
-                         to_string(recorded.verdict),
-                         "done: nothing is late in simulated time",
-                         true};
+      found = wrong_verdict(executive, recorded, "done: nothing is late in simulated time");
     return found;
   }
 
