@@ -21,7 +21,7 @@ struct TableForm {
   std::vector<std::string> values;  ///< columns of numbers, finite and below 1e12
   bool has_header{true};  ///< comma-separated with a header row; otherwise blanks and columns by place
   bool truth{false};      ///< values are a reference: empty, NaN or infinite is legal and becomes NaN, and
-                      ///< without a row the import goes on
+                          ///< without a row the import goes on
 };
 
 /// Reads row by row. A bad row goes to the judge and is stepped over. With a header, columns that nobody
