@@ -8,7 +8,6 @@
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/platform_refused.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/standard_streams.hpp"
 #include "rt/math.hpp"

@@ -7,8 +7,7 @@
 #include "firmware_like/live/live_options.hpp"
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/log/replay_command.hpp"
-#include "firmware_like/log/replay_verdict.hpp"
-#include "firmware_like/result/results_output.hpp"
+#include "firmware_like/result/results.hpp"
 
 namespace sortie::firmware {
 

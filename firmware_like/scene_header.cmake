@@ -5,7 +5,7 @@ set(all_scenes ${CMAKE_CURRENT_BINARY_DIR}/all_scenes.cpp)
 add_custom_command(OUTPUT ${all_scenes}
   COMMAND ${CMAKE_COMMAND} -DOUT=${all_scenes} "-DFILES=${scene_files}" -P ${PROJECT_SOURCE_DIR}/toolchain/embed_scenes.cmake
   DEPENDS ${scene_files} ${PROJECT_SOURCE_DIR}/toolchain/embed_scenes.cmake VERBATIM)
-set(scene_reader scene_header scene_parts profile profile_base profile_rows profile_script profile_text text_format toml_file)
+set(scene_reader scene_header scene_parts profile profile_base profile_rows profile_text text_format toml_file)
 list(TRANSFORM scene_reader REPLACE "(.+)" "scene/\\1.cpp")
 add_executable(sortie_scene_header ${scene_reader} ${all_scenes})
 target_include_directories(sortie_scene_header PRIVATE ${PROJECT_SOURCE_DIR})

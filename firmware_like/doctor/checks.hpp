@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware_like/doctor/core_counters.hpp"
@@ -33,6 +34,16 @@ struct BoardView {
   /// The window's counts where there are some, else those since boot.
   const CoreCounters& recent() const { return window.time_s > 0 ? window : since_boot; }
 };
+
+/// The finding with what was found.
+inline Finding with(Finding finding, std::string value, Health verdict) {
+  finding.value = std::move(value);
+  finding.verdict = verdict;
+  return finding;
+}
+
+/// The board does not tell.
+inline Finding not_known(const Finding& finding) { return with(finding, "not known", Health::unknown); }
 
 Finding check_governor(const BoardView& board);
 Finding check_isolated_cores(const BoardView& board);

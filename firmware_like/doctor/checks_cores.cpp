@@ -27,17 +27,14 @@ bool holds(const std::vector<int>& cores, int core) {
 Finding check_governor(const BoardView& board) {
   Finding finding{
       "governor", "", Health::unknown,
-      "a core that changes its frequency runs the same job at different speeds and stops while it switches",
-      ""};
+      "a core that changes its frequency runs the same job at different speeds and stops while it switches"};
   std::map<std::string, std::vector<int>> by_name;
   for (const int core : cores_of(board)) {
     if (const auto name = board.files.read(cpu_folder(core) + "cpufreq/scaling_governor"))
       by_name[*name].push_back(core);
   }
-  if (by_name.empty()) {
-    finding.value = "no cpufreq: firmware or host set the frequency";
-    return finding;
-  }
+  if (by_name.empty())
+    return with(finding, "no cpufreq: firmware or host set the frequency", Health::unknown);
   for (const auto& [name, cores] : by_name) {
     finding.value += (finding.value.empty() ? "" : "; ") + name + " on core " + describe_cores(cores);
   }
@@ -49,8 +46,7 @@ Finding check_governor(const BoardView& board) {
 
 Finding check_isolated_cores(const BoardView& board) {
   Finding finding{"isolated_cores", "", Health::warn,
-                  "on a core that ordinary programs share, their time in the kernel delays every release",
-                  ""};
+                  "on a core that ordinary programs share, their time in the kernel delays every release"};
   std::vector<int> isolated = parse_core_list(board.files.read(kCpu + "isolated").value_or(""));
   for (const int core :
        parse_core_list(board.files.read("/sys/fs/cgroup/cpuset.cpus.isolated").value_or(""))) {
@@ -77,13 +73,10 @@ Finding check_isolated_cores(const BoardView& board) {
 
 Finding check_interrupts(const BoardView& board) {
   Finding finding{"interrupts", "", Health::unknown,
-                  "a device's interrupt takes microseconds from whatever job its core runs", ""};
+                  "a device's interrupt takes microseconds from whatever job its core runs"};
   constexpr double kFew = 100.0;  // a second: below it the loss is under 0.1 %
   const CoreCounters& counters = board.recent();
-  if (counters.time_s <= 0) {
-    finding.value = "not known";
-    return finding;
-  }
+  if (counters.time_s <= 0) return not_known(finding);
   double best = -1;
   std::string top;
   for (const int core : cores_of(board)) {
@@ -106,10 +99,7 @@ Finding check_interrupts(const BoardView& board) {
                      ", " + format_short(static_cast<double>(found->second.timer) / counters.time_s) +
                      "/s of its timer";
   }
-  if (best < 0) {
-    finding.value = "not known";
-    return finding;
-  }
+  if (best < 0) return not_known(finding);
   finding.value += board.window.time_s > 0 ? "" : "; mean since boot";
   finding.verdict = best <= kFew ? Health::good : Health::warn;
   if (finding.verdict != Health::good) {
@@ -128,7 +118,7 @@ Finding check_interrupts(const BoardView& board) {
 Finding check_smt_sibling(const BoardView& board) {
   Finding finding{
       "smt_sibling", "", Health::good,
-      "two hardware threads share one core's units: what runs on the other one halves the speed at will", ""};
+      "two hardware threads share one core's units: what runs on the other one halves the speed at will"};
   const CoreCounters& counters = board.recent();
   double busiest = 0;
   std::string siblings;
@@ -153,7 +143,7 @@ Finding check_smt_sibling(const BoardView& board) {
 
 Finding check_heat(const BoardView& board) {
   Finding finding{"heat", "", Health::unknown,
-                  "a core that is too hot is slowed by the hardware, in the middle of a job", ""};
+                  "a core that is too hot is slowed by the hardware, in the middle of a job"};
   std::uint64_t since_boot = 0;
   std::uint64_t now = 0;
   bool counted = false;

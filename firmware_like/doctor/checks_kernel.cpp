@@ -25,18 +25,11 @@ std::string percent(double share) { return format_short(100 * share) + " %"; }
 
 Finding check_preempt_rt(const BoardView& board) {
   Finding finding{"preempt_rt", "", Health::warn,
-                  "without PREEMPT_RT a system call of any program may hold its core for milliseconds", ""};
+                  "without PREEMPT_RT a system call of any program may hold its core for milliseconds"};
   const std::string version = board.files.read("/proc/version").value_or("");
-  if (board.files.number("/sys/kernel/realtime").value_or(0) == 1 || holds(version, "PREEMPT_RT")) {
-    finding.value = "PREEMPT_RT";
-    finding.verdict = Health::good;
-    return finding;
-  }
-  if (version.empty()) {
-    finding.value = "not known";
-    finding.verdict = Health::unknown;
-    return finding;
-  }
+  if (board.files.number("/sys/kernel/realtime").value_or(0) == 1 || holds(version, "PREEMPT_RT"))
+    return with(finding, "PREEMPT_RT", Health::good);
+  if (version.empty()) return not_known(finding);
   const std::string mode =
       chosen_word(board.files.read("/sys/kernel/debug/sched/preempt").value_or(""), '(', ')');
   finding.value = holds(version, "PREEMPT_DYNAMIC") ? "PREEMPT_DYNAMIC"
@@ -50,28 +43,18 @@ Finding check_preempt_rt(const BoardView& board) {
 
 Finding check_rt_throttling(const BoardView& board) {
   Finding finding{"rt_throttling", "", Health::unknown,
-                  "the kernel stops all real-time threads of a core that has used up its share", ""};
+                  "the kernel stops all real-time threads of a core that has used up its share"};
   const std::string folder = "/proc/sys/kernel/sched_rt_";
   const auto runtime = board.files.number(folder + "runtime_us");
   const auto period = board.files.number(folder + "period_us");
-  if (!runtime || !period || *period <= 0) {
-    finding.value = "not known";
-    return finding;
-  }
-  if (*runtime < 0) {
-    finding.value = "off";
-    finding.verdict = Health::good;
-    return finding;
-  }
+  if (!runtime || !period || *period <= 0) return not_known(finding);
+  if (*runtime < 0) return with(finding, "off", Health::good);
   const double share = static_cast<double>(*runtime) / static_cast<double>(*period);
   finding.value =
       std::to_string(*runtime) + " us of " + std::to_string(*period) + " us (" + percent(share) + ")";
   finding.verdict = share < 0.9 ? Health::bad : Health::warn;
-  if (board.kernel_at_least(6, 12)) {  // the limit is now that of SCHED_DEADLINE; fair_server took its place
-    finding.value += ", not applied to SCHED_FIFO since Linux 6.12";
-    finding.verdict = Health::good;
-    return finding;
-  }
+  if (board.kernel_at_least(6, 12))  // the limit is now that of SCHED_DEADLINE; fair_server took its place
+    return with(finding, finding.value + ", not applied to SCHED_FIFO since Linux 6.12", Health::good);
   finding.cure = "sudo sysctl -w kernel.sched_rt_runtime_us=-1";
   return finding;
 }
@@ -79,17 +62,9 @@ Finding check_rt_throttling(const BoardView& board) {
 Finding check_fair_server(const BoardView& board) {
   Finding finding{"fair_server", "", Health::good,
                   "when ordinary tasks starve on a full core, the kernel takes it from real-time threads in "
-                  "blocks of 50 ms",
-                  ""};
-  if (board.kernel_major == 0) {
-    finding.value = "not known";
-    finding.verdict = Health::unknown;
-    return finding;
-  }
-  if (!board.kernel_at_least(6, 12)) {
-    finding.value = "none before Linux 6.12";
-    return finding;
-  }
+                  "blocks of 50 ms"};
+  if (board.kernel_major == 0) return not_known(finding);
+  if (!board.kernel_at_least(6, 12)) return with(finding, "none before Linux 6.12", Health::good);
   const std::string folder = "/sys/kernel/debug/sched/fair_server/";
   std::int64_t most = -1;
   for (const int core : board.cores) {
@@ -97,10 +72,7 @@ Finding check_fair_server(const BoardView& board) {
     most =
         std::max(most, board.files.number(folder + "cpu" + std::to_string(core) + "/runtime").value_or(-1));
   }
-  if (most == 0) {
-    finding.value = "off";
-    return finding;
-  }
+  if (most == 0) return with(finding, "off", Health::good);
   finding.verdict = Health::warn;
   finding.value = most > 0 ? format_short(static_cast<double>(most) * 1e-6) + " ms a second"
                            : "50 ms a second by default (its setting needs root and debugfs to be read)";
@@ -112,7 +84,7 @@ Finding check_fair_server(const BoardView& board) {
 
 Finding check_timer_tick(const BoardView& board) {
   Finding finding{"timer_tick", "", Health::warn,
-                  "the kernel's tick interrupts a running job for some microseconds", ""};
+                  "the kernel's tick interrupts a running job for some microseconds"};
   const std::vector<int> tickless =
       parse_core_list(board.files.read("/sys/devices/system/cpu/nohz_full").value_or(""));
   finding.value =
@@ -138,24 +110,18 @@ Finding check_timer_tick(const BoardView& board) {
 }
 
 Finding check_clock_source(const BoardView& board) {
-  Finding finding{"clock_source", "", Health::warn,
-                  "each job reads the clock several times: 20 ns from a counter, 1 us and more from a device",
-                  ""};
+  Finding finding{
+      "clock_source", "", Health::warn,
+      "each job reads the clock several times: 20 ns from a counter, 1 us and more from a device"};
   const std::string folder = "/sys/devices/system/clocksource/clocksource0/";
   const auto source = board.files.read(folder + "current_clocksource");
-  if (!source) {
-    finding.value = "not known";
-    finding.verdict = Health::unknown;
-    return finding;
-  }
+  if (!source) return not_known(finding);
   finding.value = *source;
   constexpr std::array<const char*, 6> kFast{"tsc",      "arch_sys_counter", "riscv_clocksource",
                                              "timebase", "kvm-clock",        "hyperv_clocksource_tsc_page"};
   constexpr std::array<const char*, 5> kSlow{"hpet", "acpi_pm", "jiffies", "pit", "refined-jiffies"};
-  if (std::find(kFast.begin(), kFast.end(), *source) != kFast.end()) {
-    finding.verdict = Health::good;
-    return finding;
-  }
+  if (std::find(kFast.begin(), kFast.end(), *source) != kFast.end())
+    return with(finding, *source, Health::good);
   if (std::find(kSlow.begin(), kSlow.end(), *source) != kSlow.end()) finding.verdict = Health::bad;
   const bool has_tsc =
       holds(" " + board.files.read(folder + "available_clocksource").value_or("") + " ", " tsc ");
@@ -167,8 +133,7 @@ Finding check_clock_source(const BoardView& board) {
 
 Finding check_hypervisor(const BoardView& board) {
   Finding finding{"hypervisor", "none", Health::good,
-                  "a host may stop the whole machine for milliseconds, and nothing inside can prevent it",
-                  ""};
+                  "a host may stop the whole machine for milliseconds, and nothing inside can prevent it"};
   const bool marked = holds(board.files.read("/proc/cpuinfo").value_or(""), " hypervisor") ||
                       board.files.exists("/sys/hypervisor/type") ||
                       board.files.exists("/proc/device-tree/hypervisor");

@@ -51,23 +51,16 @@ bool group_without_share(const BoardView& board) {
 
 Finding check_realtime_priority(const BoardView& board) {
   Finding finding{"realtime_priority", "", Health::bad,
-                  "without SCHED_FIFO every program may run before the robot's tasks", ""};
+                  "without SCHED_FIFO every program may run before the robot's tasks"};
   constexpr std::int64_t kWanted = 80;
   const auto limit = limit_of(board, "Max realtime priority");
   const bool capable = has_capability(board, kCapSysNice);
-  if (!limit && !capable && !board.fifo_granted) {
-    finding.value = "not known";
-    finding.verdict = Health::unknown;
-    return finding;
-  }
+  if (!limit && !capable && !board.fifo_granted) return not_known(finding);
   finding.value = capable ? "CAP_SYS_NICE" : "rtprio " + std::to_string(limit.value_or(0));
   const bool by_rule = capable || limit.value_or(0) < 0 || limit.value_or(0) >= kWanted;
   const bool granted = board.fifo_granted.value_or(by_rule && !group_without_share(board));
-  if (granted) {
-    finding.verdict = Health::good;
-    finding.value += board.fifo_granted ? ", granted when asked" : "";
-    return finding;
-  }
+  if (granted)
+    return with(finding, finding.value + (board.fifo_granted ? ", granted when asked" : ""), Health::good);
   if (by_rule) {
     finding.value += group_without_share(board) ? ", but the control group has no real-time share"
                                                 : ", but refused when asked";
@@ -83,37 +76,23 @@ Finding check_realtime_priority(const BoardView& board) {
 
 Finding check_memory_lock(const BoardView& board) {
   Finding finding{"memory_lock", "", Health::bad,
-                  "a page that is not locked may be missing when a job touches it: milliseconds from a disk",
-                  ""};
+                  "a page that is not locked may be missing when a job touches it: milliseconds from a disk"};
   constexpr std::int64_t kPlenty = std::int64_t{256} << 20;
   const auto limit = limit_of(board, "Max locked memory");
-  if (has_capability(board, kCapIpcLock)) {
-    finding.value = "CAP_IPC_LOCK";
-    finding.verdict = Health::good;
-  } else if (!limit) {
-    finding.value = "not known";
-    finding.verdict = Health::unknown;
-  } else if (*limit < 0) {
-    finding.value = "unlimited";
-    finding.verdict = Health::good;
-  } else {
-    finding.value = "at most " + group_digits(static_cast<std::uint64_t>(*limit) / 1024) + " KiB";
-    if (*limit >= kPlenty) finding.verdict = Health::warn;
-    finding.cure = kGrant;
-  }
-  return finding;
+  if (has_capability(board, kCapIpcLock)) return with(finding, "CAP_IPC_LOCK", Health::good);
+  if (!limit) return not_known(finding);
+  if (*limit < 0) return with(finding, "unlimited", Health::good);
+  finding.cure = kGrant;
+  return with(finding, "at most " + group_digits(static_cast<std::uint64_t>(*limit) / 1024) + " KiB",
+              *limit >= kPlenty ? Health::warn : Health::bad);
 }
 
 Finding check_swap(const BoardView& board) {
   Finding finding{
       "swap", "none", Health::good,
-      "what is not locked (other programs, files of the log) goes to the disk and makes everybody wait", ""};
+      "what is not locked (other programs, files of the log) goes to the disk and makes everybody wait"};
   const auto text = board.files.read("/proc/swaps");
-  if (!text) {
-    finding.value = "not known";
-    finding.verdict = Health::unknown;
-    return finding;
-  }
+  if (!text) return not_known(finding);
   std::int64_t size = 0;
   std::int64_t used = 0;
   for (const std::string& line : split_lines(*text)) {
@@ -132,7 +111,7 @@ Finding check_swap(const BoardView& board) {
 
 Finding check_huge_pages(const BoardView& board) {
   Finding finding{"huge_pages", "", Health::unknown,
-                  "the kernel moves memory about to make huge pages, and a process waits for it", ""};
+                  "the kernel moves memory about to make huge pages, and a process waits for it"};
   const std::string path = "/sys/kernel/mm/transparent_hugepage/enabled";
   const std::string text = board.files.read(path).value_or("");
   const std::size_t from = text.find("[");
@@ -150,7 +129,7 @@ Finding check_huge_pages(const BoardView& board) {
 
 Finding check_cpu_dma_latency(const BoardView& board) {
   Finding finding{"cpu_dma_latency", "", Health::good,
-                  "an idle core sleeps deeply and wakes tens to hundreds of microseconds late", ""};
+                  "an idle core sleeps deeply and wakes tens to hundreds of microseconds late"};
   const std::string device = "/dev/cpu_dma_latency";
   std::int64_t deepest = 0;
   const std::string folder =

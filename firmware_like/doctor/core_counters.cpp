@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/doctor/core_counters.hpp"
 
-#include <cctype>
+#include <algorithm>
 #include <cstdlib>
+
+#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
 namespace {
 
 std::uint64_t count_of(const std::string& word) {
-  const std::optional<std::int64_t> value = to_number(word);
-  return value && *value > 0 ? static_cast<std::uint64_t>(*value) : 0;
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(to_number(word).value_or(0), 0));
 }
 
 bool all_digits(const std::string& word) {
-  for (const char c : word) {
-    if (std::isdigit(static_cast<unsigned char>(c)) == 0) return false;
-  }
-  return !word.empty();
+  return !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
 }
 
 /// "CPU0 CPU3", then rows "32: 1080 0 PCI-MSIX virtio0" of devices and "LOC: 1 2 Local timer" of the kernel.
@@ -69,8 +67,8 @@ CoreCounters read_counters(const MachineFiles& files) {
   for (auto& [number, core] : counters.cores) {
     const std::string folder = "/sys/devices/system/cpu/cpu" + std::to_string(number) + "/thermal_throttle/";
     for (const char* name : {"core_throttle_count", "package_throttle_count"}) {
-      const std::optional<std::int64_t> count = files.number(folder + name);
-      if (count && *count > 0) core.throttled += static_cast<std::uint64_t>(*count);
+      const std::int64_t count = files.number(folder + name).value_or(0);
+      core.throttled += static_cast<std::uint64_t>(std::max<std::int64_t>(count, 0));
     }
   }
   const std::string uptime = files.read("/proc/uptime").value_or("");
@@ -89,11 +87,9 @@ CoreCounters difference(const CoreCounters& later, const CoreCounters& earlier) 
       const auto old = before->second.interrupts.find(name);
       if (old != before->second.interrupts.end()) count = minus(count, old->second);
     }
-    core.timer = minus(core.timer, before->second.timer);
-    core.busy = minus(core.busy, before->second.busy);
-    core.stolen = minus(core.stolen, before->second.stolen);
-    core.total = minus(core.total, before->second.total);
-    core.throttled = minus(core.throttled, before->second.throttled);
+    using Core = CoreCounters::Core;
+    for (const auto count : {&Core::timer, &Core::busy, &Core::stolen, &Core::total, &Core::throttled})
+      core.*count = minus(core.*count, before->second.*count);
   }
   return result;
 }

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "firmware_like/scene/text_format.hpp"
+
 namespace sortie::firmware {
 
 namespace {
@@ -90,13 +92,6 @@ std::string describe_cores(const std::vector<int>& cores) {
     i = end;
   }
   return text.empty() ? "none" : text;
-}
-
-std::vector<std::string> split_words(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(std::move(word));
-  return words;
 }
 
 std::vector<std::string> split_lines(const std::string& text) {

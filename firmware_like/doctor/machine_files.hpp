@@ -35,8 +35,6 @@ class MachineFiles {
 std::vector<int> parse_core_list(const std::string& text);
 /// {0, 1, 2, 5} -> "0-2,5"; "none" when empty. `cores` must rise.
 std::string describe_cores(const std::vector<int>& cores);
-/// Words between blanks, tabs and line ends.
-std::vector<std::string> split_words(const std::string& text);
 /// Lines without their ends.
 std::vector<std::string> split_lines(const std::string& text);
 /// A whole number, or nothing when `word` is something else.

@@ -2,7 +2,6 @@
 #include "firmware_like/doctor/run_doctor.hpp"
 
 #include "firmware_like/log/log_event.hpp"
-#include "firmware_like/log/recorded_doctor.hpp"
 #include "firmware_like/scene/json.hpp"
 
 namespace sortie::firmware {

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "firmware_like/link/secret.hpp"
-#include "firmware_like/result/add_counters.hpp"
+#include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "firmware_like/scene/text_format.hpp"
 

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "drivers/datagram_filter.hpp"
-#include "firmware_like/result/add_counters.hpp"
+#include "firmware_like/result/results.hpp"
 #include "rt/posix/clock.hpp"
 
 namespace sortie::firmware {

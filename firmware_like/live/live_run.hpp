@@ -13,7 +13,7 @@
 #include "firmware_like/log/run_flight_ring.hpp"
 #include "firmware_like/log/timed_pose.hpp"
 #include "firmware_like/runtime/runtime.hpp"
-#include "firmware_like/scene/platform_refused.hpp"
+#include "firmware_like/scene/input_error.hpp"
 
 namespace sortie::firmware {
 

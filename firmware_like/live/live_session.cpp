@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "firmware_like/log/log_clock.hpp"
+#include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/log_recorder.hpp"
-#include "firmware_like/log/run_end.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
 #include "firmware_like/runtime/kept_map.hpp"
 #include "rt/posix/clock.hpp"

@@ -6,8 +6,8 @@
 #include "firmware_like/link/request_door.hpp"
 #include "firmware_like/live/simulated_robot.hpp"
 #include "firmware_like/live/truth_writer.hpp"
-#include "firmware_like/log/bounded_trajectory.hpp"
 #include "firmware_like/log/log_recorder.hpp"
+#include "firmware_like/log/timed_pose.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "rt/virtual_runner.hpp"
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "firmware_like/live/simulated_robot.hpp"
-#include "firmware_like/log/bounded_trajectory.hpp"
 #include "firmware_like/log/contact_truth.hpp"
+#include "firmware_like/log/timed_pose.hpp"
 
 namespace sortie::firmware {
 

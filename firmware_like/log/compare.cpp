@@ -121,14 +121,14 @@ std::optional<Divergence> compare_with_times(const rt::Executive& executive, con
   // Whoever takes its outputs or its commands may have asked between its last task and its end.
   if (in_time && (is_read(executive, recorded.group) || group.outlets.size() != 0)) return std::nullopt;
   const auto apart = static_cast<std::uint64_t>(in_time ? due - ended : ended - due) / 1000;
-  return Divergence{recorded.tick,
-                    group.spec.name,
-                    "",
-                    "verdict",
-                    to_string(recorded.verdict),
-                    std::string(in_time ? "done" : "missed") + " by its times: it ended " +
-                        std::to_string(apart) + (in_time ? " us before" : " us after") + " the deadline",
-                    true};
+  return wrong_verdict(executive, recorded,
+                       std::string(in_time ? "done" : "missed") + " by its times: it ended " +
+                           std::to_string(apart) + (in_time ? " us before" : " us after") + " the deadline");
+}
+
+Divergence wrong_verdict(const rt::Executive& executive, const rt::JobRecord& recorded, std::string is) {
+  const std::string group = executive.group(recorded.group).spec.name;
+  return {recorded.tick, group, "", "verdict", to_string(recorded.verdict), std::move(is), true};
 }
 
 std::optional<Divergence> compare_outputs(const rt::Executive& executive, const rt::JobRecord& first,

@@ -44,6 +44,9 @@ std::optional<Divergence> compare_decisions(const rt::Executive& executive, cons
 std::optional<Divergence> compare_with_times(const rt::Executive& executive, const rt::JobRecord& recorded,
                                              const JobTimes& times);
 
+/// Of a recorded verdict that cannot be. `is`: what it must be.
+Divergence wrong_verdict(const rt::Executive& executive, const rt::JobRecord& recorded, std::string is);
+
 /// "done", "missed" or "pending".
 const char* to_string(rt::Verdict verdict);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/log/contact_truth.hpp"
 
+#include <algorithm>
+
 #include "drivers/wire_truth.hpp"
 #include "firmware_like/log/log_file.hpp"
 
@@ -34,11 +36,9 @@ ContactSummary summarise(const rt::ContactTruth& truth) {
     ++summary.contacts[part];
     if (step_s > 0) summary.load_n[part] += contact.normal_impulse_n_s / step_s;
   }
-  for (std::uint32_t i = 0; i < rt::kFlippers; ++i) {
-    summary.flipper_asked_rad[i] = truth.flipper_asked_rad[i];
-    summary.flipper_angle_rad[i] = truth.flipper_angle_rad[i];
-    summary.flipper_torque_n_m[i] = truth.flipper_torque_n_m[i];
-  }
+  std::ranges::copy(truth.flipper_asked_rad, summary.flipper_asked_rad);
+  std::ranges::copy(truth.flipper_angle_rad, summary.flipper_angle_rad);
+  std::ranges::copy(truth.flipper_torque_n_m, summary.flipper_torque_n_m);
   return summary;
 }
 

@@ -159,8 +159,7 @@ KeyframeFile::KeyframeFile(const std::string& path) : path_(path) {
   const auto head = pieces.take(std::min<std::uint64_t>(head_bytes, kMostHeadBytes));
   if (rt::digest_bytes(head.data(), head.size()) != head_digest) pieces.refuse("the head is damaged");
   from_bytes(head, head_);
-  while (true) {
-    if (pieces.left() == 2 * kMark) break;
+  while (pieces.left() != 2 * kMark) {
     const auto frame = pieces.take(kFrameHead);
     KeyframeEntry entry;
     std::uint64_t check{};

@@ -21,11 +21,8 @@ std::string boot_id() {
 }
 
 std::optional<drivers::EventRecord> find_clock(const LogFile& log) {
-  for (const StoredEvent& stored : log.channel(std::string(drivers::kChannelEvent))) {
-    drivers::EventRecord event;
-    if (drivers::decode(stored.message, event) == Status::ok && event.kind == kClockKind) return event;
-  }
-  return std::nullopt;
+  const std::vector<drivers::EventRecord> clocks = events_of(log, kClockKind);
+  return clocks.empty() ? std::nullopt : std::optional(clocks.front());
 }
 
 // What a log holds may be anything; sums of it must not overflow.

@@ -2,8 +2,8 @@
 // Which jobs of a log a replay takes: as many as are whole, and in their order.
 #include <algorithm>
 
+#include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/log_feed.hpp"
-#include "firmware_like/log/run_end.hpp"
 
 namespace sortie::firmware {
 

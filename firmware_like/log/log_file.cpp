@@ -46,10 +46,7 @@ LogFile::LogFile(const std::string& path) : path_(path), reader_(checked(path)) 
       continue;
     }
     channels_[std::string(event.channel)].push_back({event.timestamp_us, event.data});
-    const bool is_record = event.channel.substr(0, 7) == "SORTIE_" &&
-                           event.channel != drivers::kChannelCustom &&
-                           event.channel.substr(0, drivers::kChannelCustom.size()) != drivers::kChannelCustom;
-    if (is_record) continue;
+    if (event.channel.starts_with("SORTIE_") && !event.channel.starts_with(drivers::kChannelCustom)) continue;
     const rt::Nanoseconds received = event.timestamp_us * rt::kNanosecondsPerMicrosecond;
     if (first_sample_ns_ == 0 || received < first_sample_ns_) first_sample_ns_ = received;
     if (received > last_sample_ns_) last_sample_ns_ = received;

@@ -178,16 +178,13 @@ void LogRecorder::drain() {
   if (!has_log()) return;
   note_written();
   if (has_jobs_ && !log_->place->taken() && log_->writer->flush() == Status::ok) take_place();
-  if (const std::uint64_t lost = lost_jobs_.load(); lost != reported_jobs_) {
-    write_gap(whole_until, lost - reported_jobs_,
-              "jobs were lost: the disk was too slow, or no log may hold them");
-    reported_jobs_ = lost;
-  }
-  if (const std::uint64_t lost = lost_samples_.load(); lost != reported_samples_) {
-    write_gap(whole_until, lost - reported_samples_,
-              "samples were lost: the disk was too slow, or no log may hold them");
-    reported_samples_ = lost;
-  }
+  const auto tell = [&](std::uint64_t lost, std::uint64_t& reported, const char* reason) {
+    if (lost != reported) write_gap(whole_until, lost - reported, reason);
+    reported = lost;
+  };
+  tell(lost_jobs_.load(), reported_jobs_, "jobs were lost: the disk was too slow, or no log may hold them");
+  tell(lost_samples_.load(), reported_samples_,
+       "samples were lost: the disk was too slow, or no log may hold them");
 }
 
 rt::Tick LogRecorder::whole_until() const { return *std::min_element(whole_.begin(), whole_.end()); }

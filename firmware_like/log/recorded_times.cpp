@@ -152,17 +152,7 @@ void RecordedTimes::add_to(Results& results) const {
     live.tasks.push_back({executive.task(i).name(), wall.count(), us(wall.percentile(0.5)),
                           us(wall.percentile(0.99)), us(wall.percentile(0.999)), us(wall.max())});
   }
-  for (std::size_t i = 0; i < releases_.size(); ++i) {
-    const GroupResult counted = releases_[i].result();
-    GroupResult& group = results.groups[i];
-    group.late_p50_us = counted.late_p50_us;
-    group.late_p99_us = counted.late_p99_us;
-    group.late_p999_us = counted.late_p999_us;
-    group.late_max_us = counted.late_max_us;
-    group.response_max_us = counted.response_max_us;
-    group.lateness = counted.lateness;
-    group.response = counted.response;
-  }
+  for (std::size_t i = 0; i < releases_.size(); ++i) releases_[i].put_times(results.groups[i]);
   add_measured(results);
 }
 
@@ -171,9 +161,7 @@ void RecordedTimes::add_measured(Results& results) const {
   std::string& why = results.live.why_no_causes;
   why = log_.path() +
         " ends before its run told wake-ups and causes: it was killed, or an older version made it";
-  for (const StoredEvent& stored : log_.channel(std::string(drivers::kChannelEvent))) {
-    drivers::EventRecord event;
-    if (drivers::decode(stored.message, event) != Status::ok || event.kind != kMeasuredKind) continue;
+  for (const drivers::EventRecord& event : events_of(log_, kMeasuredKind)) {
     try {
       const Json figures = Json::parse(event.text);
       if (event.subject == kRun) {

@@ -40,7 +40,6 @@ void ReleaseCounter::job(rt::Tick tick, rt::Nanoseconds started_ns, rt::Nanoseco
 }
 
 GroupResult ReleaseCounter::result() const {
-  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
   const double tick_us = static_cast<double>(rule_.base_tick_ns) * 1e-3;
   GroupResult result;
   result.name = rule_.name;
@@ -49,13 +48,7 @@ GroupResult ReleaseCounter::result() const {
   result.jobs = jobs_;
   result.missed = missed_;
   result.skipped = skipped_;
-  result.late_p50_us = us(lateness_.percentile(0.5));
-  result.late_p99_us = us(lateness_.percentile(0.99));
-  result.late_p999_us = us(lateness_.percentile(0.999));
-  result.late_max_us = us(lateness_.max());
-  result.response_max_us = us(response_.max());
-  result.lateness = bars_of(lateness_);
-  result.response = bars_of(response_);
+  put_times(result);
   return result;
 }
 
@@ -71,6 +64,8 @@ std::vector<GroupResult> releases_of(const LogFile& log) {
   if (header.utc_minus_monotonic_ns == 0)
     throw InputError(
         log.path() + ": was recorded in simulated time, where nothing is late; record a live run", 2);
+  const std::int64_t tick_ns = std::max<std::int64_t>(header.base_tick_ns, 1);
+  const double tick_us = static_cast<double>(tick_ns) * 1e-3;
   std::vector<ReleaseCounter> counters;
   std::istringstream groups(header.groups);
   for (std::string line; std::getline(groups, line);) {
@@ -80,9 +75,8 @@ std::vector<GroupResult> releases_of(const LogFile& log) {
     double phase_us = 0;
     double deadline_us = 0;
     words >> name >> period_us >> phase_us >> deadline_us;
-    const double tick_us = static_cast<double>(std::max<std::int64_t>(header.base_tick_ns, 1)) * 1e-3;
     counters.emplace_back(
-        ReleaseRule{name, std::max<std::int64_t>(header.base_tick_ns, 1), header.epoch_ns,
+        ReleaseRule{name, tick_ns, header.epoch_ns,
                     std::max<std::uint64_t>(static_cast<std::uint64_t>(std::llround(period_us / tick_us)), 1),
                     static_cast<std::uint64_t>(std::llround(deadline_us / tick_us)), true,
                     static_cast<std::uint64_t>(std::llround(phase_us / tick_us))});

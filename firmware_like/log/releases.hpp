@@ -34,6 +34,8 @@ class ReleaseCounter {
 
   void job(rt::Tick tick, rt::Nanoseconds started_ns, rt::Nanoseconds ended_ns, bool missed);
   GroupResult result() const;
+  /// Puts lateness and response alone into a result.
+  void put_times(GroupResult& result) const { set_releases(lateness_, response_, result); }
 
  private:
   ReleaseRule rule_;

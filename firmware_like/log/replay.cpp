@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "firmware_like/log/log_clock.hpp"
+#include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/log_recorder.hpp"
-#include "firmware_like/log/recorded_doctor.hpp"
 #include "firmware_like/log/replay_observer.hpp"
 #include "firmware_like/log/replay_part.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
@@ -23,20 +23,16 @@ namespace {
 class ProgressFeed final : public rt::JobFeed {
  public:
   ProgressFeed(LogFeed& feed, Runtime& runtime, const ReplayOptions& options, LogRecorder* recorder)
-      : feed_(feed),
-        runtime_(runtime),
-        on_tick_(options.on_tick),
-        progress_(options.progress),
-        recorder_(recorder) {}
+      : feed_(feed), runtime_(runtime), options_(options), recorder_(recorder) {}
   void before_tick(rt::Tick tick) override {
-    if (on_tick_) on_tick_(tick, runtime_, feed_);
+    if (options_.on_tick) options_.on_tick(tick, runtime_, feed_);
     if (recorder_ != nullptr && tick % 64 == 0) recorder_->drain();
     if (tick % 1024 == 0) rt::posix::anchor_fast_clock();
-    if (!progress_ || tick % 1024 != 0 || feed_.last_tick() <= feed_.first_tick() ||
+    if (!options_.progress || tick % 1024 != 0 || feed_.last_tick() <= feed_.first_tick() ||
         tick < feed_.first_tick())
       return;
-    progress_(static_cast<double>(tick - feed_.first_tick()) /
-              static_cast<double>(feed_.last_tick() - feed_.first_tick()));
+    options_.progress(static_cast<double>(tick - feed_.first_tick()) /
+                      static_cast<double>(feed_.last_tick() - feed_.first_tick()));
   }
   bool prepare(std::uint32_t group, std::uint64_t job, rt::Tick tick, rt::JobOrder& order) override {
     return feed_.prepare(group, job, tick, order);
@@ -45,8 +41,7 @@ class ProgressFeed final : public rt::JobFeed {
  private:
   LogFeed& feed_;
   Runtime& runtime_;
-  const std::function<void(rt::Tick, Runtime&, LogFeed&)>& on_tick_;
-  const std::function<void(double)>& progress_;
+  const ReplayOptions& options_;
   LogRecorder* recorder_;
 };
 
@@ -176,16 +171,6 @@ void refuse_early_fault(const std::string& fault, rt::Tick tick, rt::Tick begin)
       "--fault " + fault + ": lies before tick " + std::to_string(begin) + ", where this replay begins", 2);
 }
 
-void take_observed(ReplayOutcome& outcome, ReplayObserver& observer) {
-  outcome.estimate = std::move(observer.estimate);
-  tidy(outcome.estimate);
-  outcome.located = std::move(observer.located);
-  tidy(outcome.located);
-  outcome.divergence = observer.first;
-  outcome.diverged_jobs = observer.diverged_jobs;
-  outcome.compared_jobs = observer.compared_jobs;
-}
-
 // Of the log, of what it did not hold, and of digests. `inexact_truth`: the log of a truth whose clock is
 // another.
 void add_warnings(ReplayOutcome& outcome, const LogFile& log, const LogFeed& feed, bool use_ticks,
@@ -256,15 +241,12 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   const rt::Tick fault_tick = options.fault.empty() ? ~rt::Tick{0} : plant_fault(runtime, options.fault);
 
   LogFeed feed(log, runtime, use_ticks);
-  const ReplayPart part = choose_part(log, options, runtime, feed);
-  refuse_early_fault(options.fault, fault_tick, part.begin);
-  outcome.begin_tick = part.begin;
-  outcome.first_tick = part.asked;
-  outcome.restored_tick = part.restored;
+  choose_part(log, options, outcome, feed);
+  refuse_early_fault(options.fault, fault_tick, outcome.begin_tick);
   const std::unique_ptr<LogRecorder> recorder =
       options.record.empty() ? nullptr : open_recorder(log, runtime, options.record);
   const bool whole = options.from.empty() && options.to.empty();
-  ReplayObserver observer(runtime, feed, options, options.from.empty() ? 0 : part.asked,
+  ReplayObserver observer(outcome, feed, options, options.from.empty() ? 0 : outcome.first_tick,
                           is_simulated(log) && header.source.rfind(kReplayOf, 0) != 0,
                           RecordedTimes(log, runtime, why_not_live(log, options, use_ticks), whole));
   JobSinks sinks{&observer, recorder.get()};
@@ -278,10 +260,11 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
 
   if (options.before_run) options.before_run(runtime);
   ProgressFeed shown(feed, runtime, options, recorder.get());
-  const double wall_s = run_jobs(executive, shown, options.threaded, part.begin, feed.last_tick());
+  const double wall_s = run_jobs(executive, shown, options.threaded, outcome.begin_tick, feed.last_tick());
   if (recorder) recorder->stop();
 
-  take_observed(outcome, observer);
+  tidy(outcome.estimate);
+  tidy(outcome.located);
   outcome.truth = truth ? std::move(truth->poses) : log.truth();
   outcome.contacts = truth ? contact_summaries(truth->log, truth->offset.offset_ns) : contact_summaries(log);
   outcome.recorded = feed.recorded_digest();

@@ -14,16 +14,17 @@
 
 namespace sortie::firmware {
 
-/// Follows the jobs of a replay: poses for the errors, differences for the check, the live run's times for
-/// the gate.
+/// Follows the jobs of a replay: poses for the errors and differences for the check, which go into its
+/// outcome, and the live run's times for the gate.
 class ReplayObserver {
  public:
   /// `all_in_time`: the log was made where no job can miss.
-  ReplayObserver(Runtime& runtime, const LogFeed& feed, const ReplayOptions& options, rt::Tick first_tick,
-                 bool all_in_time, RecordedTimes recorded)
-      : chains(runtime, false),
+  ReplayObserver(ReplayOutcome& outcome, const LogFeed& feed, const ReplayOptions& options,
+                 rt::Tick first_tick, bool all_in_time, RecordedTimes recorded)
+      : chains(*outcome.runtime, false),
         times(std::move(recorded)),
-        runtime_(runtime),
+        outcome_(outcome),
+        runtime_(*outcome.runtime),
         feed_(feed),
         options_(options),
         first_tick_(first_tick),
@@ -39,23 +40,24 @@ class ReplayObserver {
       // On the way from a keyframe to the place that was asked for.
     } else if (const auto* pose = runtime_.vehicle().pose_task();
                pose != nullptr && pose->group() == record.group) {
-      keep(to_timed_pose(pose->value()), estimate);
+      keep(to_timed_pose(pose->value()), outcome_.estimate);
     } else if (const auto* attitude = runtime_.vehicle().attitude_task();
                pose == nullptr && attitude != nullptr && attitude->group() == record.group) {
       TimedPose only_turned;
       only_turned.stamp_ns = attitude->value().stamp_ns;
       for (int i = 0; i < 4; ++i) only_turned.q[i] = attitude->value().q_world_body[i];
       only_turned.flags = rt::kTruthOrientation;
-      keep(only_turned, estimate);
+      keep(only_turned, outcome_.estimate);
     }
     if (const auto* located_task = runtime_.vehicle().located_task();
         record.tick >= first_tick_ && located_task != nullptr && located_task->group() == record.group)
-      keep(to_timed_pose(located_task->value()), located);
+      keep(to_timed_pose(located_task->value()), outcome_.located);
     if (const rt::JobRecord* recorded = feed_.recorded(record.group); recorded != nullptr) {
-      ++compared_jobs;
+      ++outcome_.compared_jobs;
       if (auto divergence = compare(*recorded, record, live)) {
-        ++diverged_jobs;
+        ++outcome_.diverged_jobs;
         // The lowest tick, then the order of the table: threads of other groups may come here first.
+        std::optional<Divergence>& first = outcome_.divergence;
         if (!first || divergence->tick < first->tick ||
             (divergence->tick == first->tick && record.group < first_group_)) {
           first = std::move(divergence);
@@ -66,11 +68,6 @@ class ReplayObserver {
     if (options_.on_job) options_.on_job(record, runtime_);
   }
 
-  Trajectory estimate;
-  Trajectory located;
-  std::optional<Divergence> first;
-  std::uint64_t diverged_jobs{};
-  std::uint64_t compared_jobs{};
   ChainWatch chains;
   RecordedTimes times;
 
@@ -83,13 +80,7 @@ class ReplayObserver {
     if (!found) found = compare_outputs(executive, recorded, record);
     if (!found && live != nullptr) found = compare_with_times(executive, recorded, *live);
     if (!found && all_in_time_ && recorded.verdict != rt::Verdict::done)
-      found = Divergence{recorded.tick,
-                         executive.group(recorded.group).spec.name,
-                         "",
-                         "verdict",
-                         to_string(recorded.verdict),
-                         "done: nothing is late in simulated time",
-                         true};
+      found = wrong_verdict(executive, recorded, "done: nothing is late in simulated time");
     return found;
   }
 
@@ -98,6 +89,7 @@ class ReplayObserver {
     path.push_back(pose);
   }
 
+  ReplayOutcome& outcome_;
   Runtime& runtime_;
   const LogFeed& feed_;
   const ReplayOptions& options_;

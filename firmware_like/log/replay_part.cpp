@@ -38,34 +38,33 @@ rt::Tick parse_log_time(const std::string& text, rt::Nanoseconds base_tick_ns, c
 
 }  // namespace
 
-ReplayPart choose_part(const LogFile& log, const ReplayOptions& options, Runtime& runtime, LogFeed& feed) {
-  const rt::Nanoseconds tick_ns = runtime.executive().base_tick_ns();
-  ReplayPart part{feed.first_tick(), feed.first_tick(), 0};
+void choose_part(const LogFile& log, const ReplayOptions& options, ReplayOutcome& outcome, LogFeed& feed) {
+  const rt::Nanoseconds tick_ns = outcome.runtime->executive().base_tick_ns();
+  outcome.first_tick = outcome.begin_tick = feed.first_tick();
   const rt::Tick log_end = feed.last_tick() + 1;
   const rt::Tick end = options.to.empty() ? log_end : parse_log_time(options.to, tick_ns, "--to");
   if (!options.from.empty())
-    part.asked = std::max(part.asked, parse_log_time(options.from, tick_ns, "--from"));
-  if (part.asked >= std::min(end, log_end)) {
-    throw InputError("nothing lies between --from (tick " + std::to_string(part.asked) + ") and --to (tick " +
-                         std::to_string(end) + "); the log runs from tick " +
+    outcome.first_tick = std::max(outcome.first_tick, parse_log_time(options.from, tick_ns, "--from"));
+  if (outcome.first_tick >= std::min(end, log_end)) {
+    throw InputError("nothing lies between --from (tick " + std::to_string(outcome.first_tick) +
+                         ") and --to (tick " + std::to_string(end) + "); the log runs from tick " +
                          std::to_string(feed.first_tick()) + " to " + std::to_string(feed.last_tick()),
                      2);
   }
   feed.end_before(end);
   const bool named = !options.keyframes.empty();
   const std::string path = named ? options.keyframes : keyframe_path(log.path());
-  if (options.from.empty() || (!named && !std::filesystem::exists(path))) return part;
+  if (options.from.empty() || (!named && !std::filesystem::exists(path))) return;
   if (!options.record.empty()) {
     throw InputError(
         "--record does not go with --from and keyframes: such a log would lack what its jobs took before", 2);
   }
   const KeyframeFile file(path);
-  refuse_foreign(file, keyframe_head(log, runtime), log.path());
-  const KeyframeEntry* entry = file.nearest(part.asked);
-  if (entry == nullptr || entry->tick <= feed.first_tick()) return part;
-  restore_state(file.state(*entry), runtime, feed, entry->tick);
-  part.begin = part.restored = entry->tick;
-  return part;
+  refuse_foreign(file, keyframe_head(log, *outcome.runtime), log.path());
+  const KeyframeEntry* entry = file.nearest(outcome.first_tick);
+  if (entry == nullptr || entry->tick <= feed.first_tick()) return;
+  restore_state(file.state(*entry), *outcome.runtime, feed, entry->tick);
+  outcome.begin_tick = outcome.restored_tick = entry->tick;
 }
 
 bool reads_ticks(const LogFile& log) {

@@ -8,15 +8,9 @@
 
 namespace sortie::firmware {
 
-/// The part of a log that a replay covers.
-struct ReplayPart {
-  rt::Tick asked{};     ///< first tick of interest
-  rt::Tick begin{};     ///< first tick that is run
-  rt::Tick restored{};  ///< keyframe, or 0
-};
-
-/// Cuts the feed to the part that was asked for and restores the state at its beginning. Throws InputError.
-ReplayPart choose_part(const LogFile& log, const ReplayOptions& options, Runtime& runtime, LogFeed& feed);
+/// Cuts the feed to the part that was asked for, restores the state of the outcome's runtime at its
+/// beginning, and sets the outcome's ticks. Throws InputError.
+void choose_part(const LogFile& log, const ReplayOptions& options, ReplayOutcome& outcome, LogFeed& feed);
 
 /// True when the recorded jobs are in the message that this program reads.
 bool reads_ticks(const LogFile& log);

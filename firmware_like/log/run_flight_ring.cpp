@@ -73,6 +73,21 @@ rt::posix::FlightPlan plan_of(const Runtime& runtime, std::uint32_t ticks) {
   return plan;
 }
 
+// Removes what starts that died within the making of a ring have left in `folder`: parts that no process
+// writes.
+void remove_abandoned_parts(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::directory_iterator it(folder, error);
+  for (const std::filesystem::directory_iterator end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.rfind("sortie-", 0) != 0 || it->path().extension() != ".part") continue;
+    const int file = open(it->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0) continue;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) unlink(it->path().c_str());
+    close(file);
+  }
+}
+
 }  // namespace
 
 RunFlightRing::RunFlightRing(Runtime& runtime, const FlightRingOptions& options, bool simulated_time)
@@ -158,19 +173,6 @@ void RunFlightRing::adopt_thread(std::string_view name) {
 void RunFlightRing::finish(rt::Nanoseconds time_ns) {
   if (!ring_) return;
   ring_->finish(time_ns);
-}
-
-void remove_abandoned_parts(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::directory_iterator it(folder, error);
-  for (const std::filesystem::directory_iterator end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (name.rfind("sortie-", 0) != 0 || it->path().extension() != ".part") continue;
-    const int file = open(it->path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    if (file < 0) continue;
-    if (flock(file, LOCK_EX | LOCK_NB) == 0) unlink(it->path().c_str());
-    close(file);
-  }
 }
 
 std::vector<std::string> unfinished_flight_rings(const std::string& folder) {

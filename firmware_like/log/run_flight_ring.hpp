@@ -68,9 +68,6 @@ class RunFlightRing {
   std::unique_ptr<rt::posix::CrashNote> crash_;  // last: it stops pointing at the ring before the ring goes
 };
 
-/// Removes what starts that died within the making of a ring have left in `folder`: parts that no process
-/// writes.
-void remove_abandoned_parts(const std::string& folder);
 /// Rings in `folder` that runs of this user have left there without ending, newest first.
 std::vector<std::string> unfinished_flight_rings(const std::string& folder);
 

@@ -14,8 +14,7 @@ constexpr std::uint64_t kEnough = 10;
 
 constexpr const char* kCure =
     "; take a scene that is made for such data (`sortie scenes`), or correct the sensor; --accept-unused "
-    "where a "
-    "replay means it";
+    "where a replay means it";
 
 std::string reasons(const StreamUse& use) {
   std::string text;

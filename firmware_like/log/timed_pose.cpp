@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace sortie::firmware {
 namespace {
@@ -17,6 +16,14 @@ bool usable(const TimedPose& pose) {
   return std::isfinite(norm) && norm > 0.25 && norm < 4.0;
 }
 
+TimedPose pose_of(std::int64_t stamp_ns, const double (&p)[3], const double (&q)[4]) {
+  TimedPose pose;
+  pose.stamp_ns = stamp_ns;
+  std::ranges::copy(p, pose.p);
+  std::ranges::copy(q, pose.q);
+  return pose;
+}
+
 }  // namespace
 
 void make_unit(double (&q)[4]) {
@@ -25,29 +32,18 @@ void make_unit(double (&q)[4]) {
 }
 
 TimedPose to_timed_pose(const rt::TruthSample& truth) {
-  TimedPose pose;
-  pose.stamp_ns = truth.stamp_ns;
-  std::copy(std::begin(truth.p_world_body_m), std::end(truth.p_world_body_m), pose.p);
-  std::copy(std::begin(truth.q_world_body), std::end(truth.q_world_body), pose.q);
+  TimedPose pose = pose_of(truth.stamp_ns, truth.p_world_body_m, truth.q_world_body);
   pose.flags = truth.flags;
   return pose;
 }
 
 TimedPose to_timed_pose(const rt::PoseEstimate& estimate) {
-  TimedPose pose;
-  pose.stamp_ns = estimate.stamp_ns;
-  std::copy(std::begin(estimate.p_world_body_m), std::end(estimate.p_world_body_m), pose.p);
-  std::copy(std::begin(estimate.q_world_body), std::end(estimate.q_world_body), pose.q);
-  return pose;
+  return pose_of(estimate.stamp_ns, estimate.p_world_body_m, estimate.q_world_body);
 }
 
 TimedPose to_timed_pose(const rt::LocatedPose& located) {
-  TimedPose pose;
-  if (located.verdict == rt::LocatedPose::kUnplaced) return pose;
-  pose.stamp_ns = located.stamp_ns;
-  std::copy(std::begin(located.p_map_body_m), std::end(located.p_map_body_m), pose.p);
-  std::copy(std::begin(located.q_map_body), std::end(located.q_map_body), pose.q);
-  return pose;
+  if (located.verdict == rt::LocatedPose::kUnplaced) return {};
+  return pose_of(located.stamp_ns, located.p_map_body_m, located.q_map_body);
 }
 
 std::size_t tidy(Trajectory& trajectory) {

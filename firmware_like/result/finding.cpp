@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/result/finding.hpp"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 
@@ -9,7 +10,7 @@
 namespace sortie::firmware {
 namespace {
 
-constexpr std::array<Health, 4> kAll{Health::good, Health::warn, Health::bad, Health::unknown};
+constexpr std::array<std::string_view, 4> kHealthNames{"good", "warn", "bad", "unknown"};  // by Health
 
 std::string text_of(const Json& object, const char* key) {
   const auto found = object.find(key);
@@ -19,27 +20,14 @@ std::string text_of(const Json& object, const char* key) {
 }
 
 Health health_of(const std::string& word) {
-  for (const Health health : kAll) {
-    if (word == to_string(health)) return health;
-  }
-  throw std::runtime_error("doctor: no verdict is called '" + word + "'");
+  const auto found = std::ranges::find(kHealthNames, word);
+  if (found == kHealthNames.end()) throw std::runtime_error("doctor: no verdict is called '" + word + "'");
+  return static_cast<Health>(found - kHealthNames.begin());
 }
 
 }  // namespace
 
-const char* to_string(Health health) {
-  switch (health) {
-    case Health::good:
-      return "good";
-    case Health::warn:
-      return "warn";
-    case Health::bad:
-      return "bad";
-    case Health::unknown:
-      break;
-  }
-  return "unknown";
-}
+const char* to_string(Health health) { return kHealthNames[static_cast<std::size_t>(health)].data(); }
 
 Health DoctorReport::verdict() const {
   Health worst = Health::unknown;
@@ -52,7 +40,7 @@ Health DoctorReport::verdict() const {
 
 std::string DoctorReport::summary() const {
   if (findings.empty()) return note;
-  std::array<std::size_t, kAll.size()> count{};
+  std::array<std::size_t, kHealthNames.size()> count{};
   std::string bad;
   for (const Finding& finding : findings) {
     ++count[static_cast<std::size_t>(finding.verdict)];

@@ -26,8 +26,8 @@ struct Finding {
   std::string name;   ///< fixed, snake_case: clock_source
   std::string value;  ///< what was found, for a person
   Health verdict{Health::unknown};
-  std::string why;   ///< one line: what it does to a run
-  std::string cure;  ///< a command line; empty when there is nothing to cure
+  std::string why;     ///< one line: what it does to a run
+  std::string cure{};  ///< a command line; empty when there is nothing to cure
 };
 
 /// All findings about one machine.

@@ -41,16 +41,6 @@ Json to_json(const GroupResult& group) {
   return object;
 }
 
-}  // namespace
-
-std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
-  std::vector<HistogramBar> bars;
-  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
-    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
-  });
-  return bars;
-}
-
 Json to_json(const LiveTimes& live) {
   Json object{{"known", live.known}};
   if (!live.known) {
@@ -63,6 +53,28 @@ Json to_json(const LiveTimes& live) {
   for (const LiveTask& task : live.tasks) tasks.push_back(json_of(task));
   object["tasks"] = std::move(tasks);
   return object;
+}
+
+}  // namespace
+
+std::vector<HistogramBar> bars_of(const rt::LatencyHistogram& histogram) {
+  std::vector<HistogramBar> bars;
+  histogram.for_each_bucket([&bars](std::uint64_t low, std::uint64_t high, std::uint64_t count) {
+    bars.push_back({static_cast<double>(low) * 1e-3, static_cast<double>(high) * 1e-3, count});
+  });
+  return bars;
+}
+
+void set_releases(const rt::LatencyHistogram& lateness, const rt::LatencyHistogram& response,
+                  GroupResult& group) {
+  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
+  group.late_p50_us = us(lateness.percentile(0.5));
+  group.late_p99_us = us(lateness.percentile(0.99));
+  group.late_p999_us = us(lateness.percentile(0.999));
+  group.late_max_us = us(lateness.max());
+  group.response_max_us = us(response.max());
+  group.lateness = bars_of(lateness);
+  group.response = bars_of(response);
 }
 
 Json to_json(const Results& results) {

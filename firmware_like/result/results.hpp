@@ -11,7 +11,6 @@
 
 #include "firmware_like/result/finding.hpp"
 #include "firmware_like/result/results_delays.hpp"
-#include "firmware_like/result/results_live.hpp"
 #include "firmware_like/result/results_schedule.hpp"
 #include "rt/describe.hpp"
 #include "rt/histogram.hpp"
@@ -77,6 +76,34 @@ struct GroupResult {
                 promises_broken)  // what is known in any case
 };
 
+/// Puts what was counted of a group's releases, in nanoseconds, into its result.
+void set_releases(const rt::LatencyHistogram& lateness, const rt::LatencyHistogram& response,
+                  GroupResult& group);
+
+/// How long the jobs of one task took on the robot, in microseconds.
+struct LiveTask {
+  std::string name;
+  std::uint64_t count{};
+  double p50_us{};
+  double p99_us{};
+  double p999_us{};
+  double max_us{};
+  SORTIE_FIELDS(name, count, p50_us, p99_us, p999_us, max_us)
+};
+
+/// The times of the live run that a result is about. The rule for whoever adds a figure: what a clock gave
+/// stands here, or in the live part of a group (late_*, response_*, spinning, margin, stack, delays), only if
+/// it was taken during the live run. A live run fills it itself, a replay from the log and never from its own
+/// clock; the times of a replay itself stand in Results::tasks and Results::speed. What is not known is said
+/// with its cure and is no zero.
+struct LiveTimes {
+  bool known{};
+  std::string why_not;        ///< if not known: why, and what to do
+  std::string why_no_causes;  ///< if wake-ups and causes are not known, though the rest is: the same
+  std::vector<LiveTask> tasks;
+  std::uint64_t over_budget{};  ///< jobs of tasks that took longer than declared
+};
+
 /// Fill level of one memory pool over a run.
 struct PoolResult {
   std::string name;
@@ -112,6 +139,13 @@ struct Results {
   DoctorReport doctor;  ///< of the machine whose times these are; not present: nobody looked
 };
 
+/// Adds the counters of a part to those of a result, each as `prefix` and its name.
+template <rt::Described Counters>
+void add_counters(const std::string& prefix, const Counters& counters,
+                  std::map<std::string, std::uint64_t>& out) {
+  rt::for_each_scalar(counters, [&](const char* name, int, auto count) { out[prefix + name] = count; });
+}
+
 /// The interface object of `--json`. Key names are fixed: digest, ticks, scene, errors{}, tasks[]{name,
 /// period_us, budget_us, count, missed, p50_us, p99_us, p999_us, max_us}, pools[]{name, capacity, high_water,
 /// refused}, counters{}; more keys may follow them. A figure that is not finite becomes null.
@@ -120,6 +154,13 @@ Json to_json(const Results& results);
 /// The short table that ends a run: at most about 25 lines and 100 columns. Colour (misses, refusals,
 /// warnings) only if `colour`, which the caller sets when the stream is a terminal and NO_COLOR is unset.
 void print_table(std::ostream& out, const Results& results, bool colour = false);
+
+/// How a command shows its result: the table, or one JSON object, on stdout. `judged`: what made the command
+/// fail, where something judged it; JSON then has `passed` and `failures`.
+void print_results(const Results& results, bool json, const std::vector<std::string>* judged);
+
+/// Prints a line for each reason why the command ends with 1; beside JSON on stderr.
+void print_failures(const std::vector<std::string>& failures, bool json);
 
 /// True when `fd` is a terminal and NO_COLOR is unset or empty.
 bool wants_colour(int fd);

@@ -48,6 +48,7 @@ struct ScheduleResult {
   std::vector<ScheduledGroup> groups;
   std::vector<ScheduledCore> cores;
   std::vector<std::string> findings;
+  SORTIE_FIELDS(base_tick_us, hyperperiod_ticks, harmonic, schedulable)
 };
 
 /// p50, p99 and max of what was measured, in microseconds.
@@ -78,6 +79,9 @@ struct ChainResult {
   std::uint64_t ages_over{};       ///< outputs above max_age_us
   double reaction_over_max_us{};   ///< the longest of those; 0: none
   double age_over_max_us{};
+  SORTIE_FIELDS(name, path, exact, reaction_us, age_us, max_reaction_us, max_age_us, source_interval_us,
+                reactions_over, ages_over, reaction_over_max_us,
+                age_over_max_us)  // what is known in any case
 };
 
 Json to_json(const ScheduleResult& schedule);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table that ends a run: what a person wants to know first, in one screen.
+// How a command shows its result. The table that ends a run is what a person wants to know first, in one
+// screen.
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <ostream>
+#include <iostream>
 
 #include "firmware_like/result/results.hpp"
+#include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::firmware {
@@ -213,6 +215,20 @@ void print_table(std::ostream& out, const Results& results, bool colour) {
     out << "warning   and " << results.warnings.size() - kMostWarnings << " more (--json shows all)\n";
   }
   if (!results.digest.empty()) out << "digest    " << paint.bold(results.digest) << '\n';
+}
+
+void print_results(const Results& results, bool json, const std::vector<std::string>* judged) {
+  if (!json) return print_table(std::cout, results, wants_colour(STDOUT_FILENO));
+  Json object = to_json(results);
+  if (judged != nullptr) {
+    object["passed"] = judged->empty();
+    object["failures"] = *judged;
+  }
+  std::cout << object.dump(2) << "\n";
+}
+
+void print_failures(const std::vector<std::string>& failures, bool json) {
+  for (const std::string& failure : failures) (json ? std::cerr : std::cout) << "FAILED  " << failure << "\n";
 }
 
 bool wants_colour(int fd) {

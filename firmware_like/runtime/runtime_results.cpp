@@ -8,7 +8,6 @@ namespace {
 
 GroupResult group_result(const rt::Executive& executive, const rt::Group& group) {
   const double tick_us = static_cast<double>(executive.base_tick_ns()) * 1e-3;
-  const auto us = [](std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; };
   GroupResult result;
   result.name = group.spec.name;
   result.period_us = group.timing.period * tick_us;
@@ -20,13 +19,7 @@ GroupResult group_result(const rt::Executive& executive, const rt::Group& group)
   result.skipped = group.skipped;
   result.worst_in_row = group.misses.worst_in_row();
   result.promises_broken = group.misses.broken();
-  result.late_p50_us = us(group.lateness.percentile(0.5));
-  result.late_p99_us = us(group.lateness.percentile(0.99));
-  result.late_p999_us = us(group.lateness.percentile(0.999));
-  result.late_max_us = us(group.lateness.max());
-  result.response_max_us = us(group.response.max());
-  result.lateness = bars_of(group.lateness);
-  result.response = bars_of(group.response);
+  set_releases(group.lateness, group.response, result);
   return result;
 }
 

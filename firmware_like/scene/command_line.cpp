@@ -7,70 +7,30 @@
 
 namespace sortie::firmware {
 
-Option* Option::required() {
-  option_->required();
-  return this;
-}
-
-Option* Option::type_name(const std::string& name) {
-  option_->type_name(name);
-  return this;
-}
-
-Option* Option::capture_default_str() {
-  option_->capture_default_str();
-  return this;
-}
-
-Option* Option::in_range(int low, int high) {
-  option_->check(CLI::Range(low, high));
-  return this;
-}
-
-Option* Option::in_range(std::uint64_t low, std::uint64_t high) {
-  option_->check(CLI::Range(low, high));
-  return this;
-}
-
-Option* Option::in_range(double low, double high) {
-  option_->check(CLI::Range(low, high));
-  return this;
-}
-
-Option* Option::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
-  return this;
-}
+Option* Option::required() { return ours(option_->required()); }
+Option* Option::type_name(const std::string& name) { return ours(option_->type_name(name)); }
+Option* Option::capture_default_str() { return ours(option_->capture_default_str()); }
+Option* Option::not_negative() { return ours(option_->check(CLI::NonNegativeNumber)); }
+Option* Option::take_all() { return ours(option_->take_all()); }
+Option* Option::delimiter(char between) { return ours(option_->delimiter(between)); }
+Option* Option::excludes(Option* other) { return ours(option_->excludes(other->option_)); }
+Option* Option::group(const std::string& title) { return ours(option_->group(title)); }
 
 Option* Option::one_of(const std::vector<std::string>& choices) {
-  option_->check(CLI::IsMember(choices));
-  return this;
-}
-
-Option* Option::take_all() {
-  option_->take_all();
-  return this;
-}
-
-Option* Option::delimiter(char between) {
-  option_->delimiter(between);
-  return this;
+  return ours(option_->check(CLI::IsMember(choices)));
 }
 
 Option* Option::expected(int least, int most) {
-  option_->expected(least, most)->allow_extra_args(false);
-  return this;
+  return ours(option_->expected(least, most)->allow_extra_args(false));
 }
 
-Option* Option::excludes(Option* other) {
-  option_->excludes(other->option_);
-  return this;
+template <class T>
+Option* Option::in_range(T low, T high) {
+  return ours(option_->check(CLI::Range(low, high)));
 }
-
-Option* Option::group(const std::string& title) {
-  option_->group(title);
-  return this;
-}
+template Option* Option::in_range(int, int);
+template Option* Option::in_range(std::uint64_t, std::uint64_t);
+template Option* Option::in_range(double, double);
 
 std::size_t Option::count() const { return option_->count(); }
 
@@ -93,39 +53,18 @@ Option* Command::keep(CLI::Option* option) {
   return options_.back().get();
 }
 
-Option* Command::add_option(const std::string& name, std::string& value, const std::string& about) {
+template <class T>
+Option* Command::add_option(const std::string& name, T& value, const std::string& about) {
   return keep(app_->add_option(name, value, about));
 }
-
-Option* Command::add_option(const std::string& name, std::vector<std::string>& values,
-                            const std::string& about) {
-  return keep(app_->add_option(name, values, about));
-}
-
-Option* Command::add_option(const std::string& name, double& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, int& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::uint16_t& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::uint32_t& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::uint64_t& value, const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
-
-Option* Command::add_option(const std::string& name, std::optional<std::uint64_t>& value,
-                            const std::string& about) {
-  return keep(app_->add_option(name, value, about));
-}
+template Option* Command::add_option(const std::string&, std::string&, const std::string&);
+template Option* Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
+template Option* Command::add_option(const std::string&, double&, const std::string&);
+template Option* Command::add_option(const std::string&, int&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint16_t&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint32_t&, const std::string&);
+template Option* Command::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option* Command::add_option(const std::string&, std::optional<std::uint64_t>&, const std::string&);
 
 Option* Command::add_flag(const std::string& name, bool& value, const std::string& about) {
   return keep(app_->add_flag(name, value, about));

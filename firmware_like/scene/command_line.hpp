@@ -31,10 +31,10 @@ class Option {
   Option* type_name(const std::string& name);
   /// Shows the value that the variable has now as the default.
   Option* capture_default_str();
-  /// A value outside is an error; bounds belong to the range. The help shows it.
-  Option* in_range(int low, int high);
-  Option* in_range(std::uint64_t low, std::uint64_t high);
-  Option* in_range(double low, double high);
+  /// A value outside is an error; bounds belong to the range. The help shows it. T: int, std::uint64_t,
+  /// double.
+  template <class T>
+  Option* in_range(T low, T high);
   /// A value below zero, or no number, is an error.
   Option* not_negative();
   /// Any other value is an error. The help lists them.
@@ -53,6 +53,9 @@ class Option {
   std::size_t count() const;
 
  private:
+  // In the place of the library's option, which its functions give back.
+  Option* ours(CLI::Option*) { return this; }
+
   CLI::Option* option_;
 };
 
@@ -75,17 +78,10 @@ class Command {
   bool has_chosen_subcommand() const;
 
   /// "--long", "-s,--long", or "name" for a positional. The value goes into the variable, which keeps what it
-  /// has where the option is not given.
-  Option* add_option(const std::string& name, std::string& value, const std::string& about = "");
-  Option* add_option(const std::string& name, std::vector<std::string>& values,
-                     const std::string& about = "");
-  Option* add_option(const std::string& name, double& value, const std::string& about = "");
-  Option* add_option(const std::string& name, int& value, const std::string& about = "");
-  Option* add_option(const std::string& name, std::uint16_t& value, const std::string& about = "");
-  Option* add_option(const std::string& name, std::uint32_t& value, const std::string& about = "");
-  Option* add_option(const std::string& name, std::uint64_t& value, const std::string& about = "");
-  Option* add_option(const std::string& name, std::optional<std::uint64_t>& value,
-                     const std::string& about = "");
+  /// has where the option is not given. T: std::string or a vector of them, double, int, std::uint16_t,
+  /// std::uint32_t, or std::uint64_t, which may be optional.
+  template <class T>
+  Option* add_option(const std::string& name, T& value, const std::string& about = "");
   /// "--long" sets the variable; "!--long" clears it.
   Option* add_flag(const std::string& name, bool& value, const std::string& about);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The exception of everything that reads files: what is wrong, where, and how to cure it.
+// The exceptions that end a command: what is wrong, where, and how to cure it.
 #pragma once
 
 #include <stdexcept>
@@ -7,7 +7,8 @@
 
 namespace sortie::firmware {
 
-/// An input that cannot be used. `what()` is one line: place, fault, cure. Commands end with exit_code().
+/// An input that cannot be used; of everything that reads files. `what()` is one line: place, fault, cure.
+/// Commands end with exit_code().
 class InputError : public std::runtime_error {
  public:
   /// `exit_code`: 3 = unreadable or corrupt.
@@ -19,6 +20,13 @@ class InputError : public std::runtime_error {
 
  private:
   int exit_code_;
+};
+
+/// Something that was asked for is not to be had on this machine, or not allowed. `what()` is one line with
+/// the cure. Commands end with exit code 4.
+class PlatformRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 }  // namespace sortie::firmware

@@ -197,19 +197,13 @@ class JsonListItem {
   mutable Json value_;
 };
 
-/// A member of an object.
-struct JsonMember {
-  const std::string& key;
-  const Json& value;
-};
-
 /// The members of an object, for a loop: `for (const auto& [key, value] : object.items())`.
 class JsonItems {
  public:
   class Iterator {
    public:
     Iterator(const std::string* key, const Json* value) : key_(key), value_(value) {}
-    JsonMember operator*() const { return {*key_, *value_}; }
+    std::pair<const std::string&, const Json&> operator*() const { return {*key_, *value_}; }
     Iterator& operator++() {
       ++key_;
       ++value_;

@@ -34,11 +34,12 @@ std::string place_of(const TomlNode& node, const std::string& source) {
 
 Profile::Profile(const std::string& toml, const std::string& source,
                  const std::vector<std::string>& overrides)
-    : Profile(std::make_unique<Tree>(Tree{parse_profile(toml, source), ""}), source, overrides) {}
+    : Profile(LaidScene{parse_profile(toml, source), "", source}, overrides) {}
 
-Profile::Profile(std::unique_ptr<Tree> tree, const std::string& source,
-                 const std::vector<std::string>& overrides)
-    : tree_(std::move(tree)), source_(source), base_(tree_->base) {
+Profile::Profile(LaidScene scene, const std::vector<std::string>& overrides)
+    : tree_(std::make_unique<TomlTree>(std::move(scene.root))),
+      source_(std::move(scene.source)),
+      base_(std::move(scene.base)) {
   for (const std::string& assignment : overrides) apply_override(assignment);
   name_ = text("scene.name", "", "name of the scene");
   vehicle_ = text("scene.vehicle", "", "which vehicle the scene builds");
@@ -86,12 +87,12 @@ void Profile::apply_override(const std::string& assignment) {
   } catch (const TomlError&) {
     // Stays what it is.
   }
-  if (const auto other = tree_->root.put(path, parsed, "value"))
+  if (const auto other = tree_->put(path, parsed, "value"))
     throw ProfileError("--set " + assignment + ": " + *other + " is not a table");
 }
 
 std::string Profile::place(const std::string& path) const {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   return (node ? place_of(node, source_) : source_) + ": " + path;
 }
 
@@ -105,7 +106,7 @@ void Profile::check_power_of_two(const std::string& path, std::uint32_t value) c
                    std::to_string(std::bit_ceil(value)));
 }
 
-bool Profile::has(const std::string& path) const { return static_cast<bool>(tree_->root.at_path(path)); }
+bool Profile::has(const std::string& path) const { return static_cast<bool>(tree_->at_path(path)); }
 
 ProfileKey* Profile::declare(const std::string& path, const std::string& value, const std::string& unit,
                              const std::string& range, const std::string& meaning, bool is_default) {
@@ -118,7 +119,7 @@ ProfileKey* Profile::declare(const std::string& path, const std::string& value, 
 }
 
 double Profile::number(const std::string& path, const NumberSpec& spec) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   double value = spec.fallback;
   if (node) {
     if (!node.is_number())
@@ -139,13 +140,13 @@ double Profile::number(const std::string& path, const NumberSpec& spec) {
 }
 
 std::int64_t Profile::integer(const std::string& path, const NumberSpec& spec) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   if (node && !node.is_integer()) fail(path, "must be a whole number");
   return static_cast<std::int64_t>(std::llround(number(path, spec)));
 }
 
 std::optional<std::int64_t> Profile::integer_or_auto(const std::string& path, const NumberSpec& spec) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   const bool is_auto = node.text() == "auto";
   if (node && !node.is_integer() && !is_auto) fail(path, "must be a whole number, or \"auto\"");
   std::optional<std::int64_t> value;
@@ -157,7 +158,7 @@ std::optional<std::int64_t> Profile::integer_or_auto(const std::string& path, co
 }
 
 bool Profile::flag(const std::string& path, bool fallback, const char* meaning) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   if (node && !node.is_boolean()) fail(path, "must be true or false");
   const bool value = node.flag().value_or(fallback);
   declare(path, value ? "true" : "false", "", "true, false", meaning, !node);
@@ -166,7 +167,7 @@ bool Profile::flag(const std::string& path, bool fallback, const char* meaning) 
 
 std::string Profile::text(const std::string& path, const std::string& fallback, const char* meaning,
                           const std::vector<std::string>& choices) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   if (node && !node.is_string()) fail(path, "must be a text in quotes");
   std::string value = node.text().value_or(fallback);
   std::string range;
@@ -180,7 +181,7 @@ std::string Profile::text(const std::string& path, const std::string& fallback, 
 
 std::vector<std::string> Profile::texts(const std::string& path, const std::vector<std::string>& fallback,
                                         const char* meaning) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   std::vector<std::string> result = fallback;
   if (node) {
     if (!node.is_list()) fail(path, "must be a list of texts in quotes");
@@ -199,7 +200,7 @@ std::vector<std::string> Profile::texts(const std::string& path, const std::vect
 
 std::vector<std::array<double, 2>> Profile::points(const std::string& path, std::size_t most,
                                                    const char* meaning) {
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   std::vector<std::array<double, 2>> result;
   if (node) {
     if (!node.is_list()) fail(path, "must be a list of [x, y]");
@@ -227,7 +228,7 @@ std::vector<std::string> Profile::tables(const std::string& path) const {
     std::string name;
   };
   std::vector<Found> found;
-  const TomlNode table = path.empty() ? tree_->root.root() : tree_->root.at_path(path);
+  const TomlNode table = path.empty() ? tree_->root() : tree_->at_path(path);
   for (const auto& [key, value] : table.entries()) {
     if (value.is_table())
       found.push_back({value.source() != nullptr && *value.source() == source_, value.line(), key});
@@ -242,7 +243,7 @@ std::vector<std::string> Profile::tables(const std::string& path) const {
 }
 
 void Profile::refuse_unknown_keys(const std::string& below, const std::string& except) const {
-  if (tree_->root.at_path("scene.unknown_keys").text() == "ignore") return;
+  if (tree_->at_path("scene.unknown_keys").text() == "ignore") return;
   std::set<std::string> known;
   for (const ProfileKey& key : keys_) known.insert(key.path);
   const auto walk = [&](const auto& self, const TomlNode& table, const std::string& prefix) -> void {
@@ -254,20 +255,17 @@ void Profile::refuse_unknown_keys(const std::string& below, const std::string& e
       }
       if (known.count(path) != 0 || path.rfind(below.empty() ? "" : below + ".", 0) != 0) continue;
       if (!except.empty() && path.rfind(except + ".", 0) == 0) continue;
-      const auto nearest = std::min_element(
-          known.begin(), known.end(),
-          [&path](const auto& a, const auto& b) { return edit_distance(a, path) < edit_distance(b, path); });
-      const bool close = nearest != known.end() &&
-                         edit_distance(*nearest, path) <= std::max<std::size_t>(3, path.size() / 4);
+      const std::vector<std::string> meant = nearest_words(path, {known.begin(), known.end()}, 1);
       throw ProfileError(place_of(value, source_) + ": unknown key " + path +
-                         (close ? "; did you mean " + *nearest + "?"
-                                : "; remove it, or see `sortie scenes --keys` for what this vehicle knows"));
+                         (meant.empty()
+                              ? "; remove it, or see `sortie scenes --keys` for what this vehicle knows"
+                              : "; did you mean " + meant.front() + "?"));
     }
   };
-  walk(walk, tree_->root.root(), "");
+  walk(walk, tree_->root(), "");
 }
 
-std::string Profile::canonical() const { return tree_->root.canonical() + "\n"; }
+std::string Profile::canonical() const { return tree_->canonical() + "\n"; }
 
 std::uint64_t Profile::hash() const {
   const std::string text = canonical();
@@ -275,11 +273,7 @@ std::uint64_t Profile::hash() const {
 }
 
 Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides) {
-  LaidScene laid = read_with_bases(scene);
-  auto tree = std::make_unique<Profile::Tree>();
-  tree->root = std::move(laid.root);
-  tree->base = std::move(laid.base);
-  return Profile(std::move(tree), laid.source, overrides);
+  return Profile(read_with_bases(scene), overrides);
 }
 
 }  // namespace sortie::firmware

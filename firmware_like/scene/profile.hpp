@@ -19,6 +19,9 @@
 
 namespace sortie::firmware {
 
+struct LaidScene;
+class TomlTree;
+
 /// A profile that cannot be used. what() is one line: file, line, fault, cure. Commands end with exit code 2.
 class ProfileError : public std::runtime_error {
  public:
@@ -170,9 +173,8 @@ class Profile {
  private:
   static constexpr const char* kTooManyDigits =
       "has more digits than a number here can hold: whole ones reach to 2^53 = 9007199254740992";
-  struct Tree;
   friend Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides);
-  Profile(std::unique_ptr<Tree> tree, const std::string& source, const std::vector<std::string>& overrides);
+  Profile(LaidScene scene, const std::vector<std::string>& overrides);
   ProfileKey* declare(const std::string& path, const std::string& value, const std::string& unit,
                       const std::string& range, const std::string& meaning, bool is_default);
   // True: the profile has it, and `written` is what stands there; a flag or a choice as the member's value.
@@ -181,7 +183,7 @@ class Profile {
   std::string place(const std::string& path) const;
   void apply_override(const std::string& assignment);
 
-  std::unique_ptr<Tree> tree_;
+  std::unique_ptr<TomlTree> tree_;  // overrides applied
   std::string source_;
   std::string name_;
   std::string vehicle_;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lists in a profile: numbers, and rows of a table.
+// Lists in a profile: numbers, rows of a table, and [[script]] with the numbers that may change while a run
+// goes on.
+#include <algorithm>
+#include <limits>
 #include <sstream>
 
 #include "firmware_like/scene/profile_tree.hpp"
@@ -7,6 +10,8 @@
 namespace sortie::firmware {
 
 namespace {
+
+constexpr double kLatest_s = 1e7;  // of a script's row: as long as the longest run
 
 std::string range_of(const NumberSpec& spec) {
   std::ostringstream out;
@@ -25,7 +30,7 @@ std::string names_of(const std::vector<ColumnSpec>& columns) {
 std::vector<double> Profile::numbers(const std::string& path, const std::vector<double>& fallback,
                                      const NumberSpec& spec) {
   std::vector<double> result = fallback;
-  const TomlNode node = tree_->root.at_path(path);
+  const TomlNode node = tree_->at_path(path);
   const std::string count = std::to_string(fallback.size());
   if (node) {
     if (!node.is_list() || node.size() != fallback.size())
@@ -49,7 +54,7 @@ std::vector<double> Profile::numbers(const std::string& path, const std::vector<
 std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector<ColumnSpec>& columns,
                                       std::size_t most, const char* meaning) {
   std::vector<ProfileRow> result;
-  const TomlNode list = tree_->root.at_path(path);
+  const TomlNode list = tree_->at_path(path);
   if (list && !list.is_list()) fail(path, "must be a list: [[" + path + "]], with " + names_of(columns));
   if (list.size() > most)
     fail(path, std::to_string(list.size()) + " rows; at most " + std::to_string(most) + " fit");
@@ -85,6 +90,44 @@ std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector
   declare(path, std::to_string(result.size()) + " rows", "",
           "at most " + std::to_string(most) + " rows of " + names_of(columns), meaning, !list);
   return result;
+}
+
+std::vector<ScriptLine> Profile::script() {
+  std::vector<ScriptLine> lines;
+  const TomlNode rows = tree_->at_path("script");
+  if (rows && !rows.is_list())
+    fail("script", "must be a list: [[script]] at_s = ..., set = \"...\", value = ...");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string path = "script[" + std::to_string(i) + "]";
+    const TomlNode row = rows.at(i);
+    if (!row.is_table()) fail(path, "must be a table with at_s, set and value");
+    for (const auto& [key, unused] : row.entries()) {
+      if (key != "at_s" && key != "set" && key != "value")
+        fail(path + "." + key, "unknown key; a script's row has at_s, set and value");
+    }
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const double at_s = row.get("at_s").number().value_or(kNone);
+    const std::string name = row.get("set").text().value_or("");
+    if (!(at_s >= 0 && at_s <= kLatest_s)) fail(path, "needs at_s = 0 .. 1e7, seconds from the start");
+    if (name.empty()) fail(path, "needs set = \"name of a run-time parameter\"");
+    if (!row.get("value").is_number()) fail(path, "needs value = a number");
+    if (!row.get("value").number()) fail(path + ".value", kTooManyDigits);
+    lines.push_back({at_s, name, *row.get("value").number(), i});
+  }
+  std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
+  declare("script", std::to_string(lines.size()) + " changes", "", "rows of at_s, set, value",
+          "changes of run-time parameters that a run makes by itself; a replay takes them from the log",
+          !rows);
+  return lines;
+}
+
+const ProfileKey& Profile::changeable(const std::string& path) {
+  for (ProfileKey& key : keys_) {
+    if (key.path != path || key.low >= key.high) continue;
+    key.is_changeable = true;
+    return key;
+  }
+  fail(path, "only a number that the profile has read can change while a run goes on");
 }
 
 }  // namespace sortie::firmware

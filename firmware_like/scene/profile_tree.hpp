@@ -9,12 +9,6 @@
 
 namespace sortie::firmware {
 
-/// Root table of a profile, overrides applied.
-struct Profile::Tree {
-  TomlTree root;
-  std::string base;  ///< of the scene that was named
-};
-
 /// Parses a file's text; ProfileError where it is not valid TOML.
 TomlTree parse_profile(const std::string& toml, const std::string& source);
 

@@ -2,10 +2,11 @@
 #include "firmware_like/scene/scene_parts.hpp"
 
 #include <algorithm>
-#include <sstream>
+#include <iterator>
 #include <string_view>
 
 #include "firmware_like/scene/part_list.hpp"
+#include "firmware_like/scene/text_format.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
@@ -21,13 +22,6 @@ constexpr ScenePart kParts[] = {
 #undef SORTIE_PART
 #undef SORTIE_OPTION
 };
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
 
 bool holds(const std::vector<const ScenePart*>& parts, std::string_view name) {
   return std::any_of(parts.begin(), parts.end(),
@@ -45,6 +39,11 @@ bool is_there(Profile& profile, const ScenePart& part, const std::vector<const S
   if (std::string_view(part.without).find("=false") != std::string_view::npos)
     return profile.flag(part.key, fallback, "");
   return profile.number(part.key, {0, -1e12, 1e12, "", ""}) != 0.0;
+}
+
+// What only refines its parent goes with it; what has a task of its own needs it.
+bool has_task(const ScenePart& part) {
+  return part.code && std::string_view(part.key).rfind("tasks.", 0) == 0;
 }
 
 }  // namespace
@@ -70,28 +69,13 @@ std::string joined_names(const std::vector<const ScenePart*>& parts) {
   return names;
 }
 
-std::vector<std::string> overrides_without(const ScenePart& part) {
-  return overrides_without(std::vector<const ScenePart*>{&part});
-}
-
 std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& parts) {
   std::vector<std::string> overrides;
-  for (const ScenePart* part : parts) {
-    const std::vector<std::string> words = words_of(part->without);
-    overrides.insert(overrides.end(), words.begin(), words.end());
-  }
+  for (const ScenePart* part : parts)
+    std::ranges::copy(split_words(part->without), std::back_inserter(overrides));
   overrides.emplace_back("scene.unknown_keys=ignore");  // what the part alone knows stays in the profile
   return overrides;
 }
-
-namespace {
-
-// What only refines its parent goes with it; what has a task of its own needs it.
-bool has_task(const ScenePart& part) {
-  return part.code && std::string_view(part.key).rfind("tasks.", 0) == 0;
-}
-
-}  // namespace
 
 std::vector<const ScenePart*> with_dependants(const ScenePart& part,
                                               const std::vector<const ScenePart*>& present) {

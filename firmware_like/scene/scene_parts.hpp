@@ -2,8 +2,6 @@
 // What a scene can leave out, part by part: how a profile says so, what needs the part, and which code it is.
 #pragma once
 
-#include <cstddef>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -36,9 +34,6 @@ std::string joined_names(const std::vector<const ScenePart*>& parts);
 
 /// Overrides that leave `parts` out.
 std::vector<std::string> overrides_without(const std::vector<const ScenePart*>& parts);
-
-/// Overrides that leave `part` out.
-std::vector<std::string> overrides_without(const ScenePart& part);
 
 /// `part` and all of `present` that have a task of their own and stand on it, on what stands on it, and so
 /// on: what goes when it goes. Parents before children.

@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 namespace sortie::firmware {
@@ -14,11 +16,20 @@ namespace {
 
 std::string not_finite(double value) { return std::isnan(value) ? "nan" : value < 0.0 ? "-inf" : "inf"; }
 
-template <class Float>
-std::string exact(Float value) {
-  if (!std::isfinite(value)) return not_finite(static_cast<double>(value));
-  std::array<char, 64> buffer{};
-  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr};
+/// Edits of one character that turn one word into the other.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
 }
 
 }  // namespace
@@ -33,8 +44,11 @@ std::string format_fixed(double value, int decimals) {
   return text;
 }
 
-std::string format_exact(double value) { return exact(value); }
-std::string format_exact(float value) { return exact(value); }
+std::string format_exact(double value) {
+  if (!std::isfinite(value)) return not_finite(value);
+  std::array<char, 64> buffer{};
+  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr};
+}
 
 std::string format_short(double value) {
   if (std::isnan(value)) return "-";
@@ -74,6 +88,11 @@ std::string format_seconds(std::int64_t nanoseconds) {
   return (negative ? "-" : "") + std::to_string(size / 1'000'000'000u) + "." + fraction;
 }
 
+std::vector<std::string> split_words(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
 std::string pad_left(std::string_view text, std::size_t width) {
   return std::string(width > text.size() ? width - text.size() : 0, ' ').append(text);
 }
@@ -84,21 +103,6 @@ std::string pad_right(std::string_view text, std::size_t width) {
 
 std::string shorten(const std::string& text, std::size_t width) {
   return text.size() <= width ? text : text.substr(0, width - 1) + "~";
-}
-
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
 }
 
 std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& known,

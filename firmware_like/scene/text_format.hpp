@@ -18,7 +18,6 @@ std::string format_fixed(double value, int decimals);
 
 /// The shortest text that reads back as the same number. "nan" and "inf" as such.
 std::string format_exact(double value);
-std::string format_exact(float value);
 
 /// 307572 -> "307,572".
 std::string group_digits(std::uint64_t value);
@@ -29,15 +28,15 @@ std::string hex(std::uint64_t value);
 /// Nanoseconds as seconds with nine decimals, exact: "1432235498.027976000".
 std::string format_seconds(std::int64_t nanoseconds);
 
+/// Words between blanks, tabs and line ends.
+std::vector<std::string> split_words(const std::string& text);
+
 /// Filled with blanks to `width`.
 std::string pad_left(std::string_view text, std::size_t width);
 std::string pad_right(std::string_view text, std::size_t width);
 
-/// Edits of one character that turn one word into the other. Cost: the product of their lengths.
-std::size_t edit_distance(const std::string& a, const std::string& b);
-
 /// The known words that are likeliest meant by a misspelt one, at most `most`, nearest first; none that needs
-/// more edits than a quarter of the word, or three.
+/// more edits than a quarter of the word, or three. Cost: the product of the lengths for each of them.
 std::vector<std::string> nearest_words(const std::string& word, const std::vector<std::string>& known,
                                        std::size_t most);
 

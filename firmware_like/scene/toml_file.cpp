@@ -19,7 +19,6 @@
 #include <toml++/toml.h>
 
 #include <sstream>
-#include <utility>
 
 namespace sortie::firmware {
 
@@ -89,12 +88,12 @@ TomlNode TomlNode::at_path(std::string_view path) const {
   return TomlNode(node_ == nullptr ? nullptr : node_of(node_)->at_path(path).node());
 }
 
-std::vector<TomlEntry> TomlNode::entries() const {
-  std::vector<TomlEntry> result;
+std::vector<std::pair<std::string, TomlNode>> TomlNode::entries() const {
+  std::vector<std::pair<std::string, TomlNode>> result;
   const toml::table* table = table_of(node_);
   if (table == nullptr) return result;
   result.reserve(table->size());
-  for (const auto& [key, value] : *table) result.push_back({std::string(key.str()), TomlNode(&value)});
+  for (const auto& [key, value] : *table) result.emplace_back(std::string(key.str()), TomlNode(&value));
   return result;
 }
 

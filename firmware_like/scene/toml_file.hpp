@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sortie::firmware {
@@ -24,8 +25,6 @@ class TomlError : public std::runtime_error {
  private:
   std::uint32_t line_;
 };
-
-struct TomlEntry;
 
 /// A value of a TomlTree, or none. A view: valid while its tree lives and nothing takes the value's place.
 /// Every question may be put to every value; one of another type answers no, nothing, or zero.
@@ -60,7 +59,7 @@ class TomlNode {
   /// The value at "table.table.key" or "table.list[2].key" below this table. Cost: a search a table.
   TomlNode at_path(std::string_view path) const;
   /// What stands in a table, by ascending key. Cost: a copy of the keys.
-  std::vector<TomlEntry> entries() const;
+  std::vector<std::pair<std::string, TomlNode>> entries() const;
 
   /// Where it stands, from 1; 0: in no file.
   std::uint32_t line() const;
@@ -72,12 +71,6 @@ class TomlNode {
   explicit TomlNode(const void* node) : node_(node) {}
 
   const void* node_{};
-};
-
-/// A key and its value.
-struct TomlEntry {
-  std::string key;
-  TomlNode value;
 };
 
 /// A whole file: a table of values, which it owns.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware_like/log/bounded_trajectory.hpp"
+#include "firmware_like/log/timed_pose.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <sstream>
 
-#include "firmware_like/doctor/doctor_table.hpp"
+#include "firmware_like/doctor/doctor_command.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "tests/firmware_like/doctor_board.hpp"
 

@@ -14,7 +14,7 @@
 
 #include "drivers/wire_records.hpp"
 #include "firmware_like/doctor/run_doctor.hpp"
-#include "firmware_like/log/recorded_doctor.hpp"
+#include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/releases.hpp"
 #include "firmware_like/log/run_flight_ring.hpp"
 #include "firmware_like/scene/json.hpp"

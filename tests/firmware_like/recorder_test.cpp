@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "firmware_like/log/run_end.hpp"
+#include "firmware_like/log/log_event.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "rt/virtual_runner.hpp"
 #include "tests/firmware_like/full_disk.hpp"

@@ -76,7 +76,7 @@ TEST_CASE("each part of each scene can be left out") {
     const auto parts = parts_of(load_scene(scene.name));
     for (const ScenePart* part : parts) {
       INFO(scene.name << " without " << part->name);
-      const auto after = names_of(parts_of(load_scene(scene.name, overrides_without(*part))));
+      const auto after = names_of(parts_of(load_scene(scene.name, overrides_without({part}))));
       CHECK(after.count(part->name) == 0);
     }
   }
@@ -92,7 +92,7 @@ TEST_CASE("each part of each scene can be left out") {
 
 TEST_CASE("leaving a part out gives its memory back, and keeps what stays the same") {
   const Runtime whole(load_scene("ugv_hall"), own_vehicles(), RuntimeStart{});
-  const Runtime without(load_scene("ugv_hall", overrides_without(*find_scene_part("map"))), own_vehicles(),
+  const Runtime without(load_scene("ugv_hall", overrides_without({find_scene_part("map")})), own_vehicles(),
                         RuntimeStart{});
   CHECK(tasks_of(whole).count("map") == 1);
   CHECK(tasks_of(without).count("map") == 0);

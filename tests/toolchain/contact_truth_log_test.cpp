@@ -8,7 +8,7 @@
 #include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"
-#include "toolchain/export/contacts_csv.hpp"
+#include "toolchain/export/truth_csv.hpp"
 #include "toolchain/report/contact_plots.hpp"
 
 using namespace sortie;

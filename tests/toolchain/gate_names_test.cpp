@@ -61,7 +61,7 @@ std::string bound(const char* table, const std::string& name, double limit) {
 }
 
 std::size_t broken(const TempFolder& folder, const std::string& text, const Results& results) {
-  return check_gate(folder.write("gate.toml", text), results).size();
+  return Gate(folder.write("gate.toml", text)).judge(results).size();
 }
 
 std::string refusal(const std::string& name, const Results& results) {

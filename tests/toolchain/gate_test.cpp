@@ -51,7 +51,7 @@ firmware::Results gated_results() {
 
 std::vector<std::string> gate(const std::string& text) {
   const testing::TempFolder folder;
-  return toolchain::check_gate(folder.write("gate.toml", text), gated_results());
+  return toolchain::Gate(folder.write("gate.toml", text)).judge(gated_results());
 }
 
 bool tells(const std::vector<std::string>& lines, const std::string& words) {
@@ -89,7 +89,7 @@ TEST_CASE("A figure that is no number breaks every bound") {
   firmware::Results results = gated_results();
   results.live.tasks[0].max_us = std::nan("");  // and the task after it has a number
   const testing::TempFolder folder;
-  CHECK(toolchain::check_gate(folder.write("gate.toml", "[max]\nall.max_us = 1e300"), results).size() == 1);
+  CHECK(toolchain::Gate(folder.write("gate.toml", "[max]\nall.max_us = 1e300")).judge(results).size() == 1);
 }
 
 TEST_CASE("What no job was measured for is refused, not kept") {

@@ -67,7 +67,7 @@ TEST_CASE("alignment finds any rigid motion back, and se2 only those about the v
         CHECK(error < 1e-9);
       }
       // Relative errors do not know frames.
-      const RelativeErrors rpe = relative_pose_error(pairs, 1.0, DeltaUnit::meters);
+      const RelativeErrors rpe = relative_pose_error(pairs, 1.0);
       CHECK(rpe.translation_m.n > 3);
       CHECK(rpe.translation_m.max < 1e-9);
       CHECK(rpe.rotation_rad.max < 1e-7);

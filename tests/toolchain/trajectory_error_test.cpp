@@ -44,8 +44,6 @@ TEST_CASE("statistics are those of the definition") {
   CHECK(s.rmse == Approx(std::sqrt(34.0 / 4.0)));
   CHECK(s.mean == Approx(2.5));
   CHECK(s.median == Approx(2.0));
-  CHECK(s.std == Approx(std::sqrt((2.25 + 0.25 + 0.25 + 6.25) / 4.0)));
-  CHECK(s.min == 1.0);
   CHECK(s.max == 5.0);
   CHECK(statistics({}).n == 0);
   CHECK(statistics(std::vector<double>{3.0}).median == 3.0);
@@ -59,10 +57,7 @@ TEST_CASE("relative errors of a scale error are its share of the way") {
     estimate.push_back(pose(0.1 * i, 0.102 * i, 0));
   }
   const PairedTrajectories pairs{estimate, truth, 0};
-  const RelativeErrors by_frames = relative_pose_error(pairs, 10, DeltaUnit::frames);
-  CHECK(by_frames.translation_m.n == 100);
-  CHECK(by_frames.translation_m.rmse == Approx(0.02));
-  const RelativeErrors by_metres = relative_pose_error(pairs, 10.25, DeltaUnit::meters);
+  const RelativeErrors by_metres = relative_pose_error(pairs, 10.25);
   CHECK(by_metres.translation_m.n == 8);  // every 101 frames, the first after 101
   CHECK(by_metres.translation_m.rmse == Approx(0.202));
   const Drift drift = end_drift(pairs);

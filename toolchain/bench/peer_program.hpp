@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
-#include "firmware_like/scene/platform_refused.hpp"
 
 namespace sortie::toolchain {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware_like/runtime/vehicle.hpp"
-#include "firmware_like/scene/platform_refused.hpp"
+#include "firmware_like/scene/input_error.hpp"
 
 namespace sortie::toolchain {
 

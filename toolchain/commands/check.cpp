@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "firmware_like/log/replay_command.hpp"
-#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"

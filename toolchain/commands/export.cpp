@@ -14,12 +14,11 @@
 #include "toolchain/commands/export_maps.hpp"
 #include "toolchain/export/candump.hpp"
 #include "toolchain/export/chrome_trace.hpp"
-#include "toolchain/export/contacts_csv.hpp"
 #include "toolchain/export/csv.hpp"
 #include "toolchain/export/flight_jobs.hpp"
 #include "toolchain/export/flight_map.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/export/sensor_truth_csv.hpp"
+#include "toolchain/export/truth_csv.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/report/release_plots.hpp"
 

@@ -2,7 +2,7 @@
 #include <memory>
 #include <mutex>
 
-#include "firmware_like/result/results_output.hpp"
+#include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/commands/replay_report.hpp"
 #include "toolchain/judge/alignment.hpp"

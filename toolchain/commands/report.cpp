@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "firmware_like/result/results.hpp"
-#include "firmware_like/result/results_output.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/json_reader.hpp"
 #include "toolchain/commands/commands.hpp"

@@ -5,7 +5,7 @@
 
 #include "firmware_like/live/live_options.hpp"
 #include "firmware_like/live/stop_signals.hpp"
-#include "firmware_like/result/results_output.hpp"
+#include "firmware_like/result/results.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/judge/evaluate.hpp"

@@ -7,8 +7,8 @@
 
 #include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/log/log_file.hpp"
-#include "firmware_like/log/replay_verdict.hpp"
-#include "firmware_like/result/results_output.hpp"
+#include "firmware_like/log/replay_command.hpp"
+#include "firmware_like/result/results.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/profile.hpp"

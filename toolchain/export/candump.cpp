@@ -9,13 +9,12 @@
 
 namespace sortie::toolchain {
 
-CandumpCounts write_candump(std::ostream& out, std::span<const drivers::CanFrame> frames,
-                            std::string_view interface) {
+CandumpCounts write_candump(std::ostream& out, std::span<const drivers::CanFrame> frames) {
   CandumpCounts counts;
   std::array<char, drivers::kCandumpMaxLine + 1> line{};
   for (const drivers::CanFrame& frame : frames) {
     const std::size_t length =
-        drivers::format_candump_line(frame, interface, drivers::CandumpDigits::micro, line);
+        drivers::format_candump_line(frame, "can0", drivers::CandumpDigits::micro, line);
     if (length == 0) {
       ++counts.refused;
       continue;

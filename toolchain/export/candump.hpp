@@ -4,7 +4,6 @@
 
 #include <iosfwd>
 #include <span>
-#include <string_view>
 
 #include "drivers/can_bus.hpp"
 
@@ -13,12 +12,10 @@ namespace sortie::toolchain {
 /// What was written and what could not be.
 struct CandumpCounts {
   std::size_t frames{};
-  std::size_t
-      refused{};  ///< frames that the format cannot hold: stamp before 1970, size above 8, id too wide
+  std::size_t refused{};  ///< the format cannot hold them: stamp before 1970, size above 8, id too wide
 };
 
-/// One line a frame, microseconds; frames in the order given.
-CandumpCounts write_candump(std::ostream& out, std::span<const drivers::CanFrame> frames,
-                            std::string_view interface = "can0");
+/// One line a frame, microseconds, as of interface can0; frames in the order given.
+CandumpCounts write_candump(std::ostream& out, std::span<const drivers::CanFrame> frames);
 
 }  // namespace sortie::toolchain

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The JSON Array Format of the trace event specification: "X" spans, "C" counters, "i" marks, "M" names.
+// The JSON Array Format of the trace event specification: "X" spans, "i" marks, "M" names.
 #include "toolchain/export/chrome_trace.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ostream>
 
 #include "firmware_like/scene/json.hpp"
-#include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::toolchain {
 namespace {
@@ -84,12 +82,6 @@ std::size_t write_chrome_trace(std::ostream& out, const Trace& trace, std::int64
       out << '}';
     }
     out << '}';
-  }
-  for (const TraceCounter& counter : trace.counters) {
-    if (!std::isfinite(counter.value)) continue;
-    next() << R"({"ph":"C","pid":1,"tid":0,"name":)" << quoted(counter.name) << R"(,"ts":)"
-           << microseconds(counter.time_ns - epoch_ns) << R"(,"args":{"value":)"
-           << firmware::format_exact(counter.value) << "}}";
   }
   for (const TraceMark& mark : trace.marks) {
     next() << R"({"ph":"i","s":"g","pid":1,"tid":0,"name":)" << quoted(mark.text) << R"(,"ts":)"

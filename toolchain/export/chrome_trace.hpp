@@ -20,13 +20,6 @@ struct TraceSpan {
   std::vector<std::pair<std::string, std::string>> details;  ///< shown when the span is clicked
 };
 
-/// A value over time, drawn as a curve.
-struct TraceCounter {
-  std::string name;
-  std::int64_t time_ns{};
-  double value{};
-};
-
 /// Something that happened at one moment, shown across all tracks.
 struct TraceMark {
   std::string text;
@@ -44,7 +37,6 @@ struct Trace {
   std::string process{"sortie"};
   std::vector<TraceTrack> tracks;
   std::vector<TraceSpan> spans;
-  std::vector<TraceCounter> counters;
   std::vector<TraceMark> marks;
 };
 

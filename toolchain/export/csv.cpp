@@ -5,6 +5,8 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "firmware_like/scene/text_format.hpp"
+
 namespace sortie::toolchain {
 
 CsvWriter::CsvWriter(std::ostream& out, const std::vector<std::string>& columns)
@@ -18,29 +20,14 @@ CsvWriter::CsvWriter(std::ostream& out, const std::vector<std::string>& columns)
   out_ << '\n';
 }
 
-void CsvWriter::begin(std::int64_t time_ns) {
+void CsvWriter::row(std::int64_t time_ns, const std::vector<double>& values) {
   out_ << firmware::format_seconds(time_ns);
-  written_ = 0;
-}
-
-void CsvWriter::put(const std::string& text) {
-  out_ << ',' << text;
-  ++written_;
-}
-
-void CsvWriter::end() {
+  for (const double value : values) out_ << ',' << (value == value ? firmware::format_exact(value) : "");
   out_ << '\n';
-  ++rows_;
-  if (written_ != columns_) {
-    throw std::invalid_argument("csv: a row of " + std::to_string(written_) + " values under " +
+  if (values.size() != columns_) {
+    throw std::invalid_argument("csv: a row of " + std::to_string(values.size()) + " values under " +
                                 std::to_string(columns_) + " columns");
   }
-}
-
-void CsvWriter::row(std::int64_t time_ns, const std::vector<double>& values) {
-  begin(time_ns);
-  for (const double value : values) field(value);
-  end();
 }
 
 }  // namespace sortie::toolchain

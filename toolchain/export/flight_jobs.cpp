@@ -5,6 +5,7 @@
 #include <ctime>
 #include <ostream>
 
+#include "firmware_like/log/compare.hpp"
 #include "firmware_like/log/flight_ending.hpp"
 #include "firmware_like/scene/text_format.hpp"
 
@@ -24,10 +25,6 @@ rt::Nanoseconds release_of(const FlightHeader& header, rt::Tick tick) {
 
 std::string as_microseconds(rt::Nanoseconds ns) {
   return firmware::format_fixed(static_cast<double>(ns) * 1e-3, 1);
-}
-
-const char* word_of(rt::Verdict verdict) {
-  return verdict == rt::Verdict::done ? "done" : verdict == rt::Verdict::missed ? "missed" : "pending";
 }
 
 bool bit(std::uint16_t bits, std::uint32_t index) { return ((bits >> index) & 1u) != 0; }
@@ -77,7 +74,7 @@ Trace to_trace(const FlightReader& ring) {
                            job.ended_ns() - job.started_ns,
                            {{"tick", std::to_string(job.tick)},
                             {"late_us", as_microseconds(job.started_ns - release_of(header, job.tick))},
-                            {"verdict", word_of(job.verdict)},
+                            {"verdict", firmware::to_string(job.verdict)},
                             {"ladder", std::to_string(job.level)}}});
     rt::Nanoseconds at = job.started_ns;
     for (std::uint32_t i = 0; i < std::min(job.tasks, group.tasks); ++i) {
@@ -124,7 +121,7 @@ void print_last_jobs(std::ostream& out, const FlightReader& ring, std::size_t co
         << firmware::pad_left(firmware::group_digits(job->tick), 12)
         << firmware::pad_left(as_microseconds(job->started_ns - release_of(header, job->tick)), 11)
         << firmware::pad_left(as_microseconds(job->ended_ns() - job->started_ns), 11) << "  "
-        << firmware::pad_right(word_of(job->verdict), 7) << "  " << tasks_of(group, *job)
+        << firmware::pad_right(firmware::to_string(job->verdict), 7) << "  " << tasks_of(group, *job)
         << (job->level > 0 ? "; ladder at " + std::to_string(job->level) : "") << '\n';
   }
   if (shown.empty()) out << "no job has run\n";

@@ -9,8 +9,6 @@
 #include <ostream>
 #include <string>
 
-#include "firmware_like/scene/text_format.hpp"
-
 namespace sortie::toolchain {
 namespace {
 
@@ -41,16 +39,6 @@ void put(std::ostream& out, T value) {
   out.write(bytes, sizeof bytes);
 }
 
-void write_text(std::ostream& out, const CloudPoint& p, bool normals) {
-  out << firmware::format_exact(p.x_m) << ' ' << firmware::format_exact(p.y_m) << ' '
-      << firmware::format_exact(p.z_m) << ' ' << std::to_string(p.hits) << ' ' << std::to_string(p.segment);
-  for (const unsigned char part : {p.red, p.green, p.blue}) out << ' ' << std::to_string(part);
-  if (normals) {
-    for (const float part : p.normal) out << ' ' << firmware::format_exact(part);
-  }
-  out << '\n';
-}
-
 void write_bytes(std::ostream& out, const CloudPoint& p, bool normals) {
   for (const float part : {p.x_m, p.y_m, p.z_m}) put(out, part);
   put(out, p.hits);
@@ -76,22 +64,17 @@ CloudPoint to_cloud_point(const firmware::VoxelOnMap& voxel) {
   return point;
 }
 
-std::size_t write_ply(std::ostream& out, std::span<const CloudPoint> points, PlyFormat format) {
+std::size_t write_ply(std::ostream& out, std::span<const CloudPoint> points) {
   const auto count = static_cast<std::size_t>(std::count_if(points.begin(), points.end(), finite));
   const bool normals = std::any_of(points.begin(), points.end(), has_normal);
-  out << "ply\nformat " << (format == PlyFormat::binary ? "binary_little_endian" : "ascii")
-      << " 1.0\ncomment metres, world frame\nelement vertex " << std::to_string(count)
+  out << "ply\nformat binary_little_endian 1.0\ncomment metres, world frame\nelement vertex "
+      << std::to_string(count)
       << "\nproperty float x\nproperty float y\nproperty float z\nproperty uint hits\nproperty uint segment"
          "\nproperty uchar red\nproperty uchar green\nproperty uchar blue";
   if (normals) out << "\nproperty float nx\nproperty float ny\nproperty float nz";
   out << "\nend_header\n";
   for (const CloudPoint& point : points) {
-    if (!finite(point)) continue;
-    if (format == PlyFormat::binary) {
-      write_bytes(out, point, normals);
-    } else {
-      write_text(out, point, normals);
-    }
+    if (finite(point)) write_bytes(out, point, normals);
   }
   return count;
 }

@@ -27,13 +27,9 @@ struct CloudPoint {
 /// none.
 CloudPoint to_cloud_point(const firmware::VoxelOnMap& voxel);
 
-/// Binary is little endian: 23 bytes a point, 35 with a normal.
-enum class PlyFormat { binary, ascii };
-
 /// Writes x, y, z (float, m), hits and segment (uint), red, green and blue (uchar) of each point, and nx, ny,
-/// nz (float) where any point has a normal. Points that are not finite are left out. Returns the points
-/// written. Same input, same bytes.
-std::size_t write_ply(std::ostream& out, std::span<const CloudPoint> points,
-                      PlyFormat format = PlyFormat::binary);
+/// nz (float) where any point has a normal, little endian: 23 bytes a point, 35 with a normal. Points that
+/// are not finite are left out. Returns the points written. Same input, same bytes.
+std::size_t write_ply(std::ostream& out, std::span<const CloudPoint> points);
 
 }  // namespace sortie::toolchain

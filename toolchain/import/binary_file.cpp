@@ -12,7 +12,7 @@ namespace sortie::toolchain {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in the file");
 
-BinaryFile::BinaryFile(const std::string& path, std::string_view magic, const char* what) : path_(path) {
+BinaryFile::BinaryFile(const std::string& path, std::string_view magic, const char* what) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     throw firmware::InputError(path + ": no such file; check the path");

@@ -28,11 +28,8 @@ class BinaryFile {
 
   std::uint64_t position() const { return position_; }
   std::uint64_t left() const { return bytes_.size() - position_; }
-  std::uint64_t size() const { return bytes_.size(); }
-  const std::string& path() const { return path_; }
 
  private:
-  std::string path_;
   std::vector<char> bytes_;
   std::size_t position_{};
 };

@@ -89,7 +89,7 @@ void import_broad(RowJudge& judge, LogBuilder& builder) {
       builder.add(stamp_ns, truth);
     }
   }
-  if (file.left() > 0 && file.left() < file.size() && judge.rows() == count) {
+  if (file.left() > 0 && judge.rows() == count) {
     judge.warn(path + ": " + std::to_string(file.left()) + " bytes behind the last record were not used");
   }
   judge.finish(true);

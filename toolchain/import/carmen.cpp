@@ -89,7 +89,8 @@ std::vector<LoggedRow> read_log_rows(const std::string& path, CarmenReader& read
   std::string fault;
   CarmenRow row;
   while (file.next(line)) {
-    switch (reader.read(line, row, fault)) {
+    const CarmenLine kind = reader.read(line, row, fault);
+    switch (kind) {
       case CarmenLine::nothing:
         break;
       case CarmenLine::bad:
@@ -100,10 +101,8 @@ std::vector<LoggedRow> read_log_rows(const std::string& path, CarmenReader& read
         others.note(reader.name());
         break;
       case CarmenLine::odometry:
-        rows.push_back({std::move(row), false, file.place(), false, 0});
-        break;
       case CarmenLine::laser:
-        rows.push_back({std::move(row), true, file.place(), false, 0});
+        rows.push_back({std::move(row), kind == CarmenLine::laser, file.place(), false, 0});
         break;
     }
   }

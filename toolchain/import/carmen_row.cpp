@@ -20,11 +20,9 @@ constexpr double kFarthest = 1e7;        // m and rad: nothing that was driven i
 constexpr std::size_t kStampFields = 3;  // stamp, host and logger's time end each row
 
 bool is_name(std::string_view text) {
-  for (const char c : text) {
-    const bool letter = (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    if (!letter) return false;
-  }
-  return !text.empty() && text.size() <= 24 && text.front() >= 'A' && text.front() <= 'Z';
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+  return !text.empty() && text.size() <= 24 && text.front() >= 'A' && text.front() <= 'Z' &&
+         text.find_first_not_of(kLetters) == std::string_view::npos;
 }
 
 }  // namespace
@@ -101,9 +99,8 @@ bool CarmenReader::count_at(std::size_t field, std::size_t& count, std::string& 
   if (fields_.size() <= field) return fault = "it ends before the number of its readings", false;
   const std::string_view text = fields_[field];
   const auto result = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (result.ec == std::errc{} && result.ptr == text.data() + text.size() && count <= fields_.size())
-    return true;
   const bool number = result.ec == std::errc{} && result.ptr == text.data() + text.size();
+  if (number && count <= fields_.size()) return true;
   fault = quote(text) + (number ? " readings do not fit into " + std::to_string(fields_.size()) + " columns"
                                 : std::string(" is no number of readings"));
   return false;

@@ -13,10 +13,6 @@
 namespace sortie::toolchain {
 namespace {
 
-constexpr ColumnKind kNumber = ColumnKind::number;
-constexpr ColumnKind kSeconds = ColumnKind::seconds;
-constexpr ColumnKind kTruth = ColumnKind::truth;
-
 /// Distance between the sides that makes wheel travel and turn agree: 0.5708 m between the wheels,
 /// times 1.875 because a skid-steered robot slips in turns. Only the mean of the sides enters the odometry.
 constexpr double kSideDistance = 1.07;
@@ -32,17 +28,9 @@ void to_base(double x, double y, double z, double (&base)[3]) {
 }
 
 void read_imu(const std::string& path, RowJudge& judge, LogBuilder& builder) {
-  NumberTable table(path,
-                    {"the IMU file of a husky set",
-                     {{"t_rx", kSeconds},
-                      {"t_stamp", kSeconds},
-                      {"wx", kNumber},
-                      {"wy", kNumber},
-                      {"wz", kNumber},
-                      {"ax", kNumber},
-                      {"ay", kNumber},
-                      {"az", kNumber}}},
-                    judge);
+  NumberTable table(
+      path, {"the IMU file of a husky set", {"t_rx", "t_stamp"}, {"wx", "wy", "wz", "ax", "ay", "az"}},
+      judge);
   while (table.next(1)) {
     rt::ImuSample sample;
     sample.stamp_ns = table.nanoseconds(1);
@@ -56,17 +44,9 @@ void read_imu(const std::string& path, RowJudge& judge, LogBuilder& builder) {
 /// The robot publishes its own integrated pose. Differences of it give the travel back; they lose nothing
 /// when a row is missing.
 void read_odometry(const std::string& path, RowJudge& judge, LogBuilder& builder) {
-  NumberTable table(path,
-                    {"the odometry file of a husky set",
-                     {{"t_rx", kSeconds},
-                      {"t_stamp", kSeconds},
-                      {"x", kNumber},
-                      {"y", kNumber},
-                      {"qx", kNumber},
-                      {"qy", kNumber},
-                      {"qz", kNumber},
-                      {"qw", kNumber}}},
-                    judge);
+  NumberTable table(
+      path, {"the odometry file of a husky set", {"t_rx", "t_stamp"}, {"x", "y", "qx", "qy", "qz", "qw"}},
+      judge);
   rt::TrackSample sample;
   double last_x = 0.0;
   double last_y = 0.0;
@@ -99,17 +79,10 @@ void read_odometry(const std::string& path, RowJudge& judge, LogBuilder& builder
 void read_gps(const std::string& path, RowJudge& judge, LogBuilder& builder) {
   NumberTable table(path,
                     {"the GPS file of a husky set",
-                     {{"t_rx", kSeconds},
-                      {"t_stamp", kSeconds},
-                      {"status", kTruth},
-                      {"lat", kTruth},
-                      {"lon", kTruth},
-                      {"alt", kTruth},
-                      {"cov_e", kTruth},
-                      {"cov_n", kTruth},
-                      {"cov_u", kTruth}},
+                     {"t_rx", "t_stamp"},
+                     {"status", "lat", "lon", "alt", "cov_e", "cov_n", "cov_u"},
                      true,
-                     false},
+                     true},
                     judge);
   double latitude_0 = 0.0;
   double longitude_0 = 0.0;

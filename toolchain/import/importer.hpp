@@ -40,15 +40,13 @@ struct ReturnCounts {
 
 /// What was imported.
 struct ImportReport {
-  std::uint64_t rows{};          ///< rows, records or scans read, of sensors and truth
-  std::uint64_t events{};        ///< events written
-  std::uint64_t bad_rows{};      ///< sensor rows dropped: not a number, not finite, too few columns
-  std::uint64_t hidden_truth{};  ///< truth rows without a usable reference (legal)
-  std::uint64_t
-      time_backwards{};  ///< sensor rows whose stamp lies before the row above (kept: the estimators judge)
-  std::uint64_t
-      out_of_order{};          ///< carmen: rows outside the longest run of their kind whose stamps never fall
-  std::uint64_t other_rows{};  ///< whole rows of kinds that the importer has no use for (legal)
+  std::uint64_t rows{};            ///< rows, records or scans read, of sensors and truth
+  std::uint64_t events{};          ///< events written
+  std::uint64_t bad_rows{};        ///< sensor rows dropped: not a number, not finite, too few columns
+  std::uint64_t hidden_truth{};    ///< truth rows without a usable reference (legal)
+  std::uint64_t time_backwards{};  ///< sensor rows whose stamp lies before the row above: kept
+  std::uint64_t out_of_order{};    ///< carmen: outside the longest run of their kind that never falls
+  std::uint64_t other_rows{};      ///< whole rows of kinds that the importer has no use for (legal)
   std::uint64_t imu{}, tracks{}, scans{}, truth{};  ///< events by kind
   ReturnCounts returns;                             ///< of the kinds that look at them: carmen and swp
   std::vector<std::string> sources;                 ///< files read

@@ -50,17 +50,6 @@ class OutputLog {
   drivers::LcmLogWriter writer_;
 };
 
-template <class Encode>
-void encode_and_append(OutputLog& log, std::string_view channel, std::int64_t receipt_us, std::size_t bytes,
-                       std::vector<std::uint8_t>& buffer, Encode&& encode) {
-  if (buffer.size() < bytes) buffer.resize(bytes);
-  std::size_t size = 0;
-  const Status status = encode(std::span(buffer), size);
-  if (status != Status::ok)
-    throw firmware::InputError(std::string(channel) + ": a sample cannot be written: " + to_string(status));
-  log.append(channel, receipt_us, std::span(buffer).first(size));
-}
-
 drivers::LogHeader header_of(const std::string& kind, const std::vector<std::string>& sources) {
   drivers::LogHeader header;
   header.version = kImporterVersion;
@@ -74,30 +63,15 @@ drivers::LogHeader header_of(const std::string& kind, const std::vector<std::str
 
 }  // namespace
 
-void LogBuilder::push(rt::Nanoseconds receipt_ns, Kind kind, std::size_t index) {
-  entries_.push_back({ceil_us(receipt_ns), kind, index});
-}
-
-void LogBuilder::add(rt::Nanoseconds receipt_ns, const rt::ImuSample& sample) {
-  push(receipt_ns, Kind::imu, imu_.size());
-  imu_.push_back(sample);
-}
-
-void LogBuilder::add(rt::Nanoseconds receipt_ns, const rt::TrackSample& sample) {
-  push(receipt_ns, Kind::track, tracks_.size());
-  tracks_.push_back(sample);
-}
-
-void LogBuilder::add(rt::Nanoseconds receipt_ns, const rt::TruthSample& sample) {
-  push(receipt_ns, Kind::truth, truth_.size());
-  truth_.push_back(sample);
+void LogBuilder::add(rt::Nanoseconds receipt_ns, Sample sample) {
+  entries_.push_back({ceil_us(receipt_ns), std::move(sample)});
 }
 
 void LogBuilder::add(rt::Nanoseconds receipt_ns, const rt::ScanHeader& header,
                      std::vector<rt::ScanPoint> points) {
-  push(receipt_ns, Kind::scan, scans_.size());
-  scans_.push_back({header, std::move(points)});
-  scans_.back().header.points = static_cast<std::uint32_t>(scans_.back().points.size());
+  Scan scan{header, std::move(points)};
+  scan.header.points = static_cast<std::uint32_t>(scan.points.size());
+  add(receipt_ns, std::move(scan));
 }
 
 void LogBuilder::set_initial_pose(const double (&p)[3], const double (&q)[4]) {
@@ -106,22 +80,30 @@ void LogBuilder::set_initial_pose(const double (&p)[3], const double (&q)[4]) {
 }
 
 void LogBuilder::write(const std::string& path, const std::string& kind, ImportReport& report) const {
-  std::vector<Entry> order = entries_;
+  std::vector<const Entry*> order;
+  for (const Entry& entry : entries_) order.push_back(&entry);
   std::stable_sort(order.begin(), order.end(),
-                   [](const Entry& a, const Entry& b) { return a.receipt_us < b.receipt_us; });
-  if (imu_.empty() && tracks_.empty() && scans_.empty()) {
+                   [](const Entry* a, const Entry* b) { return a->receipt_us < b->receipt_us; });
+  if (std::all_of(order.begin(), order.end(), [](const Entry* entry) {
+        return std::holds_alternative<rt::TruthSample>(entry->sample);
+      })) {
     throw firmware::InputError((report.sources.empty() ? path : report.sources.front()) +
                                ": holds no usable sensor sample; check that the file is whole");
   }
   drivers::LogHeader header = header_of(kind, report.sources);
-  header.epoch_ns = order.front().receipt_us * rt::kNanosecondsPerMicrosecond;
+  header.epoch_ns = order.front()->receipt_us * rt::kNanosecondsPerMicrosecond;
   std::copy(std::begin(initial_p_), std::end(initial_p_), header.initial_p);
   std::copy(std::begin(initial_q_), std::end(initial_q_), header.initial_q);
 
   OutputLog log(path);
   std::vector<std::uint8_t> buffer;
   const auto put = [&](std::string_view channel, std::int64_t us, std::size_t bytes, auto&& encode) {
-    encode_and_append(log, channel, us, bytes, buffer, encode);
+    if (buffer.size() < bytes) buffer.resize(bytes);
+    std::size_t size = 0;
+    const Status status = encode(std::span(buffer), size);
+    if (status != Status::ok)
+      throw firmware::InputError(std::string(channel) + ": a sample cannot be written: " + to_string(status));
+    log.append(channel, us, std::span(buffer).first(size));
   };
   const auto with_seq = [](const auto& sample, std::uint64_t& count) {
     const auto seq = static_cast<std::int64_t>(count++);
@@ -129,32 +111,24 @@ void LogBuilder::write(const std::string& path, const std::string& kind, ImportR
       return drivers::encode(sample, seq, out, size);
     };
   };
-  put(drivers::kChannelHeader, order.front().receipt_us, drivers::encoded_bytes(header),
+  put(drivers::kChannelHeader, order.front()->receipt_us, drivers::encoded_bytes(header),
       [&](std::span<std::uint8_t> out, std::size_t& size) { return drivers::encode(header, out, size); });
-  for (const Entry& entry : order) {
-    switch (entry.kind) {
-      case Kind::imu:
-        put(drivers::kChannelImu, entry.receipt_us, drivers::kImuBytes,
-            with_seq(imu_[entry.index], report.imu));
-        break;
-      case Kind::track:
-        put(drivers::kChannelTrack, entry.receipt_us, drivers::kTrackBytes,
-            with_seq(tracks_[entry.index], report.tracks));
-        break;
-      case Kind::truth:
-        ++report.truth;
-        put(drivers::kChannelTruth, entry.receipt_us, drivers::kTruthBytes,
-            [&](std::span<std::uint8_t> out, std::size_t& size) {
-              return drivers::encode(truth_[entry.index], out, size);
-            });
-        break;
-      case Kind::scan: {
-        const Scan& scan = scans_[entry.index];
-        const rt::PointScan view{scan.header, scan.points.data()};
-        put(drivers::kChannelScan, entry.receipt_us, drivers::scan_bytes(scan.points.size()),
-            with_seq(view, report.scans));
-        break;
-      }
+  for (const Entry* entry : order) {
+    if (const auto* imu = std::get_if<rt::ImuSample>(&entry->sample)) {
+      put(drivers::kChannelImu, entry->receipt_us, drivers::kImuBytes, with_seq(*imu, report.imu));
+    } else if (const auto* track = std::get_if<rt::TrackSample>(&entry->sample)) {
+      put(drivers::kChannelTrack, entry->receipt_us, drivers::kTrackBytes, with_seq(*track, report.tracks));
+    } else if (const auto* truth = std::get_if<rt::TruthSample>(&entry->sample)) {
+      ++report.truth;
+      put(drivers::kChannelTruth, entry->receipt_us, drivers::kTruthBytes,
+          [truth](std::span<std::uint8_t> out, std::size_t& size) {
+            return drivers::encode(*truth, out, size);
+          });
+    } else {
+      const Scan& scan = std::get<Scan>(entry->sample);
+      const rt::PointScan view{scan.header, scan.points.data()};
+      put(drivers::kChannelScan, entry->receipt_us, drivers::scan_bytes(scan.points.size()),
+          with_seq(view, report.scans));
     }
   }
   log.finish();

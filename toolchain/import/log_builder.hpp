@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "drivers/wire_records.hpp"
@@ -16,10 +17,14 @@ namespace sortie::toolchain {
 /// written.
 class LogBuilder {
  public:
+  struct Scan {
+    rt::ScanHeader header;
+    std::vector<rt::ScanPoint> points;
+  };
+  using Sample = std::variant<rt::ImuSample, rt::TrackSample, rt::TruthSample, Scan>;
+
   /// Adds a sample that was received at `receipt_ns`. Equal receipts keep the order of the calls.
-  void add(rt::Nanoseconds receipt_ns, const rt::ImuSample& sample);
-  void add(rt::Nanoseconds receipt_ns, const rt::TrackSample& sample);
-  void add(rt::Nanoseconds receipt_ns, const rt::TruthSample& sample);
+  void add(rt::Nanoseconds receipt_ns, Sample sample);
   /// `header.points` is taken from `points`.
   void add(rt::Nanoseconds receipt_ns, const rt::ScanHeader& header, std::vector<rt::ScanPoint> points);
 
@@ -33,23 +38,12 @@ class LogBuilder {
   void write(const std::string& path, const std::string& kind, ImportReport& report) const;
 
  private:
-  enum class Kind : std::uint8_t { imu, track, truth, scan };
   struct Entry {
     std::int64_t receipt_us;
-    Kind kind;
-    std::size_t index;
+    Sample sample;
   };
-  struct Scan {
-    rt::ScanHeader header;
-    std::vector<rt::ScanPoint> points;
-  };
-  void push(rt::Nanoseconds receipt_ns, Kind kind, std::size_t index);
 
   std::vector<Entry> entries_;
-  std::vector<rt::ImuSample> imu_;
-  std::vector<rt::TrackSample> tracks_;
-  std::vector<rt::TruthSample> truth_;
-  std::vector<Scan> scans_;
   double initial_p_[3]{};
   double initial_q_[4]{1, 0, 0, 0};
 };

@@ -12,27 +12,25 @@ namespace {
 /// Nothing that a robot measures is larger; squares of it stay finite.
 constexpr double kLargest = 1e12;
 
-std::string expected_row(const TableForm& form) {
+std::string expected_row(const std::vector<std::string>& columns, const char* between) {
   std::string text;
-  for (const Column& column : form.columns) {
-    if (!text.empty()) text += form.has_header ? "," : " ";
-    text += column.name;
-  }
+  for (const std::string& column : columns) text += (text.empty() ? "" : between) + column;
   return text;
 }
 
 }  // namespace
 
 NumberTable::NumberTable(const std::string& path, TableForm form, RowJudge& judge)
-    : file_(path), form_(std::move(form)), judge_(judge) {
+    : file_(path), form_(std::move(form)), judge_(judge), columns_(form_.stamps) {
   judge_.begin(path);
-  numbers_.resize(form_.columns.size());
-  stamps_.resize(form_.columns.size());
+  columns_.insert(columns_.end(), form_.values.begin(), form_.values.end());
+  numbers_.resize(columns_.size());
+  stamps_.resize(columns_.size());
   if (form_.has_header) {
     find_columns();
   } else {
-    for (std::size_t i = 0; i < form_.columns.size(); ++i) where_.push_back(i);
-    extra_.assign(form_.columns.size(), false);
+    for (std::size_t i = 0; i < columns_.size(); ++i) where_.push_back(i);
+    extra_.assign(columns_.size(), false);
   }
 }
 
@@ -43,12 +41,13 @@ void NumberTable::find_columns() {
     line.remove_prefix(3);  // byte order mark of some editors
   split(has_line ? line : std::string_view(), ',', names_);
   extra_.assign(names_.size(), true);
-  for (const Column& column : form_.columns) {
-    const auto found = std::find(names_.begin(), names_.end(), std::string_view(column.name));
+  for (const std::string& column : columns_) {
+    const auto found = std::find(names_.begin(), names_.end(), std::string_view(column));
     if (found == names_.end()) {
-      throw firmware::InputError(
-          file_.path() + ":1: is not " + form_.what + ": its header row has no column '" + column.name +
-          "' (expected " + expected_row(form_) + "; found " + quote(line) + "); check the path and the kind");
+      throw firmware::InputError(file_.path() + ":1: is not " + form_.what +
+                                 ": its header row has no column '" + column + "' (expected " +
+                                 expected_row(columns_, ",") + "; found " + quote(line) +
+                                 "); check the path and the kind");
     }
     const auto index = static_cast<std::size_t>(found - names_.begin());
     where_.push_back(index);
@@ -63,15 +62,14 @@ bool NumberTable::parse_row(std::string_view line, std::string& fault) {
     return false;
   }
   for (std::size_t i = 0; i < where_.size(); ++i) {
-    const Column& column = form_.columns[i];
     const std::string_view field = fields_[where_[i]];
-    const std::string shown = std::string("'") + column.name + "' is " + quote(field);
-    if (column.kind == ColumnKind::seconds) {
+    const std::string shown = "'" + columns_[i] + "' is " + quote(field);
+    if (i < form_.stamps.size()) {
       if (!parse_seconds(field, stamps_[i])) return fault = shown + ", no time in seconds", false;
       continue;
     }
     const bool parsed = parse_double(field, numbers_[i]);
-    if (column.kind == ColumnKind::truth) {
+    if (form_.truth) {
       if (!parsed && !field.empty()) return fault = shown + ", no number", false;
       if (!parsed || !std::isfinite(numbers_[i])) numbers_[i] = std::numeric_limits<double>::quiet_NaN();
       continue;
@@ -99,22 +97,21 @@ bool NumberTable::next(std::size_t time_column) {
       // A file without a header shows its kind only by the number of its columns.
       if (!form_.has_header && judge_.rows() == 0 && fields_.size() != extra_.size()) {
         throw firmware::InputError(file_.place() + ": is not " + form_.what + ": " + fault + " (" +
-                                   expected_row(form_) + "); check the path and the kind");
+                                   expected_row(columns_, " ") + "); check the path and the kind");
       }
       judge_.bad(file_.place(), fault);
       continue;
     }
     judge_.good();
     const std::int64_t stamp = stamps_[time_column];
-    if (has_latest_ && stamp < latest_ns_) judge_.time_backwards(file_.place(), latest_ns_ - stamp);
+    if (latest_ns_ && stamp < *latest_ns_) judge_.time_backwards(file_.place(), *latest_ns_ - stamp);
     latest_ns_ = stamp;
-    has_latest_ = true;
     return true;
   }
   if (!file_.tail().empty()) {
     judge_.cut_off(file_.size() - file_.tail().size(), "the last row has no line end");
   }
-  judge_.finish(form_.required);
+  judge_.finish(!form_.truth);
   return false;
 }
 

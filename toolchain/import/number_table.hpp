@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,25 +14,14 @@
 
 namespace sortie::toolchain {
 
-/// What a column holds.
-enum class ColumnKind {
-  number,   ///< must be finite and below 1e12
-  seconds,  ///< a stamp, read exactly to the nanosecond
-  truth,    ///< a reference value: empty, NaN or infinite is legal and becomes NaN
-};
-
-/// A column that the reader needs.
-struct Column {
-  const char* name;
-  ColumnKind kind;
-};
-
-/// How the file should look.
+/// How the file should look, and which of its columns the reader needs.
 struct TableForm {
-  const char* what;             ///< for messages: "the IMU file of a husky set"
-  std::vector<Column> columns;  ///< in the order in which values are asked for
-  bool has_header{true};        ///< comma-separated with a header row; otherwise blanks and columns by place
-  bool required{true};          ///< without a row the import cannot go on
+  const char* what;                 ///< for messages: "the IMU file of a husky set"
+  std::vector<std::string> stamps;  ///< columns in seconds, read exactly to the nanosecond
+  std::vector<std::string> values;  ///< columns of numbers, finite and below 1e12
+  bool has_header{true};  ///< comma-separated with a header row; otherwise blanks and columns by place
+  bool truth{false};      ///< values are a reference: empty, NaN or infinite is legal and becomes NaN, and
+                          ///< without a row the import goes on
 };
 
 /// Reads row by row. A bad row goes to the judge and is stepped over. With a header, columns that nobody
@@ -43,10 +33,10 @@ class NumberTable {
   NumberTable(const std::string& path, TableForm form, RowJudge& judge);
 
   /// The next usable row; false at the end, when the judge has also given its verdict (may throw InputError).
-  /// `time_column` (the index of a `seconds` column) is watched for stamps that run backwards.
+  /// `time_column` (the index of a stamp) is watched for stamps that run backwards.
   bool next(std::size_t time_column);
 
-  /// Values of the row, by index in TableForm::columns.
+  /// Values of the row, by index among TableForm's stamps and, behind them, its values.
   double number(std::size_t column) const { return numbers_[column]; }
   std::int64_t nanoseconds(std::size_t column) const { return stamps_[column]; }
   /// "file:line" of the row.
@@ -59,14 +49,14 @@ class NumberTable {
   TextFile file_;
   TableForm form_;
   RowJudge& judge_;
-  std::vector<std::size_t> where_;  ///< field number of each needed column
-  std::vector<bool> extra_;         ///< fields that nobody needs
+  std::vector<std::string> columns_;  ///< stamps, then values
+  std::vector<std::size_t> where_;    ///< field number of each needed column
+  std::vector<bool> extra_;           ///< fields that nobody needs
   std::vector<std::string_view> names_;
   std::vector<std::string_view> fields_;
   std::vector<double> numbers_;
   std::vector<std::int64_t> stamps_;
-  std::int64_t latest_ns_{};
-  bool has_latest_{false};
+  std::optional<std::int64_t> latest_ns_;
 };
 
 }  // namespace sortie::toolchain

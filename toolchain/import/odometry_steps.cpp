@@ -15,17 +15,6 @@ constexpr double kFastest_rad_s = 10.0;
 
 }  // namespace
 
-void OdometrySteps::begin(const rt::Vector3& p_m, const rt::Quaternion& q) {
-  started_ = true;
-  last_p_m_ = p_m;
-  last_q_ = told_q_ = q;
-  double start_p_m[3]{};
-  double start_q[4]{};
-  rt::store(p_m, start_p_m);
-  rt::store(q, start_q);
-  builder_.set_initial_pose(start_p_m, start_q);
-}
-
 void OdometrySteps::pass(const rt::Vector3& p_m, const rt::Quaternion& q) {
   if (!started_) return;
   const rt::Vector3 way_m = p_m - last_p_m_;
@@ -54,7 +43,14 @@ void OdometrySteps::tell(rt::Nanoseconds receipt_ns, rt::Nanoseconds stamp_ns,
 void OdometrySteps::add(rt::Nanoseconds receipt_ns, rt::Nanoseconds stamp_ns, const rt::Vector3& p_m,
                         const rt::Quaternion& q) {
   if (!started_) {
-    begin(p_m, q);
+    started_ = true;
+    last_p_m_ = p_m;
+    last_q_ = q;
+    double start_p_m[3]{};
+    double start_q[4]{};
+    rt::store(p_m, start_p_m);
+    rt::store(q, start_q);
+    builder_.set_initial_pose(start_p_m, start_q);
     tell(receipt_ns, stamp_ns, {});  // what sums and mean rates start from
     return;
   }

@@ -27,7 +27,6 @@ class OdometrySteps {
   void pass(const rt::Vector3& p_m, const rt::Quaternion& q);
 
  private:
-  void begin(const rt::Vector3& p_m, const rt::Quaternion& q);
   void tell(rt::Nanoseconds receipt_ns, rt::Nanoseconds stamp_ns, const rt::Vector3& w_body_rad_s);
 
   LogBuilder& builder_;

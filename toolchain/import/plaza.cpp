@@ -24,15 +24,8 @@ struct Start {
 /// The truth's heading is the same gyro integrated, so it is no truth and is used only as the initial
 /// heading.
 Start read_truth(const std::string& path, RowJudge& judge, LogBuilder& builder) {
-  NumberTable table(path,
-                    {"the truth file of a plaza set",
-                     {{"t_s", ColumnKind::seconds},
-                      {"x_m", ColumnKind::truth},
-                      {"y_m", ColumnKind::truth},
-                      {"heading_rad", ColumnKind::truth}},
-                     true,
-                     false},
-                    judge);
+  NumberTable table(
+      path, {"the truth file of a plaza set", {"t_s"}, {"x_m", "y_m", "heading_rad"}, true, true}, judge);
   Start start;
   while (table.next(0)) {
     const double x = table.number(1);
@@ -72,13 +65,9 @@ void add_pair(LogBuilder& builder, rt::Nanoseconds stamp_ns, double rate_rad_s, 
 }
 
 void read_increments(const std::string& path, const Start& start, RowJudge& judge, LogBuilder& builder) {
-  NumberTable table(path,
-                    {"the dead-reckoning file of a plaza set",
-                     {{"t", ColumnKind::seconds},
-                      {"distance", ColumnKind::number},
-                      {"heading_increment", ColumnKind::number}},
-                     false},
-                    judge);
+  NumberTable table(
+      path, {"the dead-reckoning file of a plaza set", {"t"}, {"distance", "heading_increment"}, false},
+      judge);
   double travel_m = 0.0;
   rt::Nanoseconds last_ns = 0;
   bool first = true;

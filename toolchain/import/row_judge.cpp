@@ -39,8 +39,6 @@ void RowJudge::bad(const std::string& place, const std::string& reason) {
   if (bad_ <= kPrintedRows) notes() << place << ": dropped: " << reason << '\n';
 }
 
-void RowJudge::hidden_truth() { ++report_.hidden_truth; }
-
 void RowJudge::time_backwards(const std::string& place, std::int64_t by_ns) {
   if (backwards_ == 0)
     first_backwards_ = place + ": time runs back by " + firmware::format_seconds(by_ns) + " s";
@@ -55,8 +53,6 @@ void RowJudge::cut_off(std::uint64_t offset, const std::string& what) {
   warn(text + "; everything whole before it was used");
   cut_ = ", it breaks off at byte " + std::to_string(offset);
 }
-
-void RowJudge::warn(const std::string& text) { report_.warnings.push_back(text); }
 
 void RowJudge::finish(bool required) {
   if (rows() == 0) {

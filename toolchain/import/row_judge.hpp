@@ -23,7 +23,7 @@ class RowJudge {
   /// only a number). With `strict` throws InputError.
   void bad(const std::string& place, const std::string& reason);
   /// A row of truth has no usable reference: legal, counted.
-  void hidden_truth();
+  void hidden_truth() { ++report_.hidden_truth; }
   /// A stamp lies before the one above: reported, kept (the estimators judge it again).
   void time_backwards(const std::string& place, std::int64_t by_ns);
   /// The file breaks off at `offset`: a warning, with `strict` InputError.
@@ -35,7 +35,7 @@ class RowJudge {
   /// What became of the returns of a scan that is used.
   void returns(const ReturnCounts& scan) { report_.returns.add(scan); }
   /// A remark for the report.
-  void warn(const std::string& text);
+  void warn(const std::string& text) { report_.warnings.push_back(text); }
   /// The file has been read. Throws InputError if the share of bad rows is above options.max_bad_rows, or if
   /// there is no row at all in a file that is `required`; without rows in another a warning.
   void finish(bool required);

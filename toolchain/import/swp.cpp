@@ -99,18 +99,8 @@ void read_sweep(const SweepFile& sweep, RowJudge& judge, LogBuilder& builder) {
 }
 
 void read_summed_poses(const std::string& path, RowJudge& judge, LogBuilder& builder) {
-  constexpr ColumnKind kValue = ColumnKind::number;
-  NumberTable table(path,
-                    {"the odometry of a swp set",
-                     {{"t_s", ColumnKind::seconds},
-                      {"x_m", kValue},
-                      {"y_m", kValue},
-                      {"z_m", kValue},
-                      {"qx", kValue},
-                      {"qy", kValue},
-                      {"qz", kValue},
-                      {"qw", kValue}}},
-                    judge);
+  NumberTable table(
+      path, {"the odometry of a swp set", {"t_s"}, {"x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"}}, judge);
   OdometrySteps odometry(builder);
   rt::Nanoseconds receipt_ns = -kLatestStamp_ns;
   while (table.next(0)) {

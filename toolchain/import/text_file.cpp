@@ -98,7 +98,6 @@ bool TextFile::next(std::string_view& line) {
   if (end == std::string::npos) return false;
   line = std::string_view(text_).substr(next_, end - next_);
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  start_ = next_;
   next_ = end + 1;
   ++line_;
   return true;

@@ -31,8 +31,6 @@ class TextFile {
 
   /// Number of the line given out last, from 1.
   std::uint64_t line_number() const { return line_; }
-  /// Byte offset of the start of the line given out last.
-  std::uint64_t offset() const { return start_; }
   /// What stands behind the last line end; empty for a whole file.
   std::string_view tail() const;
   /// Bytes of the whole file.
@@ -46,7 +44,6 @@ class TextFile {
   std::string path_;
   std::string text_;
   std::size_t next_{};
-  std::size_t start_{};
   std::uint64_t line_{};
 };
 

@@ -4,6 +4,8 @@
 #include "toolchain/judge/alignment.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -18,6 +20,8 @@ Vector position(const firmware::TimedPose& pose) { return Vector(pose.p[0], pose
 Eigen::Quaterniond orientation(const firmware::TimedPose& pose) {
   return Eigen::Quaterniond(pose.q[0], pose.q[1], pose.q[2], pose.q[3]).normalized();
 }
+
+constexpr std::array<std::string_view, 4> kAlignmentNames{"none", "first", "se2", "se3"};  // by Alignment
 
 RigidTransform pack(const Matrix& r, const Vector& t) {
   RigidTransform transform;
@@ -52,24 +56,14 @@ Matrix spatial_rotation(const Matrix& cross) {
 }  // namespace
 
 Alignment parse_alignment(std::string_view name) {
-  for (const Alignment a : {Alignment::none, Alignment::first, Alignment::se2, Alignment::se3}) {
-    if (name == to_string(a)) return a;
-  }
-  throw std::invalid_argument("unknown alignment '" + std::string(name) + "'; use none, first, se2 or se3");
+  const auto found = std::ranges::find(kAlignmentNames, name);
+  if (found == kAlignmentNames.end())
+    throw std::invalid_argument("unknown alignment '" + std::string(name) + "'; use none, first, se2 or se3");
+  return static_cast<Alignment>(found - kAlignmentNames.begin());
 }
 
 const char* to_string(Alignment alignment) {
-  switch (alignment) {
-    case Alignment::none:
-      return "none";
-    case Alignment::first:
-      return "first";
-    case Alignment::se2:
-      return "se2";
-    case Alignment::se3:
-      return "se3";
-  }
-  return "none";
+  return kAlignmentNames[static_cast<std::size_t>(alignment)].data();
 }
 
 RigidTransform find_alignment(const PairedTrajectories& pairs, Alignment alignment) {

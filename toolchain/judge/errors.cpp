@@ -49,19 +49,13 @@ double wrap(double angle) {
   return angle;
 }
 
-/// Indices of poses that follow each other `delta` apart, as evo picks them.
-std::vector<std::size_t> milestones(const firmware::Trajectory& estimate, double delta, DeltaUnit unit,
-                                    bool in_space) {
+/// Indices of poses that follow each other `delta_m` apart, as evo picks them.
+std::vector<std::size_t> milestones(const firmware::Trajectory& estimate, double delta_m, bool in_space) {
   std::vector<std::size_t> ids;
-  if (unit == DeltaUnit::frames) {
-    const auto step = static_cast<std::size_t>(std::max(1.0, delta));
-    for (std::size_t i = 0; i < estimate.size(); i += step) ids.push_back(i);
-    return ids;
-  }
   double path = 0.0;
   for (std::size_t i = 1; i < estimate.size(); ++i) {
     path += distance(estimate[i], estimate[i - 1], in_space);
-    if (path >= delta) {
+    if (path >= delta_m) {
       ids.push_back(i);
       path = 0.0;
     }
@@ -95,14 +89,10 @@ ErrorStats statistics(std::span<const double> errors) {
   }
   stats.mean = sum / n;
   stats.rmse = std::sqrt(squares / n);
-  double deviations = 0.0;  // in a second pass: squares / n - mean^2 would lose digits
-  for (const double e : errors) deviations += (e - stats.mean) * (e - stats.mean);
-  stats.std = std::sqrt(deviations / n);
   std::vector<double> sorted(errors.begin(), errors.end());
   std::sort(sorted.begin(), sorted.end());
   const std::size_t half = sorted.size() / 2;
   stats.median = sorted.size() % 2 == 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
-  stats.min = sorted.front();
   stats.max = sorted.back();
   return stats;
 }
@@ -125,11 +115,11 @@ ErrorStats absolute_trajectory_error(const PairedTrajectories& pairs) {
   return statistics(errors);
 }
 
-RelativeErrors relative_pose_error(const PairedTrajectories& all_pairs, double delta, DeltaUnit unit) {
+RelativeErrors relative_pose_error(const PairedTrajectories& all_pairs, double delta_m) {
   const PairedTrajectories pairs = with_position(all_pairs);
   const bool in_space = all_have(pairs.truth, rt::kTruthHeight);
   const bool has_orientation = all_have(pairs.truth, rt::kTruthOrientation);
-  const std::vector<std::size_t> ids = milestones(pairs.estimate, delta, unit, in_space);
+  const std::vector<std::size_t> ids = milestones(pairs.estimate, delta_m, in_space);
   std::vector<double> translation;
   std::vector<double> rotation;
   for (std::size_t k = 1; k < ids.size(); ++k) {

@@ -16,8 +16,6 @@ struct ErrorStats {
   double rmse{};
   double mean{};
   double median{};
-  double std{};  ///< standard deviation about the mean, divided by n
-  double min{};
   double max{};
 };
 
@@ -31,19 +29,16 @@ std::vector<double> absolute_errors(const PairedTrajectories& pairs);
 /// Statistics of absolute_errors over the pairs that have one: the ATE of evo (`evo_ape`, translation part).
 ErrorStats absolute_trajectory_error(const PairedTrajectories& pairs);
 
-/// Between which poses a relative error is taken.
-enum class DeltaUnit { frames, meters };
-
 /// Relative error: statistics over the motions from i to j.
 struct RelativeErrors {
   ErrorStats translation_m;
   ErrorStats rotation_rad;  ///< empty where the truth has no orientation
 };
 
-/// RPE of evo (`evo_rpe`): E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) over consecutive, not overlapping pairs `delta`
+/// RPE of evo (`evo_rpe`): E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) over consecutive, not overlapping pairs `delta_m`
 /// apart, measured on the estimate. Where the truth has no orientation, the difference of the distances |ij|
 /// is taken (evo: point_distance). Independent of any alignment.
-RelativeErrors relative_pose_error(const PairedTrajectories& pairs, double delta, DeltaUnit unit);
+RelativeErrors relative_pose_error(const PairedTrajectories& pairs, double delta_m);
 
 /// One orientation error. Inclination is the tilt between the two vertical axes; heading is the rest, about
 /// the world's vertical (D. Laidig et al., BROAD, 2021).

@@ -56,7 +56,7 @@ void calibrate(double calibrate_s, PairedTrajectories& pairs, Errors& errors) {
   errors["calibrated_n"] = static_cast<double>(calibration.n);
 }
 
-void judge_places(const PairedTrajectories& pairs, double rpe_delta_m, Errors& errors) {
+void judge_places(const PairedTrajectories& pairs, Errors& errors) {
   const ErrorStats ate = absolute_trajectory_error(pairs);
   errors["ate_n"] = static_cast<double>(ate.n);
   if (ate.n == 0) return;
@@ -74,9 +74,8 @@ void judge_places(const PairedTrajectories& pairs, double rpe_delta_m, Errors& e
     errors["drift_vertical_percent"] = drift.vertical_percent;
     errors["vertical_rmse_m"] = vertical_rmse(pairs);
   }
-  double delta_m = rpe_delta_m;
-  if (!(delta_m > 0.0)) delta_m = drift.distance_m >= 100.0 ? 10.0 : drift.distance_m >= 10.0 ? 1.0 : 0.1;
-  const RelativeErrors rpe = relative_pose_error(pairs, delta_m, DeltaUnit::meters);
+  const double delta_m = drift.distance_m >= 100.0 ? 10.0 : drift.distance_m >= 10.0 ? 1.0 : 0.1;
+  const RelativeErrors rpe = relative_pose_error(pairs, delta_m);
   if (rpe.translation_m.n > 0) {
     errors["rpe_n"] = static_cast<double>(rpe.translation_m.n);
     errors["rpe_rmse_m"] = rpe.translation_m.rmse;
@@ -92,7 +91,7 @@ Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
   Evaluation result;
   firmware::tidy(estimate);
   firmware::tidy(truth);
-  result.pairs = associate(estimate, truth, options.association);
+  result.pairs = associate(estimate, truth);
   // What an estimate does not hold is not judged: an attitude filter says nothing about places.
   for (std::size_t i = 0; i < result.pairs.truth.size(); ++i) {
     result.pairs.truth[i].flags &= result.pairs.estimate[i].flags | rt::kTruthMoving;
@@ -102,9 +101,8 @@ Evaluation evaluate(firmware::Trajectory estimate, firmware::Trajectory truth,
     calibrate(options.calibrate_s, result.pairs, errors);
   // The heading offset of the orientation errors is taken before alignment turns the estimate.
   const OrientationErrors orientation = orientation_errors(result.pairs);
-  result.alignment = find_alignment(result.pairs, options.align);
-  move_by(result.alignment, result.pairs.estimate);
-  judge_places(result.pairs, options.rpe_delta_m, errors);
+  move_by(find_alignment(result.pairs, options.align), result.pairs.estimate);
+  judge_places(result.pairs, errors);
   if (orientation.inclination_rad.n > 0) {
     errors["orientation_n"] = static_cast<double>(orientation.inclination_rad.n);
     errors["inclination_rmse_deg"] = orientation.inclination_rad.rmse * kDegrees;

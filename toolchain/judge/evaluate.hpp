@@ -17,10 +17,6 @@ namespace sortie::toolchain {
 /// How to judge.
 struct EvaluationOptions {
   Alignment align{Alignment::none};
-  AssociationOptions association;
-  /// Path length between the poses of a relative error; 0: 10, 1 or 0.1 m, the longest that gives ten of
-  /// them.
-  double rpe_delta_m{0.0};
   /// The first so many seconds calibrate heading, gyro bias and wheel scale; errors are those of the rest,
   /// without any other alignment. 0: no such thing.
   double calibrate_s{0.0};
@@ -36,7 +32,8 @@ struct ErrorSample {
 
 /// Errors by name, and what a plot needs.
 struct Evaluation {
-  /// ate_{rmse,mean,median,max}_m, ate_n; rpe_rmse_m, rpe_rmse_deg, rpe_n, rpe_delta_m;
+  /// ate_{rmse,mean,median,max}_m, ate_n; rpe_rmse_m, rpe_rmse_deg, rpe_n, rpe_delta_m (10, 1 or 0.1 m, the
+  /// longest that gives ten of them);
   /// inclination_{rmse,max}_deg, heading_{rmse,max}_deg, orientation_n; drift_horizontal_percent,
   /// drift_vertical_percent, vertical_rmse_m, distance_m; with a calibration calibrated_{scale,
   /// bias_deg_s,rmse_m,n}; of a path on the robot's own map the same as located_NAME. Only what the truth
@@ -44,7 +41,6 @@ struct Evaluation {
   std::map<std::string, double> errors;
   PairedTrajectories pairs;    ///< estimate aligned
   PairedTrajectories located;  ///< the same of the path on the robot's own map; judge() alone sets it
-  RigidTransform alignment;
   std::vector<ErrorSample> series;
 };
 

@@ -43,11 +43,8 @@ void place_rays(const rt::SslReturns& returns, const RaySensor& sensor, const fi
     const double range_m = ray.hit ? rt::kSslRangeStep_m * returns.range_mm[i] : sensor.silent_m;
     const rt::Vector3 to =
         from + range_m * rt::rotate(q * sensor.q_body, rt::ssl_direction(returns.direction[i]));
-    const double ends[2][3] = {{from.x, from.y, from.z}, {to.x, to.y, to.z}};
-    for (int a = 0; a < 3; ++a) {
-      ray.from_m[a] = ends[0][a];
-      ray.to_m[a] = ends[1][a];
-    }
+    rt::store(from, ray.from_m);
+    rt::store(to, ray.to_m);
     fired.rays.push_back(ray);
   }
 }

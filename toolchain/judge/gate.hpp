@@ -14,8 +14,7 @@ namespace sortie::toolchain {
 /// What a gate may bound. A figure stands in exactly one of the two: what is not known is never a zero.
 struct GateFigures {
   std::map<std::string, double> known;
-  std::map<std::string, std::string>
-      absent;  ///< figures that this result could not measure: why, and the cure
+  std::map<std::string, std::string> absent;  ///< not measured by this result: why, and the cure
 };
 
 /// All figures of a result by the names of docs/command-line.md. What a clock gave is the live run's
@@ -53,10 +52,5 @@ class Gate {
   std::string path_;
   firmware::TomlTree tree_;
 };
-
-/// The same at once.
-inline std::vector<std::string> check_gate(const std::string& path, const firmware::Results& results) {
-  return Gate(path).judge(results);
-}
 
 }  // namespace sortie::toolchain

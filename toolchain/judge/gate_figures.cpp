@@ -99,17 +99,17 @@ void add_tasks(const firmware::Results& results, Collector& to) {
 
 void add_delays(bool known, const std::string& prefix, const firmware::DelayTableResult& table,
                 Collector& to) {
-  to.add_told(known, prefix + "outliers", number(table.outliers));
-  to.add_told(known, prefix + "raw_max_us", table.raw_max_us);
-  to.add_told(known, prefix + "clean_max_us", table.clean_max_us);
-  to.add_told(known, prefix + "clean_count", number(table.clean_count));
+  const auto add_fields = [&](const std::string& before, const auto& fields) {
+    rt::for_each_scalar(fields, [&](const char* name, int, auto value) {
+      to.add_told(known, before + name, static_cast<double>(value));
+    });
+  };
+  add_fields(prefix, table);
   for (int i = 0; i < rt::posix::kDelayCauses; ++i) {
     const std::string name = rt::posix::to_string(static_cast<rt::posix::DelayCause>(i));
     const auto cause = table.causes.find(name);  // what never was a cause is not in the table
-    const firmware::CauseResult result =
-        cause == table.causes.end() ? firmware::CauseResult{} : cause->second;
-    to.add_told(known, prefix + "causes." + name + ".count", number(result.count));
-    to.add_told(known, prefix + "causes." + name + ".total_us", result.total_us);
+    add_fields(prefix + "causes." + name + ".",
+               cause == table.causes.end() ? firmware::CauseResult{} : cause->second);
   }
 }
 
@@ -137,16 +137,12 @@ void add_groups(const firmware::Results& results, Collector& to) {
 
 void add_measured(const std::string& prefix, const firmware::ChainFigures& measured, const std::string& why,
                   Collector& to) {
-  const auto put = [&](const char* name, double value) {
+  rt::for_each_scalar(measured, [&](const std::string& name, int, auto value) {
     if (measured.count != 0)
-      to.add(prefix + name, value);
+      to.add(prefix + "." + name, static_cast<double>(value));
     else
-      to.figures.absent[prefix + name] = why;
-  };
-  put(".count", number(measured.count));
-  put(".p50_us", measured.p50_us);
-  put(".p99_us", measured.p99_us);
-  put(".max_us", measured.max_us);
+      to.figures.absent[prefix + "." + name] = why;
+  });
 }
 
 void add_chains(const firmware::Results& results, Collector& to) {

@@ -26,8 +26,7 @@ std::optional<MapVolume> map_volume(const firmware::Runtime& runtime);
 struct MapAgreement {
   double disagreement{};  ///< 1 - common volume / volume of either: 0 = the same, 1 = nothing in common
   double missed{};        ///< share of the reference's volume that `map` calls free
-  double
-      excess{};  ///< volume that `map` calls occupied and the reference does not, in volumes of the reference
+  double excess{};        ///< volume that `map` alone calls occupied, in volumes of the reference
 };
 
 /// Compares at the centres of the reference's voxels: exact where the voxel size of `map` is a whole multiple

@@ -39,10 +39,6 @@ std::int64_t usual_gap(std::span<const firmware::TimedPose> trajectory) {
   return std::max(kLeast, 5 * *middle);
 }
 
-std::int64_t allowed_gap(std::span<const firmware::TimedPose> trajectory, const AssociationOptions& options) {
-  return options.max_gap_s > 0.0 ? static_cast<std::int64_t>(options.max_gap_s * 1e9) : usual_gap(trajectory);
-}
-
 /// How many samples of `a` lie in the span of `b`: the density of each is judged over the common time only.
 std::size_t count_within(std::span<const firmware::TimedPose> a, std::span<const firmware::TimedPose> b) {
   if (b.empty()) return 0;
@@ -76,12 +72,12 @@ bool interpolate(std::span<const firmware::TimedPose> trajectory, std::int64_t s
 }
 
 PairedTrajectories associate(std::span<const firmware::TimedPose> estimate,
-                             std::span<const firmware::TimedPose> truth, const AssociationOptions& options) {
+                             std::span<const firmware::TimedPose> truth) {
   PairedTrajectories pairs;
   const bool at_truth = count_within(truth, estimate) <= count_within(estimate, truth);
   const auto& sparse = at_truth ? truth : estimate;
   const auto& dense = at_truth ? estimate : truth;
-  const std::int64_t gap = allowed_gap(dense, options);
+  const std::int64_t gap = usual_gap(dense);
   pairs.estimate.reserve(sparse.size());
   pairs.truth.reserve(sparse.size());
   for (const firmware::TimedPose& own : sparse) {

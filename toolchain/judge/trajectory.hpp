@@ -24,16 +24,10 @@ struct PairedTrajectories {
   std::size_t skipped{};  ///< stamps without a partner: outside the other's span, or in one of its gaps
 };
 
-/// How samples are paired.
-struct AssociationOptions {
-  double max_gap_s{0.0};  ///< no interpolation across longer gaps; 0: five median steps, at least 50 ms
-};
-
-/// Pairs by time: the denser of the two is interpolated at the stamps of the sparser (equal: at the truth's).
-/// Samples of the truth without kTruthPosition still pair (their orientation may count). Both inputs must be
-/// tidy.
+/// Pairs by time: the denser of the two is interpolated at the stamps of the sparser (equal: at the truth's),
+/// but not across gaps longer than five median steps, at least 50 ms. Samples of the truth without
+/// kTruthPosition still pair (their orientation may count). Both inputs must be tidy.
 PairedTrajectories associate(std::span<const firmware::TimedPose> estimate,
-                             std::span<const firmware::TimedPose> truth,
-                             const AssociationOptions& options = {});
+                             std::span<const firmware::TimedPose> truth);
 
 }  // namespace sortie::toolchain

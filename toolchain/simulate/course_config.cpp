@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/simulate/course_config.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -72,10 +72,8 @@ void read_course(firmware::Profile& profile, hil::UgvConfig& config) {
   config.course.seed =
       static_cast<std::uint64_t>(profile.integer("hil.course_seed", {1, 0, 1e15, "", "of the rubble"}));
   hil::VehicleConfig& vehicle = config.tracked.plant.vehicle;
-  vehicle.friction =
-      profile.number("hil.friction", {vehicle.friction, 0, 10, "", "of belts and flippers on everything"});
-  vehicle.mass_scale =
-      profile.number("hil.mass_scale", {vehicle.mass_scale, 0.01, 1000, "", "of all masses"});
+  read_number(profile, "hil.friction", vehicle.friction, 0, 10, "", "of belts and flippers on everything");
+  read_number(profile, "hil.mass_scale", vehicle.mass_scale, 0.01, 1000, "", "of all masses");
   const std::string mode =
       profile.text("hil.contact_mode", "belt",
                    "how a belt's surface moves: about a turning centre, or along the belt", {"csm", "belt"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/simulate/inertial_config.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 #include <algorithm>
 #include <string>
@@ -8,11 +8,6 @@
 
 namespace sortie::toolchain {
 namespace {
-
-std::uint32_t read_rate(firmware::Profile& profile, const char* path, std::uint32_t fallback) {
-  return static_cast<std::uint32_t>(
-      profile.integer(path, {static_cast<double>(fallback), 1, 1000, "Hz", "must divide 1000"}));
-}
 
 // `device` is "imu" or "encoder": hil.imu_jitter_us and so on.
 void read_stream(firmware::Profile& profile, const std::string& device, std::uint32_t rate_hz,
@@ -27,11 +22,8 @@ void read_stream(firmware::Profile& profile, const std::string& device, std::uin
 }
 
 void read_imu(firmware::Profile& profile, hil::ImuConfig& imu) {
-  imu.rate_hz = read_rate(profile, "hil.imu_hz", imu.rate_hz);
-  const auto number = [&profile](const char* path, double& value, double low, double high, const char* unit,
-                                 const char* meaning) {
-    value = profile.number(path, {value, low, high, unit, meaning});
-  };
+  const auto number = [&profile](auto&&... key) { read_number(profile, key...); };
+  number("hil.imu_hz", imu.rate_hz, 1, 1000, "Hz", "must divide 1000");
   const char* place = "where the IMU sits, from the body's origin (tracks: the ground point between them)";
   number("hil.imu_x_m", imu.lever_arm_m[0], -10, 10, "m", place);
   number("hil.imu_y_m", imu.lever_arm_m[1], -10, 10, "m", place);
@@ -59,9 +51,8 @@ void read_imu_alone(firmware::Profile& profile, hil::ImuConfig& imu, hil::FaultC
 void read_inertial(firmware::Profile& profile, hil::UgvConfig& config) {
   read_imu_alone(profile, config.imu, config.imu_faults);
   hil::EncoderConfig& encoder = config.encoder;
-  encoder.rate_hz = read_rate(profile, "hil.encoder_hz", encoder.rate_hz);
-  encoder.resolution_m =
-      profile.number("hil.encoder_resolution_m", {encoder.resolution_m, 1e-6, 0.1, "m", "travel per count"});
+  read_number(profile, "hil.encoder_hz", encoder.rate_hz, 1, 1000, "Hz", "must divide 1000");
+  read_number(profile, "hil.encoder_resolution_m", encoder.resolution_m, 1e-6, 0.1, "m", "travel per count");
   encoder.scale_left =
       profile.number("hil.encoder_scale_left", {1, 0.5, 2, "", "shown travel / true travel of the belt"});
   encoder.scale_right =

@@ -2,7 +2,7 @@
 #include "toolchain/simulate/plant_links.hpp"
 
 #include "firmware_like/link/secret.hpp"
-#include "firmware_like/result/add_counters.hpp"
+#include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/profile.hpp"
 
 namespace sortie::toolchain {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/simulate/sensors_config.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 #include "firmware_like/parts/sensor_mount.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
@@ -9,25 +9,19 @@ namespace sortie::toolchain {
 
 namespace {
 
-std::uint32_t whole(firmware::Profile& profile, const std::string& path, const firmware::NumberSpec& spec) {
-  return static_cast<std::uint32_t>(profile.integer(path, spec));
-}
-
 // What both kinds of sensor do wrong, below `table`.
 void read_noise(firmware::Profile& profile, const std::string& table, hil::RangeNoiseConfig& noise) {
-  noise.sigma_share =
-      profile.number(table + "sigma_share", {noise.sigma_share, 0, 0.1, "", "noise of a range, share of it"});
-  noise.bias_m = profile.number(table + "bias_m", {noise.bias_m, -1, 1, "m", "added to every range"});
-  noise.resolution_m = profile.number(table + "resolution_m",
-                                      {noise.resolution_m, 0, 1, "m", "ranges are multiples of it; 0: any"});
-  noise.loss = profile.number(table + "loss", {noise.loss, 0, 1, "", "share of returns that are lost"});
+  read_number(profile, table + "sigma_share", noise.sigma_share, 0, 0.1, "", "noise of a range, share of it");
+  read_number(profile, table + "bias_m", noise.bias_m, -1, 1, "m", "added to every range");
+  read_number(profile, table + "resolution_m", noise.resolution_m, 0, 1, "m",
+              "ranges are multiples of it; 0: any");
+  read_number(profile, table + "loss", noise.loss, 0, 1, "", "share of returns that are lost");
   const double graze_deg =
       profile.number(table + "graze_deg",
                      {0, 0, 90, "deg", "rays flatter than this to a surface often do not return; 0: all do"});
   noise.graze_cos = rt::sincos(graze_deg * firmware::kDegree).sin;
-  noise.full_range_m =
-      profile.number(table + "full_range_m",
-                     {noise.full_range_m, 0, 1000, "m", "rays from beyond often do not return; 0: all do"});
+  read_number(profile, table + "full_range_m", noise.full_range_m, 0, 1000, "m",
+              "rays from beyond often do not return; 0: all do");
   noise.divergence_rad =
       1e-3 * profile.number(table + "divergence_mrad", {1e3 * noise.divergence_rad, 0, 50, "mrad",
                                                         "half angle of the beam: mixes ranges at edges"});
@@ -37,23 +31,19 @@ void read_noise(firmware::Profile& profile, const std::string& table, hil::Range
 
 // The mirror's lines and the mount, for a lidar that is a rolling laser.
 void read_rolling(firmware::Profile& profile, hil::RollingLaserConfig& laser) {
-  laser.line_hz = whole(profile, "hil.lidar.line_hz",
-                        {static_cast<double>(laser.line_hz), 1, 200, "Hz", "rotating_2d: lines a second"});
-  laser.beams = whole(profile, "hil.lidar.beams",
-                      {static_cast<double>(laser.beams), 2, 4096, "", "rotating_2d: rays of a line"});
+  read_number(profile, "hil.lidar.line_hz", laser.line_hz, 1, 200, "Hz", "rotating_2d: lines a second");
+  read_number(profile, "hil.lidar.beams", laser.beams, 2, 4096, "", "rotating_2d: rays of a line");
   laser.fov_rad =
       firmware::kDegree *
       profile.number("hil.lidar.fov_deg",
                      {270, 1, 359, "deg", "rotating_2d: from the first ray of a line to the last"});
-  laser.lines_per_scan = whole(profile, "hil.lidar.lines_per_scan",
-                               {static_cast<double>(laser.lines_per_scan), 1, 100, "",
-                                "rotating_2d: handed over together, in 0.655 s at most"});
+  read_number(profile, "hil.lidar.lines_per_scan", laser.lines_per_scan, 1, 100, "",
+              "rotating_2d: handed over together, in 0.655 s at most");
   laser.roll_period_ns = static_cast<rt::Nanoseconds>(
       1e9 * profile.number("hil.lidar.roll_period_s", {1e-9 * static_cast<double>(laser.roll_period_ns), 0.1,
                                                        100, "s", "rotating_2d: of one turn of the mount"}));
-  laser.encoder_ticks =
-      whole(profile, "hil.lidar.encoder_ticks",
-            {static_cast<double>(laser.encoder_ticks), 1, 1 << 20, "", "rotating_2d: of the mount, a turn"});
+  read_number(profile, "hil.lidar.encoder_ticks", laser.encoder_ticks, 1, 1 << 20, "",
+              "rotating_2d: of the mount, a turn");
 }
 
 void read_lidar(firmware::Profile& profile, hil::UgvConfig& config) {
@@ -64,18 +54,13 @@ void read_lidar(firmware::Profile& profile, hil::UgvConfig& config) {
   if (kind == "rows_64") config.lidar = hil::make_rows_64(config.seed);
   if (kind == "rotating_2d") config.lidar_kind = hil::LidarKind::rotating_2d;
   hil::LidarConfig& lidar = config.lidar;
-  lidar.rate_hz = whole(profile, "hil.lidar_hz",
-                        {static_cast<double>(lidar.rate_hz), 0, 100, "Hz", "turns a second; 0: no lidar"});
-  lidar.rows =
-      whole(profile, "hil.lidar_rows",
-            {static_cast<double>(lidar.rows), 1, hil::LidarModel::kMaxRows, "", "rows of the lidar"});
+  read_number(profile, "hil.lidar_hz", lidar.rate_hz, 0, 100, "Hz", "turns a second; 0: no lidar");
+  read_number(profile, "hil.lidar_rows", lidar.rows, 1, hil::LidarModel::kMaxRows, "", "rows of the lidar");
   if (lidar.row_table && lidar.rows != 64)
     profile.fail("hil.lidar_rows", "must be 64 for hil.lidar.kind = \"rows_64\"");
-  lidar.columns =
-      whole(profile, "hil.lidar_columns",
-            {static_cast<double>(lidar.columns), 1, hil::LidarModel::kMaxColumns, "", "firings a turn"});
-  lidar.noise.sigma_m =
-      profile.number("hil.lidar_sigma_m", {lidar.noise.sigma_m, 0, 1, "m", "noise of a range"});
+  read_number(profile, "hil.lidar_columns", lidar.columns, 1, hil::LidarModel::kMaxColumns, "",
+              "firings a turn");
+  read_number(profile, "hil.lidar_sigma_m", lidar.noise.sigma_m, 0, 1, "m", "noise of a range");
   hil::RollingLaserConfig& laser = config.rolling_laser;
   read_rolling(profile, laser);
   if (lidar.rate_hz == 0) laser.line_hz = 0;
@@ -100,9 +85,9 @@ void read_ssl(firmware::Profile& profile, hil::UgvConfig& config) {
   ssl.frame_ns = static_cast<rt::Nanoseconds>(
       1e6 * profile.number("hil.ssl.frame_ms", {1e-6 * static_cast<double>(ssl.frame_ns), 1, 500, "ms",
                                                 "time that the rays of one command take"}));
-  ssl.max_range_m = profile.number("hil.ssl.max_range_m",
-                                   {ssl.max_range_m, 1, 65, "m", "farther returns are not reported"});
-  ssl.noise.sigma_m = profile.number("hil.ssl.sigma_m", {ssl.noise.sigma_m, 0, 1, "m", "noise of a range"});
+  read_number(profile, "hil.ssl.max_range_m", ssl.max_range_m, 1, 65, "m",
+              "farther returns are not reported");
+  read_number(profile, "hil.ssl.sigma_m", ssl.noise.sigma_m, 0, 1, "m", "noise of a range");
   read_noise(profile, "hil.ssl.", ssl.noise);
   config.ssl_faults.drop =
       profile.number("hil.ssl.drop", {0, 0, 1, "", "share of frames that are not delivered"});

@@ -1,23 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/simulate/simulated_uav.hpp"
-
+// The simulated multirotor as something that `run` can be driven against.
 #include "drivers/can_stub.hpp"
 #include "firmware_like/parts/sensor_mount.hpp"
 #include "firmware_like/parts/world_boxes.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "hil/uav/uav_vehicle.hpp"
-#include "toolchain/simulate/inertial_config.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
 
-void read_fixes(firmware::Profile& profile, hil::UavVehicleConfig& config) {
-  hil::PoseSourceConfig& fixes = config.fixes;
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
+// Reads numbers of a profile.
+struct Numbers {
+  firmware::Profile& profile;
+
+  double operator()(const char* path, double fallback, double low, double high, const char* unit,
+                    const char* meaning) const {
     return profile.number(path, {fallback, low, high, unit, meaning});
-  };
+  }
+  std::uint32_t whole(const char* path, double fallback, double low, double high, const char* unit,
+                      const char* meaning) const {
+    return static_cast<std::uint32_t>(profile.integer(path, {fallback, low, high, unit, meaning}));
+  }
+};
+
+void read_fixes(const Numbers& number, hil::UavVehicleConfig& config) {
+  hil::PoseSourceConfig& fixes = config.fixes;
   fixes.period_ns =
       firmware::milliseconds(number("hil.fix_period_ms", 50, 1, 10'000, "ms", "between fixes of the place"));
   fixes.position_sigma_m =
@@ -54,19 +63,12 @@ void read_weather(firmware::Profile& profile, hil::UavVehicleConfig& config) {
                      profile.number("hil.wind_z_m_s", {0, -30, 30, "m/s", wind})};
 }
 
-void read_uav_lidar(firmware::Profile& profile, hil::UavVehicleConfig& config) {
+void read_uav_lidar(const Numbers& number, hil::UavVehicleConfig& config) {
   hil::LidarConfig& lidar = config.lidar;
-  const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                const char* meaning) {
-    return static_cast<std::uint32_t>(profile.integer(path, {fallback, low, high, unit, meaning}));
-  };
-  lidar.rate_hz = whole("hil.lidar_hz", 0, 0, 100, "Hz", "turns a second; 0: no lidar");
-  lidar.rows = whole("hil.lidar_rows", 16, 1, hil::LidarModel::kMaxRows, "", "rows of the lidar");
-  lidar.columns = whole("hil.lidar_columns", 360, 1, hil::LidarModel::kMaxColumns, "", "firings a turn");
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, unit, meaning});
-  };
+  lidar.rate_hz = number.whole("hil.lidar_hz", 0, 0, 100, "Hz", "turns a second; 0: no lidar");
+  lidar.rows = number.whole("hil.lidar_rows", 16, 1, hil::LidarModel::kMaxRows, "", "rows of the lidar");
+  lidar.columns =
+      number.whole("hil.lidar_columns", 360, 1, hil::LidarModel::kMaxColumns, "", "firings a turn");
   lidar.noise.sigma_m = number("hil.lidar_sigma_m", lidar.noise.sigma_m, 0, 1, "m", "noise of a range");
   const char* rows = "elevation of the lowest and the highest row";
   lidar.lowest_rad = firmware::kDegree * number("hil.lidar_lowest_deg", -45, -89, 89, "deg", rows);
@@ -77,21 +79,14 @@ void read_uav_lidar(firmware::Profile& profile, hil::UavVehicleConfig& config) {
 }
 
 // In place of the lidar.
-void read_uav_camera(firmware::Profile& profile, hil::UavVehicleConfig& config) {
+void read_uav_camera(const Numbers& number, hil::UavVehicleConfig& config) {
   hil::DepthCameraConfig& camera = config.camera;
-  const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                const char* meaning) {
-    return static_cast<std::uint32_t>(profile.integer(path, {fallback, low, high, unit, meaning}));
-  };
-  camera.rate_hz =
-      whole("hil.camera_hz", 0, 0, hil::DepthCamera::kMaxRate_hz, "Hz", "frames of depth a second; 0: none");
-  camera.columns =
-      whole("hil.camera_columns", camera.columns, 2, hil::DepthCamera::kMaxColumns, "", "pixels of a row");
-  camera.rows = whole("hil.camera_rows", camera.rows, 2, hil::DepthCamera::kMaxRows, "", "rows of pixels");
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, unit, meaning});
-  };
+  camera.rate_hz = number.whole("hil.camera_hz", 0, 0, hil::DepthCamera::kMaxRate_hz, "Hz",
+                                "frames of depth a second; 0: none");
+  camera.columns = number.whole("hil.camera_columns", camera.columns, 2, hil::DepthCamera::kMaxColumns, "",
+                                "pixels of a row");
+  camera.rows =
+      number.whole("hil.camera_rows", camera.rows, 2, hil::DepthCamera::kMaxRows, "", "rows of pixels");
   const char* view = "angle between the outer edges of the picture";
   camera.width_rad = firmware::kDegree * number("hil.camera_width_deg", 70, 5, 150, "deg", view);
   camera.height_rad = firmware::kDegree * number("hil.camera_height_deg", 50, 5, 150, "deg", view);
@@ -127,10 +122,7 @@ hil::UavVehicleConfig read_simulated_uav(firmware::Profile& profile) {
   config.airframe = airframe == "neo11"  ? hil::neo11_plant()
                     : airframe == "neo9" ? hil::neo9_plant()
                                          : hil::firefly_plant();
-  const auto number = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                 const char* meaning) {
-    return profile.number(path, {fallback, low, high, unit, meaning});
-  };
+  const Numbers number{profile};
   const double share =
       number("hil.mass_share", 1, 0.3, 3, "", "true mass / that of the airframe; the vehicle is not told");
   config.airframe.frame_mass_kg *= share;
@@ -147,15 +139,14 @@ hil::UavVehicleConfig read_simulated_uav(firmware::Profile& profile) {
                     number("hil.frame_z_m", 0, -1000, 1000, "m", frame)};
   config.frame_yaw_rad = firmware::kDegree * number("hil.frame_yaw_deg", 0, -360, 360, "deg", frame);
   config.lose_at_s = number("hil.lose_rotor_at_s", -1, -1, 1e6, "s", "a propeller comes off; -1: none does");
-  config.lost_rotor =
-      static_cast<std::uint32_t>(profile.integer("hil.lost_rotor", {0, 0, 7, "", "which, counted from 0"}));
+  config.lost_rotor = number.whole("hil.lost_rotor", 0, 0, 7, "", "which, counted from 0");
   config.command_faults.drop =
       number("hil.command_loss", 0, 0, 1, "", "share of frames to the rotors that are not heard");
   read_imu_alone(profile, config.imu, config.imu_faults);
-  read_fixes(profile, config);
+  read_fixes(number, config);
   read_weather(profile, config);
-  read_uav_lidar(profile, config);
-  read_uav_camera(profile, config);
+  read_uav_lidar(number, config);
+  read_uav_camera(number, config);
   read_uav_mount(profile, config);
   for (const firmware::WorldBox& box : firmware::read_world_boxes(profile)) {
     hil::BoxShape shape;
@@ -237,8 +228,6 @@ std::unique_ptr<firmware::SimulatedRobot> make_simulated_uav(firmware::Profile& 
   const hil::UavVehicleConfig config = read_simulated_uav(profile);
   try {
     return std::make_unique<SimulatedUav>(config, scans);
-  } catch (const firmware::ProfileError&) {
-    throw;
   } catch (const std::runtime_error& error) {
     profile.fail("hil", error.what());
   }

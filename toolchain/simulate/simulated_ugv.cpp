@@ -8,10 +8,7 @@
 #include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "hil/ugv_plant.hpp"
-#include "toolchain/simulate/course_config.hpp"
-#include "toolchain/simulate/inertial_config.hpp"
-#include "toolchain/simulate/sensors_config.hpp"
-#include "toolchain/simulate/simulated_uav.hpp"
+#include "toolchain/simulate/hil_config.hpp"
 
 namespace sortie::toolchain {
 
@@ -64,25 +61,18 @@ std::vector<hil::StopDeed> read_stops(firmware::Profile& profile) {
 
 hil::UgvConfig read_config(firmware::Profile& profile) {
   hil::UgvConfig config;
-  const auto whole = [&profile](const char* path, double fallback, double low, double high, const char* unit,
-                                const char* meaning) {
-    return profile.integer(path, {fallback, low, high, unit, meaning});
-  };
-  config.seed =
-      static_cast<std::uint64_t>(whole("hil.seed", 1, 0, 1e15, "", "of all sensor noise and faults"));
-  config.hall.seed = static_cast<std::uint64_t>(whole("hil.hall_seed", 1, 0, 1e15, "", "of the furniture"));
-  config.hall.furniture = static_cast<std::uint32_t>(
-      whole("hil.furniture", config.hall.furniture, 0, 200, "", "pieces that are tried"));
-  config.hall.ramp_height_m = profile.number(
-      "hil.ramp_height_m", {config.hall.ramp_height_m, 0, 1, "m", "of the ramp across the way; 0: none"});
-  config.robot.steering_efficiency = profile.number(
-      "hil.steering_efficiency",
-      {config.robot.steering_efficiency, 0.1, 1, "", "track distance / distance of the turning centres"});
-  config.robot.slip_left = profile.number(
-      "hil.slip_left", {config.robot.slip_left, 0, 0.9, "", "share of the left belt's travel that is lost"});
-  config.robot.slip_right =
-      profile.number("hil.slip_right",
-                     {config.robot.slip_right, 0, 0.9, "", "share of the right belt's travel that is lost"});
+  const auto number = [&profile](auto&&... key) { read_number(profile, key...); };
+  config.seed = static_cast<std::uint64_t>(
+      profile.integer("hil.seed", {1, 0, 1e15, "", "of all sensor noise and faults"}));
+  config.hall.seed =
+      static_cast<std::uint64_t>(profile.integer("hil.hall_seed", {1, 0, 1e15, "", "of the furniture"}));
+  number("hil.furniture", config.hall.furniture, 0, 200, "", "pieces that are tried");
+  number("hil.ramp_height_m", config.hall.ramp_height_m, 0, 1, "m", "of the ramp across the way; 0: none");
+  number("hil.steering_efficiency", config.robot.steering_efficiency, 0.1, 1, "",
+         "track distance / distance of the turning centres");
+  number("hil.slip_left", config.robot.slip_left, 0, 0.9, "", "share of the left belt's travel that is lost");
+  number("hil.slip_right", config.robot.slip_right, 0, 0.9, "",
+         "share of the right belt's travel that is lost");
   read_range_sensors(profile, config);
   // Furniture keeps off the way that the mission drives.
   const auto route =
@@ -198,8 +188,6 @@ std::unique_ptr<firmware::SimulatedRobot> make_simulated_robot(firmware::Profile
   const rt::Nanoseconds contacts_every_ns = read_contacts_period(profile, config);
   try {
     return std::make_unique<SimulatedUgv>(config, scans, contacts_every_ns);
-  } catch (const firmware::ProfileError&) {
-    throw;
   } catch (const std::runtime_error& error) {
     profile.fail("hil", error.what());
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The truth about contacts and flippers as tables.
+// The truth about a simulated robot as tables: contacts, flippers, sensors.
 #pragma once
 
 #include <iosfwd>
@@ -14,5 +14,9 @@ void write_contacts_csv(std::ostream& out, const firmware::LogFile& log);
 
 /// A row a record: angles asked for, angles, torques, contacts by part. Throws InputError as above.
 void write_flippers_csv(std::ostream& out, const firmware::LogFile& log);
+
+/// What IMU and encoders would have shown without errors: a row a record, all numbers of rt::SensorTruth.
+/// Throws InputError where the log has none; records that are damaged are left out.
+void write_sensor_truth_csv(std::ostream& out, const firmware::LogFile& log);
 
 }  // namespace sortie::toolchain
