@@ -70,11 +70,13 @@ class TaskBase {
   /// Newest output for a non-real-time reader, as canonical form. False when nothing new. One reader thread.
   virtual bool poll_output(std::uint8_t* canonical) = 0;
   void plant_fault(PlantedFault fault) { fault_ = fault; }
+  /// The job that it is planted in has not run.
+  bool waits_for_fault() const { return fault_.armed; }
   /// Output and digest chain to bytes and back. Between jobs only, and not for the real-time path.
   virtual void archive(Archive& archive) {
     Members(archive, *this, spec_.name)
-        .fixed(spec_, group_, fault_)
-        .scratch(wall_time_, over_budget_)
+        .fixed(spec_, group_)
+        .scratch(wall_time_, over_budget_, fault_)
         .state(chain_, shed_, cut_);
   }
   /// What the channel to other groups holds of the jobs first..end-1. The group's ledger comes before.
@@ -182,6 +184,7 @@ class Task : public TaskBase {
       if (fault_.armed && fault_.tick == context.tick) {
         canonical[fault_.byte % canonical_size<T>()] ^= 1u;
         decode_canonical(canonical, value_);
+        fault_.armed = false;
       }
       note(context, canonical, static_cast<std::uint32_t>(canonical_size<T>()));
     }

@@ -59,7 +59,7 @@ ClockOffset clock_offset(const LogFile& run, const LogFile& other) {
 TruthLog::TruthLog(const LogFile& run, const std::string& path)
     : log(path), offset(clock_offset(run, log)), poses(log.truth()) {
   if (poses.empty()) throw InputError(path + ": holds no truth; record one with `sortie plant --record`");
-  for (TimedPose& pose : poses) pose.stamp_ns = difference(pose.stamp_ns, -offset.offset_ns);
+  for (TimedPose& pose : poses) pose.stamp_ns = difference(pose.stamp_ns, difference(0, offset.offset_ns));
   if (poses.back().stamp_ns < run.first_sample_ns() || poses.front().stamp_ns > run.last_sample_ns())
     throw InputError(path + ": its truth is of another time than " + run.path());
 }

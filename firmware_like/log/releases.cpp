@@ -63,23 +63,25 @@ std::vector<GroupResult> releases_of(const LogFile& log) {
   const drivers::LogHeader& header = log.header();
   if (header.utc_minus_monotonic_ns == 0)
     throw InputError(
-        log.path() + ": was recorded in simulated time, where nothing is late; record a live run", 2);
+        log.path() + ": was recorded in simulated time or imported, where nothing is late; record a live run",
+        2);
   const std::int64_t tick_ns = std::max<std::int64_t>(header.base_tick_ns, 1);
   const double tick_us = static_cast<double>(tick_ns) * 1e-3;
   std::vector<ReleaseCounter> counters;
+  const auto ticks_of = [tick_us](double us) {
+    return static_cast<std::uint64_t>(std::llround(std::clamp(us / tick_us, 0.0, 1e15)));
+  };
   std::istringstream groups(header.groups);
-  for (std::string line; std::getline(groups, line);) {
+  for (std::string line; counters.size() < rt::kMaxGroups && std::getline(groups, line);) {
     std::istringstream words(line);
     std::string name;
     double period_us = 0;
     double phase_us = 0;
     double deadline_us = 0;
     words >> name >> period_us >> phase_us >> deadline_us;
-    counters.emplace_back(
-        ReleaseRule{name, tick_ns, header.epoch_ns,
-                    std::max<std::uint64_t>(static_cast<std::uint64_t>(std::llround(period_us / tick_us)), 1),
-                    static_cast<std::uint64_t>(std::llround(deadline_us / tick_us)), true,
-                    static_cast<std::uint64_t>(std::llround(phase_us / tick_us))});
+    counters.emplace_back(ReleaseRule{name, tick_ns, header.epoch_ns,
+                                      std::max<std::uint64_t>(ticks_of(period_us), 1), ticks_of(deadline_us),
+                                      true, ticks_of(phase_us)});
   }
   bool some = false;
   for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTiming))) {

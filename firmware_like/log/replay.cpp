@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/log/replay.hpp"
 
+#include <charconv>
 #include <chrono>
+#include <string_view>
 
 #include "firmware_like/log/log_clock.hpp"
 #include "firmware_like/log/log_event.hpp"
@@ -61,26 +63,41 @@ std::string why_not_live(const LogFile& log, const ReplayOptions& options, bool 
   return use_ticks ? "" : "holds the jobs of another build; take the version that recorded it";
 }
 
-rt::Tick plant_fault(Runtime& runtime, const std::string& text) {
+/// The whole of a text as a number.
+template <class T>
+bool read_whole(std::string_view text, T& value) {
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+  return read.ec == std::errc{} && read.ptr == text.data() + text.size();
+}
+
+rt::Tick plant_fault(Runtime& runtime, std::string_view text) {
   const std::size_t at = text.find('@');
-  const std::string target = text.substr(0, at);
+  const std::string_view target = text.substr(0, at);
   const std::size_t dot = target.find('.');
-  try {
-    if (at == std::string::npos) throw ProfileError("");
-    const rt::Tick tick = std::stoull(text.substr(at + 1));
-    for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
-      rt::TaskBase& task = runtime.executive().task(i);
-      if (target.substr(0, dot) != task.name()) continue;
-      const std::uint32_t byte = dot == std::string::npos
-                                     ? task.output_bytes() - 1
-                                     : static_cast<std::uint32_t>(std::stoul(target.substr(dot + 1)));
-      task.plant_fault({true, tick, byte});
-      return tick;
+  rt::Tick tick = 0;
+  const bool has_tick = at != std::string_view::npos && read_whole(text.substr(at + 1), tick);
+  for (std::uint32_t i = 0; has_tick && i < runtime.executive().task_count(); ++i) {
+    rt::TaskBase& task = runtime.executive().task(i);
+    if (target.substr(0, dot) != task.name()) continue;
+    std::uint32_t byte = task.output_bytes() - 1;
+    if (dot != std::string_view::npos && !read_whole(target.substr(dot + 1), byte)) break;
+    if (byte >= task.output_bytes()) {
+      throw ProfileError("--fault " + std::string(text) + ": the output of this task has " +
+                         std::to_string(task.output_bytes()) + " bytes, 0 is the first");
     }
-  } catch (const std::exception&) {
+    task.plant_fault({true, tick, byte});
+    return tick;
   }
-  throw ProfileError("--fault " + text +
+  throw ProfileError("--fault " + std::string(text) +
                      ": write task@tick or task.byte@tick with a task of this scene, e.g. odometry@1200");
+}
+
+/// A check that was to show that it can fail must not pass because nothing was changed.
+void refuse_unmet_fault(const rt::Executive& executive, const std::string& text) {
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
+    if (executive.task(i).waits_for_fault())
+      throw InputError("--fault " + text + ": this task has no job at that tick of the replay", 2);
+  }
 }
 
 // What was true in the log is true of its replay.
@@ -262,6 +279,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   ProgressFeed shown(feed, runtime, options, recorder.get());
   const double wall_s = run_jobs(executive, shown, options.threaded, outcome.begin_tick, feed.last_tick());
   if (recorder) recorder->stop();
+  refuse_unmet_fault(executive, options.fault);
 
   tidy(outcome.estimate);
   tidy(outcome.located);

@@ -80,7 +80,8 @@ TEST_CASE("a bit flipped in any task is located to its tick, task and field") {
 }
 
 TEST_CASE("a fault that names no task or no tick is refused") {
-  for (const char* fault : {"odometry", "nobody@3", "odometry@", "odometry.x@3", "@3"}) {
+  for (const char* fault : {"odometry", "nobody@3", "odometry@", "odometry.x@3", "@3", "odometry@-1",
+                            "odometry@12x", "odometry.8x@1200"}) {
     INFO(fault);
     ReplayOptions options;
     options.fault = fault;
@@ -88,6 +89,13 @@ TEST_CASE("a fault that names no task or no tick is refused") {
         message_of<ProfileError>([&] { static_cast<void>(replay_log(two_seconds().log, options)); });
     CHECK(why.find("task@tick") != std::string::npos);
   }
+  const auto refused = [](const char* fault) {
+    ReplayOptions options;
+    options.fault = fault;
+    return message_of<InputError>([&] { static_cast<void>(replay_log(two_seconds().log, options)); });
+  };
+  CHECK(refused("odometry@99999999").find("no job at that tick") != std::string::npos);
+  CHECK(refused("odometry.99999@1200").find("bytes") != std::string::npos);
 }
 
 TEST_CASE("a log of another version replays, but its digests are not compared") {

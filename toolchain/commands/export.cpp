@@ -141,13 +141,18 @@ void export_candump(const LogFile& log, std::ostream& out) {
   for (const firmware::StoredEvent& event : log.channel(std::string(drivers::kChannelCan))) {
     drivers::CanFrame frame;
     if (drivers::decode(event.message, frame) != Status::ok) continue;
-    frame.stamp_ns += log.header().utc_minus_monotonic_ns;
+    frame.stamp_ns =
+        static_cast<rt::Nanoseconds>(static_cast<std::uint64_t>(frame.stamp_ns) +
+                                     static_cast<std::uint64_t>(log.header().utc_minus_monotonic_ns));
     frames.push_back(frame);
   }
   if (frames.empty())
     throw InputError(log.path() + ": holds no CAN frames; record a run of a vehicle that uses CAN", 2);
   write_candump(out, frames);
 }
+
+/// Within 146 years of 0, so that sums with what a job took do not overflow. A log may hold anything.
+bool is_near(rt::Nanoseconds time) { return time > -(std::int64_t{1} << 62) && time < std::int64_t{1} << 62; }
 
 void export_trace(const LogFile& log, std::ostream& out) {
   Trace trace;
@@ -164,7 +169,7 @@ void export_trace(const LogFile& log, std::ostream& out) {
   }
   for (const firmware::StoredEvent& event : log.channel(std::string(drivers::kChannelTiming))) {
     drivers::JobTimingRecord timing;
-    if (drivers::decode(event.message, timing) != Status::ok || timing.group < 0) continue;
+    if (!firmware::read_timing(event, timing) || !is_near(timing.started_ns)) continue;
     const auto group = static_cast<std::size_t>(timing.group);
     if (group >= tasks.size()) continue;
     std::int64_t at = timing.started_ns;

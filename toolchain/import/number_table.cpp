@@ -66,6 +66,8 @@ bool NumberTable::parse_row(std::string_view line, std::string& fault) {
     const std::string shown = "'" + columns_[i] + "' is " + quote(field);
     if (i < form_.stamps.size()) {
       if (!parse_seconds(field, stamps_[i])) return fault = shown + ", no time in seconds", false;
+      if (stamps_[i] < -kFarthestStamp_ns || stamps_[i] > kFarthestStamp_ns)
+        return fault = shown + ", more than 4.5e9 s from 0", false;
       continue;
     }
     const bool parsed = parse_double(field, numbers_[i]);

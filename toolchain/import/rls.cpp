@@ -20,7 +20,8 @@ constexpr std::uint64_t kBytesPerPoint = 8;
 
 /// Empty if the pose is a rigid motion, else what is wrong with it.
 std::string fault_of(double t_s, const Pose& pose) {
-  if (!std::isfinite(t_s) || std::fabs(t_s) > 9e9) return "its time is not finite or beyond 9e9 s";
+  if (!std::isfinite(t_s) || std::fabs(t_s) > 4.5e9)
+    return "its time is not finite or more than 4.5e9 s from 0";
   for (const double x : pose) {
     if (!std::isfinite(x) || std::fabs(x) > 1e12) return "its pose is not finite";
   }

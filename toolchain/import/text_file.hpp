@@ -16,6 +16,8 @@ bool parse_double(std::string_view text, double& value);
 /// would keep only 0.2 us of a stamp of today. False where it is no finite number or leaves +-292 years.
 bool parse_seconds(std::string_view text, std::int64_t& nanoseconds);
 
+/// The farthest from 0, 4.5e9 s, of a stamp that may be negative: differences of two cannot overflow.
+inline constexpr std::int64_t kFarthestStamp_ns = 4'500'000'000 * std::int64_t{1'000'000'000};
 /// The latest stamp that a recording of poses or scans may have, 9e9 s: differences of two cannot overflow.
 inline constexpr std::int64_t kLatestStamp_ns = 9'000'000'000 * std::int64_t{1'000'000'000};
 

@@ -3,6 +3,7 @@
 #include "toolchain/judge/trajectory.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <cmath>
 
 namespace sortie::toolchain {
@@ -28,11 +29,15 @@ void slerp(const double (&a)[4], const double (&b)[4], double u, double (&out)[4
 /// Five median steps, at least 50 ms.
 std::int64_t usual_gap(std::span<const firmware::TimedPose> trajectory) {
   constexpr std::int64_t kLeast = 50'000'000;
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 5;
   if (trajectory.size() < 2) return kLeast;
   std::vector<std::int64_t> steps;
   steps.reserve(trajectory.size());
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    steps.push_back(trajectory[i].stamp_ns - trajectory[i - 1].stamp_ns);
+    // Truth of another's log may have any stamps.
+    const auto step = static_cast<std::uint64_t>(trajectory[i].stamp_ns) -
+                      static_cast<std::uint64_t>(trajectory[i - 1].stamp_ns);
+    steps.push_back(static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMost)));
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
