@@ -65,18 +65,15 @@ double fitting_height(const Plot& plot) {
 std::vector<BenchPicture> drawn_pictures(const firmware::Json& result) {
   std::vector<BenchPicture> pictures;
   for (const firmware::Json& wanted : result.value("pictures", firmware::Json::array())) {
-    Plot plot;
-    plot.title = wanted.value("title", "");
-    plot.x.label = wanted.value("x", "");
-    plot.x.log = wanted.value("log_x", false);
-    plot.y.label = wanted.value("y", "");
-    plot.y.log = wanted.value("log_y", false);
-    plot.width = 860;
-    plot.height = 440;
+    Plot plot{wanted.value("title", ""),
+              {wanted.value("x", ""), wanted.value("log_x", false)},
+              {wanted.value("y", ""), wanted.value("log_y", false)},
+              860,
+              440,
+              wanted.value("equal", false)};
     int colour = 0;
     for (const firmware::Json& curve : wanted.value("curves", firmware::Json::array()))
       plot.series.push_back(drawn_series(curve, colour++));
-    plot.equal_aspect = wanted.value("equal", false);
     if (plot.equal_aspect) plot.height = fitting_height(plot);
     pictures.push_back({wanted.value("file", "") + ".svg", std::move(plot), wanted.value("group", "")});
   }

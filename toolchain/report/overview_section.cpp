@@ -61,15 +61,9 @@ Plot plot_ways(const std::vector<ReportInput>& inputs, const Plot& ground) {
                                    [](const Series& series) { return series.mark != Mark::dots; }),
                     plot.series.end());
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    Series way;
-    way.name = scene_of(inputs[i]);
-    way.colour = kWayColours[i % std::size(kWayColours)];
-    way.width = 2.4;
+    Series way{scene_of(inputs[i]), Mark::line, kWayColours[i % std::size(kWayColours)], 2.4};
     const auto& path = inputs[i].estimate.empty() ? inputs[i].located : inputs[i].estimate;
-    for (const firmware::TimedPose& pose : path) {
-      way.x.push_back(pose.p[0]);
-      way.y.push_back(pose.p[1]);
-    }
+    for (const firmware::TimedPose& pose : path) way.add(pose.p[0], pose.p[1]);
     if (!way.x.empty()) plot.series.push_back(std::move(way));
   }
   return plot;

@@ -36,15 +36,6 @@ std::string axis_name(const std::string& error) {
   return name;
 }
 
-Series dots(const char* name, int colour, double width) {
-  Series series;
-  series.name = name;
-  series.mark = Mark::dots;
-  series.colour = colour;
-  series.width = width;
-  return series;
-}
-
 // What stands against the run time: without an error the memory, MB.
 double height_of(const Sweep& sweep, const SweepCell& cell) {
   if (sweep.error.empty()) return static_cast<double>(cell.memory_bytes) * 1e-6;
@@ -65,16 +56,9 @@ Axis axis_over(std::string name, const std::vector<double>& values) {
 
 // The line below which no cell lies.
 Series steps_of(std::vector<std::pair<double, double>> path) {
-  Series steps;
-  steps.mark = Mark::steps;
-  steps.colour = kBlue;
-  steps.width = 1.2;
-  steps.dashed = true;
+  Series steps{"", Mark::steps, kBlue, 1.2, true};
   std::sort(path.begin(), path.end());
-  for (const auto& [x, y] : path) {
-    steps.x.push_back(x);
-    steps.y.push_back(y);
-  }
+  for (const auto& [x, y] : path) steps.add(x, y);
   return steps;
 }
 
@@ -85,9 +69,9 @@ Plot plot_sweep(const Sweep& sweep) {
   std::string tasks;
   for (const std::string& task : sweep.tasks) tasks += (tasks.empty() ? "" : " + ") + task;
   plot.title = listed(sweep.keys) + " (" + sweep.scene + ")";
-  Series others = dots("tried", kGrey, 4);
-  Series front = dots("Pareto front", kBlue, 4);
-  Series own = dots("profile", kVermilion, 6);
+  Series others{"tried", Mark::dots, kGrey, 4};
+  Series front{"Pareto front", Mark::dots, kBlue, 4};
+  Series own{"profile", Mark::dots, kVermilion, 6};
   std::vector<double> costs;
   std::vector<double> heights;
   std::vector<std::pair<double, double>> path;
@@ -95,14 +79,10 @@ Plot plot_sweep(const Sweep& sweep) {
     costs.push_back(cell.load_us_per_s);
     heights.push_back(height_of(sweep, cell));
     Series& series = cell.on_front ? front : others;
-    series.x.push_back(costs.back());
-    series.y.push_back(heights.back());
+    series.add(costs.back(), heights.back());
     series.labels.push_back(listed(cell.values));
     if (cell.on_front) path.emplace_back(costs.back(), heights.back());
-    if (cell.profile_choice) {
-      own.x.push_back(costs.back());
-      own.y.push_back(heights.back());
-    }
+    if (cell.profile_choice) own.add(costs.back(), heights.back());
   }
   plot.x = axis_over("run time of " + tasks + ", \u00b5s per second of robot time", costs);
   plot.y = axis_over(sweep.error.empty() ? "memory, MB" : axis_name(sweep.error), heights);
