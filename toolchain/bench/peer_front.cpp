@@ -24,7 +24,7 @@ std::string heading_of(const PeerFront& front, const std::string& group) {
 const std::vector<PeerFront>& peer_fronts() {
   static const std::vector<PeerFront> fronts{rt_front(),           plant_front(), mapping_front(),
                                              registration_front(), uav_front(),   stability_front(),
-                                             campaign_front()};
+                                             campaign_front(),     ray_front()};
   return fronts;
 }
 

@@ -33,6 +33,7 @@ struct PeerOption {
   double high{};                       ///< 0: no bound
   std::vector<std::string> choices{};  ///< of a text; empty: any
   std::string type{};                  ///< what the help calls it, where that is not plain
+  bool given{};                        ///< by whoever typed the command
 };
 
 /// A text that is one of these, or is not given.
@@ -51,6 +52,7 @@ struct PeerFront {
   bool has_passes{true};
   bool all_timed{};                          ///< none of its figures is the same at every run
   bool on_one_line{};                        ///< its JSON file, which is large
+  void (*adapt)(PeerFront&){};               ///< before it runs: what its options make of all this
   void (*finish)(firmware::Json&){};         ///< what is added to the result before it is shown
   bool (*is_good)(const firmware::Json&){};  ///< false: exit code 1
 

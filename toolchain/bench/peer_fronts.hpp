@@ -13,6 +13,7 @@ PeerFront registration_front();  ///< the registration of scans and clouds besid
 PeerFront uav_front();           ///< the multirotor beside Lee's controller and others
 PeerFront stability_front();     ///< stiff and extreme cases beside the naive method
 PeerFront campaign_front();      ///< hostile random sequences for every module
+PeerFront ray_front();           ///< the ray scheduler beside the published planners; closed loops
 
 /// Marks the cells of the local map's sweep that no other beats: each stream and policy has its front.
 void mark_mapping_fronts(firmware::Json& result);
@@ -23,6 +24,12 @@ std::vector<BenchPicture> rt_pictures(const firmware::Json& result);
 std::vector<BenchPicture> plant_pictures(const firmware::Json& result);
 /// Error of segments over run time, a picture a stream.
 std::vector<BenchPicture> mapping_pictures(const firmware::Json& result);
+/// Worth over run time, and the chosen rays over the entropy of the map.
+std::vector<BenchPicture> ray_pictures(const firmware::Json& result);
+/// The course of the loss, scene by scene.
+std::vector<BenchPicture> ray_loop_pictures(const firmware::Json& result);
+/// The page of the closed loops: policies that aim the solid-state lidar.
+std::string ray_loop_page(const firmware::Json& result, const std::string& command);
 /// Whatever the program drew.
 std::vector<BenchPicture> drawn_pictures(const firmware::Json& result);
 

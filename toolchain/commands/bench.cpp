@@ -3,12 +3,6 @@
 
 namespace sortie::toolchain {
 
-void add_passes(firmware::Command& command, unsigned& passes) {
-  command.add_option("--passes", passes, "Runs, a process each; ranges then hold all of them")
-      ->in_range(1, 100)
-      ->capture_default_str();
-}
-
 void add_bench(firmware::Command& app, CommandContext& context) {
   firmware::Command* command = app.add_subcommand(
       "bench", "Measure: sweep a profile's keys over logs, or one of the benchmarks below");
@@ -27,7 +21,6 @@ void add_bench(firmware::Command& app, CommandContext& context) {
   command->require_subcommand(0, 1);
   add_bench_all(*command, context);
   add_bench_peers(*command, context);
-  add_bench_rays(*command, context);
   add_bench_odometry(*command, context);
   add_bench_wcet(*command, context);
 }

@@ -6,16 +6,13 @@
 
 namespace sortie::toolchain {
 
-/// --passes of a benchmark that has a program of its own.
-void add_passes(firmware::Command& command, unsigned& passes);
 /// `bench LOG... --sweep`: the options of `bench` itself.
 void add_bench_sweep(firmware::Command& bench, CommandContext& context);
 /// `bench all`: every part below, one after another.
 void add_bench_all(firmware::Command& bench, CommandContext& context);
-/// `bench rt`, `plant`, `mapping`, `uav`, `stability`, `campaign`: those that have programs of their own.
+/// `bench rt`, `plant`, `mapping`, `uav`, `stability`, `campaign`, `rays`: those that have programs of their
+/// own.
 void add_bench_peers(firmware::Command& bench, CommandContext& context);
-/// `bench rays`: the ray scheduler beside the published planners.
-void add_bench_rays(firmware::Command& bench, CommandContext& context);
 /// `bench odometry`: attitude and odometry, error against run time.
 void add_bench_odometry(firmware::Command& bench, CommandContext& context);
 /// `bench wcet`: instructions of every job.
