@@ -10,7 +10,7 @@
 #include "tests/firmware_like/xml_check.hpp"
 #include "toolchain/judge/job_timeline.hpp"
 #include "toolchain/report/html.hpp"
-#include "toolchain/report/timeline_plot.hpp"
+#include "toolchain/report/plots.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;

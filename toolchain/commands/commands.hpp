@@ -14,7 +14,6 @@
 namespace sortie::firmware {
 class LogFile;
 class Runtime;
-struct ContactSummary;
 }  // namespace sortie::firmware
 
 namespace sortie::toolchain {
@@ -69,9 +68,6 @@ void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const f
 /// Adds a picture of the rays that a solid-state lidar fired, if the log has any, over the occupancy map.
 void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmware::Runtime& runtime,
                   const firmware::Trajectory& path);
-
-/// Adds the pictures of contacts and flippers, where the truth of a simulation is known.
-void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactSummary>& contacts);
 
 /// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
 /// unless its good part was declared to be enough.

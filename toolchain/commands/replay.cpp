@@ -7,7 +7,7 @@
 #include "toolchain/commands/replay_report.hpp"
 #include "toolchain/judge/alignment.hpp"
 #include "toolchain/report/map_plot.hpp"
-#include "toolchain/report/timeline_plot.hpp"
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 
@@ -61,7 +61,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   report.alignment = options.align;
   report.timeline = plot_timeline(timeline);
   report.tables.push_back({"Run times on the robot", live_rows(report.results)});
-  add_contact_plots(report, outcome.contacts);
+  report.more_plots = plot_contacts(outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
   report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <iostream>
 
-#include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results_output.hpp"
@@ -16,8 +15,6 @@
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/judge/fired_rays.hpp"
-#include "toolchain/report/contact_plots.hpp"
-#include "toolchain/report/fired_rays_plot.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/map_plot.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
@@ -72,10 +69,6 @@ void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmw
   const FiredRays fired = fired_rays(log, std::move(profile), path);
   if (!fired.rays.empty())
     report.more_plots.push_back(plot_fired_rays(fired, occupied_cells(runtime.vehicle()), path));
-}
-
-void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactSummary>& contacts) {
-  for (Plot& plot : plot_contacts(contacts)) report.more_plots.push_back(std::move(plot));
 }
 
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word) {

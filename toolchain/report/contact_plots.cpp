@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/contact_plots.hpp"
-
 #include <string>
+
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 

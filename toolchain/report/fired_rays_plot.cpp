@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/fired_rays_plot.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/judge/fired_rays.hpp"
+#include "toolchain/report/map_plot.hpp"
 
 namespace sortie::toolchain {
 namespace {

@@ -9,13 +9,10 @@
 
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/report/doctor_section.hpp"
-#include "toolchain/report/overview_section.hpp"
+#include "toolchain/report/page_sections.hpp"
 #include "toolchain/report/page_style.hpp"
 #include "toolchain/report/plots.hpp"
 #include "toolchain/report/release_plots.hpp"
-#include "toolchain/report/schedule_section.hpp"
-#include "toolchain/report/table_cell.hpp"
 
 namespace sortie::toolchain {
 namespace {
@@ -226,10 +223,6 @@ std::string left_out_section(const firmware::Results& r) {
   return "<h2>Left out</h2>\n<p class=\"note\">This scene does without these tasks, which its vehicle could "
          "have: " +
          esc(names) + ". They are not scheduled and have no memory.</p>\n";
-}
-
-std::string scene_name(const ReportInput& input) {
-  return input.results.scene.empty() ? "run" : input.results.scene;
 }
 
 std::string subtitle(const ReportInput& input) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The map of a run as a picture: voxels seen from above, coloured by height, with the path on top.
+// The map of a run as a picture from above, with the path on top: voxels coloured by height or segment, and
+// the rays that a solid-state lidar was asked for with what they met.
 #pragma once
 
 #include <cmath>
@@ -12,6 +13,8 @@
 #include "toolchain/report/svg.hpp"
 
 namespace sortie::toolchain {
+
+struct FiredRays;
 
 /// One voxel, in metres of the world.
 struct MapPoint {
@@ -60,5 +63,15 @@ Plot plot_map(std::span<const MapPoint> points, std::span<const firmware::TimedP
 /// The same map coloured by segment: the largest ones each in a colour of their own, the smaller ones in one,
 /// voxels of none in grey. Without segments the plot has no series.
 Plot plot_segments(std::span<const MapPoint> points);
+
+/// Cells of the occupancy map that are held for occupied; empty without one. Set-up side: takes heap memory.
+std::vector<MapPoint> occupied_cells(const firmware::Vehicle& vehicle);
+
+/// From above: occupied cells in grey; what came back as dots, in four colours by age; the rays of the newest
+/// command of each age as lines, dashed where nothing came back; the path. Of points that lie in one cell of
+/// the picture the newest is shown. A few far returns at the edges are left out. Without rays the plot has no
+/// series.
+Plot plot_fired_rays(const FiredRays& fired, std::span<const MapPoint> occupied,
+                     std::span<const firmware::TimedPose> path);
 
 }  // namespace sortie::toolchain

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/timeline_plot.hpp"
-
 #include <array>
 #include <cmath>
 
 #include "estimators/obstacle_modes.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 namespace {
