@@ -6,6 +6,7 @@
 
 #include "tests/firmware_like/temp_folder.hpp"
 #include "tests/firmware_like/xml_check.hpp"
+#include "toolchain/export/output_file.hpp"
 #include "toolchain/report/axis.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/plots.hpp"
@@ -272,7 +273,7 @@ TEST_CASE("a report of almost nothing is still a page") {
   in.estimate = circle(1, 1, 0);
   CHECK(xml_fault(render_report(in)) == "");
   const sortie::testing::TempFolder folder;
-  write_report(folder.file("report.html"), render_report(in));
+  write_file(folder.file("report.html"), render_report(in));
   CHECK(sortie::testing::read_all(folder.file("report.html")) == render_report(in));
 }
 

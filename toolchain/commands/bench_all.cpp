@@ -27,8 +27,8 @@ int run(const CommandContext& context, BenchAllCommand& options) {
   }
   const firmware::Json index = run_bench_all(options.bench);
   const std::string page = bench_all_page(index, context.command_line);
-  write_file(options.output.out + "/index.json", [&](std::ostream& out) { out << index.dump(2) << "\n"; });
-  write_file(options.output.out + "/index.md", [&](std::ostream& out) { out << page; });
+  write_file(options.output.out + "/index.json", index.dump(2) + "\n");
+  write_file(options.output.out + "/index.md", page);
   std::cout << (options.output.json ? index.dump(2) + "\n" : page);
   std::cerr << "report: " << options.output.out << "/index.{md,json}\n";
   int code = 0;

@@ -81,14 +81,12 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
     page += "\n### " + set.name + "\n\n" + odometry_table(set, cells);
     if (!folder.empty()) {
       const std::string picture = "bench-odometry-" + set.name + ".svg";
-      write_file(folder + "/" + picture,
-                 [&](std::ostream& out) { out << render(plot_odometry(set, cells)) << "\n"; });
+      write_file(folder + "/" + picture, render(plot_odometry(set, cells)) + "\n");
       page += "\n![" + set.name + ": error over run time](" + picture + ")\n";
     }
     if (!folder.empty() && set.odometry.obstacles) {
       const std::string picture = "bench-odometry-" + set.name + "-height.svg";
-      write_file(folder + "/" + picture,
-                 [&](std::ostream& out) { out << render(plot_heights(set)) << "\n"; });
+      write_file(folder + "/" + picture, render(plot_heights(set)) + "\n");
       page += "\n![" + set.name + ": height along the way](" + picture + ")\n";
     }
     done += 1.0;
@@ -97,8 +95,8 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
   const firmware::Json result{{"command", context.command_line}, {"cells", rows}};
   if (options.output.json) std::cout << result.dump(2) << "\n";
   if (folder.empty()) return 0;
-  write_file(folder + "/bench-odometry.json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });
-  write_file(folder + "/bench-odometry-cells.md", [&](std::ostream& out) { out << page; });
+  write_file(folder + "/bench-odometry.json", result.dump(2) + "\n");
+  write_file(folder + "/bench-odometry-cells.md", page);
   std::cerr << "report: " << folder << "/bench-odometry*.{json,md,svg}\n";
   return 0;
 }

@@ -83,14 +83,11 @@ int run(const CommandContext& context, PeerCommand& options) {
   if (const std::string& folder = options.output.out; !folder.empty()) {
     std::filesystem::create_directories(folder);
     const std::string file = folder + "/" + front.file;
-    write_file(file + ".json",
-               [&](std::ostream& out) { out << result.dump(front.on_one_line ? -1 : 2) << "\n"; });
-    write_file(file + ".md",
-               [&](std::ostream& out) { out << bench_page(front, result, context.command_line); });
+    write_file(file + ".json", result.dump(front.on_one_line ? -1 : 2) + "\n");
+    write_file(file + ".md", bench_page(front, result, context.command_line));
     if (front.pictures != nullptr) {
       for (const BenchPicture& picture : front.pictures(result))
-        write_file(folder + "/" + picture.file,
-                   [&](std::ostream& out) { out << render(picture.plot) << "\n"; });
+        write_file(folder + "/" + picture.file, render(picture.plot) + "\n");
     }
     std::cerr << "report: " << file << ".{md,json}" << (front.pictures != nullptr ? " and pictures" : "")
               << "\n";

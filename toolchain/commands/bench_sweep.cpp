@@ -175,7 +175,7 @@ int write_script(const SweepFolderPlan& plan, const SweepCommand& command) {
   const std::string folder = fs::absolute(command.output.out).lexically_normal().string();
   const ArrayScript script{own_program_path(), folder, plan.cell_count()};
   const std::string path = fs::absolute(command.slurm).lexically_normal().string();
-  write_file(path, [&script](std::ostream& out) { out << script.text(); });
+  write_file(path, script.text());
   remember_script(folder, path, script);
   std::cerr << "planned: " << plan.cell_count() << " cells; submit them with: sbatch " << path
             << "\nthen: sortie merge " << folder << "\n";

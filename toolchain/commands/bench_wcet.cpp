@@ -89,10 +89,9 @@ int run(const CommandContext& context, WcetCommand& options) {
   }
   if (const std::string& folder = options.output.out; !folder.empty()) {
     std::filesystem::create_directories(folder);
-    write_file(folder + "/wcet.json", [&](std::ostream& out) { out << to_json(wcet).dump(2) << "\n"; });
+    write_file(folder + "/wcet.json", to_json(wcet).dump(2) + "\n");
     write_file(folder + "/wcet.csv", [&](std::ostream& out) { write_wcet_csv(out, wcet); });
-    write_file(folder + "/wcet.txt",
-               [&](std::ostream& out) { out << gate_text(wcet, "scene " + wcet.scene); });
+    write_file(folder + "/wcet.txt", gate_text(wcet, "scene " + wcet.scene));
     std::cerr << "counts: " << folder << "/wcet.{txt,csv,json}\n";
   }
   return options.expect.empty() ? 0 : judge(wcet, options.expect);

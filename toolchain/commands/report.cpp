@@ -25,10 +25,6 @@ struct PageOptions {
   OutputOptions output;
 };
 
-void write_json(const std::string& path, const firmware::Json& json) {
-  write_file(path, [&json](std::ostream& out) { out << json.dump(2) << "\n"; });
-}
-
 void write_sweeps(const PageOptions& options, const std::vector<std::vector<Sweep>>& sweeps) {
   firmware::Json all = firmware::Json::array();
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
@@ -38,7 +34,7 @@ void write_sweeps(const PageOptions& options, const std::vector<std::vector<Swee
       all.push_back(std::move(entry));
     }
   }
-  write_json(options.output.out + "/sweeps.json", firmware::Json{{"sweeps", all}});
+  write_file(options.output.out + "/sweeps.json", firmware::Json{{"sweeps", all}}.dump(2) + "\n");
 }
 
 // Several logs on one page; their results in one file, in the order of the logs.
@@ -49,9 +45,9 @@ void show_all(const PageOptions& options, const std::vector<ReportInput>& report
     runs.push_back(to_json(report.results));
   }
   std::filesystem::create_directories(options.output.out);
-  write_json(options.output.out + "/results.json", firmware::Json{{"runs", runs}});
+  write_file(options.output.out + "/results.json", firmware::Json{{"runs", runs}}.dump(2) + "\n");
   const std::string page = options.output.out + "/report.html";
-  write_report(page, render_report(reports, ground));
+  write_file(page, render_report(reports, ground));
   std::cerr << "report: " << page << "\n";
 }
 

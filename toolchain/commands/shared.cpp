@@ -91,8 +91,7 @@ void show_results(const OutputOptions& options, const ReportInput& report,
   firmware::print_results(report.results, options.json, judged);
   if (options.out.empty()) return;
   std::filesystem::create_directories(options.out);
-  write_file(options.out + "/results.json",
-             [&report](std::ostream& out) { out << to_json(report.results).dump(2) << "\n"; });
+  write_file(options.out + "/results.json", to_json(report.results).dump(2) + "\n");
   const auto write_trajectory = [&options](const char* name,
                                            const std::vector<firmware::TimedPose>& trajectory) {
     if (trajectory.empty()) return;
@@ -101,7 +100,7 @@ void show_results(const OutputOptions& options, const ReportInput& report,
   write_trajectory("/trajectory.tum", report.estimate);
   write_trajectory("/located.tum", report.located);
   write_trajectory("/truth.tum", report.truth);
-  write_report(options.out + "/report.html", render_report(report));
+  write_file(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";
 }
 

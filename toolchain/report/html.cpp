@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/export/output_file.hpp"
 #include "toolchain/report/page_sections.hpp"
 #include "toolchain/report/page_style.hpp"
 #include "toolchain/report/plots.hpp"
@@ -276,10 +274,6 @@ std::string render_report(const std::vector<ReportInput>& inputs, const Plot& gr
            "</h1><p>" + esc(subtitle(inputs[i])) + "</p></header>\n" + body(inputs[i]);
   }
   return out + page_end();
-}
-
-void write_report(const std::string& path, const std::string& page) {
-  write_file(path, [&page](std::ostream& out) { out << page; });
 }
 
 }  // namespace sortie::toolchain

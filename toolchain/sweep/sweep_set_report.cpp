@@ -109,17 +109,16 @@ std::string sweep_file(const SweepSet& set, std::size_t i) {
 
 void write_sweep_set(const std::string& folder, const SweepSet& set, const firmware::Json& object) {
   std::filesystem::create_directories(folder);
-  write_file(folder + "/sweep.json", [&object](std::ostream& out) { out << object.dump(2) << "\n"; });
+  write_file(folder + "/sweep.json", object.dump(2) + "\n");
   for (std::size_t i = 0; i < set.logs.size(); ++i) {
     const Sweep& sweep = set.logs[i].sweep;
     const std::string name = folder + "/" + sweep_file(set, i);
     write_file(name + ".csv", [&sweep](std::ostream& out) { write_sweep_csv(out, sweep); });
-    write_file(name + ".svg", [&sweep](std::ostream& out) { out << render(plot_sweep(sweep)); });
+    write_file(name + ".svg", render(plot_sweep(sweep)));
   }
   if (!set.spread.empty())
     write_file(folder + "/spread.csv", [&set](std::ostream& out) { write_spread_csv(out, set); });
-  const std::string page = sweep_page(set, object.value("command", ""));
-  write_file(folder + "/sweep.md", [&page](std::ostream& out) { out << page; });
+  write_file(folder + "/sweep.md", sweep_page(set, object.value("command", "")));
 }
 
 }  // namespace sortie::toolchain
