@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <unistd.h>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -9,7 +10,7 @@
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/json_reader.hpp"
 #include "toolchain/commands/commands.hpp"
-#include "toolchain/commands/report_sweeps.hpp"
+#include "toolchain/commands/replay_report.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/sweep/sweep_report.hpp"
@@ -20,10 +21,40 @@ namespace {
 
 struct PageOptions {
   std::vector<std::string> logs;
-  SweepsOnPage sweeps;
+  std::vector<std::string> knobs;  // "key=v1,v2,v3" each
+  std::string sweep_to;            // time or @tick; empty: as far as the page's replay
   ReplayReportOptions replay;
   OutputOptions output;
 };
+
+// Sweeps each knob by itself over every log whose scene knows the key; an entry a log. Throws ProfileError
+// where no log's scene can be swept so.
+std::vector<std::vector<Sweep>> sweep_logs(const CommandContext& context, const PageOptions& options) {
+  std::vector<std::vector<Sweep>> sweeps(options.logs.size());
+  SweepOptions sweep;
+  sweep.replay = options.replay.replay;
+  sweep.replay.on_job = nullptr;
+  if (!options.sweep_to.empty()) sweep.replay.to = options.sweep_to;
+  sweep.evaluation = options.replay.evaluation;
+  sweep.evaluation.align = parse_alignment(options.replay.align);
+  for (const std::string& text : options.knobs) {
+    sweep.knobs = parse_knobs({text});
+    std::exception_ptr refusal;
+    bool swept = false;
+    for (std::size_t i = 0; i < options.logs.size(); ++i) {
+      sweep.progress = progress_bar(options.output, "sweep");
+      try {
+        sweeps[i].push_back(run_sweep(firmware::LogFile(options.logs[i]), context.parts.vehicles, sweep));
+        swept = true;
+      } catch (const firmware::ProfileError&) {
+        // Another robot's key; an error only where no log's scene takes it.
+        refusal = std::current_exception();
+      }
+    }
+    if (!swept && refusal) std::rethrow_exception(refusal);
+  }
+  return sweeps;
+}
 
 void write_sweeps(const PageOptions& options, const std::vector<std::vector<Sweep>>& sweeps) {
   firmware::Json all = firmware::Json::array();
@@ -63,8 +94,7 @@ int write_page(const CommandContext& context, PageOptions& options) {
     for (const std::string& failure : replayed.failures) failures.push_back(log + ": " + failure);
     reports.push_back(std::move(replayed.report));
   }
-  const std::vector<std::vector<Sweep>> sweeps =
-      sweep_for_report(context, options.logs, options.sweeps, options.replay, options.output);
+  const std::vector<std::vector<Sweep>> sweeps = sweep_logs(context, options);
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     for (const Sweep& sweep : sweeps[i]) reports[i].sweeps.push_back(sweep_figures(sweep));
   }
@@ -73,7 +103,7 @@ int write_page(const CommandContext& context, PageOptions& options) {
   } else {
     show_all(options, reports, ground);
   }
-  if (!options.sweeps.knobs.empty()) write_sweeps(options, sweeps);
+  if (!options.knobs.empty()) write_sweeps(options, sweeps);
   for (const auto& of_log : sweeps) {
     for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, firmware::wants_colour(STDOUT_FILENO));
   }
@@ -99,11 +129,11 @@ void add_report(firmware::Command& app, CommandContext& context) {
   add_replay_report_options(*command, options->replay);
   command
       ->add_option(
-          "--sweep", options->sweeps.knobs,
+          "--sweep", options->knobs,
           "Error over run time of a key of the profile, too, over every log that knows it: key=v1,v2,v3")
       ->take_all();
   command
-      ->add_option("--sweep-to", options->sweeps.to,
+      ->add_option("--sweep-to", options->sweep_to,
                    "End sweeps before that time or @tick of their log; default: --to")
       ->type_name("TIME");
   command->add_option("--out", options->output.out, "Folder")->type_name("DIR")->capture_default_str();
