@@ -17,7 +17,6 @@
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_timing.hpp"
 #include "rt/fields.hpp"
-#include "toolchain/commands/spy_segments.hpp"
 
 namespace sortie::toolchain {
 namespace {
