@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/bench/figure_table.hpp"
 #include "toolchain/bench/odometry_bench.hpp"
 
 namespace sortie::toolchain {
@@ -24,8 +25,7 @@ constexpr Column kErrorColumns[] = {{"inclination_rmse_deg", "inclination deg", 
                                     {"drift_horizontal_percent", "horizontal drift %", 1},
                                     {"drift_vertical_percent", "vertical drift %", 1}};
 
-std::vector<std::vector<std::string>> lines_of(const OdometrySet& set,
-                                               const std::vector<OdometryCell>& cells) {
+TextTable table_of(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
   std::vector<Column> columns;
   for (const Column& column : kErrorColumns) {
     for (const OdometryCell& cell : cells) {
@@ -50,42 +50,20 @@ std::vector<std::vector<std::string>> lines_of(const OdometrySet& set,
     line.push_back(std::string(cell.on_front ? "front" : "") +
                    (cell.profile_choice ? (cell.on_front ? ", **profile**" : "**profile**") : ""));
   }
-  return lines;
+  std::vector<bool> words(lines[0].size());
+  words[1] = words.back() = true;
+  return {std::move(lines), std::move(words)};
 }
 
 }  // namespace
 
 void print_odometry(std::ostream& out, const OdometrySet& set, const std::vector<OdometryCell>& cells) {
-  const auto lines = lines_of(set, cells);
-  std::vector<std::size_t> widths(lines[0].size());
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
-  }
   out << "\n" << set.name << "\n";
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const bool words = i == 1 || i + 1 == line.size();
-      out << "  "
-          << (words ? firmware::pad_right(line[i], widths[i]) : firmware::pad_left(line[i], widths[i]));
-    }
-    out << "\n";
-  }
+  print_lines(out, table_of(set, cells));
 }
 
 std::string odometry_table(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
-  std::string text;
-  bool first = true;
-  for (const auto& line : lines_of(set, cells)) {
-    text += "|";
-    for (const std::string& cell : line) text += " " + cell + " |";
-    text += "\n";
-    if (!first) continue;
-    first = false;
-    text += "|";
-    for (std::size_t i = 0; i < line.size(); ++i) text += i == 1 || i + 1 == line.size() ? "---|" : "---:|";
-    text += "\n";
-  }
-  return text;
+  return markdown(table_of(set, cells));
 }
 
 Plot plot_odometry(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
