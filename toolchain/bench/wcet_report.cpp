@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "firmware_like/scene/text_format.hpp"
 
 namespace sortie::toolchain {
@@ -81,22 +81,12 @@ void print_wcet(std::ostream& out, const Wcet& wcet) {
 }
 
 firmware::Json to_json(const Wcet& wcet) {
-  firmware::Json object;
-  object["scene"] = wcet.scene;
-  object["built_by"] = wcet.built_by;
-  object["tasks"] = firmware::Json::array();
+  firmware::Json tasks = firmware::Json::array();
   for (const WcetRow& row : rows_of(wcet)) {
-    object["tasks"].push_back({{"name", row.task},
-                               {"group", row.group},
-                               {"jobs", row.jobs},
-                               {"median", row.median},
-                               {"p99", row.p99},
-                               {"worst", row.worst},
-                               {"worst_tick", row.worst_tick},
-                               {"total", row.total},
-                               {"ratio", row.ratio}});
+    tasks.push_back({{"name", row.task}, {"group", row.group}});
+    tasks.back().update(firmware::json_of(row));
   }
-  return object;
+  return {{"scene", wcet.scene}, {"built_by", wcet.built_by}, {"tasks", std::move(tasks)}};
 }
 
 void write_wcet_csv(std::ostream& out, const Wcet& wcet) {

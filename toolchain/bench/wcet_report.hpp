@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rt/describe.hpp"
 #include "toolchain/bench/wcet.hpp"
 
 namespace sortie::firmware {
@@ -25,6 +26,7 @@ struct WcetRow {
   std::uint64_t worst_tick{};  ///< the first job that cost the worst
   std::uint64_t total{};       ///< of all jobs: no change of any job leaves it as it was
   double ratio{};              ///< worst over median
+  SORTIE_FIELDS(jobs, median, p99, worst, worst_tick, total, ratio)
 };
 
 /// The rows of all tasks that ran, in order of the table.

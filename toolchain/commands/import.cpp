@@ -2,25 +2,11 @@
 #include <iostream>
 #include <memory>
 
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/import/importer.hpp"
 
 namespace sortie::toolchain {
-namespace {
-
-firmware::Json to_json(const ReturnCounts& returns) {
-  return {{"in", returns.in},
-          {"used", returns.used},
-          {"no_return", returns.no_return},
-          {"out_of_range", returns.out_of_range},
-          {"not_finite", returns.not_finite},
-          {"time_negative", returns.time_negative},
-          {"time_unsorted", returns.time_unsorted},
-          {"time_beyond", returns.time_beyond}};
-}
-
-}  // namespace
 
 void add_import(firmware::Command& app, CommandContext& context) {
   struct Options {
@@ -56,21 +42,11 @@ void add_import(firmware::Command& app, CommandContext& context) {
       const ImportReport report = import_log(options->import);
       for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
       if (options->json) {
-        const firmware::Json object{{"log", options->import.out},
-                                    {"rows", report.rows},
-                                    {"events", report.events},
-                                    {"bad_rows", report.bad_rows},
-                                    {"hidden_truth", report.hidden_truth},
-                                    {"time_backwards", report.time_backwards},
-                                    {"out_of_order", report.out_of_order},
-                                    {"other_rows", report.other_rows},
-                                    {"imu", report.imu},
-                                    {"tracks", report.tracks},
-                                    {"scans", report.scans},
-                                    {"truth", report.truth},
-                                    {"returns", to_json(report.returns)},
-                                    {"sources", report.sources},
-                                    {"warnings", report.warnings}};
+        firmware::Json object{{"log", options->import.out}};
+        object.update(firmware::json_of(report));
+        object.update({{"returns", firmware::json_of(report.returns)},
+                       {"sources", report.sources},
+                       {"warnings", report.warnings}});
         std::cout << object.dump(2) << "\n";
       } else {
         std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
