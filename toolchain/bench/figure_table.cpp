@@ -82,6 +82,14 @@ void for_each_of(const firmware::Json& result, const char* list, const std::stri
   }
 }
 
+// The words below a group's table, one line each.
+std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group) {
+  std::vector<std::string> lines;
+  for_each_of(result, "notes", group,
+              [&](const firmware::Json& note) { lines.push_back(note.value("words", "")); });
+  return lines;
+}
+
 }  // namespace
 
 std::vector<std::string> figure_skips(const firmware::Json& result) {
@@ -100,13 +108,6 @@ std::vector<std::string> figure_groups(const firmware::Json& result) {
     }
   }
   return names;
-}
-
-std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group) {
-  std::vector<std::string> lines;
-  for_each_of(result, "notes", group,
-              [&](const firmware::Json& note) { lines.push_back(note.value("words", "")); });
-  return lines;
 }
 
 void print_figures(std::ostream& out, const firmware::Json& result, const std::string& group, bool colour) {

@@ -23,9 +23,6 @@ std::string markdown(const TextTable& table);
 /// Groups of figures and tables, in the order in which they come.
 std::vector<std::string> figure_groups(const firmware::Json& result);
 
-/// The words below a group's table, one line each.
-std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group);
-
 /// What could not be measured and why, one line each.
 std::vector<std::string> figure_skips(const firmware::Json& result);
 

@@ -32,6 +32,15 @@ std::string format_value(double value) {
   return whole ? firmware::format_fixed(value, 0) : firmware::format_short(value);
 }
 
+// Everything but printable ASCII replaced.
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  for (char& character : shown) {
+    if (character < ' ' || character > '~') character = '?';
+  }
+  return shown;
+}
+
 // Values of one channel, as many to a line as fit.
 void print_values(std::vector<std::string>& lines, const ChannelStatistics& statistics) {
   std::string line;
@@ -92,14 +101,6 @@ void SpyTable::add(std::string_view channel, std::span<const std::uint8_t> messa
 std::string shown_type(std::uint64_t fingerprint) {
   const std::string_view name = drivers::type_name(fingerprint);
   return name.empty() ? "0x" + firmware::hex(fingerprint) : std::string(name);
-}
-
-std::string printable(std::string_view text) {
-  std::string shown(text);
-  for (char& character : shown) {
-    if (character < ' ' || character > '~') character = '?';
-  }
-  return shown;
 }
 
 void SpyTable::print(std::ostream& out, rt::Nanoseconds now_ns, std::size_t rows) const {

@@ -80,9 +80,4 @@ struct Sweep {
 Sweep run_sweep(const firmware::LogFile& log, const firmware::VehicleRegistry& vehicles,
                 const SweepOptions& options);
 
-/// Tasks that a knob belongs to: "map.voxel_m" and "tasks.map.budget_us" the task map,
-/// "groups.control.rate_hz" all of the group, "limits.voxels" the task map; what belongs to none belongs to
-/// all.
-std::vector<std::string> tasks_of_knob(const std::string& key, const firmware::Runtime& runtime);
-
 }  // namespace sortie::toolchain
