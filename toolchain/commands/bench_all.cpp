@@ -61,8 +61,7 @@ void add_bench_all(firmware::Command& bench, CommandContext& context) {
       ->capture_default_str();
   command->add_flag("--json", options->output.json, "Print index.json instead of the page");
   command->add_flag("--quiet", options->output.quiet, "No line a part");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -127,8 +127,7 @@ void add_bench_odometry(firmware::Command& bench, CommandContext& context) {
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the tables");
   command->add_flag("--quiet", options->output.quiet, "No progress bar");
   command->add_option("--out", options->output.out, "Folder for tables, JSON and pictures")->type_name("DIR");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

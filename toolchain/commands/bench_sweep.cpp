@@ -11,6 +11,7 @@
 
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/log/replay_command.hpp"
+#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/bench/child_process.hpp"
@@ -228,7 +229,7 @@ int run(const CommandContext& context, SweepCommand& command) {
   if (command.request.knobs.empty()) refuse("nothing to sweep; add --sweep key=v1,v2,v3 or --sweep knobs");
   const std::vector<SimulatedDrive> drives = take_drives(context, command);
   const int code = command.in_folder() ? run_in_folder(context, command, drives) : run_here(context, command);
-  return finish_with_damage(context, command.damage, command.accept_damage, code);
+  return firmware::code_with_damage(context.parts.name, command.damage, command.accept_damage, code);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware_like/log/timed_pose.hpp"
@@ -26,6 +27,11 @@ struct CommandContext {
   const ProgramParts& parts;
   std::string command_line;       ///< as typed, for reports
   std::function<int()> chosen{};  ///< set by the command that was chosen; returns the exit code
+
+  /// For the callback of a command: makes `command` the chosen one.
+  std::function<void()> choose(std::function<int()> command) {
+    return [this, command = std::move(command)] { chosen = command; };
+  }
 };
 
 /// Options that every command with a result has.
@@ -68,11 +74,6 @@ void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const f
 /// Adds a picture of the rays that a solid-state lidar fired, if the log has any, over the occupancy map.
 void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmware::Runtime& runtime,
                   const firmware::Trajectory& path);
-
-/// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
-/// unless its good part was declared to be enough.
-int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
-                       int code);
 
 /// The commands of this program, each by its own function from here on.
 void add_commands(firmware::Command& app, CommandContext& context);

@@ -145,8 +145,7 @@ void add_diff(firmware::Command& app, CommandContext& context) {
       ->expected(1, 2)
       ->type_name("LOG");
   add_alignment_option(*command, options->align);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

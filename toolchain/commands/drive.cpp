@@ -216,8 +216,7 @@ void add_drive(firmware::Command& app, CommandContext& context) {
       ->capture_default_str();
   command->add_flag("--though-tilted", options->though_tilted, "Drive slowly off a slope that is too steep");
   add_ask_options(*command, *options, kDriveTopic);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run_drive(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run_drive(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

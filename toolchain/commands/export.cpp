@@ -7,6 +7,7 @@
 #include "drivers/wire_timing.hpp"
 #include "firmware_like/log/releases.hpp"
 #include "firmware_like/log/replay_command.hpp"
+#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/profile.hpp"
 #include "rt/posix/flight_reader.hpp"
@@ -235,7 +236,7 @@ int run(const CommandContext& context, ExportOptions& options) {
     if (options.kind == "latency")
       out << render_latency_file(firmware::releases_of(log), log.header().scene + ", " + options.log);
   });
-  return finish_with_damage(context, log.damage(), options.accept_damage, 0);
+  return firmware::code_with_damage(context.parts.name, log.damage(), options.accept_damage, 0);
 }
 
 }  // namespace
@@ -285,8 +286,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
   add_map_option(*command, options->replay.map);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
       ->take_all();
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -147,8 +147,7 @@ void add_fly(firmware::Command& app, CommandContext& context) {
       ->in_range(0.0, 3600.0)
       ->capture_default_str();
   add_ask_options(*command, *options, kFlyTopic);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run_fly(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run_fly(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -37,32 +37,29 @@ void add_import(firmware::Command& app, CommandContext& context) {
                    "carmen: a reading from here on is no return, whatever the log says")
       ->type_name("M");
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([&context, options] {
-    context.chosen = [options] {
-      const ImportReport report = import_log(options->import);
-      for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
-      if (options->json) {
-        firmware::Json object{{"log", options->import.out}};
-        object.update(firmware::json_of(report));
-        object.update({{"returns", firmware::json_of(report.returns)},
-                       {"sources", report.sources},
-                       {"warnings", report.warnings}});
-        std::cout << object.dump(2) << "\n";
-      } else {
-        std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
-                  << report.tracks << " track, " << report.scans << " scans, " << report.truth
-                  << " truth) from " << report.rows << " rows, " << report.bad_rows << " bad rows dropped\n";
-        if (report.returns.in > 0)
-          std::cout << "returns: " << report.returns.used << " of " << report.returns.in << " used, "
-                    << report.returns.no_return + report.returns.out_of_range << " no return, "
-                    << report.returns.not_finite << " not finite, "
-                    << report.returns.time_negative + report.returns.time_unsorted +
-                           report.returns.time_beyond
-                    << " with a time that cannot be\n";
-      }
-      return 0;
-    };
-  });
+  command->callback(context.choose([options] {
+    const ImportReport report = import_log(options->import);
+    for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
+    if (options->json) {
+      firmware::Json object{{"log", options->import.out}};
+      object.update(firmware::json_of(report));
+      object.update({{"returns", firmware::json_of(report.returns)},
+                     {"sources", report.sources},
+                     {"warnings", report.warnings}});
+      std::cout << object.dump(2) << "\n";
+    } else {
+      std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
+                << report.tracks << " track, " << report.scans << " scans, " << report.truth
+                << " truth) from " << report.rows << " rows, " << report.bad_rows << " bad rows dropped\n";
+      if (report.returns.in > 0)
+        std::cout << "returns: " << report.returns.used << " of " << report.returns.in << " used, "
+                  << report.returns.no_return + report.returns.out_of_range << " no return, "
+                  << report.returns.not_finite << " not finite, "
+                  << report.returns.time_negative + report.returns.time_unsorted + report.returns.time_beyond
+                  << " with a time that cannot be\n";
+    }
+    return 0;
+  }));
 }
 
 }  // namespace sortie::toolchain

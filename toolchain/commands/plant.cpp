@@ -71,9 +71,8 @@ void add_plant(firmware::Command& app, CommandContext& context) {
   command->add_option("--record", options->plant.record, "Write the truth: poses, contacts, flippers")
       ->type_name("LOG");
   command->add_flag("--json", options->json, "Print one JSON object at the end");
-  command->callback([&context, options] {
-    context.chosen = [&context, options] { return run_command(context, options->plant, options->json); };
-  });
+  command->callback(
+      context.choose([&context, options] { return run_command(context, options->plant, options->json); }));
 }
 
 }  // namespace sortie::toolchain

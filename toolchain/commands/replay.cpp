@@ -2,6 +2,7 @@
 #include <memory>
 #include <mutex>
 
+#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results_output.hpp"
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/commands/replay_report.hpp"
@@ -72,14 +73,18 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   return replayed;
 }
 
+namespace {
+
 int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
                     const OutputOptions& output) {
   const ReplayedLog replayed = replay_for_report(context, options, output, options.log);
   show_results(output, replayed.report, replayed.failures.empty() ? nullptr : &replayed.failures);
   firmware::print_failures(replayed.failures, output.json);
-  return finish_with_damage(context, replayed.damage, options.accept_damage,
-                            replayed.failures.empty() ? 0 : 1);
+  return firmware::code_with_damage(context.parts.name, replayed.damage, options.accept_damage,
+                                    replayed.failures.empty() ? 0 : 1);
 }
+
+}  // namespace
 
 void add_replay(firmware::Command& app, CommandContext& context) {
   struct Options {
@@ -103,11 +108,8 @@ void add_replay(firmware::Command& app, CommandContext& context) {
   add_threads_option(*command, options->replay.replay);
   add_fault_option(*command, options->replay.replay);
   add_output_options(*command, options->output);
-  command->callback([&context, options] {
-    context.chosen = [&context, options] {
-      return replay_and_show(context, options->replay, options->output);
-    };
-  });
+  command->callback(context.choose(
+      [&context, options] { return replay_and_show(context, options->replay, options->output); }));
 }
 
 }  // namespace sortie::toolchain

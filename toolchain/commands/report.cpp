@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/result/results_output.hpp"
 #include "firmware_like/scene/json.hpp"
@@ -108,7 +109,8 @@ int write_page(const CommandContext& context, PageOptions& options) {
     for (const Sweep& sweep : of_log) print_sweep(std::cout, sweep, firmware::wants_colour(STDOUT_FILENO));
   }
   firmware::print_failures(failures, options.output.json);
-  return finish_with_damage(context, damage, options.replay.accept_damage, failures.empty() ? 0 : 1);
+  return firmware::code_with_damage(context.parts.name, damage, options.replay.accept_damage,
+                                    failures.empty() ? 0 : 1);
 }
 
 }  // namespace
@@ -137,9 +139,7 @@ void add_report(firmware::Command& app, CommandContext& context) {
                    "End sweeps before that time or @tick of their log; default: --to")
       ->type_name("TIME");
   command->add_option("--out", options->output.out, "Folder")->type_name("DIR")->capture_default_str();
-  command->callback([&context, options] {
-    context.chosen = [&context, options] { return write_page(context, *options); };
-  });
+  command->callback(context.choose([&context, options] { return write_page(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -81,8 +81,7 @@ void add_run(firmware::Command& app, CommandContext& context) {
   add_gate_option(*command, options->gate);
   add_alignment_option(*command, options->align);
   add_output_options(*command, options->output);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

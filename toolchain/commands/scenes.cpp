@@ -260,15 +260,13 @@ void add_scenes(firmware::Command& app, CommandContext& context) {
   command->add_option("--set", options->view.overrides, "key=value of the whole scene")->take_all();
   command->add_flag("--json", options->view.json, "Print one JSON object");
   add_costs(*command, options->cost);
-  command->callback([&context, options] {
-    context.chosen = [&context, options] {
-      if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->view);
-      if (!options->keys.empty()) return show_keys(context, options->keys, options->view);
-      if (!options->memory.empty()) return show_memory(context, options->memory, options->view);
-      const bool named = !options->scenes.empty();
-      return list(context, named ? options->scenes : runnable_scenes(context), named, options->view);
-    };
-  });
+  command->callback(context.choose([&context, options] {
+    if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->view);
+    if (!options->keys.empty()) return show_keys(context, options->keys, options->view);
+    if (!options->memory.empty()) return show_memory(context, options->memory, options->view);
+    const bool named = !options->scenes.empty();
+    return list(context, named ? options->scenes : runnable_scenes(context), named, options->view);
+  }));
 }
 
 }  // namespace sortie::toolchain

@@ -188,8 +188,7 @@ void add_set(firmware::Command& app, CommandContext& context) {
       "  sortie set drive.max_speed_m_s=0.3 map.max_range_m=15 --secret robot.secret --json");
   command->add_option("assignments", options->assignments, "NAME=NUMBER each; without any, they are listed");
   add_ask_options(*command, *options, kSetTopic);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run_set(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run_set(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

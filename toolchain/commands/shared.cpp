@@ -6,7 +6,6 @@
 #include <iostream>
 
 #include "firmware_like/log/log_file.hpp"
-#include "firmware_like/log/replay_verdict.hpp"
 #include "firmware_like/result/results_output.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/json.hpp"
@@ -48,11 +47,6 @@ void add_truth_option(firmware::Command& command, std::string& truth) {
 void add_gate_option(firmware::Command& command, std::string& gate) {
   command.add_option("--gate", gate, "Bounds on errors, counters, pools and the robot's times: a TOML file")
       ->type_name("FILE");
-}
-
-int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
-                       int code) {
-  return firmware::code_with_damage(context.parts.name, damage, accept_damage, code);
 }
 
 void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const firmware::Trajectory& path) {

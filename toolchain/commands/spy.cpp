@@ -137,9 +137,7 @@ void add_spy(firmware::Command& app, CommandContext& context) {
       ->in_range(0.0, 1e7);
   command->add_flag("--values", options->values, "Also show the latest numbers of each message");
   command->add_flag("--json", options->json, "Print one JSON object at the end");
-  command->callback([&context, options] {
-    context.chosen = [options] { return run_spy(*options, std::cout, std::cerr); };
-  });
+  command->callback(context.choose([options] { return run_spy(*options, std::cout, std::cerr); }));
 }
 
 }  // namespace sortie::toolchain
