@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
+#include <iomanip>
 #include <ostream>
 
 #include "firmware_like/scene/json.hpp"
@@ -16,11 +17,8 @@ firmware::Json to_json(const Spread& spread) {
   return {{"mean", spread.mean}, {"low", spread.low}, {"high", spread.high}};
 }
 
-std::string quoted(const std::string& text) {
-  std::string field = "\"";
-  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return field + "\"";
-}
+// As CSV has it: what is a quote inside stands twice.
+auto csv_text(const std::string& text) { return std::quoted(text, '"', '"'); }
 
 std::string range_text(const Spread& spread) {
   return firmware::format_short(spread.mean) + " (" + firmware::format_short(spread.low) + " to " +
@@ -28,13 +26,13 @@ std::string range_text(const Spread& spread) {
 }
 
 void write_spread_csv(std::ostream& out, const SweepSet& set) {
-  for (const std::string& key : set.logs.front().sweep.keys) out << quoted(key) << ",";
+  for (const std::string& key : set.logs.front().sweep.keys) out << csv_text(key) << ",";
   out << "logs,profile_choice,on_front";
   for (const std::string& name : {set.error, std::string("load_us_per_s")})
-    for (const char* figure : {"_mean", "_low", "_high"}) out << "," << quoted(name + figure);
+    for (const char* figure : {"_mean", "_low", "_high"}) out << "," << csv_text(name + figure);
   out << "\n";
   for (const SweepSpread& row : set.spread) {
-    for (const std::string& value : row.values) out << quoted(value) << ",";
+    for (const std::string& value : row.values) out << csv_text(value) << ",";
     out << row.logs << "," << row.profile_choice << "," << row.on_front;
     for (const Spread& spread : {row.error, row.load_us_per_s})
       for (const double figure : {spread.mean, spread.low, spread.high})
