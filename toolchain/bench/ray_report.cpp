@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ostream>
 
-#include "toolchain/bench/figure_passes.hpp"
 #include "toolchain/bench/figure_table.hpp"
 #include "toolchain/bench/peer_fronts.hpp"
 

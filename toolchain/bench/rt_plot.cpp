@@ -62,7 +62,7 @@ std::vector<BenchPicture> rt_pictures(const firmware::Json& result) {
     plot.series.push_back(std::move(series));
   }
   if (plot.series.empty()) return {};
-  plot.rules.push_back({1000, "deadline: the next release", 6, true});
+  plot.rules.push_back({1000, "deadline: the next release", 6});
   return {{"bench-rt-wake.svg", std::move(plot), "wake-up"}};
 }
 

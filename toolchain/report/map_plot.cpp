@@ -21,7 +21,6 @@ constexpr Band kBands[] = {
     {0.2, "floor", 7}, {0.6, "to 0.6 m", 5}, {1.2, "to 1.2 m", 4}, {kHighest, "to 2 m", 6}};
 
 constexpr std::size_t kOwnColours = 6;
-constexpr int kColours[kOwnColours + 1] = {0, 1, 2, 3, 4, 5, 6};
 constexpr int kNoSegmentColour = 7;
 
 /// The value that `share` of the voxels lie below.
@@ -127,12 +126,12 @@ Plot plot_segments(std::span<const MapPoint> points) {
   for (const auto& [size, id] : order) {
     if (plot.series.size() <= kOwnColours) {
       plot.series.push_back({"segment " + std::to_string(id) + ", " + std::to_string(size) + " voxels",
-                             Mark::dots, kColours[plot.series.size() - 1], kDot});
+                             Mark::dots, static_cast<int>(plot.series.size()) - 1, kDot});
       series_of[id] = plot.series.size() - 1;
     } else {
       if (plot.series.size() == kOwnColours + 1)
         plot.series.push_back({std::to_string(order.size() - kOwnColours) + " smaller ones", Mark::dots,
-                               kColours[kOwnColours], kDot});
+                               int{kOwnColours}, kDot});
       series_of[id] = kOwnColours + 1;
     }
   }

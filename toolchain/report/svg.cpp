@@ -121,28 +121,19 @@ std::string draw_rules(const Plot& plot, const Mapping& map, std::vector<LabelBo
   std::string out;
   double stagger = 0.0;  // labels of neighbouring rules do not cover each other
   for (const Rule& rule : plot.rules) {
-    const double at = rule.vertical ? map.px(rule.value) : map.py(rule.value);
-    const bool inside =
-        rule.vertical ? at >= f.left && at <= f.left + f.width : at >= f.top && at <= f.top + f.height;
-    if (!inside) continue;  // also if NaN
+    const double at = map.px(rule.value);
+    if (!(at >= f.left && at <= f.left + f.width)) continue;  // also if NaN
     const std::string style =
         std::string("stroke=\"") + palette(rule.colour) + "\" stroke-width=\"1.4\" stroke-dasharray=\"6 3\"";
     const std::string ink = std::string(" class=\"halo\" fill=\"") + palette(rule.colour) + "\"";
-    if (rule.vertical) {
-      out += line(at, f.top, at, f.top + f.height, style.c_str());
-      const bool left_side = at > f.left + 0.6 * f.width;
-      const double x = at + (left_side ? -5.0 : 5.0);
-      const double y = f.top + 14.0 + stagger;
-      out += text(x, y, rule.label, left_side ? "end" : "start", ink.c_str());
-      const double left = left_side ? x - text_width(rule.label) : x;
-      taken.push_back({left, y - 11.0, left + text_width(rule.label), y + 4.0});
-      stagger += 16.0;
-    } else {
-      out += line(f.left, at, f.left + f.width, at, style.c_str());
-      const double right = f.left + f.width - 6.0;
-      out += text(right, at - 5.0, rule.label, "end", ink.c_str());
-      taken.push_back({right - text_width(rule.label), at - 16.0, right, at - 1.0});
-    }
+    out += line(at, f.top, at, f.top + f.height, style.c_str());
+    const bool left_side = at > f.left + 0.6 * f.width;
+    const double x = at + (left_side ? -5.0 : 5.0);
+    const double y = f.top + 14.0 + stagger;
+    out += text(x, y, rule.label, left_side ? "end" : "start", ink.c_str());
+    const double left = left_side ? x - text_width(rule.label) : x;
+    taken.push_back({left, y - 11.0, left + text_width(rule.label), y + 4.0});
+    stagger += 16.0;
   }
   return out;
 }
@@ -248,7 +239,7 @@ std::string render(const Plot& plot) {
   }
   const bool empty = !(x_range.low <= x_range.high);
   for (const Rule& rule : plot.rules) {
-    if (!empty) (rule.vertical ? x_range : y_range).take(rule.value, rule.vertical ? plot.x.log : plot.y.log);
+    if (!empty) x_range.take(rule.value, plot.x.log);
   }
   Mapping map;
   double top = plot.title.empty() ? 4.0 : 26.0;
@@ -285,7 +276,8 @@ std::string render(const Plot& plot) {
   return out;
 }
 
-std::string render_bar(double share, int colour, double width, double height) {
+std::string render_bar(double share, int colour, double width) {
+  constexpr double height = 9;
   const double filled = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) * width : 0.0;
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(width) + "\" height=\"" +
          number(height) + "\" role=\"img\"><rect width=\"" + number(width) + "\" height=\"" + number(height) +

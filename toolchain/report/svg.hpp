@@ -44,12 +44,11 @@ struct Series {
   }
 };
 
-/// A line across the plot at one x (or y), with its name at the end.
+/// A line across the plot at one x, with its name at the end.
 struct Rule {
   double value{};
   std::string label;
   int colour{1};
-  bool vertical{true};
 };
 
 /// One axis. Limits that are NaN follow the data.
@@ -84,6 +83,6 @@ std::string escape_xml(std::string_view text);
 std::string render(const Plot& plot);
 
 /// A horizontal bar for table cells: `share` (0..1) filled, in `colour`.
-std::string render_bar(double share, int colour, double width = 160, double height = 10);
+std::string render_bar(double share, int colour, double width);
 
 }  // namespace sortie::toolchain

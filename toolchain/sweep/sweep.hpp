@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@
 #include "toolchain/sweep/knob.hpp"
 
 namespace sortie::toolchain {
+
+struct MapVolume;
 
 /// What to sweep.
 struct SweepOptions {
@@ -79,5 +82,10 @@ struct Sweep {
 /// repetitions of a cell differ in their digest.
 Sweep run_sweep(const firmware::LogFile& log, const firmware::VehicleRegistry& vehicles,
                 const SweepOptions& options);
+
+/// What the cells of a sweep are worth: `maps`, one a cell, against the finest one, the error that counts,
+/// the Pareto front. Where the sweep does not say which error counts, it is chosen by knob and by what the
+/// truth allows. Throws ProfileError when no cell has the error that it says.
+void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, Sweep& sweep);
 
 }  // namespace sortie::toolchain

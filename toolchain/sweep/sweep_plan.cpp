@@ -2,10 +2,8 @@
 #include "toolchain/sweep/sweep_plan.hpp"
 
 #include <algorithm>
-#include <memory>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/sweep/each_knob.hpp"
 
 namespace sortie::toolchain {
 

@@ -23,14 +23,11 @@ bool wants_log(const std::vector<double>& values) {
 
 std::string axis_name(const std::string& error) {
   if (error == "map_disagreement") return "occupied volume not shared with finest";
-  const auto ends = [&error](const std::string& end) {
-    return error.size() > end.size() && error.compare(error.size() - end.size(), end.size(), end) == 0;
-  };
   std::string name = error.substr(0, error.rfind('_'));
   std::replace(name.begin(), name.end(), '_', ' ');
-  if (ends("_m")) return name + ", m";
-  if (ends("_deg")) return name + ", degrees";
-  if (ends("_percent")) return name + ", %";
+  if (error.ends_with("_m")) return name + ", m";
+  if (error.ends_with("_deg")) return name + ", degrees";
+  if (error.ends_with("_percent")) return name + ", %";
   name = error;
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
