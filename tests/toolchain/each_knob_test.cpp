@@ -8,7 +8,6 @@
 #include "tests/firmware_like/ladder_vehicle.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
-#include "toolchain/sweep/sweep_plan.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 
 using namespace sortie;
