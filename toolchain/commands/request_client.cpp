@@ -252,6 +252,9 @@ std::int64_t RequestClient::repeat(const Message& request, milliseconds pause, m
   }
 }
 
+template std::int64_t RequestClient::ask(drivers::DriveRequestMessage);
+template std::int64_t RequestClient::ask(drivers::FlyRequestMessage);
+template std::int64_t RequestClient::ask(drivers::SetParameter);
 template std::int64_t RequestClient::repeat(const drivers::DriveRequestMessage&, milliseconds, milliseconds,
                                             const std::function<bool(std::int64_t)>&);
 template std::int64_t RequestClient::repeat(const drivers::FlyRequestMessage&, milliseconds, milliseconds,

@@ -42,8 +42,13 @@ class RequestClient {
 
   /// Listens for at most so long. True as soon as the run has said something new.
   bool listen(std::chrono::milliseconds most);
-  /// Sends a request, again after each `pause` until `enough(first)`, at most so long; `first`: counter of
-  /// the first of these requests. Returns that. Session, sender, counter and time are this one's to fill in.
+  /// Sends one request, with a counter above all that were taken and sent; session, sender, counter and time
+  /// are this one's to fill in. A change is made once: it keeps its counter while none was taken since.
+  /// Returns the counter.
+  template <class Message>
+  std::int64_t ask(Message request);
+  /// Asks again after each `pause` until `enough(first)`, at most so long; `first`: counter of the first of
+  /// these requests. Returns that.
   template <class Message>
   std::int64_t repeat(const Message& request, std::chrono::milliseconds pause, std::chrono::milliseconds most,
                       const std::function<bool(std::int64_t first)>& enough);
@@ -71,10 +76,6 @@ class RequestClient {
   void listen_around(Search& search, std::chrono::milliseconds most);
   std::string missing(const Search& search) const;
   void count_on();
-  /// Sends one request, with a counter above all that were taken and sent. A change is made once: it keeps
-  /// its counter while none was taken since. Returns the counter.
-  template <class Message>
-  std::int64_t ask(Message request);
 
   std::string url_;
   drivers::LcmReceiver receiver_;
