@@ -44,20 +44,14 @@ Series drawn_series(const firmware::Json& curve, int colour) {
 
 // Height of a picture with equal axes, from what it shows.
 double fitting_height(const Plot& plot) {
-  double low[2] = {1e300, 1e300};
-  double high[2] = {-1e300, -1e300};
+  Extent x;
+  Extent y;
   for (const Series& line : plot.series) {
-    for (int axis = 0; axis < 2; ++axis) {
-      for (const double value : axis == 0 ? line.x : line.y) {
-        if (!std::isfinite(value)) continue;
-        low[axis] = std::min(low[axis], value);
-        high[axis] = std::max(high[axis], value);
-      }
-    }
+    x.take(line.x);
+    y.take(line.y);
   }
-  const double wide = high[0] - low[0];
-  if (!(wide > 0.0)) return plot.height;
-  return std::clamp(110.0 + (plot.width - 74.0) * 1.05 * (high[1] - low[1]) / wide, 200.0, 1400.0);
+  if (!(x.size() > 0.0)) return plot.height;
+  return std::clamp(110.0 + (plot.width - 74.0) * 1.05 * y.size() / x.size(), 200.0, 1400.0);
 }
 
 }  // namespace

@@ -10,17 +10,6 @@
 
 namespace sortie::toolchain {
 
-namespace {
-
-std::string heading_of(const PeerFront& front, const std::string& group) {
-  for (const auto& [name, heading] : front.headings) {
-    if (name == group) return heading;
-  }
-  return group;
-}
-
-}  // namespace
-
 const std::vector<PeerFront>& peer_fronts() {
   static const std::vector<PeerFront> fronts{rt_front(),           plant_front(), mapping_front(),
                                              registration_front(), uav_front(),   stability_front(),
@@ -69,7 +58,8 @@ std::string bench_page(const PeerFront& front, const firmware::Json& result, con
       groups.push_back(picture.group);
   }
   for (const std::string& group : groups) {
-    text += "\n## " + heading_of(front, group) + "\n";
+    const auto heading = front.headings.find(group);
+    text += "\n## " + (heading != front.headings.end() ? heading->second : group) + "\n";
     for (const BenchPicture& picture : pictures) {
       if (picture.group == group) text += "\n![" + picture.plot.title + "](" + picture.file + ")\n";
     }

@@ -5,9 +5,9 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -61,7 +61,7 @@ struct PeerFront {
   /// Lines below the machine's: settings, load.
   std::vector<std::string> (*conditions)(const firmware::Json&){};
   /// Groups, and what the page calls them; others by their own names.
-  std::vector<std::pair<std::string, std::string>> headings{};
+  std::map<std::string, std::string> headings{};
   std::string (*overview)(const firmware::Json&){};  ///< before the first group, as Markdown
   std::vector<BenchPicture> (*pictures)(const firmware::Json&){};
   void (*print)(std::ostream&, const firmware::Json&, bool colour){};  ///< in place of print_bench()

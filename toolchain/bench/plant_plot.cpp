@@ -39,17 +39,10 @@ Series outline(const firmware::Json& shape, int colour, double width) {
   return {"", Mark::line, colour, width, false, shape.value("x", none), shape.value("z", none)};
 }
 
-// What the outlines reach.
+// What the outlines and the ground reach.
 struct Reach {
-  double low{1e9};
-  double high{-1e9};
-  double top{};
-
-  void take(const Series& line) {
-    low = std::min(low, *std::min_element(line.x.begin(), line.x.end()));
-    high = std::max(high, *std::max_element(line.x.begin(), line.x.end()));
-    top = std::max(top, *std::max_element(line.y.begin(), line.y.end()));
-  }
+  Extent x;
+  Extent z{0.0, 0.0};
 };
 
 // A moment's time in the middle of its track.
@@ -72,7 +65,8 @@ Reach draw_moments(const firmware::Json& moments, std::vector<Series>& series) {
     for (const firmware::Json& shape : moment.value("outlines", firmware::Json::array())) {
       Series line = outline(shape, colour, 1.4);
       if (line.x.empty()) continue;
-      reach.take(line);
+      reach.x.take(line.x);
+      reach.z.take(line.y);
       if (first) {
         if (number <= 2) line.name = number == 1 ? "track and flippers" : "the next moment";
         series.push_back(time_label(moment, line));
@@ -108,12 +102,12 @@ Plot side_view(const firmware::Json& picture) {
   const firmware::Json moments = picture.value("moments", firmware::Json::array());
   const Reach reach = draw_moments(moments, plot.series);
   plot.series.push_back(loaded_contacts(moments));
-  if (reach.low < reach.high) {
-    plot.x.low = reach.low - 0.1;
-    plot.x.high = reach.high + 0.1;
+  if (reach.x.low < reach.x.high) {
+    plot.x.low = reach.x.low - 0.1;
+    plot.x.high = reach.x.high + 0.1;
     plot.y.low = -0.05;
-    plot.y.high = reach.top + 0.1;
-    plot.height = 110 + (plot.width - 74) * (reach.top + 0.15) / (reach.high - reach.low + 0.2);
+    plot.y.high = reach.z.high + 0.1;
+    plot.height = 110 + (plot.width - 74) * (reach.z.high + 0.15) / (reach.x.high - reach.x.low + 0.2);
     plot.series.insert(plot.series.begin(),
                        {"", Mark::line, kBlack, 1.6, false, {plot.x.low, plot.x.high}, {0, 0}});
   }

@@ -93,7 +93,7 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
     if (progress) progress(done / static_cast<double>(sets.size()));
   }
   const firmware::Json result{{"command", context.command_line}, {"cells", rows}};
-  if (options.output.json) std::cout << result.dump(2) << "\n";
+  if (options.output.json) show_json(result);
   if (folder.empty()) return 0;
   write_file(folder + "/bench-odometry.json", result.dump(2) + "\n");
   write_file(folder + "/bench-odometry-cells.md", page);

@@ -76,7 +76,7 @@ int run(const CommandContext& context, PeerCommand& options) {
   firmware::Json result = run_peer_program(program_of(options));
   if (front.finish != nullptr) front.finish(result);
   if (options.output.json) {
-    std::cout << result.dump(2) << "\n";
+    show_json(result);
   } else {
     print_bench(std::cout, front, result, firmware::wants_colour(STDOUT_FILENO));
   }

@@ -71,7 +71,7 @@ int run(const CommandContext& context, WcetCommand& options) {
   }
   const Wcet wcet = measure_wcet(options.count);
   if (options.output.json) {
-    std::cout << to_json(wcet).dump(2) << "\n";
+    show_json(to_json(wcet));
   } else {
     print_wcet(std::cout, wcet);
   }

@@ -13,6 +13,7 @@
 #include "toolchain/commands/program_parts.hpp"
 
 namespace sortie::firmware {
+class Json;
 class LogFile;
 class Runtime;
 }  // namespace sortie::firmware
@@ -59,6 +60,8 @@ void add_truth_option(firmware::Command& command, std::string& truth);
 /// A progress bar on stderr, if that is a terminal; otherwise null.
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
 
+/// Prints what --json asks for.
+void show_json(const firmware::Json& json);
 /// Prints the result (table or JSON), writes the folder, tells where the report is. `judged`: what made the
 /// command fail, where something judged it; JSON then has `passed` and `failures`.
 void show_results(const OutputOptions& options, const ReportInput& report,

@@ -76,7 +76,7 @@ int run(const CommandContext& context, const DiffOptions& options) {
                               {"task", divergence->task}, {"field", divergence->field},
                               {"first", divergence->was}, {"second", divergence->is}};
     }
-    std::cout << object.dump(2) << "\n";
+    show_json(object);
     return a.digest == b.digest ? 0 : 1;
   }
   const auto row = [](const std::string& name, double x, double y) {

@@ -46,7 +46,7 @@ void add_import(firmware::Command& app, CommandContext& context) {
       object.update({{"returns", firmware::json_of(report.returns)},
                      {"sources", report.sources},
                      {"warnings", report.warnings}});
-      std::cout << object.dump(2) << "\n";
+      show_json(object);
     } else {
       std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
                 << report.tracks << " track, " << report.scans << " scans, " << report.truth

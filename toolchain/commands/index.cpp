@@ -35,7 +35,7 @@ void show(const std::string& path, std::uint64_t bytes, const std::vector<firmwa
                           {"version", head.version},
                           {"keyframes", rows}};
     if (wall_s > 0) object["wall_s"] = wall_s;
-    std::cout << object.dump(2) << "\n";
+    show_json(object);
     return;
   }
   std::printf("keyframe       tick   time [s]        bytes  digest\n");

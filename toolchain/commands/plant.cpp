@@ -21,13 +21,11 @@ int run_command(const CommandContext& context, PlantOptions& options, bool json)
   };
   const PlantOutcome outcome = run_plant(context.parts.simulator, options);
   if (json) {
-    std::cout << firmware::Json{{"scene", outcome.scene},
-                                {"bench", outcome.robot},
-                                {"duration_s", outcome.duration_s},
-                                {"counters", outcome.counters},
-                                {"warnings", outcome.warnings}}
-                     .dump(2)
-              << "\n";
+    show_json({{"scene", outcome.scene},
+               {"bench", outcome.robot},
+               {"duration_s", outcome.duration_s},
+               {"counters", outcome.counters},
+               {"warnings", outcome.warnings}});
     return 0;
   }
   std::printf("plant     %s, %.1f s\n          %s\n", outcome.scene.c_str(), outcome.duration_s,

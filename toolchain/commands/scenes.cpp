@@ -118,7 +118,7 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
     firmware::print_bus(more, runtime.bus());
   }
   std::fputs(more.str().c_str(), stdout);
-  if (json) std::cout << firmware::Json{{"scenes", rows}}.dump(2) << "\n";
+  if (json) show_json({{"scenes", rows}});
   return 0;
 }
 
@@ -149,7 +149,7 @@ int show_keys(const CommandContext& context, const std::string& scene, const Sce
                   key.is_changeable ? "; may change while running" : "");
     }
   }
-  if (json) std::cout << firmware::Json{{"scene", scene}, {"keys", rows}}.dump(2) << "\n";
+  if (json) show_json({{"scene", scene}, {"keys", rows}});
   return 0;
 }
 
@@ -167,8 +167,7 @@ int show_memory(const CommandContext& context, const std::string& scene, const S
     }
   }
   if (json) {
-    std::cout << firmware::Json{{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}}.dump(2)
-              << "\n";
+    show_json({{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}});
   } else {
     std::printf("%-16s %10s    %12zu bytes\n", "together", "", runtime.memory_bytes());
   }
@@ -201,7 +200,7 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
       std::cout << scene_cost_table(costs) << "\n";
     }
   }
-  if (view.json) std::cout << firmware::Json{{"costs", rows}}.dump(2) << "\n";
+  if (view.json) show_json({{"costs", rows}});
   return 0;
 }
 

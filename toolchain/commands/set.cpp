@@ -78,13 +78,11 @@ int list(const RequestClient& client, bool json) {
     }
   }
   if (json)
-    std::cout << firmware::Json{{"scene", run.scene},
-                                {"session", client.robot()},
-                                {"remote", run.remote},
-                                {"keyed", run.keyed},
-                                {"parameters", rows}}
-                     .dump(2)
-              << "\n";
+    show_json({{"scene", run.scene},
+               {"session", client.robot()},
+               {"remote", run.remote},
+               {"keyed", run.keyed},
+               {"parameters", rows}});
   return kTaken;
 }
 
@@ -124,11 +122,7 @@ int change(const CommandContext& context, const SetOptions& options,
                     {"status", to_string(outcome.status)}});
   }
   if (options.json)
-    std::cout << firmware::Json{{"scene", client.parameters().scene},
-                                {"session", client.robot()},
-                                {"changes", rows}}
-                     .dump(2)
-              << "\n";
+    show_json({{"scene", client.parameters().scene}, {"session", client.robot()}, {"changes", rows}});
   return code;
 }
 

@@ -80,6 +80,8 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
   };
 }
 
+void show_json(const firmware::Json& json) { std::cout << json.dump(2) << "\n"; }
+
 void show_results(const OutputOptions& options, const ReportInput& report,
                   const std::vector<std::string>* judged) {
   firmware::print_results(report.results, options.json, judged);
@@ -102,7 +104,7 @@ void show_sweep_set(const CommandContext& context, const OutputOptions& options,
   firmware::Json object = to_json(set);
   object["command"] = context.command_line;
   if (options.json) {
-    std::cout << object.dump(2) << "\n";
+    show_json(object);
   } else {
     print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
   }

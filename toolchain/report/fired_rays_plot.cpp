@@ -18,12 +18,11 @@ constexpr double kEdge = 0.005;                   // share of the returns left o
 constexpr double kMargin_m = 1.0;
 
 // Where nearly all returns lie, and all sensors.
-MapExtent extent_of(const std::vector<FiredRay>& rays, int axis) {
+Extent extent_of(const std::vector<FiredRay>& rays, int axis) {
   std::vector<double> ends;
-  MapExtent extent{rays[0].from_m[axis], rays[0].from_m[axis]};
+  Extent extent;
   for (const FiredRay& ray : rays) {
-    extent.low = std::min(extent.low, ray.from_m[axis]);
-    extent.high = std::max(extent.high, ray.from_m[axis]);
+    extent.take(ray.from_m[axis]);
     if (ray.hit) ends.push_back(ray.to_m[axis]);
   }
   if (!ends.empty()) {
@@ -31,8 +30,8 @@ MapExtent extent_of(const std::vector<FiredRay>& rays, int axis) {
     const auto at = [&ends](double share) {
       return ends[static_cast<std::size_t>(share * static_cast<double>(ends.size() - 1))];
     };
-    extent.low = std::min(extent.low, at(kEdge));
-    extent.high = std::max(extent.high, at(1.0 - kEdge));
+    extent.take(at(kEdge));
+    extent.take(at(1.0 - kEdge));
   }
   return {extent.low - kMargin_m, extent.high + kMargin_m};
 }

@@ -34,7 +34,7 @@ double quantile(std::span<const MapPoint> points, double MapPoint::*member, doub
 }
 
 /// Where nearly all voxels lie: a few far returns through a door must not shrink the picture.
-MapExtent bulk_of(std::span<const MapPoint> points, double MapPoint::*member) {
+Extent bulk_of(std::span<const MapPoint> points, double MapPoint::*member) {
   return {quantile(points, member, 0.005) - 1.0, quantile(points, member, 0.995) + 1.0};
 }
 
@@ -66,7 +66,7 @@ View view_of(std::span<const MapPoint> points, Plot& plot) {
 
 }  // namespace
 
-MapRaster::MapRaster(const MapExtent& along_x, const MapExtent& along_y, double cells, Plot& plot)
+MapRaster::MapRaster(const Extent& along_x, const Extent& along_y, double cells, Plot& plot)
     : x(along_x), y(along_y), cell_m(std::max(x.high - x.low, y.high - y.low) / cells) {
   plot.x.low = x.low;
   plot.x.high = x.high;

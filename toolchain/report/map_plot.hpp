@@ -27,26 +27,19 @@ struct MapPoint {
 /// All voxels of a vehicle's map; empty without one. Set-up side: takes heap memory.
 std::vector<MapPoint> map_points(const firmware::Vehicle& vehicle);
 
-/// From where to where on one axis, m.
-struct MapExtent {
-  double low{};
-  double high{};
-  bool holds(double value) const { return value >= low && value <= high; }
-};
-
 /// A part of the world, seen from above in square cells.
 struct MapRaster {
   using Cell = std::pair<long, long>;
   /// `cells`: along the longer side. The picture's frame and height become those of this part.
-  MapRaster(const MapExtent& along_x, const MapExtent& along_y, double cells, Plot& plot);
+  MapRaster(const Extent& along_x, const Extent& along_y, double cells, Plot& plot);
   bool holds(double x_m, double y_m) const { return x.holds(x_m) && y.holds(y_m); }
   Cell cell(double x_m, double y_m) const { return {std::lround(x_m / cell_m), std::lround(y_m / cell_m)}; }
   void put(const Cell& at, Series& series) const {
     series.add(static_cast<double>(at.first) * cell_m, static_cast<double>(at.second) * cell_m);
   }
 
-  MapExtent x;
-  MapExtent y;
+  Extent x;
+  Extent y;
   double cell_m;
 };
 

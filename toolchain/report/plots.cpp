@@ -46,19 +46,6 @@ void add_side_view(std::span<const firmware::TimedPose> poses, Series& series) {
   }
 }
 
-struct Extent {
-  double low{1e300};
-  double high{-1e300};
-  void take(const std::vector<double>& values) {
-    for (const double v : values) {
-      if (!std::isfinite(v)) continue;
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-  }
-  double size() const { return std::max(0.0, high - low); }
-};
-
 }  // namespace
 
 Plot plot_latency(const firmware::TaskResult& task) {

@@ -19,17 +19,12 @@ constexpr double kFont = 12.0;
 /// Average width of a sans-serif character.
 double text_width(std::string_view text) { return 0.56 * kFont * static_cast<double>(text.size()); }
 
-struct Range {
-  double low{std::numeric_limits<double>::infinity()};
-  double high{-std::numeric_limits<double>::infinity()};
-  void take(double value, bool log) {
-    if (!std::isfinite(value) || (log && value <= 0.0)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-};
+/// A log axis has no place for what is not above zero.
+void take(double value, const Axis& axis, Extent& range) {
+  if (!axis.log || value > 0.0) range.take(value);
+}
 
-Scale scale_of(const Axis& axis, const Range& range, bool padded) {
+Scale scale_of(const Axis& axis, const Extent& range, bool padded) {
   double low = range.low;
   double high = range.high;
   if (padded && low <= high) {
@@ -192,6 +187,16 @@ std::string draw_legend(const std::vector<LegendEntry>& entries) {
 
 }  // namespace
 
+void Extent::take(double value) {
+  if (!std::isfinite(value)) return;
+  low = std::min(low, value);
+  high = std::max(high, value);
+}
+
+void Extent::take(const std::vector<double>& values) {
+  for (const double value : values) take(value);
+}
+
 const char* palette(int index) {
   static constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                        "#e69f00", "#56b4e9", "#1a1a1a", "#9aa3ab"};
@@ -199,47 +204,38 @@ const char* palette(int index) {
 }
 
 std::string escape_xml(std::string_view words) {
+  static constexpr std::pair<char, const char*> kNames[] = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string out;
   for (const char c : words) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
+    const auto* name = std::find_if(std::begin(kNames), std::end(kNames),
+                                    [c](const auto& entry) { return entry.first == c; });
+    if (name != std::end(kNames)) {
+      out += name->second;
+    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') {
+      out += c;
     }
   }
   return out;
 }
 
 std::string render(const Plot& plot) {
-  Range x_range;
-  Range y_range;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Extent x_range{kInfinity, -kInfinity};
+  Extent y_range = x_range;
   bool has_bars = false;
   for (const Series& s : plot.series) {
     has_bars = has_bars || s.mark == Mark::bars;
     for (std::size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i) {
       if (!std::isfinite(s.x[i]) || !std::isfinite(s.y[i]) || (plot.y.log && s.y[i] <= 0.0)) continue;
-      x_range.take(s.x[i], plot.x.log);
-      if (i < s.x_end.size()) x_range.take(s.x_end[i], plot.x.log);
-      y_range.take(s.y[i], plot.y.log);
+      take(s.x[i], plot.x, x_range);
+      if (i < s.x_end.size()) take(s.x_end[i], plot.x, x_range);
+      take(s.y[i], plot.y, y_range);
     }
   }
   const bool empty = !(x_range.low <= x_range.high);
   for (const Rule& rule : plot.rules) {
-    if (!empty) x_range.take(rule.value, plot.x.log);
+    if (!empty) take(rule.value, plot.x, x_range);
   }
   Mapping map;
   double top = plot.title.empty() ? 4.0 : 26.0;

@@ -59,6 +59,18 @@ struct Axis {
   double high{std::numeric_limits<double>::quiet_NaN()};
 };
 
+/// From the lowest to the highest of finite values; of none, low is above high.
+struct Extent {
+  double low{1e300};
+  double high{-1e300};
+
+  void take(double value);
+  void take(const std::vector<double>& values);
+  bool holds(double value) const { return value >= low && value <= high; }
+  /// 0 of none.
+  double size() const { return high > low ? high - low : 0.0; }
+};
+
 /// A plot with one pair of axes.
 struct Plot {
   std::string title{};  ///< drawn above, empty = none

@@ -10,16 +10,7 @@ namespace sortie::toolchain {
 namespace {
 
 // A log axis where the figures span more than a factor of ten: then all of them are told apart.
-bool wants_log(const std::vector<double>& values) {
-  double low = 1e300;
-  double high = 0;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  return low > 0 && high > 10 * low;
-}
+bool wants_log(const Extent& values) { return values.low > 0 && values.high > 10 * values.low; }
 
 std::string axis_name(const std::string& error) {
   if (error == "map_disagreement") return "occupied volume not shared with finest";
@@ -42,12 +33,12 @@ double height_of(const Sweep& sweep, const SweepCell& cell) {
 
 // From zero, so that a difference that hardly is one looks like it.
 Axis axis_over(std::string name, const std::vector<double>& values) {
-  Axis axis{std::move(name), wants_log(values)};
-  double high = 0;
-  for (const double value : values) high = std::isfinite(value) ? std::max(high, value) : high;
-  if (axis.log || !(high > 0)) return axis;
+  Extent extent;
+  extent.take(values);
+  Axis axis{std::move(name), wants_log(extent)};
+  if (axis.log || !(extent.high > 0)) return axis;
   axis.low = 0;
-  axis.high = 1.08 * high;
+  axis.high = 1.08 * extent.high;
   return axis;
 }
 
