@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <filesystem>
 #include <map>
 
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/scene/input_error.hpp"
+#include "rt/posix/clock.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/sweep/sweep_work.hpp"
 
@@ -20,15 +20,11 @@ namespace sortie::toolchain {
 
 namespace {
 
-using SweepClock = std::chrono::steady_clock;
-
-double seconds_since(SweepClock::time_point begin) {
-  return std::chrono::duration<double>(SweepClock::now() - begin).count();
-}
+double seconds_since(rt::Nanoseconds begin) { return rt::to_seconds(rt::posix::monotonic_now() - begin); }
 
 struct Running {
   std::size_t cell{};
-  SweepClock::time_point begin;
+  rt::Nanoseconds begin{};
 };
 
 void end_all(const std::map<pid_t, Running>& running) {
@@ -66,7 +62,7 @@ SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions&
   const std::size_t all = waiting.size();
   const std::string program = own_program_path();
   const firmware::StopSignals watch;
-  const SweepClock::time_point begin = SweepClock::now();
+  const rt::Nanoseconds begin = rt::posix::monotonic_now();
   std::map<pid_t, Running> running;
   std::size_t next = 0;
   std::size_t done = 0;
@@ -78,7 +74,7 @@ SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions&
     }
     if (next < all && running.size() < std::max<std::size_t>(1, options.jobs)) {
       try {
-        const Running one{waiting[next], SweepClock::now()};
+        const Running one{waiting[next], rt::posix::monotonic_now()};
         const std::string number = std::to_string(one.cell);
         running[start_child({{program, "bench", "--cell", number, "--out", options.folder}, {}})] = one;
       } catch (...) {
