@@ -7,7 +7,6 @@
 #include "tests/firmware_like/temp_folder.hpp"
 #include "tests/firmware_like/xml_check.hpp"
 #include "toolchain/export/output_file.hpp"
-#include "toolchain/report/axis.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/plots.hpp"
 #include "toolchain/report/svg_path.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

@@ -2,7 +2,7 @@
 #include <limits>
 #include <map>
 
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 #include "toolchain/judge/pareto.hpp"
 
 namespace sortie::toolchain {

@@ -6,7 +6,6 @@
 
 #include "toolchain/bench/figure_passes.hpp"
 #include "toolchain/bench/figure_table.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
 
 namespace sortie::toolchain {
 

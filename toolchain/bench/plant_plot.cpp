@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

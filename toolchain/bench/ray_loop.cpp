@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The closed loop of the solid-state lidar's policies: page and pictures.
 #include "toolchain/bench/figure_table.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

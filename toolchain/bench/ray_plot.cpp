@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

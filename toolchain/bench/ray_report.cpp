@@ -2,7 +2,7 @@
 #include <ostream>
 
 #include "toolchain/bench/figure_table.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

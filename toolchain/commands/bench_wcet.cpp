@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `sortie bench wcet`: the exact worst case of every task over a log or a simulated drive.
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <optional>
 
 #include "firmware_like/live/live_run.hpp"
 #include "firmware_like/log/replay_command.hpp"
-#include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/temporary_log.hpp"
 #include "toolchain/bench/wcet_report.hpp"
 #include "toolchain/commands/bench_commands.hpp"
 #include "toolchain/export/output_file.hpp"
+#include "toolchain/sweep/sweep_folder.hpp"
 
 namespace sortie::toolchain {
 
@@ -27,12 +25,6 @@ struct WcetCommand {
   std::string expect;
   std::string counted;  ///< the counted program's own option
 };
-
-std::string read_text(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw firmware::InputError(path + ": cannot be read; --out DIR writes DIR/wcet.txt");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void record_drive(const CommandContext& context, const WcetCommand& options, const std::string& log) {
   firmware::LiveRunOptions run;
@@ -47,7 +39,7 @@ void record_drive(const CommandContext& context, const WcetCommand& options, con
 }
 
 int judge(const Wcet& wcet, const std::string& path) {
-  const WcetVerdict verdict = compare_wcet(wcet, read_text(path), path);
+  const WcetVerdict verdict = compare_wcet(wcet, whole_file(path, "--out DIR writes DIR/wcet.txt"), path);
   if (!verdict.skipped.empty()) {
     std::cerr << "skipped: " << path << " is not compared: " << verdict.skipped << "\n";
     return 0;

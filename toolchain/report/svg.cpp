@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/report/axis.hpp"
 #include "toolchain/report/label_layout.hpp"
 #include "toolchain/report/svg_path.hpp"
 
