@@ -77,9 +77,6 @@ PeerFront stability_front();     ///< stiff and extreme cases beside the naive m
 PeerFront campaign_front();      ///< hostile random sequences for every module
 PeerFront ray_front();           ///< the ray scheduler beside the published planners; closed loops
 
-/// Marks the cells of the local map's sweep that no other beats: each stream and policy has its front.
-void mark_mapping_fronts(firmware::Json& result);
-
 /// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the period.
 std::vector<BenchPicture> rt_pictures(const firmware::Json& result);
 /// Error over run time, and a side view of each drive over obstacles.

@@ -6,7 +6,7 @@
 
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/bench_all.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 
 namespace sortie::toolchain {

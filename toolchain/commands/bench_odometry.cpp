@@ -9,7 +9,7 @@
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "toolchain/bench/odometry_bench.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/judge/alignment.hpp"
 

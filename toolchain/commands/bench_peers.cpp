@@ -10,7 +10,7 @@
 #include "firmware_like/result/results.hpp"
 #include "toolchain/bench/peer_front.hpp"
 #include "toolchain/bench/peer_program.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 
 namespace sortie::toolchain {

@@ -16,7 +16,7 @@
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/bench/temporary_log.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/commands/sweep_drives.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/sweep/sweep_jobs.hpp"

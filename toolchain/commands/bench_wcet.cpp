@@ -10,7 +10,7 @@
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/temporary_log.hpp"
 #include "toolchain/bench/wcet_report.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/sweep/sweep_folder.hpp"
 

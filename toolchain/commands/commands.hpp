@@ -97,4 +97,16 @@ void add_set(firmware::Command& app, CommandContext& context);
 void add_drive(firmware::Command& app, CommandContext& context);
 void add_fly(firmware::Command& app, CommandContext& context);
 
+/// `bench LOG... --sweep`: the options of `bench` itself.
+void add_bench_sweep(firmware::Command& bench, CommandContext& context);
+/// `bench all`: every part below, one after another.
+void add_bench_all(firmware::Command& bench, CommandContext& context);
+/// `bench rt`, `plant`, `mapping`, `registration`, `uav`, `stability`, `campaign`, `rays`: those that have
+/// programs of their own.
+void add_bench_peers(firmware::Command& bench, CommandContext& context);
+/// `bench odometry`: attitude and odometry, error against run time.
+void add_bench_odometry(firmware::Command& bench, CommandContext& context);
+/// `bench wcet`: instructions of every job.
+void add_bench_wcet(firmware::Command& bench, CommandContext& context);
+
 }  // namespace sortie::toolchain
