@@ -151,7 +151,7 @@ TEST_CASE("NaNs break lines, and nothing that is not finite reaches the file") {
     s.mark = mark;
     s.x_end = {1, 2, 3, 4, 5, 6, 7};
     plot.series = {s};
-    plot.rules = {{nan, "never", 1, true}, {2.0, "here", 1, false}};
+    plot.rules = {{nan, "never", 1}, {2.0, "here", 1}};
     for (const bool log : {false, true}) {
       plot.x.log = plot.y.log = log;
       const std::string svg = render(plot);
