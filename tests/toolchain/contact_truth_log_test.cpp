@@ -9,7 +9,7 @@
 #include "firmware_like/scene/input_error.hpp"
 #include "tests/firmware_like/run_support.hpp"
 #include "toolchain/export/truth_csv.hpp"
-#include "toolchain/report/contact_plots.hpp"
+#include "toolchain/report/plots.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;

@@ -7,7 +7,6 @@
 
 #include "tests/firmware_like/ladder_vehicle.hpp"
 #include "tests/firmware_like/run_support.hpp"
-#include "toolchain/sweep/each_knob.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 

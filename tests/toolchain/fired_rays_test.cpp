@@ -6,8 +6,9 @@
 #include "firmware_like/scene/text_format.hpp"
 #include "tests/firmware_like/ssl_rig.hpp"
 #include "tests/firmware_like/xml_check.hpp"
-#include "toolchain/report/fired_rays_plot.hpp"
+#include "toolchain/judge/fired_rays.hpp"
 #include "toolchain/report/html.hpp"
+#include "toolchain/report/map_plot.hpp"
 
 namespace sortie::testing {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tests/firmware_like/temp_folder.hpp"
 #include "tests/firmware_like/xml_check.hpp"
-#include "toolchain/report/axis.hpp"
+#include "toolchain/export/output_file.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/plots.hpp"
 #include "toolchain/report/svg_path.hpp"
@@ -151,7 +151,7 @@ TEST_CASE("NaNs break lines, and nothing that is not finite reaches the file") {
     s.mark = mark;
     s.x_end = {1, 2, 3, 4, 5, 6, 7};
     plot.series = {s};
-    plot.rules = {{nan, "never", 1, true}, {2.0, "here", 1, false}};
+    plot.rules = {{nan, "never", 1}, {2.0, "here", 1}};
     for (const bool log : {false, true}) {
       plot.x.log = plot.y.log = log;
       const std::string svg = render(plot);
@@ -272,7 +272,7 @@ TEST_CASE("a report of almost nothing is still a page") {
   in.estimate = circle(1, 1, 0);
   CHECK(xml_fault(render_report(in)) == "");
   const sortie::testing::TempFolder folder;
-  write_report(folder.file("report.html"), render_report(in));
+  write_file(folder.file("report.html"), render_report(in));
   CHECK(sortie::testing::read_all(folder.file("report.html")) == render_report(in));
 }
 

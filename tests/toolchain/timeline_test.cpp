@@ -10,7 +10,7 @@
 #include "tests/firmware_like/xml_check.hpp"
 #include "toolchain/judge/job_timeline.hpp"
 #include "toolchain/report/html.hpp"
-#include "toolchain/report/timeline_plot.hpp"
+#include "toolchain/report/plots.hpp"
 
 using namespace sortie;
 using namespace sortie::firmware;
@@ -139,8 +139,8 @@ TEST_CASE(
 TEST_CASE("Several runs share a page: a table with links, one picture of all ways, then each run") {
   std::vector<ReportInput> inputs{run_of("first <scene>", 0.25), run_of("second", 0.5)};
   Plot ground;
-  ground.series.push_back({"floor", Mark::dots, {0, 1}, {0, 1}, {}, {}, kGrey});
-  ground.series.push_back({"its own path", Mark::line, {0, 1}, {0, 1}, {}, {}, 1});
+  ground.series.push_back({"floor", Mark::dots, kGrey, 1.6, false, {0, 1}, {0, 1}});
+  ground.series.push_back({"its own path", Mark::line, 1, 1.6, false, {0, 1}, {0, 1}});
   const std::string page = render_report(inputs, ground);
   CHECK(xml_fault(page).empty());
   CHECK(times_in(page, "href=\"#run") == 2);

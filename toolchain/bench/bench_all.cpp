@@ -2,7 +2,6 @@
 #include "toolchain/bench/bench_all.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "rt/posix/clock.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/bench/figure_table.hpp"
 
@@ -18,11 +18,7 @@ namespace sortie::toolchain {
 
 namespace {
 
-using AllClock = std::chrono::steady_clock;
-
-double since(AllClock::time_point begin) {
-  return std::chrono::duration<double>(AllClock::now() - begin).count();
-}
+double since(rt::Nanoseconds begin) { return rt::to_seconds(rt::posix::monotonic_now() - begin); }
 
 double load_average() {
   double load[1] = {0};
@@ -67,7 +63,7 @@ firmware::Json run_part(BenchPart part, const BenchAllOptions& options) {
   std::string command = "sortie bench";
   for (const std::string& word : part.arguments) command += " " + word;
   firmware::Json row{{"name", part.name}, {"command", command}, {"load_before", load_average()}};
-  const AllClock::time_point begin = AllClock::now();
+  const rt::Nanoseconds begin = rt::posix::monotonic_now();
   row["exit_code"] = run_child(child, [](std::string_view) {}).exit_code;
   row["took_s"] = since(begin);
   row["json"] = part.name + "/" + part.json_file;
@@ -110,7 +106,7 @@ firmware::Json run_bench_all(const BenchAllOptions& options) {
                        {"compiler", firmware::compiler_description()},
                        {"load_before", load_average()},
                        {"parts", firmware::Json::array()}};
-  const AllClock::time_point begin = AllClock::now();
+  const rt::Nanoseconds begin = rt::posix::monotonic_now();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (options.on_part) options.on_part(i, parts.size(), parts[i].name, since(begin));
     index["parts"].push_back(run_part(parts[i], options));

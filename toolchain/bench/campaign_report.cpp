@@ -2,7 +2,7 @@
 #include <ostream>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

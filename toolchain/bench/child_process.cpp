@@ -68,20 +68,26 @@ void read_lines(int fd, const std::function<void(std::string_view)>& on_line) {
 
 }  // namespace
 
-ChildEnd run_child(const ChildCommand& command, const std::function<void(std::string_view)>& on_line) {
+pid_t start_child(const ChildCommand& command, int write_fd) {
   std::vector<std::string> arguments = command.arguments;
   std::vector<std::string> environment = environment_of(command);
-  Pipe pipe;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  if (command.read_fd != 1) posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe.ends[1], command.read_fd);
+  if (write_fd < 0 || command.read_fd != 1)
+    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+  if (write_fd >= 0) posix_spawn_file_actions_adddup2(&actions, write_fd, command.read_fd);
   pid_t child = 0;
   const int error = posix_spawnp(&child, arguments.at(0).c_str(), &actions, nullptr,
                                  pointers(arguments).data(), pointers(environment).data());
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw std::runtime_error(arguments[0] + ": cannot be started: " + std::strerror(error));
+  return child;
+}
+
+ChildEnd run_child(const ChildCommand& command, const std::function<void(std::string_view)>& on_line) {
+  Pipe pipe;
+  const pid_t child = start_child(command, pipe.ends[1]);
   pipe.close_write();
   read_lines(pipe.ends[0], on_line);
   int status = 0;

@@ -2,6 +2,8 @@
 // Another program, run to its end, with what it writes handed over line by line.
 #pragma once
 
+#include <sys/types.h>
+
 #include <functional>
 #include <string>
 #include <string_view>
@@ -22,8 +24,12 @@ struct ChildEnd {
   int exit_code{};  ///< 128 + signal where one ended it, as a shell says it
 };
 
-/// Runs a program and calls `on_line` with each line, without its end, while the program runs. Throws
+/// Starts a program; what it writes goes to `write_fd`, -1: nowhere. The caller waits for it. Throws
 /// std::runtime_error where it cannot be started (what, why).
+pid_t start_child(const ChildCommand& command, int write_fd = -1);
+
+/// Runs a program and calls `on_line` with each line, without its end, while the program runs. Throws as
+/// start_child() does.
 ChildEnd run_child(const ChildCommand& command, const std::function<void(std::string_view)>& on_line);
 
 /// The path of this program's own file. Throws std::runtime_error where /proc is not mounted.

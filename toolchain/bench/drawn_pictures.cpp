@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 
@@ -44,20 +44,14 @@ Series drawn_series(const firmware::Json& curve, int colour) {
 
 // Height of a picture with equal axes, from what it shows.
 double fitting_height(const Plot& plot) {
-  double low[2] = {1e300, 1e300};
-  double high[2] = {-1e300, -1e300};
+  Extent x;
+  Extent y;
   for (const Series& line : plot.series) {
-    for (int axis = 0; axis < 2; ++axis) {
-      for (const double value : axis == 0 ? line.x : line.y) {
-        if (!std::isfinite(value)) continue;
-        low[axis] = std::min(low[axis], value);
-        high[axis] = std::max(high[axis], value);
-      }
-    }
+    x.take(line.x);
+    y.take(line.y);
   }
-  const double wide = high[0] - low[0];
-  if (!(wide > 0.0)) return plot.height;
-  return std::clamp(110.0 + (plot.width - 74.0) * 1.05 * (high[1] - low[1]) / wide, 200.0, 1400.0);
+  if (!(x.size() > 0.0)) return plot.height;
+  return std::clamp(110.0 + (plot.width - 74.0) * 1.05 * y.size() / x.size(), 200.0, 1400.0);
 }
 
 }  // namespace
@@ -65,18 +59,15 @@ double fitting_height(const Plot& plot) {
 std::vector<BenchPicture> drawn_pictures(const firmware::Json& result) {
   std::vector<BenchPicture> pictures;
   for (const firmware::Json& wanted : result.value("pictures", firmware::Json::array())) {
-    Plot plot;
-    plot.title = wanted.value("title", "");
-    plot.x.label = wanted.value("x", "");
-    plot.x.log = wanted.value("log_x", false);
-    plot.y.label = wanted.value("y", "");
-    plot.y.log = wanted.value("log_y", false);
-    plot.width = 860;
-    plot.height = 440;
+    Plot plot{wanted.value("title", ""),
+              {wanted.value("x", ""), wanted.value("log_x", false)},
+              {wanted.value("y", ""), wanted.value("log_y", false)},
+              860,
+              440,
+              wanted.value("equal", false)};
     int colour = 0;
     for (const firmware::Json& curve : wanted.value("curves", firmware::Json::array()))
       plot.series.push_back(drawn_series(curve, colour++));
-    plot.equal_aspect = wanted.value("equal", false);
     if (plot.equal_aspect) plot.height = fitting_height(plot);
     pictures.push_back({wanted.value("file", "") + ".svg", std::move(plot), wanted.value("group", "")});
   }

@@ -37,16 +37,7 @@ void take_figure_pass(firmware::Json& figure, const firmware::Json& later, unsig
     figure["met"] = figure["met"].get<bool>() && later.value("met", firmware::Json(true)) == true;
 }
 
-}  // namespace
-
-bool is_timed_figure(const firmware::Json& figure) {
-  static const std::set<std::string> kTimes{"ns", "us", "ms", "times", "M/s", "us/s", "1/s"};
-  const std::string unit = figure.value("unit", "");
-  const firmware::Json ours = figure.value("ours", firmware::Json());
-  const bool has_range = ours.is_object() && ours.contains("low");
-  return kTimes.count(unit) != 0 || (unit.empty() && has_range);
-}
-
+// What must be the same at every run, if the figure is not timed.
 firmware::Json exact_figure(const firmware::Json& figure) {
   firmware::Json exact = firmware::Json::object();
   for (const char* key : {"ours", "naive", "measured"})
@@ -58,6 +49,16 @@ std::string figure_name(const firmware::Json& figure) {
   const std::string peer = figure.value("peer", "");
   return figure.value("group", "") + ": " + figure.value("what", "") +
          (peer.empty() ? "" : ", beside " + peer);
+}
+
+}  // namespace
+
+bool is_timed_figure(const firmware::Json& figure) {
+  static const std::set<std::string> kTimes{"ns", "us", "ms", "times", "M/s", "us/s", "1/s"};
+  const std::string unit = figure.value("unit", "");
+  const firmware::Json ours = figure.value("ours", firmware::Json());
+  const bool has_range = ours.is_object() && ours.contains("low");
+  return kTimes.count(unit) != 0 || (unit.empty() && has_range);
 }
 
 std::string passes_words(const firmware::Json& result) {

@@ -65,11 +65,29 @@ std::vector<bool> word_columns(const firmware::Json& table) {
   return words;
 }
 
+TextTable text_table(const firmware::Json& table) {
+  TextTable texts{{{}}, word_columns(table)};
+  for (const firmware::Json& column : table["columns"]) texts.lines[0].push_back(cell_text(column));
+  for (const firmware::Json& row : table["rows"]) {
+    std::vector<std::string>& line = texts.lines.emplace_back();
+    for (const firmware::Json& cell : row) line.push_back(cell_text(cell));
+  }
+  return texts;
+}
+
 template <class Each>
 void for_each_of(const firmware::Json& result, const char* list, const std::string& group, const Each& each) {
   for (const firmware::Json& one : result.value(list, firmware::Json::array())) {
     if (one.value("group", "") == group) each(one);
   }
+}
+
+// The words below a group's table, one line each.
+std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group) {
+  std::vector<std::string> lines;
+  for_each_of(result, "notes", group,
+              [&](const firmware::Json& note) { lines.push_back(note.value("words", "")); });
+  return lines;
 }
 
 }  // namespace
@@ -90,13 +108,6 @@ std::vector<std::string> figure_groups(const firmware::Json& result) {
     }
   }
   return names;
-}
-
-std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group) {
-  std::vector<std::string> lines;
-  for_each_of(result, "notes", group,
-              [&](const firmware::Json& note) { lines.push_back(note.value("words", "")); });
-  return lines;
 }
 
 void print_figures(std::ostream& out, const firmware::Json& result, const std::string& group, bool colour) {
@@ -133,44 +144,45 @@ std::string figures_page(const firmware::Json& result, const std::string& group)
   return text;
 }
 
+void print_lines(std::ostream& out, const TextTable& table) {
+  std::vector<std::size_t> widths(table.words.size(), 0);
+  for (const auto& line : table.lines) {
+    for (std::size_t i = 0; i < std::min(widths.size(), line.size()); ++i)
+      widths[i] = std::max(widths[i], line[i].size());
+  }
+  for (const auto& line : table.lines) {
+    for (std::size_t i = 0; i < std::min(widths.size(), line.size()); ++i)
+      out << "  "
+          << (table.words[i] ? firmware::pad_right(line[i], widths[i])
+                             : firmware::pad_left(line[i], widths[i]));
+    out << "\n";
+  }
+}
+
+std::string markdown(const TextTable& table) {
+  std::string rule = "|";
+  for (const bool words : table.words) rule += words ? "---|" : "---:|";
+  std::string text;
+  for (const auto& line : table.lines) {
+    text += "|";
+    for (const std::string& cell : line) text += " " + cell + " |";
+    text += "\n";
+    if (&line == &table.lines.front()) text += rule + "\n";
+  }
+  return text;
+}
+
 void print_tables(std::ostream& out, const firmware::Json& result, const std::string& group) {
   for_each_of(result, "tables", group, [&](const firmware::Json& table) {
-    std::vector<std::vector<std::string>> lines(1);
-    for (const firmware::Json& column : table["columns"]) lines[0].push_back(cell_text(column));
-    const std::vector<bool> words = word_columns(table);
-    std::vector<std::size_t> widths(lines[0].size(), 0);
-    for (const firmware::Json& row : table["rows"]) {
-      std::vector<std::string>& line = lines.emplace_back();
-      for (const firmware::Json& cell : row) line.push_back(cell_text(cell));
-    }
-    for (const auto& line : lines) {
-      for (std::size_t i = 0; i < std::min(widths.size(), line.size()); ++i)
-        widths[i] = std::max(widths[i], line[i].size());
-    }
     out << "\n";
-    for (const auto& line : lines) {
-      for (std::size_t i = 0; i < std::min(widths.size(), line.size()); ++i)
-        out << "  "
-            << (words[i] ? firmware::pad_right(line[i], widths[i]) : firmware::pad_left(line[i], widths[i]));
-      out << "\n";
-    }
+    print_lines(out, text_table(table));
   });
 }
 
 std::string tables_page(const firmware::Json& result, const std::string& group) {
   std::string text;
-  for_each_of(result, "tables", group, [&](const firmware::Json& table) {
-    std::string rule = "|";
-    text += "\n|";
-    for (const firmware::Json& column : table["columns"]) text += " " + cell_text(column) + " |";
-    for (const bool words : word_columns(table)) rule += words ? "---|" : "---:|";
-    text += "\n" + rule + "\n";
-    for (const firmware::Json& row : table["rows"]) {
-      text += "|";
-      for (const firmware::Json& cell : row) text += " " + cell_text(cell) + " |";
-      text += "\n";
-    }
-  });
+  for_each_of(result, "tables", group,
+              [&](const firmware::Json& table) { text += "\n" + markdown(text_table(table)); });
   return text;
 }
 

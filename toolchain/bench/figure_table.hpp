@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Figures beside a peer's as benchmark programs report them: as a table of text and as Markdown.
+// Figures beside a peer's as benchmark programs report them, and any table of texts: as text and as Markdown.
 #pragma once
 
 #include <iosfwd>
@@ -10,11 +10,18 @@
 
 namespace sortie::toolchain {
 
+/// A table of texts: the head, then the lines. Columns of words stand left, of numbers right.
+struct TextTable {
+  std::vector<std::vector<std::string>> lines;
+  std::vector<bool> words;  ///< a column each
+};
+
+/// As text, each column as wide as it must be; and as Markdown.
+void print_lines(std::ostream& out, const TextTable& table);
+std::string markdown(const TextTable& table);
+
 /// Groups of figures and tables, in the order in which they come.
 std::vector<std::string> figure_groups(const firmware::Json& result);
-
-/// The words below a group's table, one line each.
-std::vector<std::string> figure_notes(const firmware::Json& result, const std::string& group);
 
 /// What could not be measured and why, one line each.
 std::vector<std::string> figure_skips(const firmware::Json& result);

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 
@@ -21,28 +21,16 @@ std::string mapping_cell_name(const firmware::Json& row) {
 }
 
 Plot mapping_error_over_time(const firmware::Json& sweep, const std::string& stream) {
-  Plot plot;
-  plot.title = "Segments: error over run time, " + stream;
-  plot.x = {"run time of a step, median, ms", true};
-  plot.y = {"error: 1 - agreement x share shown"};
-  plot.width = 860;
-  plot.height = 460;
+  Plot plot{"Segments: error over run time, " + stream,
+            {"run time of a step, median, ms", true},
+            {"error: 1 - agreement x share shown"},
+            860,
+            460};
   int colour = 0;
   for (const char* policy : {"Euclidean", "smoothness"}) {
-    Series cells;
-    Series front;
-    Series defaults;
-    cells.mark = Mark::dots;
-    cells.colour = colour;
-    cells.width = 3;
-    cells.name = policy;
-    front.colour = colour;
-    front.dashed = true;
-    front.width = 1;
-    front.name = std::string(policy) + ", front";
-    defaults.mark = Mark::dots;
-    defaults.colour = kBlack;
-    defaults.width = 5;
+    Series cells{policy, Mark::dots, colour, 3};
+    Series front{std::string(policy) + ", front", Mark::line, colour, 1, true};
+    Series defaults{"", Mark::dots, kBlack, 5};
     std::vector<std::pair<double, double>> on_front;
     for (const firmware::Json& row : sweep) {
       if (row.value("stream", "") != stream || row.value("policy", "") != policy) continue;
@@ -52,15 +40,11 @@ Plot mapping_error_over_time(const firmware::Json& sweep, const std::string& str
       if (row.value("front", false)) on_front.emplace_back(ms, error);
       const bool is_default = row.value("knob", "") == "defaults";
       Series& series = is_default ? defaults : cells;
-      series.x.push_back(ms);
-      series.y.push_back(error);
+      series.add(ms, error);
       series.labels.push_back(is_default ? "defaults" : mapping_cell_name(row));
     }
     std::sort(on_front.begin(), on_front.end());
-    for (const auto& [ms, error] : on_front) {
-      front.x.push_back(ms);
-      front.y.push_back(error);
-    }
+    for (const auto& [ms, error] : on_front) front.add(ms, error);
     for (Series* series : {&front, &cells, &defaults}) plot.series.push_back(std::move(*series));
     ++colour;
   }
@@ -77,14 +61,13 @@ Plot map_seen_from_above(const firmware::Json& picture) {
   std::vector<std::pair<std::size_t, std::uint32_t>> order;
   for (const auto& [id, size] : sizes) order.emplace_back(size, id);
   std::sort(order.rbegin(), order.rend());
-  Plot plot;
-  plot.title = "Segments half a metre about the sensor's height, from above: " + picture.value("stream", "") +
-               ", " + picture.value("policy", "");
-  plot.x = {"x, m"};
-  plot.y = {"y, m"};
-  plot.equal_aspect = true;
-  plot.width = 820;
-  plot.height = 640;
+  Plot plot{"Segments half a metre about the sensor's height, from above: " + picture.value("stream", "") +
+                ", " + picture.value("policy", ""),
+            {"x, m"},
+            {"y, m"},
+            820,
+            640,
+            true};
   constexpr std::size_t kColours = 7;  // neighbours by size take turns
   constexpr std::size_t kShown = 140;
   std::map<std::uint32_t, int> colour_of;
@@ -94,8 +77,7 @@ Plot map_seen_from_above(const firmware::Json& picture) {
   for (std::size_t i = 0; i < segment.size(); ++i) {
     const auto found = colour_of.find(segment[i]);
     Series& series = by_colour[found == colour_of.end() ? kColours : static_cast<std::size_t>(found->second)];
-    series.x.push_back(x[i]);
-    series.y.push_back(y[i]);
+    series.add(x[i], y[i]);
   }
   for (std::size_t i = 0; i < by_colour.size(); ++i) {
     by_colour[i].mark = Mark::dots;

@@ -1,27 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/bench/odometry_bench.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "estimators/attitude.hpp"
+#include "rt/posix/clock.hpp"
 #include "toolchain/judge/pareto.hpp"
 
 namespace sortie::toolchain {
 namespace {
 
 using Kind = OdometryEvent::Kind;
-
-/// Time that the thread had a processor: what another one took away is not in it.
-double thread_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Variant {
   estimators::AttitudeConfig attitude;
@@ -70,7 +62,7 @@ Outcome run_chain(const OdometrySet& set, const Variant& v) {
   const bool moves = set.has_odometry && !set.track.empty();
   Outcome outcome;
   outcome.path.reserve(moves ? set.track.size() : set.imu.size());
-  const double begin = thread_seconds();
+  const rt::Nanoseconds begin = rt::posix::thread_cpu_now();  // what another one took away is not in it
   for (const OdometryEvent& event : set.events) {
     if (event.kind == Kind::imu) {
       const rt::ImuSample& sample = set.imu[event.index];
@@ -97,7 +89,7 @@ Outcome run_chain(const OdometrySet& set, const Variant& v) {
       outcome.path.push_back(firmware::to_timed_pose(pose));
     }
   }
-  outcome.seconds = thread_seconds() - begin;
+  outcome.seconds = rt::to_seconds(rt::posix::thread_cpu_now() - begin);
   outcome.slips = odometry.counters().slips;
   return outcome;
 }

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/bench/figure_table.hpp"
 #include "toolchain/bench/odometry_bench.hpp"
 
 namespace sortie::toolchain {
@@ -24,8 +25,7 @@ constexpr Column kErrorColumns[] = {{"inclination_rmse_deg", "inclination deg", 
                                     {"drift_horizontal_percent", "horizontal drift %", 1},
                                     {"drift_vertical_percent", "vertical drift %", 1}};
 
-std::vector<std::vector<std::string>> lines_of(const OdometrySet& set,
-                                               const std::vector<OdometryCell>& cells) {
+TextTable table_of(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
   std::vector<Column> columns;
   for (const Column& column : kErrorColumns) {
     for (const OdometryCell& cell : cells) {
@@ -50,95 +50,62 @@ std::vector<std::vector<std::string>> lines_of(const OdometrySet& set,
     line.push_back(std::string(cell.on_front ? "front" : "") +
                    (cell.profile_choice ? (cell.on_front ? ", **profile**" : "**profile**") : ""));
   }
-  return lines;
+  std::vector<bool> words(lines[0].size());
+  words[1] = words.back() = true;
+  return {std::move(lines), std::move(words)};
 }
 
 }  // namespace
 
 void print_odometry(std::ostream& out, const OdometrySet& set, const std::vector<OdometryCell>& cells) {
-  const auto lines = lines_of(set, cells);
-  std::vector<std::size_t> widths(lines[0].size());
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
-  }
   out << "\n" << set.name << "\n";
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      const bool words = i == 1 || i + 1 == line.size();
-      out << "  "
-          << (words ? firmware::pad_right(line[i], widths[i]) : firmware::pad_left(line[i], widths[i]));
-    }
-    out << "\n";
-  }
+  print_lines(out, table_of(set, cells));
 }
 
 std::string odometry_table(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
-  std::string text;
-  bool first = true;
-  for (const auto& line : lines_of(set, cells)) {
-    text += "|";
-    for (const std::string& cell : line) text += " " + cell + " |";
-    text += "\n";
-    if (!first) continue;
-    first = false;
-    text += "|";
-    for (std::size_t i = 0; i < line.size(); ++i) text += i == 1 || i + 1 == line.size() ? "---|" : "---:|";
-    text += "\n";
-  }
-  return text;
+  return markdown(table_of(set, cells));
 }
 
 Plot plot_odometry(const OdometrySet& set, const std::vector<OdometryCell>& cells) {
-  Plot plot;
-  plot.title = set.name + ": error over run time; a line a variant, its points the rates";
-  plot.x.label = "processor time, \u00b5s per second of robot time";
-  plot.x.log = true;
   const bool vertical = set.error == "vertical_rmse_m";
-  plot.y.label = vertical                              ? "vertical error, mm rms"
-                 : set.error == "inclination_rmse_deg" ? "inclination error, deg rms"
-                                                       : "position error, m rms";
-  plot.y.log = true;
-  Series front{"Pareto front", Mark::dots, {}, {}, {}, {}, kBlack, 3, false};
-  Series own{"profile", Mark::dots, {}, {}, {}, {}, kVermilion, 7, false};
+  const char* const error_name = vertical                              ? "vertical error, mm rms"
+                                 : set.error == "inclination_rmse_deg" ? "inclination error, deg rms"
+                                                                       : "position error, m rms";
+  Plot plot{set.name + ": error over run time; a line a variant, its points the rates",
+            {"processor time, \u00b5s per second of robot time", true},
+            {error_name, true},
+            640,
+            380};
+  Series front{"Pareto front", Mark::dots, kBlack, 3};
+  Series own{"profile", Mark::dots, kVermilion, 7};
   int colour = 0;
   std::vector<Series> lines;
   for (const char* variant : kOdometryVariants) {
-    Series line;
-    line.name = variant;
-    line.colour = colour++;
+    Series line{variant, Mark::line, colour++};
     for (const OdometryCell& cell : cells) {
       const auto found = cell.errors.find(set.error);
       if (cell.variant != variant || found == cell.errors.end()) continue;
       const double error = (vertical ? 1e3 : 1.0) * found->second;
-      line.x.push_back(cell.cost_us_per_s);
-      line.y.push_back(error);
-      Series* const marks[] = {cell.on_front ? &front : nullptr, cell.profile_choice ? &own : nullptr};
-      for (Series* mark : marks) {
-        if (mark == nullptr) continue;
-        mark->x.push_back(cell.cost_us_per_s);
-        mark->y.push_back(error);
-      }
+      line.add(cell.cost_us_per_s, error);
+      if (cell.on_front) front.add(cell.cost_us_per_s, error);
+      if (cell.profile_choice) own.add(cell.cost_us_per_s, error);
     }
     if (!line.x.empty()) lines.push_back(std::move(line));
   }
   plot.series.push_back(std::move(own));
   for (Series& line : lines) plot.series.push_back(std::move(line));
   plot.series.push_back(std::move(front));
-  plot.height = 380;
   return plot;
 }
 
 Plot plot_heights(const OdometrySet& set) {
   const double every = set.profile_rate_hz > 0.0 ? set.rate_hz / set.profile_rate_hz : 1.0;
   const OdometrySet own = thinned(set, static_cast<std::uint32_t>(std::lround(every)));
-  Plot plot;
-  plot.title = set.name + ": height along the way";
-  plot.x.label = "distance, m";
-  plot.y.label = "height, m";
-  Series truth{"truth", Mark::line, {}, {}, {}, {}, kBlack, 2.4, false};
+  Plot plot{set.name + ": height along the way", {"distance, m"}, {"height, m"}};
+  Series truth{"truth", Mark::line, kBlack, 2.4};
   const std::pair<const char*, Series> lines[] = {
-      {"no obstacle modes", {"plain method", Mark::line, {}, {}, {}, {}, kVermilion, 1.6, true}},
-      {"all, double", {"with obstacle modes", Mark::line, {}, {}, {}, {}, kBlue, 1.6, false}}};
+      {"no obstacle modes", {"plain method", Mark::line, kVermilion, 1.6, true}},
+      {"all, double", {"with obstacle modes", Mark::line, kBlue}}};
   for (const auto& [variant, look] : lines) {
     const PairedTrajectories pairs = associate(run_odometry_variant(own, variant), own.truth);
     Series line = look;
@@ -147,11 +114,8 @@ Plot plot_heights(const OdometrySet& set) {
       const firmware::TimedPose& now = pairs.truth[i];
       const firmware::TimedPose& before = pairs.truth[i > 0 ? i - 1 : 0];
       way += std::hypot(now.p[0] - before.p[0], now.p[1] - before.p[1], now.p[2] - before.p[2]);
-      line.x.push_back(way);
-      line.y.push_back(pairs.estimate[i].p[2]);
-      if (&look != &lines[0].second) continue;
-      truth.x.push_back(way);
-      truth.y.push_back(now.p[2]);
+      line.add(way, pairs.estimate[i].p[2]);
+      if (&look == &lines[0].second) truth.add(way, now.p[2]);
     }
     plot.series.push_back(std::move(line));
   }
@@ -162,13 +126,11 @@ Plot plot_heights(const OdometrySet& set) {
 firmware::Json to_json(const std::vector<OdometryCell>& cells) {
   firmware::Json rows = firmware::Json::array();
   for (const OdometryCell& cell : cells) {
-    firmware::Json errors = firmware::Json::object();
-    for (const auto& [name, value] : cell.errors) errors[name] = value;
     rows.push_back({{"set", cell.set},
                     {"variant", cell.variant},
                     {"rate_hz", cell.rate_hz},
                     {"cost_us_per_s", cell.cost_us_per_s},
-                    {"errors", std::move(errors)},
+                    {"errors", cell.errors},
                     {"slips", cell.slips},
                     {"front", cell.on_front},
                     {"profile", cell.profile_choice}});

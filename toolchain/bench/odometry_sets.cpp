@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/bench/odometry_sets.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <stdexcept>
 
 #include "drivers/wire.hpp"
@@ -12,6 +9,7 @@
 #include "firmware_like/live/live_run.hpp"
 #include "firmware_like/parts/odometry_part.hpp"
 #include "rt/fields.hpp"
+#include "toolchain/bench/temporary_log.hpp"
 
 namespace sortie::toolchain {
 namespace {
@@ -54,24 +52,6 @@ void read_settings(firmware::Profile profile, OdometrySet& set) {
   if (set.has_odometry) set.odometry = firmware::read_odometry_config(builder);
 }
 
-/// A folder that is gone with its log.
-class Scratch {
- public:
-  Scratch() : path_((std::filesystem::temp_directory_path() / "sortie-odometry-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_ + ": cannot be made");
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  std::string file(const char* name) const { return path_ + "/" + name; }
-
- private:
-  std::string path_;
-};
-
 }  // namespace
 
 OdometrySet read_odometry_set(const firmware::LogFile& log, const std::string& scene) {
@@ -97,7 +77,7 @@ OdometrySet read_odometry_set(const firmware::LogFile& log, const std::string& s
 OdometrySet drive_odometry_set(const firmware::VehicleRegistry& vehicles,
                                const firmware::SimulatorFactory& simulator, const std::string& scene,
                                double seconds) {
-  const Scratch scratch;
+  const TemporaryFolder scratch("sortie-odometry");
   firmware::LiveRunOptions options;
   options.scene = scene;
   options.overrides = {"hil.imu_hz=1000", "hil.lidar_rows=4", "hil.lidar_columns=64"};

@@ -6,25 +6,13 @@
 
 #include "toolchain/bench/figure_passes.hpp"
 #include "toolchain/bench/figure_table.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
 
 namespace sortie::toolchain {
-
-namespace {
-
-std::string heading_of(const PeerFront& front, const std::string& group) {
-  for (const auto& [name, heading] : front.headings) {
-    if (name == group) return heading;
-  }
-  return group;
-}
-
-}  // namespace
 
 const std::vector<PeerFront>& peer_fronts() {
   static const std::vector<PeerFront> fronts{rt_front(),           plant_front(), mapping_front(),
                                              registration_front(), uav_front(),   stability_front(),
-                                             campaign_front()};
+                                             campaign_front(),     ray_front()};
   return fronts;
 }
 
@@ -69,7 +57,8 @@ std::string bench_page(const PeerFront& front, const firmware::Json& result, con
       groups.push_back(picture.group);
   }
   for (const std::string& group : groups) {
-    text += "\n## " + heading_of(front, group) + "\n";
+    const auto heading = front.headings.find(group);
+    text += "\n## " + (heading != front.headings.end() ? heading->second : group) + "\n";
     for (const BenchPicture& picture : pictures) {
       if (picture.group == group) text += "\n![" + picture.plot.title + "](" + picture.file + ")\n";
     }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a benchmark that has a program of its own looks from here: what it is asked, and how what it found is
-// shown.
+// How the benchmarks that have programs of their own look from here: what they are asked, and how what they
+// found is shown.
 #pragma once
 
 #include <cstdint>
 #include <iosfwd>
+#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -33,6 +33,7 @@ struct PeerOption {
   double high{};                       ///< 0: no bound
   std::vector<std::string> choices{};  ///< of a text; empty: any
   std::string type{};                  ///< what the help calls it, where that is not plain
+  bool given{};                        ///< by whoever typed the command
 };
 
 /// A text that is one of these, or is not given.
@@ -51,6 +52,7 @@ struct PeerFront {
   bool has_passes{true};
   bool all_timed{};                          ///< none of its figures is the same at every run
   bool on_one_line{};                        ///< its JSON file, which is large
+  void (*adapt)(PeerFront&){};               ///< before it runs: what its options make of all this
   void (*finish)(firmware::Json&){};         ///< what is added to the result before it is shown
   bool (*is_good)(const firmware::Json&){};  ///< false: exit code 1
 
@@ -59,12 +61,36 @@ struct PeerFront {
   /// Lines below the machine's: settings, load.
   std::vector<std::string> (*conditions)(const firmware::Json&){};
   /// Groups, and what the page calls them; others by their own names.
-  std::vector<std::pair<std::string, std::string>> headings{};
+  std::map<std::string, std::string> headings{};
   std::string (*overview)(const firmware::Json&){};  ///< before the first group, as Markdown
   std::vector<BenchPicture> (*pictures)(const firmware::Json&){};
   void (*print)(std::ostream&, const firmware::Json&, bool colour){};  ///< in place of print_bench()
   std::string (*page)(const firmware::Json&, const std::string&){};    ///< in place of bench_page()
 };
+
+PeerFront rt_front();            ///< the real-time ground beside cyclictest and boost
+PeerFront plant_front();         ///< the tracked plant beside ODE
+PeerFront mapping_front();       ///< the local map beside PCL
+PeerFront registration_front();  ///< the registration of scans and clouds beside PCL's
+PeerFront uav_front();           ///< the multirotor beside Lee's controller and others
+PeerFront stability_front();     ///< stiff and extreme cases beside the naive method
+PeerFront campaign_front();      ///< hostile random sequences for every module
+PeerFront ray_front();           ///< the ray scheduler beside the published planners; closed loops
+
+/// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the period.
+std::vector<BenchPicture> rt_pictures(const firmware::Json& result);
+/// Error over run time, and a side view of each drive over obstacles.
+std::vector<BenchPicture> plant_pictures(const firmware::Json& result);
+/// Error of segments over run time, a picture a stream.
+std::vector<BenchPicture> mapping_pictures(const firmware::Json& result);
+/// Worth over run time, and the chosen rays over the entropy of the map.
+std::vector<BenchPicture> ray_pictures(const firmware::Json& result);
+/// The course of the loss, scene by scene.
+std::vector<BenchPicture> ray_loop_pictures(const firmware::Json& result);
+/// The page of the closed loops: policies that aim the solid-state lidar.
+std::string ray_loop_page(const firmware::Json& result, const std::string& command);
+/// Whatever the program drew.
+std::vector<BenchPicture> drawn_pictures(const firmware::Json& result);
 
 /// All of them, in the help's order.
 const std::vector<PeerFront>& peer_fronts();

@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/bench/ray_loop.hpp"
-
+// The closed loop of the solid-state lidar's policies: page and pictures.
 #include "toolchain/bench/figure_table.hpp"
-#include "toolchain/bench/peer_program.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
-
-firmware::Json run_ray_loop(int seeds, const std::string& program) {
-  PeerProgram peer{"sortie-bench-rays-loop", program, {}, -1};
-  peer.arguments = {"--seeds", std::to_string(seeds)};
-  return run_peer_program(peer);
-}
 
 std::string ray_loop_page(const firmware::Json& result, const std::string& command) {
   const firmware::Json settings = result.value("settings", firmware::Json::object());
@@ -44,7 +37,7 @@ std::string ray_loop_page(const firmware::Json& result, const std::string& comma
       "than scenes are: the true interval over scenes is wider, and one of the four has the other sign.\n"
       "- Seeds 1 to 3 were looked at before the rule was settled; only the later ones are fresh.\n"
       "- Poses are true. What errors of the pose do to either way of aiming was not measured.\n";
-  for (const RayPicture& picture : ray_loop_pictures(result))
+  for (const BenchPicture& picture : ray_loop_pictures(result))
     text += "\n![" + picture.plot.title + "](" + picture.file + ")\n";
   for (const std::string& group : figure_groups(result))
     text += "\n## " + group + "\n" + figures_page(result, group) + tables_page(result, group);
@@ -53,28 +46,22 @@ std::string ray_loop_page(const firmware::Json& result, const std::string& comma
   return text;
 }
 
-std::vector<RayPicture> ray_loop_pictures(const firmware::Json& result) {
-  std::vector<RayPicture> pictures;
+std::vector<BenchPicture> ray_loop_pictures(const firmware::Json& result) {
+  std::vector<BenchPicture> pictures;
   std::string scene;
   for (const firmware::Json& curve : result.value("loop_curves", firmware::Json::array())) {
     if (curve.value("scene", "") != scene) {
       scene = curve.value("scene", "");
-      RayPicture& picture = pictures.emplace_back();
-      picture.file = "bench-rays-loop-" + std::to_string(pictures.size()) + ".svg";
-      picture.plot.title = scene + ": mean loss after each command";
-      picture.plot.x = {"commands"};
-      picture.plot.y = {"weighted log-loss, nats"};
-      picture.plot.width = 820;
+      pictures.push_back(
+          {"bench-rays-loop-" + std::to_string(pictures.size() + 1) + ".svg",
+           {scene + ": mean loss after each command", {"commands"}, {"weighted log-loss, nats"}, 820},
+           ""});
     }
     Plot& plot = pictures.back().plot;
-    Series series;
-    series.name = curve.value("policy", "");
-    series.colour = static_cast<int>(plot.series.size());
+    Series series{curve.value("policy", ""), Mark::line, static_cast<int>(plot.series.size())};
     series.dashed = series.name.rfind("scheduled", 0) != 0;
-    for (const firmware::Json& loss : curve.value("loss", firmware::Json::array())) {
-      series.x.push_back(1.0 + static_cast<double>(series.x.size()));
-      series.y.push_back(loss.get<double>());
-    }
+    for (const firmware::Json& loss : curve.value("loss", firmware::Json::array()))
+      series.add(1.0 + static_cast<double>(series.x.size()), loss.get<double>());
     plot.series.push_back(series);
   }
   return pictures;

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 
@@ -40,36 +40,29 @@ std::map<int, double> rebin(const firmware::Json& bins) {
 }  // namespace
 
 std::vector<BenchPicture> rt_pictures(const firmware::Json& result) {
-  Plot plot;
-  plot.title = "Lateness of wake-ups at 1 kHz";
-  plot.x = {"later than asked, \u00b5s", true};
-  plot.y = {"wake-ups", true};
-  plot.y.low = kNothing;
-  plot.width = 760;
-  plot.height = 380;
+  Plot plot{"Lateness of wake-ups at 1 kHz",
+            {"later than asked, \u00b5s", true},
+            {"wake-ups", true, kNothing},
+            760,
+            380};
   int colour = 0;
   for (const firmware::Json& one : result.value("distributions", firmware::Json::array())) {
-    Series series;
-    series.name = one.value("name", "") + ", n " + firmware::group_digits(one.value("n", std::uint64_t{0})) +
-                  ", max " + firmware::format_short(one.value("max_us", 0.0)) + " \u00b5s";
-    series.mark = Mark::steps;
-    series.colour = colour++;
+    Series series{one.value("name", "") + ", n " + firmware::group_digits(one.value("n", std::uint64_t{0})) +
+                      ", max " + firmware::format_short(one.value("max_us", 0.0)) + " \u00b5s",
+                  Mark::steps, colour++};
     series.dashed = series.colour != 0;
     const std::map<int, double> bins = rebin(one.value("bins_us", firmware::Json::array()));
     if (bins.empty()) continue;
     for (int i = bins.begin()->first; i <= bins.rbegin()->first; ++i) {
       const auto found = bins.find(i);
-      series.x.push_back(edge(i));
-      series.y.push_back(found == bins.end() || found->second < 0.5 ? kNothing
-                                                                    : std::max(found->second, 1.0));
+      const bool any = found != bins.end() && !(found->second < 0.5);
+      series.add(edge(i), any ? std::max(found->second, 1.0) : kNothing);
     }
-    series.x.push_back(edge(bins.rbegin()->first + 1));
-    series.y.push_back(kNothing);
+    series.add(edge(bins.rbegin()->first + 1), kNothing);
     plot.series.push_back(std::move(series));
   }
   if (plot.series.empty()) return {};
-  Rule& deadline = plot.rules.emplace_back();
-  deadline = {1000, "deadline: the next release", 6, true};
+  plot.rules.push_back({1000, "deadline: the next release", 6});
   return {{"bench-rt-wake.svg", std::move(plot), "wake-up"}};
 }
 

@@ -4,7 +4,7 @@
 
 #include "firmware_like/scene/text_format.hpp"
 #include "toolchain/bench/figure_table.hpp"
-#include "toolchain/bench/peer_fronts.hpp"
+#include "toolchain/bench/peer_front.hpp"
 
 namespace sortie::toolchain {
 

@@ -13,8 +13,9 @@ namespace sortie::toolchain {
 /// Made when it is constructed, gone with all that is in it when it is destroyed.
 class TemporaryFolder {
  public:
-  /// Throws InputError with the cure.
-  TemporaryFolder() : name_((std::filesystem::temp_directory_path() / "sortie-XXXXXX").string()) {
+  /// `name`: what its own begins with. Throws InputError with the cure.
+  explicit TemporaryFolder(const std::string& name = "sortie")
+      : name_((std::filesystem::temp_directory_path() / (name + "-XXXXXX")).string()) {
     if (mkdtemp(name_.data()) == nullptr) throw firmware::InputError(name_ + ": cannot be made; set TMPDIR");
   }
   ~TemporaryFolder() {

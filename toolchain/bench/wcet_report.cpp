@@ -7,12 +7,27 @@
 #include <sstream>
 
 #include "firmware_like/scene/input_error.hpp"
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::toolchain {
 
 namespace {
+
+// One task in one line.
+struct WcetRow {
+  std::string task;
+  std::string group;
+  std::uint64_t jobs{};
+  std::uint64_t median{};
+  std::uint64_t p99{};
+  std::uint64_t worst{};
+  std::uint64_t worst_tick{};  ///< the first job that cost the worst
+  std::uint64_t total{};       ///< of all jobs: no change of any job leaves it as it was
+  double ratio{};              ///< worst over median
+  SORTIE_FIELDS(jobs, median, p99, worst, worst_tick, total, ratio)
+};
 
 constexpr const char* kBuiltBy = "# built by ";
 
@@ -36,8 +51,7 @@ std::string difference(std::uint64_t was, std::uint64_t is) {
   return " (" + std::string(percent < 0 ? "" : "+") + firmware::format_fixed(percent, 2) + " %)";
 }
 
-}  // namespace
-
+// All tasks that ran, in order of the table.
 std::vector<WcetRow> rows_of(const Wcet& wcet) {
   std::vector<WcetRow> rows;
   for (const WcetTask& task : wcet.tasks) {
@@ -64,6 +78,8 @@ std::vector<WcetRow> rows_of(const Wcet& wcet) {
   return rows;
 }
 
+}  // namespace
+
 void print_wcet(std::ostream& out, const Wcet& wcet) {
   out << "scene     " << wcet.scene << "\n"
       << firmware::pad_right("task [instructions]", 20) << firmware::pad_right("group", 9);
@@ -81,22 +97,12 @@ void print_wcet(std::ostream& out, const Wcet& wcet) {
 }
 
 firmware::Json to_json(const Wcet& wcet) {
-  firmware::Json object;
-  object["scene"] = wcet.scene;
-  object["built_by"] = wcet.built_by;
-  object["tasks"] = firmware::Json::array();
+  firmware::Json tasks = firmware::Json::array();
   for (const WcetRow& row : rows_of(wcet)) {
-    object["tasks"].push_back({{"name", row.task},
-                               {"group", row.group},
-                               {"jobs", row.jobs},
-                               {"median", row.median},
-                               {"p99", row.p99},
-                               {"worst", row.worst},
-                               {"worst_tick", row.worst_tick},
-                               {"total", row.total},
-                               {"ratio", row.ratio}});
+    tasks.push_back({{"name", row.task}, {"group", row.group}});
+    tasks.back().update(firmware::json_of(row));
   }
-  return object;
+  return {{"scene", wcet.scene}, {"built_by", wcet.built_by}, {"tasks", std::move(tasks)}};
 }
 
 void write_wcet_csv(std::ostream& out, const Wcet& wcet) {

@@ -14,22 +14,6 @@ class Json;
 
 namespace sortie::toolchain {
 
-/// One task in one line.
-struct WcetRow {
-  std::string task;
-  std::string group;
-  std::uint64_t jobs{};
-  std::uint64_t median{};
-  std::uint64_t p99{};
-  std::uint64_t worst{};
-  std::uint64_t worst_tick{};  ///< the first job that cost the worst
-  std::uint64_t total{};       ///< of all jobs: no change of any job leaves it as it was
-  double ratio{};              ///< worst over median
-};
-
-/// The rows of all tasks that ran, in order of the table.
-std::vector<WcetRow> rows_of(const Wcet& wcet);
-
 void print_wcet(std::ostream& out, const Wcet& wcet);
 /// {scene, built_by, tasks[]{name, group, jobs, median, p99, worst, worst_tick, total, ratio}}.
 firmware::Json to_json(const Wcet& wcet);

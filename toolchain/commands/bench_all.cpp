@@ -6,7 +6,7 @@
 
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/bench/bench_all.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 
 namespace sortie::toolchain {
@@ -27,8 +27,8 @@ int run(const CommandContext& context, BenchAllCommand& options) {
   }
   const firmware::Json index = run_bench_all(options.bench);
   const std::string page = bench_all_page(index, context.command_line);
-  write_file(options.output.out + "/index.json", [&](std::ostream& out) { out << index.dump(2) << "\n"; });
-  write_file(options.output.out + "/index.md", [&](std::ostream& out) { out << page; });
+  write_file(options.output.out + "/index.json", index.dump(2) + "\n");
+  write_file(options.output.out + "/index.md", page);
   std::cout << (options.output.json ? index.dump(2) + "\n" : page);
   std::cerr << "report: " << options.output.out << "/index.{md,json}\n";
   int code = 0;
@@ -61,8 +61,7 @@ void add_bench_all(firmware::Command& bench, CommandContext& context) {
       ->capture_default_str();
   command->add_flag("--json", options->output.json, "Print index.json instead of the page");
   command->add_flag("--quiet", options->output.quiet, "No line a part");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

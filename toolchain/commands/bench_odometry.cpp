@@ -9,7 +9,7 @@
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "toolchain/bench/odometry_bench.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/judge/alignment.hpp"
 
@@ -81,24 +81,22 @@ int run(const CommandContext& context, const OdometryCommandLine& options) {
     page += "\n### " + set.name + "\n\n" + odometry_table(set, cells);
     if (!folder.empty()) {
       const std::string picture = "bench-odometry-" + set.name + ".svg";
-      write_file(folder + "/" + picture,
-                 [&](std::ostream& out) { out << render(plot_odometry(set, cells)) << "\n"; });
+      write_file(folder + "/" + picture, render(plot_odometry(set, cells)) + "\n");
       page += "\n![" + set.name + ": error over run time](" + picture + ")\n";
     }
     if (!folder.empty() && set.odometry.obstacles) {
       const std::string picture = "bench-odometry-" + set.name + "-height.svg";
-      write_file(folder + "/" + picture,
-                 [&](std::ostream& out) { out << render(plot_heights(set)) << "\n"; });
+      write_file(folder + "/" + picture, render(plot_heights(set)) + "\n");
       page += "\n![" + set.name + ": height along the way](" + picture + ")\n";
     }
     done += 1.0;
     if (progress) progress(done / static_cast<double>(sets.size()));
   }
   const firmware::Json result{{"command", context.command_line}, {"cells", rows}};
-  if (options.output.json) std::cout << result.dump(2) << "\n";
+  if (options.output.json) show_json(result);
   if (folder.empty()) return 0;
-  write_file(folder + "/bench-odometry.json", [&](std::ostream& out) { out << result.dump(2) << "\n"; });
-  write_file(folder + "/bench-odometry-cells.md", [&](std::ostream& out) { out << page; });
+  write_file(folder + "/bench-odometry.json", result.dump(2) + "\n");
+  write_file(folder + "/bench-odometry-cells.md", page);
   std::cerr << "report: " << folder << "/bench-odometry*.{json,md,svg}\n";
   return 0;
 }
@@ -129,8 +127,7 @@ void add_bench_odometry(firmware::Command& bench, CommandContext& context) {
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the tables");
   command->add_flag("--quiet", options->output.quiet, "No progress bar");
   command->add_option("--out", options->output.out, "Folder for tables, JSON and pictures")->type_name("DIR");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `sortie bench rt`, `plant`, `mapping`, `registration`, `uav`, `stability`, `campaign`: one command a
-// benchmark that has a program of its own.
+// `sortie bench rt`, `plant`, `mapping`, `registration`, `uav`, `stability`, `campaign`, `rays`: one command
+// a benchmark that has a program of its own.
 #include <unistd.h>
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include "firmware_like/result/results.hpp"
 #include "toolchain/bench/peer_front.hpp"
 #include "toolchain/bench/peer_program.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
 
 namespace sortie::toolchain {
@@ -24,10 +24,9 @@ struct PeerCommand {
   OutputOptions output;
 };
 
-void add(firmware::Command& command, PeerOption& option) {
+firmware::Option* add(firmware::Command& command, PeerOption& option) {
   const auto add_number = [&](auto& value, auto low, auto high) {
-    firmware::Option* added = command.add_option(option.name, value, option.about)->in_range(low, high);
-    added->capture_default_str();
+    return command.add_option(option.name, value, option.about)->in_range(low, high)->capture_default_str();
   };
   if (auto* whole = std::get_if<int>(&option.value))
     return add_number(*whole, static_cast<int>(option.low), static_cast<int>(option.high));
@@ -35,10 +34,8 @@ void add(firmware::Command& command, PeerOption& option) {
   if (auto* count = std::get_if<std::uint64_t>(&option.value))
     return add_number(*count, static_cast<std::uint64_t>(option.low),
                       static_cast<std::uint64_t>(option.high));
-  if (auto* flag = std::get_if<bool>(&option.value)) {
-    command.add_flag(option.name, *flag, option.about);
-    return;
-  }
+  if (auto* flag = std::get_if<bool>(&option.value))
+    return command.add_flag(option.name, *flag, option.about);
   firmware::Option* added = nullptr;
   if (auto* given = std::get_if<std::optional<std::uint64_t>>(&option.value)) {
     added = command.add_option(option.name, *given, option.about);
@@ -48,6 +45,7 @@ void add(firmware::Command& command, PeerOption& option) {
     if (!option.choices.empty()) added->one_of(option.choices);
   }
   if (!option.type.empty()) added->type_name(option.type);
+  return added;
 }
 
 std::string text_of(const PeerOption& option) {
@@ -61,8 +59,8 @@ std::string text_of(const PeerOption& option) {
 }
 
 PeerProgram program_of(const PeerCommand& options) {
-  PeerProgram program{
-      "sortie-bench-" + options.front.name, options.program, {}, -1, options.passes, options.front.all_timed};
+  PeerProgram program{"sortie-bench-" + options.front.name,          options.program,        {}, -1,
+                      options.front.has_passes ? options.passes : 1, options.front.all_timed};
   for (const PeerOption& option : options.front.options) {
     const std::string text = text_of(option);
     if (text.empty()) continue;
@@ -72,26 +70,24 @@ PeerProgram program_of(const PeerCommand& options) {
   return program;
 }
 
-int run(const CommandContext& context, const PeerCommand& options) {
-  const PeerFront& front = options.front;
+int run(const CommandContext& context, PeerCommand& options) {
+  PeerFront& front = options.front;
+  if (front.adapt != nullptr) front.adapt(front);
   firmware::Json result = run_peer_program(program_of(options));
   if (front.finish != nullptr) front.finish(result);
   if (options.output.json) {
-    std::cout << result.dump(2) << "\n";
+    show_json(result);
   } else {
     print_bench(std::cout, front, result, firmware::wants_colour(STDOUT_FILENO));
   }
   if (const std::string& folder = options.output.out; !folder.empty()) {
     std::filesystem::create_directories(folder);
     const std::string file = folder + "/" + front.file;
-    write_file(file + ".json",
-               [&](std::ostream& out) { out << result.dump(front.on_one_line ? -1 : 2) << "\n"; });
-    write_file(file + ".md",
-               [&](std::ostream& out) { out << bench_page(front, result, context.command_line); });
+    write_file(file + ".json", result.dump(front.on_one_line ? -1 : 2) + "\n");
+    write_file(file + ".md", bench_page(front, result, context.command_line));
     if (front.pictures != nullptr) {
       for (const BenchPicture& picture : front.pictures(result))
-        write_file(folder + "/" + picture.file,
-                   [&](std::ostream& out) { out << render(picture.plot) << "\n"; });
+        write_file(folder + "/" + picture.file, render(picture.plot) + "\n");
     }
     std::cerr << "report: " << file << ".{md,json}" << (front.pictures != nullptr ? " and pictures" : "")
               << "\n";
@@ -104,20 +100,26 @@ void add_bench_peer(firmware::Command& bench, CommandContext& context, const Pee
   options->front = front;
   firmware::Command* command = bench.add_subcommand(front.name, front.about);
   command->footer(front.footer);
-  for (PeerOption& option : options->front.options) add(*command, option);
+  std::vector<firmware::Option*> added;
+  for (PeerOption& option : options->front.options) added.push_back(add(*command, option));
   command
       ->add_option("--program", options->program,
                    "sortie-bench-" + front.name + ", where it is not found by itself")
       ->type_name("FILE");
-  if (front.has_passes) add_passes(*command, options->passes);
+  if (front.has_passes)
+    command->add_option("--passes", options->passes, "Runs, a process each; ranges then hold all of them")
+        ->in_range(1, 100)
+        ->capture_default_str();
   command->add_flag("--json", options->output.json, "Print one JSON object instead of the table");
   command
       ->add_option("--out", options->output.out,
                    "Folder for " + front.file + ".md, " + front.file +
                        (front.pictures != nullptr ? ".json and pictures" : ".json"))
       ->type_name("DIR");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback([&context, options, added] {
+    for (std::size_t i = 0; i < added.size(); ++i) options->front.options[i].given = added[i]->count() > 0;
+    context.chosen = [&context, options] { return run(context, *options); };
+  });
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "firmware_like/scene/profile.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/bench/temporary_log.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/commands/sweep_drives.hpp"
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/sweep/sweep_jobs.hpp"
@@ -175,7 +175,7 @@ int write_script(const SweepFolderPlan& plan, const SweepCommand& command) {
   const std::string folder = fs::absolute(command.output.out).lexically_normal().string();
   const ArrayScript script{own_program_path(), folder, plan.cell_count()};
   const std::string path = fs::absolute(command.slurm).lexically_normal().string();
-  write_file(path, [&script](std::ostream& out) { out << script.text(); });
+  write_file(path, script.text());
   remember_script(folder, path, script);
   std::cerr << "planned: " << plan.cell_count() << " cells; submit them with: sbatch " << path
             << "\nthen: sortie merge " << folder << "\n";
@@ -228,7 +228,7 @@ int run(const CommandContext& context, SweepCommand& command) {
   if (command.request.knobs.empty()) refuse("nothing to sweep; add --sweep key=v1,v2,v3 or --sweep knobs");
   const std::vector<SimulatedDrive> drives = take_drives(context, command);
   const int code = command.in_folder() ? run_in_folder(context, command, drives) : run_here(context, command);
-  return finish_with_damage(context, command.damage, command.accept_damage, code);
+  return firmware::code_with_damage(context.parts.name, command.damage, command.accept_damage, code);
 }
 
 }  // namespace

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `sortie bench wcet`: the exact worst case of every task over a log or a simulated drive.
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
+#include <optional>
 
 #include "firmware_like/live/live_run.hpp"
 #include "firmware_like/log/replay_command.hpp"
-#include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
+#include "toolchain/bench/temporary_log.hpp"
 #include "toolchain/bench/wcet_report.hpp"
-#include "toolchain/commands/bench_commands.hpp"
+#include "toolchain/commands/commands.hpp"
 #include "toolchain/export/output_file.hpp"
+#include "toolchain/sweep/sweep_folder.hpp"
 
 namespace sortie::toolchain {
 
@@ -26,40 +26,20 @@ struct WcetCommand {
   std::string counted;  ///< the counted program's own option
 };
 
-std::string read_text(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw firmware::InputError(path + ": cannot be read; --out DIR writes DIR/wcet.txt");
-  return {std::istreambuf_iterator<char>(in), {}};
+void record_drive(const CommandContext& context, const WcetCommand& options, const std::string& log) {
+  firmware::LiveRunOptions run;
+  run.scene = options.count.scene;
+  run.overrides = options.count.overrides;
+  run.map = options.count.map;
+  run.seconds = options.seconds;
+  run.virtual_time = true;
+  run.lcm_url = "none";
+  run.record = log;
+  static_cast<void>(firmware::run_live(context.parts.vehicles, context.parts.simulator, run));
 }
 
-// A folder for the log of the simulated drive.
-struct Drive {
-  Drive(const CommandContext& context, const WcetCommand& options) {
-    std::string name = (std::filesystem::temp_directory_path() / "sortie-wcet-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw firmware::InputError(name + ": cannot be made; set TMPDIR");
-    folder = name;
-    firmware::LiveRunOptions run;
-    run.scene = options.count.scene;
-    run.overrides = options.count.overrides;
-    run.map = options.count.map;
-    run.seconds = options.seconds;
-    run.virtual_time = true;
-    run.lcm_url = "none";
-    run.record = log();
-    static_cast<void>(firmware::run_live(context.parts.vehicles, context.parts.simulator, run));
-  }
-  ~Drive() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder, ignored);
-  }
-  Drive(const Drive&) = delete;
-  Drive& operator=(const Drive&) = delete;
-  std::string log() const { return folder + "/drive.lcm"; }
-  std::string folder;
-};
-
 int judge(const Wcet& wcet, const std::string& path) {
-  const WcetVerdict verdict = compare_wcet(wcet, read_text(path), path);
+  const WcetVerdict verdict = compare_wcet(wcet, whole_file(path, "--out DIR writes DIR/wcet.txt"), path);
   if (!verdict.skipped.empty()) {
     std::cerr << "skipped: " << path << " is not compared: " << verdict.skipped << "\n";
     return 0;
@@ -74,26 +54,25 @@ int run(const CommandContext& context, WcetCommand& options) {
     replay_counted(context.parts.vehicles, options.count, options.counted);
     return 0;
   }
-  std::unique_ptr<Drive> drive;
+  std::optional<TemporaryFolder> folder;  // of the simulated drive
   if (options.count.log.empty()) {
-    drive = std::make_unique<Drive>(context, options);
-    options.count.log = drive->log();
+    options.count.log = folder.emplace("sortie-wcet").file("drive.lcm");
+    record_drive(context, options, options.count.log);
     options.count.scene.clear();  // the log holds the profile, overrides included
     options.count.overrides.clear();
   }
   const Wcet wcet = measure_wcet(options.count);
   if (options.output.json) {
-    std::cout << to_json(wcet).dump(2) << "\n";
+    show_json(to_json(wcet));
   } else {
     print_wcet(std::cout, wcet);
   }
-  if (const std::string& folder = options.output.out; !folder.empty()) {
-    std::filesystem::create_directories(folder);
-    write_file(folder + "/wcet.json", [&](std::ostream& out) { out << to_json(wcet).dump(2) << "\n"; });
-    write_file(folder + "/wcet.csv", [&](std::ostream& out) { write_wcet_csv(out, wcet); });
-    write_file(folder + "/wcet.txt",
-               [&](std::ostream& out) { out << gate_text(wcet, "scene " + wcet.scene); });
-    std::cerr << "counts: " << folder << "/wcet.{txt,csv,json}\n";
+  if (const std::string& out = options.output.out; !out.empty()) {
+    std::filesystem::create_directories(out);
+    write_file(out + "/wcet.json", to_json(wcet).dump(2) + "\n");
+    write_file(out + "/wcet.csv", [&](std::ostream& csv) { write_wcet_csv(csv, wcet); });
+    write_file(out + "/wcet.txt", gate_text(wcet, "scene " + wcet.scene));
+    std::cerr << "counts: " << out << "/wcet.{txt,csv,json}\n";
   }
   return options.expect.empty() ? 0 : judge(wcet, options.expect);
 }

@@ -69,8 +69,7 @@ void add_check(firmware::Command& app, CommandContext& context) {
   add_acceptance_options(*command, *options);
   command->add_flag("--json", options->output.json, "Print one JSON object");
   command->add_flag("--quiet", options->output.quiet, "No progress bar");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

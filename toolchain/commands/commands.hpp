@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware_like/log/timed_pose.hpp"
@@ -12,9 +13,9 @@
 #include "toolchain/commands/program_parts.hpp"
 
 namespace sortie::firmware {
+class Json;
 class LogFile;
 class Runtime;
-struct ContactSummary;
 }  // namespace sortie::firmware
 
 namespace sortie::toolchain {
@@ -27,6 +28,11 @@ struct CommandContext {
   const ProgramParts& parts;
   std::string command_line;       ///< as typed, for reports
   std::function<int()> chosen{};  ///< set by the command that was chosen; returns the exit code
+
+  /// For the callback of a command: makes `command` the chosen one.
+  std::function<void()> choose(std::function<int()> command) {
+    return [this, command = std::move(command)] { chosen = command; };
+  }
 };
 
 /// Options that every command with a result has.
@@ -54,6 +60,8 @@ void add_truth_option(firmware::Command& command, std::string& truth);
 /// A progress bar on stderr, if that is a terminal; otherwise null.
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word);
 
+/// Prints what --json asks for.
+void show_json(const firmware::Json& json);
 /// Prints the result (table or JSON), writes the folder, tells where the report is. `judged`: what made the
 /// command fail, where something judged it; JSON then has `passed` and `failures`.
 void show_results(const OutputOptions& options, const ReportInput& report,
@@ -69,14 +77,6 @@ void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const f
 /// Adds a picture of the rays that a solid-state lidar fired, if the log has any, over the occupancy map.
 void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmware::Runtime& runtime,
                   const firmware::Trajectory& path);
-
-/// Adds the pictures of contacts and flippers, where the truth of a simulation is known.
-void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactSummary>& contacts);
-
-/// Exit code of a command that used a log: `code`, or 3 with a line that tells where the file is damaged,
-/// unless its good part was declared to be enough.
-int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
-                       int code);
 
 /// The commands of this program, each by its own function from here on.
 void add_commands(firmware::Command& app, CommandContext& context);
@@ -96,5 +96,17 @@ void add_spy(firmware::Command& app, CommandContext& context);
 void add_set(firmware::Command& app, CommandContext& context);
 void add_drive(firmware::Command& app, CommandContext& context);
 void add_fly(firmware::Command& app, CommandContext& context);
+
+/// `bench LOG... --sweep`: the options of `bench` itself.
+void add_bench_sweep(firmware::Command& bench, CommandContext& context);
+/// `bench all`: every part below, one after another.
+void add_bench_all(firmware::Command& bench, CommandContext& context);
+/// `bench rt`, `plant`, `mapping`, `registration`, `uav`, `stability`, `campaign`, `rays`: those that have
+/// programs of their own.
+void add_bench_peers(firmware::Command& bench, CommandContext& context);
+/// `bench odometry`: attitude and odometry, error against run time.
+void add_bench_odometry(firmware::Command& bench, CommandContext& context);
+/// `bench wcet`: instructions of every job.
+void add_bench_wcet(firmware::Command& bench, CommandContext& context);
 
 }  // namespace sortie::toolchain

@@ -76,7 +76,7 @@ int run(const CommandContext& context, const DiffOptions& options) {
                               {"task", divergence->task}, {"field", divergence->field},
                               {"first", divergence->was}, {"second", divergence->is}};
     }
-    std::cout << object.dump(2) << "\n";
+    show_json(object);
     return a.digest == b.digest ? 0 : 1;
   }
   const auto row = [](const std::string& name, double x, double y) {
@@ -145,8 +145,7 @@ void add_diff(firmware::Command& app, CommandContext& context) {
       ->expected(1, 2)
       ->type_name("LOG");
   add_alignment_option(*command, options->align);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

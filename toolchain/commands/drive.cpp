@@ -95,13 +95,15 @@ bool is_done(const RequestClient& client, const std::string& what, std::int64_t 
 void show(const DriveOptions& options, const RequestClient& client, bool done) {
   const DriveWords words = words_of(client);
   if (options.json) {
-    std::cout << firmware::Json{{"asked", options.what},          {"robot", client.robot()},
-                                {"sent", client.sent()},          {"taken", done},
-                                {"halted", is_halted(client)},    {"in_control", source_name(words.source)},
-                                {"stop", stop_names(words.stop)}, {"speed_m_s", words.speed_m_s},
-                                {"turn_rad_s", words.turn_rad_s}}
-                     .dump(2)
-              << "\n";
+    show_json({{"asked", options.what},
+               {"robot", client.robot()},
+               {"sent", client.sent()},
+               {"taken", done},
+               {"halted", is_halted(client)},
+               {"in_control", source_name(words.source)},
+               {"stop", stop_names(words.stop)},
+               {"speed_m_s", words.speed_m_s},
+               {"turn_rad_s", words.turn_rad_s}});
     return;
   }
   const std::string stops = stop_names(words.stop);
@@ -216,8 +218,7 @@ void add_drive(firmware::Command& app, CommandContext& context) {
       ->capture_default_str();
   command->add_flag("--though-tilted", options->though_tilted, "Drive slowly off a slope that is too steep");
   add_ask_options(*command, *options, kDriveTopic);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run_drive(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run_drive(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

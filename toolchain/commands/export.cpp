@@ -239,7 +239,7 @@ int run(const CommandContext& context, ExportOptions& options) {
     if (options.kind == "latency")
       out << render_latency_file(firmware::releases_of(log), log.header().scene + ", " + options.log);
   });
-  return finish_with_damage(context, log.damage(), options.accept_damage, 0);
+  return firmware::code_with_damage(context.parts.name, log.damage(), options.accept_damage, 0);
 }
 
 }  // namespace
@@ -289,8 +289,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
   add_map_option(*command, options->replay.map);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
       ->take_all();
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

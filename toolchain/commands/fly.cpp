@@ -76,17 +76,15 @@ void show_pilot(const FlyOptions& options, const RequestClient& client, bool don
   const double at_m[] = {client.value("setpoint_m[0]"), client.value("setpoint_m[1]"),
                          client.value("setpoint_m[2]")};
   if (options.json) {
-    std::cout << firmware::Json{{"asked", options.what},
-                                {"robot", client.robot()},
-                                {"sent", client.sent()},
-                                {"taken", done},
-                                {"reached", reached},
-                                {"step", step_name(step)},
-                                {"in_control", remote ? "requests" : "mission"},
-                                {"setpoint_m", {at_m[0], at_m[1], at_m[2]}},
-                                {"error_m", client.value("error_m")}}
-                     .dump(2)
-              << "\n";
+    show_json({{"asked", options.what},
+               {"robot", client.robot()},
+               {"sent", client.sent()},
+               {"taken", done},
+               {"reached", reached},
+               {"step", step_name(step)},
+               {"in_control", remote ? "requests" : "mission"},
+               {"setpoint_m", {at_m[0], at_m[1], at_m[2]}},
+               {"error_m", client.value("error_m")}});
     return;
   }
   std::printf("%s; %s; in control: %s; at %.2f %.2f %.2f m, %.3f m off\n", done ? "taken" : "not taken",
@@ -147,8 +145,7 @@ void add_fly(firmware::Command& app, CommandContext& context) {
       ->in_range(0.0, 3600.0)
       ->capture_default_str();
   add_ask_options(*command, *options, kFlyTopic);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run_fly(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run_fly(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

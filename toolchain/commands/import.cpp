@@ -2,25 +2,11 @@
 #include <iostream>
 #include <memory>
 
-#include "firmware_like/scene/json.hpp"
+#include "firmware_like/scene/json_reader.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/import/importer.hpp"
 
 namespace sortie::toolchain {
-namespace {
-
-firmware::Json to_json(const ReturnCounts& returns) {
-  return {{"in", returns.in},
-          {"used", returns.used},
-          {"no_return", returns.no_return},
-          {"out_of_range", returns.out_of_range},
-          {"not_finite", returns.not_finite},
-          {"time_negative", returns.time_negative},
-          {"time_unsorted", returns.time_unsorted},
-          {"time_beyond", returns.time_beyond}};
-}
-
-}  // namespace
 
 void add_import(firmware::Command& app, CommandContext& context) {
   struct Options {
@@ -51,42 +37,29 @@ void add_import(firmware::Command& app, CommandContext& context) {
                    "carmen: a reading from here on is no return, whatever the log says")
       ->type_name("M");
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([&context, options] {
-    context.chosen = [options] {
-      const ImportReport report = import_log(options->import);
-      for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
-      if (options->json) {
-        const firmware::Json object{{"log", options->import.out},
-                                    {"rows", report.rows},
-                                    {"events", report.events},
-                                    {"bad_rows", report.bad_rows},
-                                    {"hidden_truth", report.hidden_truth},
-                                    {"time_backwards", report.time_backwards},
-                                    {"out_of_order", report.out_of_order},
-                                    {"other_rows", report.other_rows},
-                                    {"imu", report.imu},
-                                    {"tracks", report.tracks},
-                                    {"scans", report.scans},
-                                    {"truth", report.truth},
-                                    {"returns", to_json(report.returns)},
-                                    {"sources", report.sources},
-                                    {"warnings", report.warnings}};
-        std::cout << object.dump(2) << "\n";
-      } else {
-        std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
-                  << report.tracks << " track, " << report.scans << " scans, " << report.truth
-                  << " truth) from " << report.rows << " rows, " << report.bad_rows << " bad rows dropped\n";
-        if (report.returns.in > 0)
-          std::cout << "returns: " << report.returns.used << " of " << report.returns.in << " used, "
-                    << report.returns.no_return + report.returns.out_of_range << " no return, "
-                    << report.returns.not_finite << " not finite, "
-                    << report.returns.time_negative + report.returns.time_unsorted +
-                           report.returns.time_beyond
-                    << " with a time that cannot be\n";
-      }
-      return 0;
-    };
-  });
+  command->callback(context.choose([options] {
+    const ImportReport report = import_log(options->import);
+    for (const std::string& warning : report.warnings) std::cerr << "warning: " << warning << "\n";
+    if (options->json) {
+      firmware::Json object{{"log", options->import.out}};
+      object.update(firmware::json_of(report));
+      object.update({{"returns", firmware::json_of(report.returns)},
+                     {"sources", report.sources},
+                     {"warnings", report.warnings}});
+      show_json(object);
+    } else {
+      std::cout << options->import.out << ": " << report.events << " events (" << report.imu << " imu, "
+                << report.tracks << " track, " << report.scans << " scans, " << report.truth
+                << " truth) from " << report.rows << " rows, " << report.bad_rows << " bad rows dropped\n";
+      if (report.returns.in > 0)
+        std::cout << "returns: " << report.returns.used << " of " << report.returns.in << " used, "
+                  << report.returns.no_return + report.returns.out_of_range << " no return, "
+                  << report.returns.not_finite << " not finite, "
+                  << report.returns.time_negative + report.returns.time_unsorted + report.returns.time_beyond
+                  << " with a time that cannot be\n";
+    }
+    return 0;
+  }));
 }
 
 }  // namespace sortie::toolchain

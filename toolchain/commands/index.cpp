@@ -34,25 +34,19 @@ void show(const std::string& path, std::uint64_t bytes, const std::vector<firmwa
                           {"version", head.version},
                           {"keyframes", rows}};
     if (wall_s > 0) object["wall_s"] = wall_s;
-    std::cout << object.dump(2) << "\n";
+    show_json(object);
     return;
   }
-  char line[128];
   std::printf("keyframe       tick   time [s]        bytes  digest\n");
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    std::snprintf(line, sizeof line, "%8zu %10llu %10.3f %12llu  %s\n", i,
-                  static_cast<unsigned long long>(entries[i].tick),
-                  static_cast<double>(entries[i].tick) * static_cast<double>(head.base_tick_ns) * 1e-9,
-                  static_cast<unsigned long long>(entries[i].bytes),
-                  firmware::hex(entries[i].digest).c_str());
-    std::cout << line;
+    std::printf("%8zu %10llu %10.3f %12llu  %s\n", i, static_cast<unsigned long long>(entries[i].tick),
+                static_cast<double>(entries[i].tick) * static_cast<double>(head.base_tick_ns) * 1e-9,
+                static_cast<unsigned long long>(entries[i].bytes), firmware::hex(entries[i].digest).c_str());
   }
-  std::cout << path << ": " << entries.size() << " keyframes, " << bytes << " bytes";
-  if (wall_s > 0) {
-    std::snprintf(line, sizeof line, ", %.2f s", wall_s);
-    std::cout << line;
-  }
-  std::cout << "\n";
+  std::printf("%s: %zu keyframes, %llu bytes", path.c_str(), entries.size(),
+              static_cast<unsigned long long>(bytes));
+  if (wall_s > 0) std::printf(", %.2f s", wall_s);
+  std::printf("\n");
 }
 
 int list(const IndexOptions& options) {
@@ -102,7 +96,7 @@ int run(const CommandContext& context, const IndexOptions& options) {
   writer->finish();
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   show(path, writer->bytes(), writer->entries(), head, wall_s, options.shown);
-  return finish_with_damage(context, outcome.damage, options.accept_damage, 0);
+  return firmware::code_with_damage(context.parts.name, outcome.damage, options.accept_damage, 0);
 }
 
 }  // namespace
@@ -130,8 +124,7 @@ void add_index(firmware::Command& app, CommandContext& context) {
   add_damage_option(*command, options->accept_damage);
   command->add_flag("--json", options->shown.json, "Print one JSON object");
   command->add_flag("--quiet", options->shown.quiet, "No progress bar");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -91,8 +91,7 @@ void add_merge(firmware::Command& app, CommandContext& context) {
   command
       ->add_option("--out", options->output.out, "Folder for sweep.csv, sweep.json, sweep.md and sweep.svg")
       ->type_name("DIR");
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

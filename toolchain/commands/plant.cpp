@@ -21,13 +21,11 @@ int run_command(const CommandContext& context, PlantOptions& options, bool json)
   };
   const PlantOutcome outcome = run_plant(context.parts.simulator, options);
   if (json) {
-    std::cout << firmware::Json{{"scene", outcome.scene},
-                                {"bench", outcome.robot},
-                                {"duration_s", outcome.duration_s},
-                                {"counters", outcome.counters},
-                                {"warnings", outcome.warnings}}
-                     .dump(2)
-              << "\n";
+    show_json({{"scene", outcome.scene},
+               {"bench", outcome.robot},
+               {"duration_s", outcome.duration_s},
+               {"counters", outcome.counters},
+               {"warnings", outcome.warnings}});
     return 0;
   }
   std::printf("plant     %s, %.1f s\n          %s\n", outcome.scene.c_str(), outcome.duration_s,
@@ -71,9 +69,8 @@ void add_plant(firmware::Command& app, CommandContext& context) {
   command->add_option("--record", options->plant.record, "Write the truth: poses, contacts, flippers")
       ->type_name("LOG");
   command->add_flag("--json", options->json, "Print one JSON object at the end");
-  command->callback([&context, options] {
-    context.chosen = [&context, options] { return run_command(context, options->plant, options->json); };
-  });
+  command->callback(
+      context.choose([&context, options] { return run_command(context, options->plant, options->json); }));
 }
 
 }  // namespace sortie::toolchain

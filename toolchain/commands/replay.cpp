@@ -7,7 +7,7 @@
 #include "toolchain/commands/replay_report.hpp"
 #include "toolchain/judge/alignment.hpp"
 #include "toolchain/report/map_plot.hpp"
-#include "toolchain/report/timeline_plot.hpp"
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 
@@ -61,7 +61,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   report.alignment = options.align;
   report.timeline = plot_timeline(timeline);
   report.tables.push_back({"Run times on the robot", live_rows(report.results)});
-  add_contact_plots(report, outcome.contacts);
+  report.more_plots = plot_contacts(outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_ray_plot(report, log, *outcome.runtime, outcome.estimate);
   report.tables.push_back({"Solid-state lidar", figures.rows(outcome.first_tick)});
@@ -72,14 +72,18 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   return replayed;
 }
 
+namespace {
+
 int replay_and_show(const CommandContext& context, ReplayReportOptions& options,
                     const OutputOptions& output) {
   const ReplayedLog replayed = replay_for_report(context, options, output, options.log);
   show_results(output, replayed.report, replayed.failures.empty() ? nullptr : &replayed.failures);
   firmware::print_failures(replayed.failures, output.json);
-  return finish_with_damage(context, replayed.damage, options.accept_damage,
-                            replayed.failures.empty() ? 0 : 1);
+  return firmware::code_with_damage(context.parts.name, replayed.damage, options.accept_damage,
+                                    replayed.failures.empty() ? 0 : 1);
 }
+
+}  // namespace
 
 void add_replay(firmware::Command& app, CommandContext& context) {
   struct Options {
@@ -103,11 +107,8 @@ void add_replay(firmware::Command& app, CommandContext& context) {
   add_threads_option(*command, options->replay.replay);
   add_fault_option(*command, options->replay.replay);
   add_output_options(*command, options->output);
-  command->callback([&context, options] {
-    context.chosen = [&context, options] {
-      return replay_and_show(context, options->replay, options->output);
-    };
-  });
+  command->callback(context.choose(
+      [&context, options] { return replay_and_show(context, options->replay, options->output); }));
 }
 
 }  // namespace sortie::toolchain

@@ -32,8 +32,4 @@ struct ReplayedLog {
 ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions& options,
                               const OutputOptions& output, const std::string& log);
 
-/// Replays, shows the table or JSON, writes the folder. Returns the exit code. Throws InputError,
-/// ProfileError.
-int replay_and_show(const CommandContext& context, ReplayReportOptions& options, const OutputOptions& output);
-
 }  // namespace sortie::toolchain

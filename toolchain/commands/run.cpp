@@ -11,6 +11,7 @@
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/judge/gate.hpp"
 #include "toolchain/report/html.hpp"
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 
@@ -40,7 +41,7 @@ int run(const CommandContext& context, RunOptions& options) {
   report.command = context.command_line;
   report.source = outcome.robot;
   report.alignment = options.align;
-  add_contact_plots(report, outcome.contacts);
+  report.more_plots = plot_contacts(outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);
   add_paths(report, outcome, evaluation);
   // What the gate asks for and the run did not measure is told after its results, which are there.
@@ -80,8 +81,7 @@ void add_run(firmware::Command& app, CommandContext& context) {
   add_gate_option(*command, options->gate);
   add_alignment_option(*command, options->align);
   add_output_options(*command, options->output);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

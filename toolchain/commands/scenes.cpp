@@ -21,21 +21,12 @@ namespace {
 
 using firmware::Runtime;
 
+// What a scene's table promises.
 struct SceneLine {
-  std::string name;
-  std::string vehicle;
-  std::string about;
-  std::string base;
-  std::string use;
-  std::string leaves_out;
-  std::size_t bytes{};
-  double declared_us_per_tick{};  // what the budgets promise at worst, averaged over ticks
+  double declared_us_per_tick{};  // by the budgets, at worst, averaged over ticks
   std::string tasks;
-  std::vector<std::string> parts;
-  std::map<std::string, std::vector<std::string>> without;  // overrides for each part that can be left out
   firmware::ScheduleResult schedule;
   std::vector<firmware::ChainResult> chains;
-  firmware::BusCheck bus;
 };
 
 // What every view of a scene is made with.
@@ -44,28 +35,9 @@ struct SceneView {
   bool json{};
 };
 
-SceneLine measure(const CommandContext& context, const std::string& scene, const SceneView& view) {
-  const Runtime runtime(firmware::load_scene(scene, view.overrides), context.parts.vehicles, {});
-  SceneLine line{runtime.profile().name(),
-                 runtime.profile().vehicle(),
-                 runtime.profile().about(),
-                 runtime.profile().base(),
-                 runtime.profile().use(),
-                 runtime.profile().leaves_out(),
-                 runtime.memory_bytes(),
-                 0,
-                 "",
-                 {},
-                 {},
-                 firmware::schedule_result(runtime.schedule(), runtime.executive()),
-                 {},
-                 runtime.bus()};
-  const auto parts = firmware::parts_of(runtime.profile());
-  for (const firmware::ScenePart* part : parts) {
-    line.parts.emplace_back(part->name);
-    const auto gone = firmware::with_dependants(*part, parts);
-    if (part->code) line.without[firmware::joined_names(gone)] = firmware::overrides_without(gone);
-  }
+SceneLine measure(const Runtime& runtime) {
+  SceneLine line;
+  line.schedule = firmware::schedule_result(runtime.schedule(), runtime.executive());
   for (const firmware::DeclaredChain& chain : runtime.chains())
     line.chains.push_back(firmware::chain_result(chain));
   for (std::uint32_t i = 0; i < runtime.executive().task_count(); ++i) {
@@ -75,6 +47,34 @@ SceneLine measure(const CommandContext& context, const std::string& scene, const
     line.tasks += (i == 0 ? "" : " ") + std::string(task.name());
   }
   return line;
+}
+
+firmware::Json scene_object(const Runtime& runtime, const SceneLine& line) {
+  const firmware::Profile& profile = runtime.profile();
+  const auto parts = firmware::parts_of(profile);
+  firmware::Json names = firmware::Json::array();
+  std::map<std::string, std::vector<std::string>> without;  // overrides for each part that can be left out
+  for (const firmware::ScenePart* part : parts) {
+    names.push_back(part->name);
+    const auto gone = firmware::with_dependants(*part, parts);
+    if (part->code) without[firmware::joined_names(gone)] = firmware::overrides_without(gone);
+  }
+  firmware::Json object{{"scene", profile.name()},
+                        {"vehicle", profile.vehicle()},
+                        {"base", profile.base()},
+                        {"use", profile.use()},
+                        {"leaves_out", profile.leaves_out()},
+                        {"bytes", runtime.memory_bytes()},
+                        {"budget_us_per_tick", line.declared_us_per_tick},
+                        {"tasks", line.tasks},
+                        {"parts", std::move(names)},
+                        {"without", without},
+                        {"about", profile.about()},
+                        {"schedule", to_json(line.schedule)},
+                        {"chains", firmware::Json::array()}};
+  for (const firmware::ChainResult& chain : line.chains) object["chains"].push_back(to_json(chain));
+  object["bus"] = to_json(runtime.bus());
+  return object;
 }
 
 // Scenes of vehicles that this program has: an own program need not know those that the library brings.
@@ -99,37 +99,26 @@ int list(const CommandContext& context, const std::vector<std::string>& scenes, 
                 "what for");
   std::ostringstream more;
   for (const std::string& scene : scenes) {
-    const SceneLine line = measure(context, scene, view);
+    const Runtime runtime(firmware::load_scene(scene, view.overrides), context.parts.vehicles, {});
+    const firmware::Profile& profile = runtime.profile();
+    const SceneLine line = measure(runtime);
     if (json) {
-      rows.push_back({{"scene", line.name},
-                      {"vehicle", line.vehicle},
-                      {"base", line.base},
-                      {"use", line.use},
-                      {"leaves_out", line.leaves_out},
-                      {"bytes", line.bytes},
-                      {"budget_us_per_tick", line.declared_us_per_tick},
-                      {"tasks", line.tasks},
-                      {"parts", line.parts},
-                      {"without", line.without},
-                      {"about", line.about},
-                      {"schedule", to_json(line.schedule)}});
-      rows.back()["chains"] = firmware::Json::array();
-      for (const firmware::ChainResult& chain : line.chains) rows.back()["chains"].push_back(to_json(chain));
-      rows.back()["bus"] = to_json(line.bus);
-    } else {
-      std::printf("%-14s %-8s %7.2f MB %11.1f us  %-28s %s\n", line.name.c_str(), line.vehicle.c_str(),
-                  static_cast<double>(line.bytes) * 1e-6, line.declared_us_per_tick, line.tasks.c_str(),
-                  line.about.c_str());
-      if (!tables) continue;
-      more << "\n" << line.name << "\n";
-      if (!line.leaves_out.empty()) more << "for " << line.use << "; without " << line.leaves_out << "\n";
-      firmware::print_schedule(more, line.schedule);
-      firmware::print_chains(more, line.chains);
-      firmware::print_bus(more, line.bus);
+      rows.push_back(scene_object(runtime, line));
+      continue;
     }
+    std::printf("%-14s %-8s %7.2f MB %11.1f us  %-28s %s\n", profile.name().c_str(),
+                profile.vehicle().c_str(), static_cast<double>(runtime.memory_bytes()) * 1e-6,
+                line.declared_us_per_tick, line.tasks.c_str(), profile.about().c_str());
+    if (!tables) continue;
+    more << "\n" << profile.name() << "\n";
+    if (!profile.leaves_out().empty())
+      more << "for " << profile.use() << "; without " << profile.leaves_out() << "\n";
+    firmware::print_schedule(more, line.schedule);
+    firmware::print_chains(more, line.chains);
+    firmware::print_bus(more, runtime.bus());
   }
   std::fputs(more.str().c_str(), stdout);
-  if (json) std::cout << firmware::Json{{"scenes", rows}}.dump(2) << "\n";
+  if (json) show_json({{"scenes", rows}});
   return 0;
 }
 
@@ -160,7 +149,7 @@ int show_keys(const CommandContext& context, const std::string& scene, const Sce
                   key.is_changeable ? "; may change while running" : "");
     }
   }
-  if (json) std::cout << firmware::Json{{"scene", scene}, {"keys", rows}}.dump(2) << "\n";
+  if (json) show_json({{"scene", scene}, {"keys", rows}});
   return 0;
 }
 
@@ -178,8 +167,7 @@ int show_memory(const CommandContext& context, const std::string& scene, const S
     }
   }
   if (json) {
-    std::cout << firmware::Json{{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}}.dump(2)
-              << "\n";
+    show_json({{"scene", scene}, {"bytes", runtime.memory_bytes()}, {"pools", rows}});
   } else {
     std::printf("%-16s %10s    %12zu bytes\n", "together", "", runtime.memory_bytes());
   }
@@ -212,7 +200,7 @@ int show_costs(const CommandContext& context, std::vector<std::string> scenes, c
       std::cout << scene_cost_table(costs) << "\n";
     }
   }
-  if (view.json) std::cout << firmware::Json{{"costs", rows}}.dump(2) << "\n";
+  if (view.json) show_json({{"costs", rows}});
   return 0;
 }
 
@@ -271,15 +259,13 @@ void add_scenes(firmware::Command& app, CommandContext& context) {
   command->add_option("--set", options->view.overrides, "key=value of the whole scene")->take_all();
   command->add_flag("--json", options->view.json, "Print one JSON object");
   add_costs(*command, options->cost);
-  command->callback([&context, options] {
-    context.chosen = [&context, options] {
-      if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->view);
-      if (!options->keys.empty()) return show_keys(context, options->keys, options->view);
-      if (!options->memory.empty()) return show_memory(context, options->memory, options->view);
-      const bool named = !options->scenes.empty();
-      return list(context, named ? options->scenes : runnable_scenes(context), named, options->view);
-    };
-  });
+  command->callback(context.choose([&context, options] {
+    if (options->cost.asked) return show_costs(context, options->scenes, options->cost, options->view);
+    if (!options->keys.empty()) return show_keys(context, options->keys, options->view);
+    if (!options->memory.empty()) return show_memory(context, options->memory, options->view);
+    const bool named = !options->scenes.empty();
+    return list(context, named ? options->scenes : runnable_scenes(context), named, options->view);
+  }));
 }
 
 }  // namespace sortie::toolchain

@@ -78,13 +78,11 @@ int list(const RequestClient& client, bool json) {
     }
   }
   if (json)
-    std::cout << firmware::Json{{"scene", run.scene},
-                                {"session", client.robot()},
-                                {"remote", run.remote},
-                                {"keyed", run.keyed},
-                                {"parameters", rows}}
-                     .dump(2)
-              << "\n";
+    show_json({{"scene", run.scene},
+               {"session", client.robot()},
+               {"remote", run.remote},
+               {"keyed", run.keyed},
+               {"parameters", rows}});
   return kTaken;
 }
 
@@ -124,11 +122,7 @@ int change(const CommandContext& context, const SetOptions& options,
                     {"status", to_string(outcome.status)}});
   }
   if (options.json)
-    std::cout << firmware::Json{{"scene", client.parameters().scene},
-                                {"session", client.robot()},
-                                {"changes", rows}}
-                     .dump(2)
-              << "\n";
+    show_json({{"scene", client.parameters().scene}, {"session", client.robot()}, {"changes", rows}});
   return code;
 }
 
@@ -188,8 +182,7 @@ void add_set(firmware::Command& app, CommandContext& context) {
       "  sortie set drive.max_speed_m_s=0.3 map.max_range_m=15 --secret robot.secret --json");
   command->add_option("assignments", options->assignments, "NAME=NUMBER each; without any, they are listed");
   add_ask_options(*command, *options, kSetTopic);
-  command->callback(
-      [&context, options] { context.chosen = [&context, options] { return run_set(context, *options); }; });
+  command->callback(context.choose([&context, options] { return run_set(context, *options); }));
 }
 
 }  // namespace sortie::toolchain

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <iostream>
 
-#include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/log/replay_command.hpp"
 #include "firmware_like/result/results.hpp"
@@ -16,8 +15,6 @@
 #include "toolchain/export/output_file.hpp"
 #include "toolchain/export/tum.hpp"
 #include "toolchain/judge/fired_rays.hpp"
-#include "toolchain/report/contact_plots.hpp"
-#include "toolchain/report/fired_rays_plot.hpp"
 #include "toolchain/report/html.hpp"
 #include "toolchain/report/map_plot.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
@@ -53,11 +50,6 @@ void add_gate_option(firmware::Command& command, std::string& gate) {
       ->type_name("FILE");
 }
 
-int finish_with_damage(const CommandContext& context, const std::string& damage, bool accept_damage,
-                       int code) {
-  return firmware::code_with_damage(context.parts.name, damage, accept_damage, code);
-}
-
 void add_map_plot(ReportInput& report, const firmware::Runtime& runtime, const firmware::Trajectory& path) {
   const std::vector<MapPoint> points = map_points(runtime.vehicle());
   if (!points.empty()) report.more_plots.push_back(plot_map(points, path));
@@ -72,10 +64,6 @@ void add_ray_plot(ReportInput& report, const firmware::LogFile& log, const firmw
   const FiredRays fired = fired_rays(log, std::move(profile), path);
   if (!fired.rays.empty())
     report.more_plots.push_back(plot_fired_rays(fired, occupied_cells(runtime.vehicle()), path));
-}
-
-void add_contact_plots(ReportInput& report, const std::vector<firmware::ContactSummary>& contacts) {
-  for (Plot& plot : plot_contacts(contacts)) report.more_plots.push_back(std::move(plot));
 }
 
 std::function<void(double)> progress_bar(const OutputOptions& options, const std::string& word) {
@@ -93,13 +81,14 @@ std::function<void(double)> progress_bar(const OutputOptions& options, const std
   };
 }
 
+void show_json(const firmware::Json& json) { std::cout << json.dump(2) << "\n"; }
+
 void show_results(const OutputOptions& options, const ReportInput& report,
                   const std::vector<std::string>* judged) {
   firmware::print_results(report.results, options.json, judged);
   if (options.out.empty()) return;
   std::filesystem::create_directories(options.out);
-  write_file(options.out + "/results.json",
-             [&report](std::ostream& out) { out << to_json(report.results).dump(2) << "\n"; });
+  write_file(options.out + "/results.json", to_json(report.results).dump(2) + "\n");
   const auto write_trajectory = [&options](const char* name,
                                            const std::vector<firmware::TimedPose>& trajectory) {
     if (trajectory.empty()) return;
@@ -108,7 +97,7 @@ void show_results(const OutputOptions& options, const ReportInput& report,
   write_trajectory("/trajectory.tum", report.estimate);
   write_trajectory("/located.tum", report.located);
   write_trajectory("/truth.tum", report.truth);
-  write_report(options.out + "/report.html", render_report(report));
+  write_file(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";
 }
 
@@ -116,7 +105,7 @@ void show_sweep_set(const CommandContext& context, const OutputOptions& options,
   firmware::Json object = to_json(set);
   object["command"] = context.command_line;
   if (options.json) {
-    std::cout << object.dump(2) << "\n";
+    show_json(object);
   } else {
     print_sweep_set(std::cout, set, firmware::wants_colour(STDOUT_FILENO));
   }

@@ -14,6 +14,7 @@
 #include "drivers/lcm_receiver.hpp"
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/scene/json.hpp"
+#include "rt/posix/clock.hpp"
 #include "toolchain/commands/commands.hpp"
 #include "toolchain/commands/spy_table.hpp"
 
@@ -26,12 +27,6 @@ constexpr int kWaitMs = 100;
 rt::Nanoseconds utc_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-rt::Nanoseconds steady_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
@@ -85,7 +80,7 @@ int run_spy(const SpyOptions& options, std::ostream& out, std::ostream& err) {
       !options.json && options.seconds <= 0 && &out == &std::cout && isatty(STDOUT_FILENO) != 0;
   const firmware::StopSignals stop;
   SpyTable table(options.values);
-  const rt::Nanoseconds start = steady_now();
+  const rt::Nanoseconds start = rt::posix::monotonic_now();
   rt::Nanoseconds next_refresh = start;
   double elapsed_s = 0;
   while (!firmware::StopSignals::asked() && out && (options.seconds <= 0 || elapsed_s < options.seconds)) {
@@ -99,7 +94,7 @@ int run_spy(const SpyOptions& options, std::ostream& out, std::ostream& err) {
       err << "LCM address \"" << options.url << "\": the socket failed\n";
       return 3;
     }
-    const rt::Nanoseconds now = steady_now();
+    const rt::Nanoseconds now = rt::posix::monotonic_now();
     elapsed_s = rt::to_seconds(now - start);
     if (refresh && now >= next_refresh) {
       next_refresh = now + kRefresh;
@@ -137,9 +132,7 @@ void add_spy(firmware::Command& app, CommandContext& context) {
       ->in_range(0.0, 1e7);
   command->add_flag("--values", options->values, "Also show the latest numbers of each message");
   command->add_flag("--json", options->json, "Print one JSON object at the end");
-  command->callback([&context, options] {
-    context.chosen = [options] { return run_spy(*options, std::cout, std::cerr); };
-  });
+  command->callback(context.choose([options] { return run_spy(*options, std::cout, std::cerr); }));
 }
 
 }  // namespace sortie::toolchain

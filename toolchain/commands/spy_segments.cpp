@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/commands/spy_segments.hpp"
-
+// A list of segments.
 #include <string>
 
 #include "drivers/wire_segments.hpp"
+#include "toolchain/commands/spy_values.hpp"
 
 namespace sortie::toolchain {
 

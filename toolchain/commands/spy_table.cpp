@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
 #include "drivers/channels.hpp"
@@ -31,6 +30,15 @@ std::string format_value(double value) {
   constexpr double kExact = 9007199254740992.0;
   const bool whole = value > -kExact && value < kExact && std::floor(value) == value;
   return whole ? firmware::format_fixed(value, 0) : firmware::format_short(value);
+}
+
+// Everything but printable ASCII replaced.
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  for (char& character : shown) {
+    if (character < ' ' || character > '~') character = '?';
+  }
+  return shown;
 }
 
 // Values of one channel, as many to a line as fit.
@@ -92,18 +100,7 @@ void SpyTable::add(std::string_view channel, std::span<const std::uint8_t> messa
 
 std::string shown_type(std::uint64_t fingerprint) {
   const std::string_view name = drivers::type_name(fingerprint);
-  if (!name.empty()) return std::string(name);
-  char text[32];
-  std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(fingerprint));
-  return text;
-}
-
-std::string printable(std::string_view text) {
-  std::string shown(text);
-  for (char& character : shown) {
-    if (character < ' ' || character > '~') character = '?';
-  }
-  return shown;
+  return name.empty() ? "0x" + firmware::hex(fingerprint) : std::string(name);
 }
 
 void SpyTable::print(std::ostream& out, rt::Nanoseconds now_ns, std::size_t rows) const {
@@ -143,12 +140,9 @@ void SpyTable::print(std::ostream& out, rt::Nanoseconds now_ns, std::size_t rows
 firmware::Json SpyTable::to_json(rt::Nanoseconds now_ns) const {
   firmware::Json list = firmware::Json::array();
   for (const auto& [name, row] : channels_) {
-    char fingerprint[32];
-    std::snprintf(fingerprint, sizeof fingerprint, "0x%016llx",
-                  static_cast<unsigned long long>(row.fingerprint));
     firmware::Json object{{"channel", printable(name)},
                           {"type", std::string(drivers::type_name(row.fingerprint))},
-                          {"fingerprint", fingerprint},
+                          {"fingerprint", "0x" + firmware::hex(row.fingerprint)},
                           {"count", row.count},
                           {"hz", row.rate_hz()},
                           {"jitter_ms", 1e3 * row.jitter_s()},

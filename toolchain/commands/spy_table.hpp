@@ -72,7 +72,4 @@ class SpyTable {
 /// Name of the type ("imu_t"), or the fingerprint in hex.
 std::string shown_type(std::uint64_t fingerprint);
 
-/// The text with everything but printable ASCII replaced by '?'.
-std::string printable(std::string_view text);
-
 }  // namespace sortie::toolchain

@@ -13,7 +13,6 @@
 #include "drivers/wire_ssl.hpp"
 #include "drivers/wire_truth.hpp"
 #include "rt/fields.hpp"
-#include "toolchain/commands/spy_segments.hpp"
 
 namespace sortie::toolchain {
 namespace {

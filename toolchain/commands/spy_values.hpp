@@ -16,4 +16,8 @@ namespace sortie::toolchain {
 /// message.
 Status read_values(std::span<const std::uint8_t> message, std::vector<drivers::NamedValue>& values);
 
+/// Of a list of segments, appends how many there are, what happened to them by kind ("cut" is born from
+/// another), and each listed segment. Status: ok; malformed (nothing is appended).
+Status read_segments(std::span<const std::uint8_t> message, std::vector<drivers::NamedValue>& values);
+
 }  // namespace sortie::toolchain

@@ -56,4 +56,8 @@ void write_file(const std::string& name, const std::function<void(std::ostream&)
   part.path.clear();
 }
 
+void write_file(const std::string& name, const std::string& text) {
+  write_file(name, [&text](std::ostream& out) { out << text; });
+}
+
 }  // namespace sortie::toolchain

@@ -12,5 +12,7 @@ namespace sortie::toolchain {
 /// name only when all was written. Throws InputError (path, reason, cure) if the system refuses; what `write`
 /// throws passes through. In both cases nothing is left behind.
 void write_file(const std::string& name, const std::function<void(std::ostream&)>& write);
+/// The same of a text.
+void write_file(const std::string& name, const std::string& text);
 
 }  // namespace sortie::toolchain

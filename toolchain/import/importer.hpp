@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware_like/scene/input_error.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::toolchain {
 
@@ -33,6 +34,7 @@ struct ReturnCounts {
   std::uint64_t time_negative{};  ///< a point's time before the first point's
   std::uint64_t time_unsorted{};  ///< before that of the point before it in its row
   std::uint64_t time_beyond{};    ///< after the end of the lidar's turn
+  SORTIE_FIELDS(in, used, no_return, out_of_range, not_finite, time_negative, time_unsorted, time_beyond)
 
   /// Adds those of one scan.
   void add(const ReturnCounts& scan);
@@ -51,6 +53,8 @@ struct ImportReport {
   ReturnCounts returns;                             ///< of the kinds that look at them: carmen and swp
   std::vector<std::string> sources;                 ///< files read
   std::vector<std::string> warnings;                ///< truncated tails, gaps, missing truth
+  SORTIE_FIELDS(rows, events, bad_rows, hidden_truth, time_backwards, out_of_order, other_rows, imu, tracks,
+                scans, truth)
 };
 
 /// Imports `options.path` and writes `options.out` (written to a temporary name first, so a failed import

@@ -3,8 +3,8 @@
 #include "toolchain/judge/trajectory.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <cmath>
+#include <limits>
 
 namespace sortie::toolchain {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where ticks go and how they are labelled.
-#include "toolchain/report/axis.hpp"
+#include "toolchain/report/svg_path.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/contact_plots.hpp"
-
 #include <string>
+
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 
@@ -10,26 +10,14 @@ namespace {
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 const char* const kFlipperNames[rt::kFlippers] = {"front left", "front right", "rear left", "rear right"};
 
-Plot over_time(const char* title, const char* unit) {
-  Plot plot;
-  plot.title = title;
-  plot.x = {"time, s"};
-  plot.y = {unit};
-  plot.width = 640;
-  plot.height = 260;
-  return plot;
-}
+Plot over_time(const char* title, const char* unit) { return {title, {"time, s"}, {unit}, 640, 260}; }
 
 template <class Value>
 Series series_of(std::span<const firmware::ContactSummary> contacts, std::string name, int colour,
                  Value value) {
-  Series s;
-  s.name = std::move(name);
-  s.colour = colour;
-  for (const firmware::ContactSummary& summary : contacts) {
-    s.x.push_back(static_cast<double>(summary.stamp_ns) * 1e-9);
-    s.y.push_back(value(summary));
-  }
+  Series s{std::move(name), Mark::line, colour};
+  for (const firmware::ContactSummary& summary : contacts)
+    s.add(static_cast<double>(summary.stamp_ns) * 1e-9, value(summary));
   return s;
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/doctor_section.hpp"
-
 #include <algorithm>
 
-#include "toolchain/report/svg.hpp"
+#include "toolchain/report/page_sections.hpp"
 
 namespace sortie::toolchain {
 namespace {

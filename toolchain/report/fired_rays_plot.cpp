@@ -1,38 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/fired_rays_plot.hpp"
-
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
-#include <utility>
 
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/judge/fired_rays.hpp"
+#include "toolchain/report/map_plot.hpp"
 
 namespace sortie::toolchain {
 namespace {
 
-constexpr double kPictureWidth = 800;
 constexpr double kPictureCells = 320;  // across the picture
 constexpr std::size_t kAges = 4;
 constexpr int kAgeColours[kAges] = {5, 0, 4, 1};  // from sky to vermilion: the newest
 constexpr double kEdge = 0.005;                   // share of the returns left out at each edge
 constexpr double kMargin_m = 1.0;
 
-struct RayExtent {
-  double low{};
-  double high{};
-  bool holds(double value) const { return value >= low && value <= high; }
-};
-
 // Where nearly all returns lie, and all sensors.
-RayExtent extent_of(const std::vector<FiredRay>& rays, int axis) {
+Extent extent_of(const std::vector<FiredRay>& rays, int axis) {
   std::vector<double> ends;
-  RayExtent extent{rays[0].from_m[axis], rays[0].from_m[axis]};
+  Extent extent;
   for (const FiredRay& ray : rays) {
-    extent.low = std::min(extent.low, ray.from_m[axis]);
-    extent.high = std::max(extent.high, ray.from_m[axis]);
+    extent.take(ray.from_m[axis]);
     if (ray.hit) ends.push_back(ray.to_m[axis]);
   }
   if (!ends.empty()) {
@@ -40,25 +30,11 @@ RayExtent extent_of(const std::vector<FiredRay>& rays, int axis) {
     const auto at = [&ends](double share) {
       return ends[static_cast<std::size_t>(share * static_cast<double>(ends.size() - 1))];
     };
-    extent.low = std::min(extent.low, at(kEdge));
-    extent.high = std::max(extent.high, at(1.0 - kEdge));
+    extent.take(at(kEdge));
+    extent.take(at(1.0 - kEdge));
   }
   return {extent.low - kMargin_m, extent.high + kMargin_m};
 }
-
-using Cell = std::pair<long, long>;
-
-struct RayRaster {
-  double cell_m{};
-  RayExtent x;
-  RayExtent y;
-  bool holds(const double* p) const { return x.holds(p[0]) && y.holds(p[1]); }
-  Cell cell(const double* p) const { return {std::lround(p[0] / cell_m), std::lround(p[1] / cell_m)}; }
-  void put(const Cell& at, Series& series) const {
-    series.x.push_back(static_cast<double>(at.first) * cell_m);
-    series.y.push_back(static_cast<double>(at.second) * cell_m);
-  }
-};
 
 // Which quarter of the time a ray belongs to.
 class Ages {
@@ -112,15 +88,15 @@ void add_lines(const std::vector<FiredRay>& rays, const Ages& ages, Plot& plot) 
   }
 }
 
-void add_returns(const std::vector<FiredRay>& rays, const Ages& ages, const RayRaster& raster, Plot& plot) {
-  std::map<Cell, std::size_t> newest;
+void add_returns(const std::vector<FiredRay>& rays, const Ages& ages, const MapRaster& raster, Plot& plot) {
+  std::map<MapRaster::Cell, std::size_t> newest;
   for (const FiredRay& ray : rays) {
-    if (!ray.hit || !raster.holds(ray.to_m)) continue;
-    std::size_t& age = newest[raster.cell(ray.to_m)];
+    if (!ray.hit || !raster.holds(ray.to_m[0], ray.to_m[1])) continue;
+    std::size_t& age = newest[raster.cell(ray.to_m[0], ray.to_m[1])];
     age = std::max(age, ages.of(ray));
   }
   for (std::size_t age = 0; age < kAges; ++age) {
-    Series series = dots(ages.name(age), kAgeColours[age], 1.3);
+    Series series{ages.name(age), Mark::dots, kAgeColours[age], 1.3};
     for (const auto& [cell, of_cell] : newest) {
       if (of_cell == age) raster.put(cell, series);
     }
@@ -149,32 +125,18 @@ std::vector<MapPoint> occupied_cells(const firmware::Vehicle& vehicle) {
 
 Plot plot_fired_rays(const FiredRays& fired, std::span<const MapPoint> occupied,
                      std::span<const firmware::TimedPose> path) {
-  Plot plot;
-  plot.title = "Rays that were fired, from above, by age; lines: the newest command of each age";
-  plot.x.label = "x, m";
-  plot.y.label = "y, m";
-  plot.equal_aspect = true;
-  plot.width = kPictureWidth;
+  Plot plot =
+      plot_from_above("Rays that were fired, from above, by age; lines: the newest command of each age");
   if (fired.rays.empty()) return plot;
-  RayRaster raster;
-  raster.x = extent_of(fired.rays, 0);
-  raster.y = extent_of(fired.rays, 1);
-  raster.cell_m = std::max(raster.x.high - raster.x.low, raster.y.high - raster.y.low) / kPictureCells;
-  plot.x.low = raster.x.low;
-  plot.x.high = raster.x.high;
-  plot.y.low = raster.y.low;
-  plot.y.high = raster.y.high;
-  plot.height = std::clamp(
-      kPictureWidth * (raster.y.high - raster.y.low) / (raster.x.high - raster.x.low) + 60.0, 260.0, 700.0);
+  const MapRaster raster(extent_of(fired.rays, 0), extent_of(fired.rays, 1), kPictureCells, plot);
 
   const Ages ages(fired.rays);
-  std::set<Cell> cells;
+  std::set<MapRaster::Cell> cells;
   for (const MapPoint& cell : occupied) {
-    const double p[2] = {cell.x_m, cell.y_m};
-    if (raster.holds(p)) cells.insert(raster.cell(p));
+    if (raster.holds(cell.x_m, cell.y_m)) cells.insert(raster.cell(cell.x_m, cell.y_m));
   }
-  Series known = dots("occupied", kGrey, 1.3);
-  for (const Cell& cell : cells) raster.put(cell, known);
+  Series known{"occupied", Mark::dots, kGrey, 1.3};
+  for (const MapRaster::Cell& cell : cells) raster.put(cell, known);
   if (!known.x.empty()) plot.series.push_back(std::move(known));
   add_lines(fired.rays, ages, plot);
   add_returns(fired.rays, ages, raster, plot);

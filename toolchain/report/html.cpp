@@ -5,17 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/export/output_file.hpp"
-#include "toolchain/report/doctor_section.hpp"
-#include "toolchain/report/overview_section.hpp"
+#include "toolchain/report/page_sections.hpp"
 #include "toolchain/report/page_style.hpp"
 #include "toolchain/report/plots.hpp"
 #include "toolchain/report/release_plots.hpp"
-#include "toolchain/report/schedule_section.hpp"
-#include "toolchain/report/table_cell.hpp"
 
 namespace sortie::toolchain {
 namespace {
@@ -39,7 +34,7 @@ struct Unit {
 Unit split_unit(const std::string& key) {
   for (const char* unit : {"_m", "_deg", "_percent", "_s", "_rad"}) {
     const std::string ending = unit;
-    if (key.size() > ending.size() && key.compare(key.size() - ending.size(), ending.size(), ending) == 0) {
+    if (key.size() > ending.size() && key.ends_with(ending)) {
       std::string name = key.substr(0, key.size() - ending.size());
       std::replace(name.begin(), name.end(), '_', ' ');
       return {name, ending == "_percent" ? "%" : ending == "_deg" ? "\u00b0" : ending.substr(1)};
@@ -88,7 +83,7 @@ std::string task_table(const firmware::Results& r) {
            table_cell(firmware::format_short(t.p50_us)) + table_cell(firmware::format_short(t.p99_us)) +
            table_cell(firmware::format_short(t.p999_us)) + table_cell(firmware::format_short(t.max_us)) +
            "<td class=\"bar\">" +
-           (t.budget_us > 0.0 ? render_bar(share, share > 1.0 ? kVermilion : kBlue, 90, 9) + "<small>" +
+           (t.budget_us > 0.0 ? render_bar(share, share > 1.0 ? kVermilion : kBlue, 90) + "<small>" +
                                     firmware::format_fixed(100.0 * share, share < 0.1 ? 1 : 0) + " %</small>"
                               : std::string()) +
            "</td>" + table_cell(firmware::group_digits(t.count)) +
@@ -158,7 +153,7 @@ std::string pool_section(const firmware::Results& r) {
   for (const firmware::PoolResult& p : r.pools) {
     const double share = share_of(static_cast<double>(p.high_water), static_cast<double>(p.capacity));
     out += "<tr>" + table_cell(p.name, "t") + "<td class=\"bar\">" +
-           render_bar(share, p.refused > 0 ? kVermilion : kBlue, 220, 9) + "</td>" +
+           render_bar(share, p.refused > 0 ? kVermilion : kBlue, 220) + "</td>" +
            table_cell(firmware::format_fixed(100.0 * share, 0) + " %") +
            table_cell(firmware::group_digits(p.high_water)) + table_cell(firmware::group_digits(p.capacity)) +
            table_cell(firmware::group_digits(p.bytes)) +
@@ -228,10 +223,6 @@ std::string left_out_section(const firmware::Results& r) {
          esc(names) + ". They are not scheduled and have no memory.</p>\n";
 }
 
-std::string scene_name(const ReportInput& input) {
-  return input.results.scene.empty() ? "run" : input.results.scene;
-}
-
 std::string subtitle(const ReportInput& input) {
   const std::string& vehicle = input.results.vehicle;
   return vehicle + (vehicle.empty() || input.source.empty() ? "" : " \u00b7 ") + input.source;
@@ -283,10 +274,6 @@ std::string render_report(const std::vector<ReportInput>& inputs, const Plot& gr
            "</h1><p>" + esc(subtitle(inputs[i])) + "</p></header>\n" + body(inputs[i]);
   }
   return out + page_end();
-}
-
-void write_report(const std::string& path, const std::string& page) {
-  write_file(path, [&page](std::ostream& out) { out << page; });
 }
 
 }  // namespace sortie::toolchain

@@ -62,7 +62,4 @@ std::string render_report(const ReportInput& input);
 /// The picture's ground is `ground`, a map that any of them made; it may be empty.
 std::string render_report(const std::vector<ReportInput>& inputs, const Plot& ground);
 
-/// Writes a page to `path`. Throws InputError if it cannot be written.
-void write_report(const std::string& path, const std::string& page);
-
 }  // namespace sortie::toolchain

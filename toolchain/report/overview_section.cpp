@@ -1,23 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/overview_section.hpp"
-
 #include <algorithm>
 #include <string>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/report/table_cell.hpp"
+#include "toolchain/report/page_sections.hpp"
 
 namespace sortie::toolchain {
 
-namespace {
-
-std::string scene_of(const ReportInput& input) {
-  return input.results.scene.empty() ? "run" : input.results.scene;
-}
-
-}  // namespace
-
-// A row a run: what one asks first of each.
 std::string overview(const std::vector<ReportInput>& inputs) {
   std::string out =
       "<table><thead><tr><th>run</th><th>vehicle</th><th class=\"n\">duration, s</th><th class=\"n\">way, "
@@ -36,7 +25,7 @@ std::string overview(const std::vector<ReportInput>& inputs) {
       missed += task.missed;
     }
     out += "<tr><td class=\"t\"><a href=\"#run" + std::to_string(i + 1) + "\">" +
-           escape_xml(scene_of(inputs[i])) + "</a></td>" + table_cell(r.vehicle, "t") +
+           escape_xml(scene_name(inputs[i])) + "</a></td>" + table_cell(r.vehicle, "t") +
            table_cell(firmware::format_short(r.duration_s)) + table_cell(error("distance_m")) +
            table_cell(error("ate_rmse_m")) + table_cell(error("drift_horizontal_percent")) +
            table_cell(firmware::format_fixed(100.0 * worst, 0) + " %") +
@@ -47,7 +36,6 @@ std::string overview(const std::vector<ReportInput>& inputs) {
          "that comes nearest to it.</p>\n";
 }
 
-// Where they all went, over the map that one of them made.
 Plot plot_ways(const std::vector<ReportInput>& inputs, const Plot& ground) {
   constexpr int kWayColours[] = {1, 0, 2, 3, 4};
   Plot plot = ground;
@@ -61,15 +49,9 @@ Plot plot_ways(const std::vector<ReportInput>& inputs, const Plot& ground) {
                                    [](const Series& series) { return series.mark != Mark::dots; }),
                     plot.series.end());
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    Series way;
-    way.name = scene_of(inputs[i]);
-    way.colour = kWayColours[i % std::size(kWayColours)];
-    way.width = 2.4;
+    Series way{scene_name(inputs[i]), Mark::line, kWayColours[i % std::size(kWayColours)], 2.4};
     const auto& path = inputs[i].estimate.empty() ? inputs[i].located : inputs[i].estimate;
-    for (const firmware::TimedPose& pose : path) {
-      way.x.push_back(pose.p[0]);
-      way.y.push_back(pose.p[1]);
-    }
+    for (const firmware::TimedPose& pose : path) way.add(pose.p[0], pose.p[1]);
     if (!way.x.empty()) plot.series.push_back(std::move(way));
   }
   return plot;

@@ -24,39 +24,16 @@ std::map<int, std::uint64_t> rebin(const std::vector<firmware::HistogramBar>& ba
   return bins;
 }
 
-Series truth_series(const char* name) {
-  Series s;
-  s.name = name;
-  s.colour = kGrey;
-  s.width = 4.0;
-  return s;
+Series truth_series() { return {"truth", Mark::line, kGrey, 4.0}; }
+
+Series estimate_series(bool is_located) {
+  return {is_located ? "odometry" : "estimate", Mark::line, kBlue, 1.6};
 }
 
-Series estimate_series(const char* name) {
-  Series s;
-  s.name = name;
-  s.colour = kBlue;
-  s.width = 1.6;
-  return s;
-}
-
-Series located_series() {
-  Series s;
-  s.name = "located";
-  s.colour = kVermilion;
-  s.width = 1.6;
-  return s;
-}
+Series located_series() { return {"located", Mark::line, kVermilion, 1.6}; }
 
 Series marker(const char* name, const firmware::TimedPose& pose, int colour) {
-  Series s;
-  s.name = name;
-  s.mark = Mark::dots;
-  s.x = {pose.p[0]};
-  s.y = {pose.p[1]};
-  s.colour = colour;
-  s.width = 3.0;
-  return s;
+  return {name, Mark::dots, colour, 3.0, false, {pose.p[0]}, {pose.p[1]}};
 }
 
 bool has(const firmware::TimedPose& pose, std::uint32_t flags) { return (pose.flags & flags) == flags; }
@@ -65,39 +42,18 @@ bool has(const firmware::TimedPose& pose, std::uint32_t flags) { return (pose.fl
 void add_side_view(std::span<const firmware::TimedPose> poses, Series& series) {
   for (const firmware::TimedPose& pose : poses) {
     const bool shown = has(pose, rt::kTruthPosition | rt::kTruthHeight);
-    series.x.push_back(shown ? pose.p[0] : std::nan(""));
-    series.y.push_back(shown ? pose.p[2] : std::nan(""));
+    series.add(shown ? pose.p[0] : std::nan(""), shown ? pose.p[2] : std::nan(""));
   }
 }
-
-struct Extent {
-  double low{1e300};
-  double high{-1e300};
-  void take(const std::vector<double>& values) {
-    for (const double v : values) {
-      if (!std::isfinite(v)) continue;
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-  }
-  double size() const { return std::max(0.0, high - low); }
-};
 
 }  // namespace
 
 Plot plot_latency(const firmware::TaskResult& task) {
-  Plot plot;
-  plot.title = task.name;
-  plot.x = {"execution time, \u00b5s", true};
-  plot.y = {"jobs", true, 0.7};
-  plot.width = 480;
-  plot.height = 250;
-  Series bars;
-  bars.mark = Mark::bars;
+  Plot plot{task.name, {"execution time, \u00b5s", true}, {"jobs", true, 0.7}, 480, 250};
+  Series bars{"", Mark::bars};
   for (const auto& [bin, count] : rebin(task.histogram)) {
-    bars.x.push_back(std::pow(10.0, bin / kBinsPerDecade));
+    bars.add(std::pow(10.0, bin / kBinsPerDecade), static_cast<double>(count));
     bars.x_end.push_back(std::pow(10.0, (bin + 1) / kBinsPerDecade));
-    bars.y.push_back(static_cast<double>(count));
   }
   plot.series.push_back(std::move(bars));
   if (task.budget_us > 0.0) plot.rules.push_back({task.budget_us, "budget", kVermilion});
@@ -108,30 +64,19 @@ Plot plot_latency(const firmware::TaskResult& task) {
 }
 
 Plot plot_top(const RunPaths& paths) {
-  Plot plot;
-  plot.title = "From above";
-  plot.x = {"x, m"};
-  plot.y = {"y, m"};
-  plot.equal_aspect = true;
-  plot.width = 640;
-  plot.height = 470;
-  Series reference = truth_series("truth");
+  Plot plot{"From above", {"x, m"}, {"y, m"}, 640, 470, true};
+  Series reference = truth_series();
   for (const firmware::TimedPose& pose : paths.truth) {
     const bool shown = has(pose, rt::kTruthPosition);
-    reference.x.push_back(shown ? pose.p[0] : std::nan(""));
-    reference.y.push_back(shown ? pose.p[1] : std::nan(""));
+    reference.add(shown ? pose.p[0] : std::nan(""), shown ? pose.p[1] : std::nan(""));
   }
   if (!paths.truth.empty()) plot.series.push_back(std::move(reference));
   const auto add = [&plot](Series series, std::span<const firmware::TimedPose> path) {
-    for (const firmware::TimedPose& pose : path) {
-      series.x.push_back(pose.p[0]);
-      series.y.push_back(pose.p[1]);
-    }
+    for (const firmware::TimedPose& pose : path) series.add(pose.p[0], pose.p[1]);
     plot.series.push_back(std::move(series));
   };
   const bool is_located = !paths.located.empty();
-  if (!paths.estimate.empty() || !is_located)
-    add(estimate_series(is_located ? "odometry" : "estimate"), paths.estimate);
+  if (!paths.estimate.empty() || !is_located) add(estimate_series(is_located), paths.estimate);
   if (is_located) add(located_series(), paths.located);
   const auto& marked = is_located ? paths.located : paths.estimate;
   if (!marked.empty()) {
@@ -142,22 +87,17 @@ Plot plot_top(const RunPaths& paths) {
 }
 
 Plot plot_side(const RunPaths& paths) {
-  Plot plot;
-  plot.title = "From the side";
-  plot.x = {"x, m"};
-  plot.y = {"z, m"};
-  plot.width = 640;
-  plot.height = 240;
+  Plot plot{"From the side", {"x, m"}, {"z, m"}, 640, 240};
   const bool has_height = std::any_of(
       paths.truth.begin(), paths.truth.end(),
       [](const firmware::TimedPose& pose) { return has(pose, rt::kTruthPosition | rt::kTruthHeight); });
   if (has_height) {
-    plot.series.push_back(truth_series("truth"));
+    plot.series.push_back(truth_series());
     add_side_view(paths.truth, plot.series.back());
   }
   const bool is_located = !paths.located.empty();
   if (!paths.estimate.empty() || !is_located) {
-    plot.series.push_back(estimate_series(is_located ? "odometry" : "estimate"));
+    plot.series.push_back(estimate_series(is_located));
     add_side_view(paths.estimate, plot.series.back());
   }
   if (is_located) {
@@ -184,38 +124,20 @@ Plot plot_side(const RunPaths& paths) {
 }
 
 Plot plot_position_error(std::span<const ErrorSample> errors) {
-  Plot plot;
-  plot.title = "Position error";
-  plot.x = {"time, s"};
-  plot.y = {"error, m", false, 0.0};
-  plot.width = 640;
-  plot.height = 230;
+  Plot plot{"Position error", {"time, s"}, {"error, m", false, 0.0}, 640, 230};
   Series s;
-  for (const ErrorSample& e : errors) {
-    s.x.push_back(e.time_s);
-    s.y.push_back(e.position_m);
-  }
+  for (const ErrorSample& e : errors) s.add(e.time_s, e.position_m);
   plot.series.push_back(std::move(s));
   return plot;
 }
 
 Plot plot_orientation_error(std::span<const ErrorSample> errors) {
-  Plot plot;
-  plot.title = "Orientation error";
-  plot.x = {"time, s"};
-  plot.y = {"error, degrees"};
-  plot.width = 640;
-  plot.height = 230;
-  Series inclination;
-  inclination.name = "inclination";
-  Series heading;
-  heading.name = "heading (from the first truth on)";
-  heading.colour = kVermilion;
+  Plot plot{"Orientation error", {"time, s"}, {"error, degrees"}, 640, 230};
+  Series inclination{"inclination"};
+  Series heading{"heading (from the first truth on)", Mark::line, kVermilion};
   for (const ErrorSample& e : errors) {
-    inclination.x.push_back(e.time_s);
-    inclination.y.push_back(e.inclination_deg);
-    heading.x.push_back(e.time_s);
-    heading.y.push_back(e.heading_deg);
+    inclination.add(e.time_s, e.inclination_deg);
+    heading.add(e.time_s, e.heading_deg);
   }
   plot.series.push_back(std::move(heading));
   plot.series.push_back(std::move(inclination));

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
+#include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/result/results.hpp"
 #include "toolchain/judge/evaluate.hpp"
+#include "toolchain/judge/job_timeline.hpp"
 #include "toolchain/report/svg.hpp"
 
 namespace sortie::toolchain {
@@ -32,5 +35,14 @@ Plot plot_position_error(std::span<const ErrorSample> errors);
 
 /// Inclination and heading error over time.
 Plot plot_orientation_error(std::span<const ErrorSample> errors);
+
+/// Run time over time: the longest job of each group in each span, on a log axis; bands where the odometry
+/// was in another mode than planar, and their share of the time in the legend. Without jobs the plot has no
+/// series.
+Plot plot_timeline(const JobTimeline& timeline);
+
+/// What a simulated vehicle touched and how its flippers stood, over time: contacts by part, flipper angles
+/// asked for and actual, flipper torques. Empty without summaries.
+std::vector<Plot> plot_contacts(std::span<const firmware::ContactSummary> contacts);
 
 }  // namespace sortie::toolchain

@@ -50,28 +50,17 @@ Series bins_of(const firmware::GroupResult& group, double view, int colour) {
     const long last = bar.to_us - bar.from_us <= 1.0 ? first : static_cast<long>(std::min(bar.to_us, view));
     for (long bin = first; bin <= last; ++bin) count[bin] += bar.count;
   }
-  Series series;
-  series.mark = Mark::steps;
-  series.colour = colour;
-  series.width = 1.3;
+  Series series{"", Mark::steps, colour, 1.3};
   long next = -1;
   for (const auto& [bin, n] : count) {
     if (bin != next) {  // down to the floor, and up again
-      if (next >= 0) {
-        series.x.push_back(static_cast<double>(next));
-        series.y.push_back(kFloor);
-      }
-      series.x.push_back(static_cast<double>(bin));
-      series.y.push_back(kFloor);
+      if (next >= 0) series.add(static_cast<double>(next), kFloor);
+      series.add(static_cast<double>(bin), kFloor);
     }
-    series.x.push_back(static_cast<double>(bin));
-    series.y.push_back(static_cast<double>(n));
+    series.add(static_cast<double>(bin), static_cast<double>(n));
     next = bin + 1;
   }
-  if (next >= 0) {
-    series.x.push_back(static_cast<double>(next));
-    series.y.push_back(kFloor);
-  }
+  if (next >= 0) series.add(static_cast<double>(next), kFloor);
   return series;
 }
 
@@ -100,13 +89,12 @@ bool has_releases(std::span<const firmware::GroupResult> groups) {
 }
 
 Plot plot_wake_up(std::span<const firmware::GroupResult> groups) {
-  Plot plot;
-  plot.title = "Wake-up latency";
-  plot.width = 960;
-  plot.height = 330;
   const double view = view_of(groups);
-  plot.x = {"begin of the job after its release, \u00b5s", false, 0.0, view};
-  plot.y = {"releases in 1 \u00b5s", true, kFloor};
+  Plot plot{"Wake-up latency",
+            {"begin of the job after its release, \u00b5s", false, 0.0, view},
+            {"releases in 1 \u00b5s", true, kFloor},
+            960,
+            330};
   double edge = 1.0;  // the height of what lies beyond the view: one above the other
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const firmware::GroupResult& group = groups[i];
@@ -115,12 +103,9 @@ Plot plot_wake_up(std::span<const firmware::GroupResult> groups) {
     Series line = bins_of(group, view, colour_of(i));
     line.name = group.name + ": max " + duration_text(most) + (most > view ? " \u2192" : "");
     plot.series.push_back(std::move(line));
-    Series marker;
-    marker.mark = Mark::dots;
-    marker.colour = colour_of(i);
-    marker.width = 2.6;
-    marker.x = {std::min(most, 0.994 * view)};
-    marker.y = {most > view ? edge : static_cast<double>(group.lateness.back().count)};
+    Series marker{"", Mark::dots, colour_of(i), 2.6};
+    marker.add(std::min(most, 0.994 * view),
+               most > view ? edge : static_cast<double>(group.lateness.back().count));
     if (most > view) edge *= 4.0;
     marker.labels = {most > view ? "max \u2192" : "max"};
     plot.series.push_back(std::move(marker));
@@ -130,12 +115,11 @@ Plot plot_wake_up(std::span<const firmware::GroupResult> groups) {
 }
 
 Plot plot_response(std::span<const firmware::GroupResult> groups) {
-  Plot plot;
-  plot.title = "Response against the deadline";
-  plot.width = 960;
-  plot.height = 330;
-  plot.x = {"end of the job after its release, \u00b5s", true};
-  plot.y = {"jobs", true, kFloor};
+  Plot plot{"Response against the deadline",
+            {"end of the job after its release, \u00b5s", true},
+            {"jobs", true, kFloor},
+            960,
+            330};
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const firmware::GroupResult& group = groups[i];
     if (group.response.empty()) continue;
@@ -144,19 +128,12 @@ Plot plot_response(std::span<const firmware::GroupResult> groups) {
       const double middle = std::max(0.5 * (bar.from_us + bar.to_us), 0.01);
       count[static_cast<int>(std::floor(std::log10(middle) * kLateBinsPerDecade))] += bar.count;
     }
-    Series line;
-    line.mark = Mark::steps;
-    line.colour = colour_of(i);
-    line.width = 1.3;
+    Series line{"", Mark::steps, colour_of(i), 1.3};
     const auto edge = [](int bin) { return std::pow(10.0, bin / kLateBinsPerDecade); };
     for (int bin = count.begin()->first; bin <= count.rbegin()->first + 1; ++bin) {
       const auto found = count.find(bin);
-      if (bin == count.begin()->first) {
-        line.x.push_back(edge(bin));
-        line.y.push_back(kFloor);
-      }
-      line.x.push_back(edge(bin));
-      line.y.push_back(found == count.end() ? kFloor : static_cast<double>(found->second));
+      if (bin == count.begin()->first) line.add(edge(bin), kFloor);
+      line.add(edge(bin), found == count.end() ? kFloor : static_cast<double>(found->second));
     }
     line.name = group.name + ": max " + duration_text(end_of(group.response, group.response_max_us)) +
                 " of " + duration_text(group.deadline_us);

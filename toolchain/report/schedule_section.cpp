@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/schedule_section.hpp"
-
 #include <cmath>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/report/table_cell.hpp"
+#include "toolchain/report/page_sections.hpp"
 
 namespace sortie::toolchain {
 

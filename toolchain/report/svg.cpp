@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/report/axis.hpp"
 #include "toolchain/report/label_layout.hpp"
 #include "toolchain/report/svg_path.hpp"
 
@@ -19,17 +18,12 @@ constexpr double kFont = 12.0;
 /// Average width of a sans-serif character.
 double text_width(std::string_view text) { return 0.56 * kFont * static_cast<double>(text.size()); }
 
-struct Range {
-  double low{std::numeric_limits<double>::infinity()};
-  double high{-std::numeric_limits<double>::infinity()};
-  void take(double value, bool log) {
-    if (!std::isfinite(value) || (log && value <= 0.0)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-};
+/// A log axis has no place for what is not above zero.
+void take(double value, const Axis& axis, Extent& range) {
+  if (!axis.log || value > 0.0) range.take(value);
+}
 
-Scale scale_of(const Axis& axis, const Range& range, bool padded) {
+Scale scale_of(const Axis& axis, const Extent& range, bool padded) {
   double low = range.low;
   double high = range.high;
   if (padded && low <= high) {
@@ -121,28 +115,19 @@ std::string draw_rules(const Plot& plot, const Mapping& map, std::vector<LabelBo
   std::string out;
   double stagger = 0.0;  // labels of neighbouring rules do not cover each other
   for (const Rule& rule : plot.rules) {
-    const double at = rule.vertical ? map.px(rule.value) : map.py(rule.value);
-    const bool inside =
-        rule.vertical ? at >= f.left && at <= f.left + f.width : at >= f.top && at <= f.top + f.height;
-    if (!inside) continue;  // also if NaN
+    const double at = map.px(rule.value);
+    if (!(at >= f.left && at <= f.left + f.width)) continue;  // also if NaN
     const std::string style =
         std::string("stroke=\"") + palette(rule.colour) + "\" stroke-width=\"1.4\" stroke-dasharray=\"6 3\"";
     const std::string ink = std::string(" class=\"halo\" fill=\"") + palette(rule.colour) + "\"";
-    if (rule.vertical) {
-      out += line(at, f.top, at, f.top + f.height, style.c_str());
-      const bool left_side = at > f.left + 0.6 * f.width;
-      const double x = at + (left_side ? -5.0 : 5.0);
-      const double y = f.top + 14.0 + stagger;
-      out += text(x, y, rule.label, left_side ? "end" : "start", ink.c_str());
-      const double left = left_side ? x - text_width(rule.label) : x;
-      taken.push_back({left, y - 11.0, left + text_width(rule.label), y + 4.0});
-      stagger += 16.0;
-    } else {
-      out += line(f.left, at, f.left + f.width, at, style.c_str());
-      const double right = f.left + f.width - 6.0;
-      out += text(right, at - 5.0, rule.label, "end", ink.c_str());
-      taken.push_back({right - text_width(rule.label), at - 16.0, right, at - 1.0});
-    }
+    out += line(at, f.top, at, f.top + f.height, style.c_str());
+    const bool left_side = at > f.left + 0.6 * f.width;
+    const double x = at + (left_side ? -5.0 : 5.0);
+    const double y = f.top + 14.0 + stagger;
+    out += text(x, y, rule.label, left_side ? "end" : "start", ink.c_str());
+    const double left = left_side ? x - text_width(rule.label) : x;
+    taken.push_back({left, y - 11.0, left + text_width(rule.label), y + 4.0});
+    stagger += 16.0;
   }
   return out;
 }
@@ -201,6 +186,16 @@ std::string draw_legend(const std::vector<LegendEntry>& entries) {
 
 }  // namespace
 
+void Extent::take(double value) {
+  if (!std::isfinite(value)) return;
+  low = std::min(low, value);
+  high = std::max(high, value);
+}
+
+void Extent::take(const std::vector<double>& values) {
+  for (const double value : values) take(value);
+}
+
 const char* palette(int index) {
   static constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                        "#e69f00", "#56b4e9", "#1a1a1a", "#9aa3ab"};
@@ -208,47 +203,38 @@ const char* palette(int index) {
 }
 
 std::string escape_xml(std::string_view words) {
+  static constexpr std::pair<char, const char*> kNames[] = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
   std::string out;
   for (const char c : words) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
+    const auto* name = std::find_if(std::begin(kNames), std::end(kNames),
+                                    [c](const auto& entry) { return entry.first == c; });
+    if (name != std::end(kNames)) {
+      out += name->second;
+    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') {
+      out += c;
     }
   }
   return out;
 }
 
 std::string render(const Plot& plot) {
-  Range x_range;
-  Range y_range;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Extent x_range{kInfinity, -kInfinity};
+  Extent y_range = x_range;
   bool has_bars = false;
   for (const Series& s : plot.series) {
     has_bars = has_bars || s.mark == Mark::bars;
     for (std::size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i) {
       if (!std::isfinite(s.x[i]) || !std::isfinite(s.y[i]) || (plot.y.log && s.y[i] <= 0.0)) continue;
-      x_range.take(s.x[i], plot.x.log);
-      if (i < s.x_end.size()) x_range.take(s.x_end[i], plot.x.log);
-      y_range.take(s.y[i], plot.y.log);
+      take(s.x[i], plot.x, x_range);
+      if (i < s.x_end.size()) take(s.x_end[i], plot.x, x_range);
+      take(s.y[i], plot.y, y_range);
     }
   }
   const bool empty = !(x_range.low <= x_range.high);
   for (const Rule& rule : plot.rules) {
-    if (!empty) (rule.vertical ? x_range : y_range).take(rule.value, rule.vertical ? plot.x.log : plot.y.log);
+    if (!empty) take(rule.value, plot.x, x_range);
   }
   Mapping map;
   double top = plot.title.empty() ? 4.0 : 26.0;
@@ -285,7 +271,8 @@ std::string render(const Plot& plot) {
   return out;
 }
 
-std::string render_bar(double share, int colour, double width, double height) {
+std::string render_bar(double share, int colour, double width) {
+  constexpr double height = 9;
   const double filled = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) * width : 0.0;
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(width) + "\" height=\"" +
          number(height) + "\" role=\"img\"><rect width=\"" + number(width) + "\" height=\"" + number(height) +

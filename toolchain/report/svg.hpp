@@ -28,43 +28,59 @@ enum class Mark {
 
 /// Points of one colour and one legend entry.
 struct Series {
-  std::string name;  ///< in the legend; empty = no entry
+  std::string name{};  ///< in the legend; empty = no entry
   Mark mark{Mark::line};
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> x_end;        ///< right edges of bars
-  std::vector<std::string> labels;  ///< text beside each point; empty: none
-  int colour{0};                    ///< index into the palette
-  double width{1.6};                ///< of lines, px
+  int colour{0};      ///< index into the palette
+  double width{1.6};  ///< of lines, px
   bool dashed{false};
+  std::vector<double> x{};
+  std::vector<double> y{};
+  std::vector<double> x_end{};        ///< right edges of bars
+  std::vector<std::string> labels{};  ///< text beside each point; empty: none
+
+  void add(double at_x, double at_y) {
+    x.push_back(at_x);
+    y.push_back(at_y);
+  }
 };
 
-/// A line across the plot at one x (or y), with its name at the end.
+/// A line across the plot at one x, with its name at the end.
 struct Rule {
   double value{};
   std::string label;
   int colour{1};
-  bool vertical{true};
 };
 
 /// One axis. Limits that are NaN follow the data.
 struct Axis {
-  std::string label;
+  std::string label{};
   bool log{false};
   double low{std::numeric_limits<double>::quiet_NaN()};
   double high{std::numeric_limits<double>::quiet_NaN()};
 };
 
+/// From the lowest to the highest of finite values; of none, low is above high.
+struct Extent {
+  double low{1e300};
+  double high{-1e300};
+
+  void take(double value);
+  void take(const std::vector<double>& values);
+  bool holds(double value) const { return value >= low && value <= high; }
+  /// 0 of none.
+  double size() const { return high > low ? high - low : 0.0; }
+};
+
 /// A plot with one pair of axes.
 struct Plot {
-  std::string title;  ///< drawn above, empty = none
-  Axis x;
-  Axis y;
-  std::vector<Series> series;
-  std::vector<Rule> rules;
-  bool equal_aspect{false};  ///< a metre is as long on both axes
-  double width{640};         ///< px
+  std::string title{};  ///< drawn above, empty = none
+  Axis x{};
+  Axis y{};
+  double width{640};  ///< px
   double height{320};
+  bool equal_aspect{false};  ///< a metre is as long on both axes
+  std::vector<Series> series{};
+  std::vector<Rule> rules{};
 };
 
 /// Colours that stay apart for all common kinds of colour vision: blue, vermilion, green, purple, orange,
@@ -79,6 +95,6 @@ std::string escape_xml(std::string_view text);
 std::string render(const Plot& plot);
 
 /// A horizontal bar for table cells: `share` (0..1) filled, in `colour`.
-std::string render_bar(double share, int colour, double width = 160, double height = 10);
+std::string render_bar(double share, int colour, double width);
 
 }  // namespace sortie::toolchain

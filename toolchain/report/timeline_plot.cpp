@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/report/timeline_plot.hpp"
-
 #include <array>
 #include <cmath>
 
 #include "estimators/obstacle_modes.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/report/plots.hpp"
 
 namespace sortie::toolchain {
 namespace {
@@ -26,18 +25,10 @@ constexpr int kGroupColours[] = {0, 2, 5, 6};
 }  // namespace
 
 Plot plot_timeline(const JobTimeline& timeline) {
-  Plot plot;
-  plot.title = "Longest job of each group over time";
-  plot.x.label = "time, s";
-  plot.y.label = "run time, us";
-  plot.y.log = true;
-  plot.width = 980;
-  plot.height = 300;
+  Plot plot{"Longest job of each group over time", {"time, s"}, {"run time, us", true}, 980, 300};
   const std::vector<ModeChange>& changes = timeline.modes();
   for (const ModeLook& look : kModes) {
-    Series bands;
-    bands.mark = Mark::bands;
-    bands.colour = look.colour;
+    Series bands{"", Mark::bands, look.colour};
     double sum_s = 0.0;
     for (std::size_t i = 0; i < changes.size(); ++i) {
       if (changes[i].mode != static_cast<std::uint32_t>(look.mode)) continue;
@@ -52,18 +43,11 @@ Plot plot_timeline(const JobTimeline& timeline) {
   }
   std::size_t number = 0;
   for (const GroupTimeline& group : timeline.groups()) {
-    Series series;
-    series.name = "group " + group.name;
-    series.mark = Mark::steps;
-    series.colour = kGroupColours[number++ % std::size(kGroupColours)];
+    Series series{"group " + group.name, Mark::steps, kGroupColours[number++ % std::size(kGroupColours)]};
     double last_s = 0.0;
     for (const SpanMaxima::Span& span : group.job_us.spans()) {
-      if (span.from_s > last_s + 1e-9) {  // no job: no line
-        series.x.push_back(last_s);
-        series.y.push_back(std::nan(""));
-      }
-      series.x.push_back(span.from_s);
-      series.y.push_back(span.most);
+      if (span.from_s > last_s + 1e-9) series.add(last_s, std::nan(""));  // no job: no line
+      series.add(span.from_s, span.most);
       last_s = span.to_s;
     }
     if (!series.x.empty()) plot.series.push_back(std::move(series));

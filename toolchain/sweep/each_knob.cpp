@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/sweep/each_knob.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -9,6 +7,7 @@
 
 #include "firmware_like/scene/scene_parts.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/sweep/sweep_plan.hpp"
 
 namespace sortie::toolchain {
 

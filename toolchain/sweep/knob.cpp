@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/sweep/knob.hpp"
+#include "toolchain/sweep/sweep.hpp"
 
 #include <cstdlib>
 

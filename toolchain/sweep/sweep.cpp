@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/sweep/sweep.hpp"
 
-#include "toolchain/sweep/sweep_judge.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
 #include "toolchain/sweep/sweep_work.hpp"
 

@@ -5,15 +5,38 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware_like/log/replay.hpp"
 #include "rt/describe.hpp"
 #include "toolchain/judge/evaluate.hpp"
-#include "toolchain/sweep/knob.hpp"
 
 namespace sortie::toolchain {
+
+struct MapVolume;
+
+/// One key of a profile and the values it takes, as TOML text each.
+struct SweepKnob {
+  std::string key;
+  std::vector<std::string> values;
+};
+
+/// Reads "key=v1,v2,v3". Commas in brackets and quotes belong to the value. Blanks around values are dropped.
+/// Throws ProfileError (exit code 2) with a cure when there is no key, no value, an empty or a repeated
+/// value.
+SweepKnob parse_knob(const std::string& text);
+
+/// Reads all knobs; a key that is given twice is a ProfileError, too, and so are more than `most_cells`
+/// cells.
+std::vector<SweepKnob> parse_knobs(const std::vector<std::string>& texts, std::size_t most_cells = 4096);
+
+/// Every combination, one value a knob each, in the order of nested loops: the first knob turns slowest.
+std::vector<std::vector<std::string>> span_grid(const std::vector<SweepKnob>& knobs);
+
+/// True if `value` is what the profile says anyway: the same number, or the same text.
+bool same_value(const std::string& value, const std::string& other);
 
 /// What to sweep.
 struct SweepOptions {
@@ -80,9 +103,9 @@ struct Sweep {
 Sweep run_sweep(const firmware::LogFile& log, const firmware::VehicleRegistry& vehicles,
                 const SweepOptions& options);
 
-/// Tasks that a knob belongs to: "map.voxel_m" and "tasks.map.budget_us" the task map,
-/// "groups.control.rate_hz" all of the group, "limits.voxels" the task map; what belongs to none belongs to
-/// all.
-std::vector<std::string> tasks_of_knob(const std::string& key, const firmware::Runtime& runtime);
+/// What the cells of a sweep are worth: `maps`, one a cell, against the finest one, the error that counts,
+/// the Pareto front. Where the sweep does not say which error counts, it is chosen by knob and by what the
+/// truth allows. Throws ProfileError when no cell has the error that it says.
+void judge_sweep(const std::vector<std::optional<MapVolume>>& maps, Sweep& sweep);
 
 }  // namespace sortie::toolchain

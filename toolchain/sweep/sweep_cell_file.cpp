@@ -66,7 +66,7 @@ std::string own_suffix() {
 
 void write_shared(const std::string& path, const std::string& text) {
   const std::string own = path + own_suffix();
-  write_file(own, [&text](std::ostream& out) { out << text; });
+  write_file(own, text);
   std::error_code error;
   std::filesystem::rename(own, path, error);
   if (error)

@@ -17,12 +17,6 @@ namespace {
 
 constexpr int kPlanFormat = 3;
 
-std::string whole_file(const std::string& path, const std::string& cure) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw firmware::InputError(path + ": cannot be read; " + cure);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 firmware::Json to_json(const PlannedLog& log) {
   firmware::Json cells = firmware::Json::array();
   for (std::size_t i = 0; i < log.plan.sweep.cells.size(); ++i) {
@@ -104,6 +98,12 @@ std::string SweepFolderPlan::title(std::size_t cell) const {
         (text.empty() ? "" : " ") + logs[l].plan.sweep.keys[i] + "=" + logs[l].plan.sweep.cells[c].values[i];
   }
   return text + " of " + std::filesystem::path(logs[l].path).filename().string();
+}
+
+std::string whole_file(const std::string& path, const std::string& cure) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw firmware::InputError(path + ": cannot be read; " + cure);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::string hex_digest(const std::string& bytes) {

@@ -91,6 +91,8 @@ struct SweepCellResult {
   std::optional<MapVolume> map;
 };
 
+/// All of a file. Throws InputError with `cure`.
+std::string whole_file(const std::string& path, const std::string& cure);
 /// Digest of bytes, 16 hexadecimal digits.
 std::string hex_digest(const std::string& bytes);
 /// That of a file's. Throws InputError.

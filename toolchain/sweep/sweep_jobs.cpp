@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "toolchain/sweep/sweep_jobs.hpp"
 
-#include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <map>
-#include <stdexcept>
 
 #include "firmware_like/live/stop_signals.hpp"
 #include "firmware_like/scene/input_error.hpp"
+#include "rt/posix/clock.hpp"
 #include "toolchain/bench/child_process.hpp"
 #include "toolchain/sweep/sweep_work.hpp"
 
@@ -25,32 +20,12 @@ namespace sortie::toolchain {
 
 namespace {
 
-using SweepClock = std::chrono::steady_clock;
-
-double seconds_since(SweepClock::time_point begin) {
-  return std::chrono::duration<double>(SweepClock::now() - begin).count();
-}
+double seconds_since(rt::Nanoseconds begin) { return rt::to_seconds(rt::posix::monotonic_now() - begin); }
 
 struct Running {
   std::size_t cell{};
-  SweepClock::time_point begin;
+  rt::Nanoseconds begin{};
 };
-
-pid_t start_cell(const std::string& program, const std::string& folder, std::size_t cell) {
-  std::vector<std::string> words{program, "bench", "--cell", std::to_string(cell), "--out", folder};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int error = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw std::runtime_error(program + ": cannot be started: " + std::strerror(error));
-  return child;
-}
 
 void end_all(const std::map<pid_t, Running>& running) {
   for (const auto& [child, unused] : running) kill(child, SIGTERM);
@@ -87,7 +62,7 @@ SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions&
   const std::size_t all = waiting.size();
   const std::string program = own_program_path();
   const firmware::StopSignals watch;
-  const SweepClock::time_point begin = SweepClock::now();
+  const rt::Nanoseconds begin = rt::posix::monotonic_now();
   std::map<pid_t, Running> running;
   std::size_t next = 0;
   std::size_t done = 0;
@@ -99,7 +74,9 @@ SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions&
     }
     if (next < all && running.size() < std::max<std::size_t>(1, options.jobs)) {
       try {
-        running[start_cell(program, options.folder, waiting[next])] = {waiting[next], SweepClock::now()};
+        const Running one{waiting[next], rt::posix::monotonic_now()};
+        const std::string number = std::to_string(one.cell);
+        running[start_child({{program, "bench", "--cell", number, "--out", options.folder}, {}})] = one;
       } catch (...) {
         end_all(running);
         throw;

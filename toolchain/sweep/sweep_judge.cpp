@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "toolchain/sweep/sweep_judge.hpp"
-
 #include <cmath>
 #include <map>
 
+#include "toolchain/judge/map_volume.hpp"
 #include "toolchain/judge/pareto.hpp"
+#include "toolchain/sweep/sweep.hpp"
 
 namespace sortie::toolchain {
 

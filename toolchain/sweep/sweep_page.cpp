@@ -4,6 +4,7 @@
 
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "toolchain/bench/figure_table.hpp"
 #include "toolchain/sweep/sweep_report.hpp"
 #include "toolchain/sweep/sweep_set.hpp"
 
@@ -12,16 +13,12 @@ namespace sortie::toolchain {
 namespace {
 
 std::string markdown_table(const TextRow& head, std::span<const TextRow> rows) {
-  const auto line = [&head](const TextRow& row) {
-    std::string text = "|";
-    for (std::size_t i = 0; i < head.size(); ++i) text += " " + (i < row.size() ? row[i] : "") + " |";
-    return text + "\n";
-  };
-  std::string text = line(head) + "|";
-  for (std::size_t i = 0; i < head.size(); ++i) text += "---:|";
-  text += "\n";
-  for (const TextRow& row : rows) text += line(row);
-  return text;
+  TextTable table{{head}, std::vector<bool>(head.size())};
+  for (const TextRow& row : rows) {
+    table.lines.push_back(row);
+    table.lines.back().resize(head.size());
+  }
+  return markdown(table);
 }
 
 }  // namespace

@@ -2,10 +2,8 @@
 #include "toolchain/sweep/sweep_plan.hpp"
 
 #include <algorithm>
-#include <memory>
 
 #include "firmware_like/scene/text_format.hpp"
-#include "toolchain/sweep/each_knob.hpp"
 
 namespace sortie::toolchain {
 
@@ -40,6 +38,30 @@ std::string value_of(const firmware::Runtime& runtime, const std::string& key) {
   cure = cure.empty() ? "; see `sortie scenes --keys " + runtime.profile().name() + "`" : cure + "?";
   throw firmware::ProfileError("--sweep " + key + "=...: scene " + runtime.profile().name() +
                                " does not read this key" + cure);
+}
+
+// "map.voxel_m" and "tasks.map.budget_us" belong to the task map, "groups.control.rate_hz" to all of the
+// group, "limits.voxels" to the task map; what belongs to none belongs to all.
+Tasks tasks_of_knob(const std::string& key, const firmware::Runtime& runtime) {
+  const rt::Executive& executive = runtime.executive();
+  const auto part = [&key](int which) {
+    std::size_t from = 0;
+    for (; which > 0 && from != std::string::npos; --which) from = key.find('.', from) + 1;
+    return key.substr(from, key.find('.', from) - from);
+  };
+  const std::string table = part(0);
+  const bool of_map = table == "limits" || table == "lidar";
+  Tasks all;
+  Tasks own;
+  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
+    const rt::TaskBase& task = executive.task(i);
+    const std::string name = task.name();
+    all.push_back(name);
+    const bool in_group = table == "groups" && part(1) == executive.group(task.group()).spec.name;
+    const bool by_name = table == name || (table == "tasks" && part(1) == name) || (of_map && name == "map");
+    if (in_group || by_name) own.push_back(name);
+  }
+  return own.empty() ? all : own;
 }
 
 Tasks choose_tasks(const SweepOptions& options, const firmware::Runtime& runtime) {
@@ -96,28 +118,6 @@ std::string cell_title(const std::vector<std::string>& overrides) {
   std::string name;
   for (const std::string& text : overrides) name += (name.empty() ? "" : " ") + text;
   return name.empty() ? "the profile's own values" : name;
-}
-
-std::vector<std::string> tasks_of_knob(const std::string& key, const firmware::Runtime& runtime) {
-  const rt::Executive& executive = runtime.executive();
-  const auto part = [&key](int which) {
-    std::size_t from = 0;
-    for (; which > 0 && from != std::string::npos; --which) from = key.find('.', from) + 1;
-    return key.substr(from, key.find('.', from) - from);
-  };
-  const std::string table = part(0);
-  const bool of_map = table == "limits" || table == "lidar";
-  Tasks all;
-  Tasks own;
-  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
-    const rt::TaskBase& task = executive.task(i);
-    const std::string name = task.name();
-    all.push_back(name);
-    const bool in_group = table == "groups" && part(1) == executive.group(task.group()).spec.name;
-    const bool by_name = table == name || (table == "tasks" && part(1) == name) || (of_map && name == "map");
-    if (in_group || by_name) own.push_back(name);
-  }
-  return own.empty() ? all : own;
 }
 
 std::vector<SweepOptions> sweeps_of(const firmware::LogFile& log, const firmware::VehicleRegistry& vehicles,

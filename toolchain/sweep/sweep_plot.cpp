@@ -10,39 +10,18 @@ namespace sortie::toolchain {
 namespace {
 
 // A log axis where the figures span more than a factor of ten: then all of them are told apart.
-bool wants_log(const std::vector<double>& values) {
-  double low = 1e300;
-  double high = 0;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  return low > 0 && high > 10 * low;
-}
+bool wants_log(const Extent& values) { return values.low > 0 && values.high > 10 * values.low; }
 
 std::string axis_name(const std::string& error) {
   if (error == "map_disagreement") return "occupied volume not shared with finest";
-  const auto ends = [&error](const std::string& end) {
-    return error.size() > end.size() && error.compare(error.size() - end.size(), end.size(), end) == 0;
-  };
   std::string name = error.substr(0, error.rfind('_'));
   std::replace(name.begin(), name.end(), '_', ' ');
-  if (ends("_m")) return name + ", m";
-  if (ends("_deg")) return name + ", degrees";
-  if (ends("_percent")) return name + ", %";
+  if (error.ends_with("_m")) return name + ", m";
+  if (error.ends_with("_deg")) return name + ", degrees";
+  if (error.ends_with("_percent")) return name + ", %";
   name = error;
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
-}
-
-Series dots(const char* name, int colour, double width) {
-  Series series;
-  series.name = name;
-  series.mark = Mark::dots;
-  series.colour = colour;
-  series.width = width;
-  return series;
 }
 
 // What stands against the run time: without an error the memory, MB.
@@ -54,27 +33,20 @@ double height_of(const Sweep& sweep, const SweepCell& cell) {
 
 // From zero, so that a difference that hardly is one looks like it.
 Axis axis_over(std::string name, const std::vector<double>& values) {
-  Axis axis{std::move(name), wants_log(values)};
-  double high = 0;
-  for (const double value : values) high = std::isfinite(value) ? std::max(high, value) : high;
-  if (axis.log || !(high > 0)) return axis;
+  Extent extent;
+  extent.take(values);
+  Axis axis{std::move(name), wants_log(extent)};
+  if (axis.log || !(extent.high > 0)) return axis;
   axis.low = 0;
-  axis.high = 1.08 * high;
+  axis.high = 1.08 * extent.high;
   return axis;
 }
 
 // The line below which no cell lies.
 Series steps_of(std::vector<std::pair<double, double>> path) {
-  Series steps;
-  steps.mark = Mark::steps;
-  steps.colour = kBlue;
-  steps.width = 1.2;
-  steps.dashed = true;
+  Series steps{"", Mark::steps, kBlue, 1.2, true};
   std::sort(path.begin(), path.end());
-  for (const auto& [x, y] : path) {
-    steps.x.push_back(x);
-    steps.y.push_back(y);
-  }
+  for (const auto& [x, y] : path) steps.add(x, y);
   return steps;
 }
 
@@ -85,9 +57,9 @@ Plot plot_sweep(const Sweep& sweep) {
   std::string tasks;
   for (const std::string& task : sweep.tasks) tasks += (tasks.empty() ? "" : " + ") + task;
   plot.title = listed(sweep.keys) + " (" + sweep.scene + ")";
-  Series others = dots("tried", kGrey, 4);
-  Series front = dots("Pareto front", kBlue, 4);
-  Series own = dots("profile", kVermilion, 6);
+  Series others{"tried", Mark::dots, kGrey, 4};
+  Series front{"Pareto front", Mark::dots, kBlue, 4};
+  Series own{"profile", Mark::dots, kVermilion, 6};
   std::vector<double> costs;
   std::vector<double> heights;
   std::vector<std::pair<double, double>> path;
@@ -95,14 +67,10 @@ Plot plot_sweep(const Sweep& sweep) {
     costs.push_back(cell.load_us_per_s);
     heights.push_back(height_of(sweep, cell));
     Series& series = cell.on_front ? front : others;
-    series.x.push_back(costs.back());
-    series.y.push_back(heights.back());
+    series.add(costs.back(), heights.back());
     series.labels.push_back(listed(cell.values));
     if (cell.on_front) path.emplace_back(costs.back(), heights.back());
-    if (cell.profile_choice) {
-      own.x.push_back(costs.back());
-      own.y.push_back(heights.back());
-    }
+    if (cell.profile_choice) own.add(costs.back(), heights.back());
   }
   plot.x = axis_over("run time of " + tasks + ", \u00b5s per second of robot time", costs);
   plot.y = axis_over(sweep.error.empty() ? "memory, MB" : axis_name(sweep.error), heights);

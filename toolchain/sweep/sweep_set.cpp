@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "toolchain/judge/pareto.hpp"
-#include "toolchain/sweep/sweep_judge.hpp"
 
 namespace sortie::toolchain {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
+#include <iomanip>
 #include <ostream>
 
 #include "firmware_like/scene/json.hpp"
@@ -16,11 +17,8 @@ firmware::Json to_json(const Spread& spread) {
   return {{"mean", spread.mean}, {"low", spread.low}, {"high", spread.high}};
 }
 
-std::string quoted(const std::string& text) {
-  std::string field = "\"";
-  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return field + "\"";
-}
+// As CSV has it: what is a quote inside stands twice.
+auto csv_text(const std::string& text) { return std::quoted(text, '"', '"'); }
 
 std::string range_text(const Spread& spread) {
   return firmware::format_short(spread.mean) + " (" + firmware::format_short(spread.low) + " to " +
@@ -28,13 +26,13 @@ std::string range_text(const Spread& spread) {
 }
 
 void write_spread_csv(std::ostream& out, const SweepSet& set) {
-  for (const std::string& key : set.logs.front().sweep.keys) out << quoted(key) << ",";
+  for (const std::string& key : set.logs.front().sweep.keys) out << csv_text(key) << ",";
   out << "logs,profile_choice,on_front";
   for (const std::string& name : {set.error, std::string("load_us_per_s")})
-    for (const char* figure : {"_mean", "_low", "_high"}) out << "," << quoted(name + figure);
+    for (const char* figure : {"_mean", "_low", "_high"}) out << "," << csv_text(name + figure);
   out << "\n";
   for (const SweepSpread& row : set.spread) {
-    for (const std::string& value : row.values) out << quoted(value) << ",";
+    for (const std::string& value : row.values) out << csv_text(value) << ",";
     out << row.logs << "," << row.profile_choice << "," << row.on_front;
     for (const Spread& spread : {row.error, row.load_us_per_s})
       for (const double figure : {spread.mean, spread.low, spread.high})
@@ -109,17 +107,16 @@ std::string sweep_file(const SweepSet& set, std::size_t i) {
 
 void write_sweep_set(const std::string& folder, const SweepSet& set, const firmware::Json& object) {
   std::filesystem::create_directories(folder);
-  write_file(folder + "/sweep.json", [&object](std::ostream& out) { out << object.dump(2) << "\n"; });
+  write_file(folder + "/sweep.json", object.dump(2) + "\n");
   for (std::size_t i = 0; i < set.logs.size(); ++i) {
     const Sweep& sweep = set.logs[i].sweep;
     const std::string name = folder + "/" + sweep_file(set, i);
     write_file(name + ".csv", [&sweep](std::ostream& out) { write_sweep_csv(out, sweep); });
-    write_file(name + ".svg", [&sweep](std::ostream& out) { out << render(plot_sweep(sweep)); });
+    write_file(name + ".svg", render(plot_sweep(sweep)));
   }
   if (!set.spread.empty())
     write_file(folder + "/spread.csv", [&set](std::ostream& out) { write_spread_csv(out, set); });
-  const std::string page = sweep_page(set, object.value("command", ""));
-  write_file(folder + "/sweep.md", [&page](std::ostream& out) { out << page; });
+  write_file(folder + "/sweep.md", sweep_page(set, object.value("command", "")));
 }
 
 }  // namespace sortie::toolchain

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <ostream>
 
 #include "firmware_like/scene/json.hpp"
 #include "toolchain/export/output_file.hpp"
@@ -72,7 +71,7 @@ std::string cell_list(const std::vector<std::size_t>& cells) {
 
 void remember_script(const std::string& folder, const std::string& script_path, const ArrayScript& script) {
   const firmware::Json note{{"script", script_path}, {"tasks", script.tasks()}};
-  write_file(note_path(folder), [&note](std::ostream& out) { out << note.dump() << "\n"; });
+  write_file(note_path(folder), note.dump() + "\n");
 }
 
 std::vector<std::string> resubmit_command(const std::string& program, const std::string& folder,
