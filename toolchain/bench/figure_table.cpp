@@ -51,7 +51,11 @@ std::string verdict(const FigureRow& row) {
 
 std::string cell_text(const firmware::Json& cell) {
   if (cell.is_string()) return cell.get<std::string>();
-  if (cell.is_number_integer()) return firmware::group_digits(cell.get<std::uint64_t>());
+  if (cell.is_number_integer()) {
+    const auto count = cell.get<std::uint64_t>();
+    const bool below = cell.get<double>() < 0;
+    return (below ? "-" : "") + firmware::group_digits(below ? 0 - count : count);
+  }
   return cell.is_number() ? firmware::format_short(cell.get<double>()) : "";
 }
 

@@ -30,7 +30,7 @@ struct PeerOption {
   std::variant<int, double, std::uint64_t, std::optional<std::uint64_t>, bool, std::string> value;
   std::string about;
   double low{};                        ///< of a number
-  double high{};                       ///< 0: no bound
+  double high{};                       ///< both are always asked for
   std::vector<std::string> choices{};  ///< of a text; empty: any
   std::string type{};                  ///< what the help calls it, where that is not plain
   bool given{};                        ///< by whoever typed the command
@@ -77,7 +77,7 @@ PeerFront stability_front();     ///< stiff and extreme cases beside the naive m
 PeerFront campaign_front();      ///< hostile random sequences for every module
 PeerFront ray_front();           ///< the ray scheduler beside the published planners; closed loops
 
-/// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the period.
+/// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the deadline.
 std::vector<BenchPicture> rt_pictures(const firmware::Json& result);
 /// Error over run time, and a side view of each drive over obstacles.
 std::vector<BenchPicture> plant_pictures(const firmware::Json& result);

@@ -17,7 +17,7 @@ struct ReplayReportOptions : firmware::ReplayCommand {
   std::string align{"none"};
 };
 
-/// Declares all but the log: --scene, --set, --from, --to, --keyframes, --align and --accept-damage.
+/// Declares all but the log: what a replay may be told, how poses are compared, and what is accepted.
 void add_replay_report_options(firmware::Command& command, ReplayReportOptions& options);
 
 /// A replay and what a page tells about it.

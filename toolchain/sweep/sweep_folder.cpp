@@ -43,6 +43,8 @@ PlannedLog log_from_json(const firmware::Json& json) {
   for (const firmware::Json& entry : json.at("cells")) {
     SweepCell cell;
     entry.at("values").get_to(cell.values);
+    if (cell.values.size() != log.plan.sweep.keys.size())
+      throw firmware::JsonError("a cell has another number of values than there are knobs");
     entry.at("profile_choice").get_to(cell.profile_choice);
     log.plan.sweep.cells.push_back(std::move(cell));
     log.plan.overrides.push_back(entry.at("overrides").get<std::vector<std::string>>());
