@@ -278,7 +278,7 @@ TEST_CASE("odrive: settings that cannot be used are refused") {
   using drivers::odrive::AxisConfig;
   const auto group = [](const AxisConfig& a, const AxisConfig& b) {
     const AxisConfig axes[] = {a, b};
-    static_cast<void>(drivers::odrive::AxisLine({}, axes));
+    static_cast<void>(drivers::odrive::AxisLine(10 * OdriveRig::kMs, axes));
   };
   const AxisConfig good{.node = 2};
   CHECK_NOTHROW(group({.node = 1}, good));
