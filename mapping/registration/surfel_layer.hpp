@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/registration/surfel_record.hpp"
+#include "mapping/registration/surfel.hpp"
 #include "rt/archive.hpp"
 #include "rt/arena.hpp"
 #include "rt/describe.hpp"
