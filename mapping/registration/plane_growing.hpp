@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include "mapping/registration/plane.hpp"
 #include "mapping/registration/plane_cell.hpp"
-#include "mapping/registration/plane_set.hpp"
 #include "mapping/registration/unit_credit.hpp"
 #include "rt/describe.hpp"
 #include "rt/keys.hpp"
