@@ -56,20 +56,13 @@ rt::Vector3 PlaceMap::position_m(const PlaceCell& cell) const {
 bool PlaceMap::build(const SurfelLayer& layer) {
   for (std::int32_t& tops : tops_) tops = 0;
   wanted_tops_ = 0;
-  SurfelCell last;
-  bool some = false;
+  SurfelBox box;
   for (const std::uint64_t key : layer.keys()) {
-    if (key == SurfelLayer::kUnused) continue;
-    const SurfelCell cell = SurfelCell::from_key(key);
-    if (!some) first_ = last = cell;
-    some = true;
-    for (int i = 0; i < 3; ++i) {
-      first_.at[i] = std::min(first_.at[i], cell.at[i]);
-      last.at[i] = std::max(last.at[i], cell.at[i]);
-    }
+    if (key != SurfelLayer::kUnused) box.take(SurfelCell::from_key(key));
   }
-  if (!some) return false;
-  const auto cells = [&](int i) { return last.at[i] - first_.at[i] + 1; };
+  if (box.cells(0) == 0) return false;
+  first_ = box.low;
+  const auto cells = [&](int i) { return static_cast<std::int32_t>(box.cells(i)); };
   const Size size = with_margins(cells(0), cells(1), cells(2));
   std::copy_n(size.at, 3, size_);
   row_words_ = words_of_row(size_[0]);
