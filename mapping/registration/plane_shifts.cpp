@@ -15,9 +15,7 @@ constexpr double kWindow_m = 0.3;
 constexpr double kLeastPeak = 0.4;  ///< of the best one's gain
 }  // namespace
 
-void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
-                                  const PlaneRegistrationConfig& config) {
-  (void)config;
+void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate) {
   scale_ = scale;
   voted_ = 0;
   for (std::uint32_t k = 0; k < size_; ++k) overlap_[k].reach[0] = kUnknown;
