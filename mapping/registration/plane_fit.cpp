@@ -90,23 +90,19 @@ void lock_shift(const double (&s)[4][4], const PlaneFitInput& in, const PlanePos
   double value[4]{};
   double vector[4][4]{};  // [row][which]
   const int n = scaled ? 4 : 3;
-  if (scaled) {
-    const EigenPairs<4> eigen = eigen_pairs(s);
-    for (int k = 0; k < 4; ++k) {
+  const auto take = [&]<int N>(const double(&matrix)[N][N]) {
+    const EigenPairs<N> eigen = eigen_pairs(matrix);
+    for (int k = 0; k < N; ++k) {
       value[k] = eigen.value[k];
-      for (int i = 0; i < 4; ++i) vector[i][k] = eigen.vector[i][k];
+      for (int i = 0; i < N; ++i) vector[i][k] = eigen.vector[i][k];
     }
-  } else {
-    double three[3][3];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) three[i][j] = s[i][j];
-    }
-    const EigenPairs<3> eigen = eigen_pairs(three);
-    for (int k = 0; k < 3; ++k) {
-      value[k] = eigen.value[k];
-      for (int i = 0; i < 3; ++i) vector[i][k] = eigen.vector[i][k];
-    }
-  }
+  };
+  double three[3][3];
+  for (int i = 0; i < 3; ++i) std::copy_n(s[i], 3, three[i]);
+  if (scaled)
+    take(s);
+  else
+    take(three);
   fit.translation_rank = 0;
   for (int k = 0; k < n; ++k) {
     double along = 0.0;

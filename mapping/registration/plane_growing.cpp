@@ -142,10 +142,10 @@ std::uint32_t PlaneGrowing::pop() {
 
 // ---- Cells and their regions. ----
 
-PlaneSums PlaneGrowing::relative(const PlaneCellSlot& cell, const PlaneRegion& region) const {
-  PlaneSums sums = cell.sums;
+/// Sums about a cell as sums about a region's anchor.
+PlaneSums PlaneGrowing::relative(PlaneSums sums, const std::int32_t (&at)[3], const PlaneRegion& region) {
   std::int64_t d[3];
-  for (int i = 0; i < 3; ++i) d[i] = std::int64_t{cell.at[i] - region.anchor[i]} * kPlaneSteps;
+  for (int i = 0; i < 3; ++i) d[i] = std::int64_t{at[i] - region.anchor[i]} * kPlaneSteps;
   sums.shift(d);
   return sums;
 }
@@ -159,7 +159,7 @@ void PlaneGrowing::put_in(std::uint32_t slot, std::uint16_t number) {
   if (region.first != 0) memory_.cells[region.first - 1].before = slot;
   region.first = slot;
   ++region.cells;
-  region.sums.add(relative(cell, region));
+  region.sums.add(relative(cell.sums, cell.at, region));
   region.changed = true;
 }
 
@@ -172,7 +172,7 @@ void PlaneGrowing::take_out(std::uint32_t slot) {
   else
     region.first = cell.next;
   if (cell.next != 0) memory_.cells[cell.next - 1].before = cell.before;
-  region.sums.subtract(relative(cell, region));
+  region.sums.subtract(relative(cell.sums, cell.at, region));
   region.changed = true;
   if (--region.cells == 0) region = {};
   cell.region = 0;
@@ -215,12 +215,6 @@ Status PlaneGrowing::set_cell(const PlaneCell& cell) {
   if (kept.waiting == 0) kept.grade = grade_of(cell);
   if (kept.flat != 0) push(slot);
   return Status::ok;
-}
-
-std::uint32_t PlaneGrowing::plane_of(const std::int32_t (&at)[3]) const {
-  const std::uint32_t slot = find(at);
-  const std::uint16_t region = slot == 0 ? std::uint16_t{0} : memory_.cells[slot - 1].region;
-  return region == 0 ? 0 : memory_.regions[region - 1u].id;
 }
 
 std::uint32_t PlaneGrowing::regions() const {

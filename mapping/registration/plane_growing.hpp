@@ -112,8 +112,6 @@ class PlaneGrowing {
   const PlaneGrowingCounts& counts() const { return counts_; }
   std::uint32_t cells() const { return used_; }
   std::uint32_t regions() const;
-  /// Id of the plane that a cell belongs to, or 0.
-  std::uint32_t plane_of(const std::int32_t (&at)[3]) const;
 
  private:
   enum class Stage : std::uint8_t { seed, grow, settle, finish, merge, done };
@@ -127,7 +125,7 @@ class PlaneGrowing {
   void take_out(std::uint32_t cell);
   void put_in(std::uint32_t cell, std::uint16_t region);
   bool fits(const PlaneRegion& region, const PlaneCellSlot& cell, double& off_m) const;
-  PlaneSums relative(const PlaneCellSlot& cell, const PlaneRegion& region) const;
+  static PlaneSums relative(PlaneSums sums, const std::int32_t (&at)[3], const PlaneRegion& region);
   void fit(PlaneRegion& region);
   void shape(PlaneRegion& region);
   std::uint16_t new_region(std::uint32_t seed);
