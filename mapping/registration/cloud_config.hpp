@@ -68,10 +68,9 @@ struct CloudResult {
 struct CloudRegistrationConfig {
   PlaneRegistrationConfig planes;
   SightGates gates;
-  std::uint32_t starts{6};         ///< of the planes' places, most evidence first, that are looked at
-  std::uint32_t turned_starts{2};  ///< the same of each turn and each mirror image
-  std::uint32_t least_on{40};      ///< cells on surfaces of the other cloud
-  double most_through{0.015};      ///< of the cells, through surfaces of the other cloud
+  std::uint32_t starts{6};     ///< of the planes' places, most evidence first, that are looked at
+  std::uint32_t least_on{40};  ///< cells on surfaces of the other cloud
+  double most_through{0.015};  ///< of the cells, through surfaces of the other cloud
   double most_sigma_m{0.05};
   double most_sigma_rad{0.005};
   double least_lead{1.5};  ///< CloudResult::lead

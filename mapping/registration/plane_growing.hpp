@@ -9,7 +9,6 @@
 #include "mapping/registration/plane_cell.hpp"
 #include "mapping/registration/unit_credit.hpp"
 #include "rt/describe.hpp"
-#include "rt/keys.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::mapping {
@@ -27,14 +26,6 @@ struct PlaneGrowingConfig {
   std::uint32_t min_cells{4};      ///< of a plane
   std::uint32_t most_weight{16};   ///< points of a cell that count: near cells must not outvote far ones
   bool signed_normals{false};      ///< normals of cells point to where they were seen from
-
-  SORTIE_KEYS(c, key) {
-    key("most_angle_deg", c.most_angle_rad,
-        {1, 45, rt::kDegInRad, "between the normals of a cell and its plane"});
-    key("most_offset_m", c.most_offset_m, {0.005, 1, "m", "of a cell's points from its plane"});
-    key("merge_gap_m", c.merge_gap_m, {0, 20, "m", "pieces of one plane further apart stay two planes"});
-    key("min_cells", c.min_cells, {1, 10000, "cells", "of a plane"});
-  }
 };
 
 /// A cell as it is kept. 128 bytes.

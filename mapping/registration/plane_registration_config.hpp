@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "mapping/registration/plane_fit.hpp"
-#include "rt/keys.hpp"
 
 namespace sortie::mapping {
 
@@ -33,16 +32,6 @@ struct PlaneRegistrationConfig {
   double basin_rad{0.03};             ///< turned by no more than this, are one place
   bool signed_normals{true};          ///< normals point to where they were seen from, in both sets
   PlaneFitConfig fit;
-
-  SORTIE_KEYS(c, key) {
-    key("most_angle_deg", c.most_angle_rad, {1, 30, rt::kDegInRad, "between normals that may match"});
-    key("overlap_margin_m", c.overlap_margin_m, {0, 5, "m", "rectangles this far apart still overlap"});
-    key("search_gate_m", c.search_gate_m, {0.05, 2, "m", "distance of planes that may match before the fit"});
-    key("least_evidence", c.least_evidence, {0, 100, "", "below it a place is refused (natural logarithm)"});
-    key("most_runner_up", c.most_runner_up, {0, 1, "", "evidence of a second place over the first one's"});
-    key("least_matches", c.least_matches, {3, 256, "planes", "below it a place is refused"});
-    key("signed_normals", c.signed_normals, {"normals point to where they were seen from"});
-  }
 };
 
 /// Most hypotheses of a place that are looked at, turns that are tried, and pairs of planes under one turn.
