@@ -122,11 +122,6 @@ class SightLayer {
       if (plane_cell(index, cell)) take(cell);
     }
   }
-  /// All of them, by rising key: a sort more.
-  template <class F>
-  void for_each_plane_cell(F&& take) const {
-    for_each_plane_cell(by_key(), take);
-  }
 
   /// State to bytes and back. cells() are not among it: after reading they are none until prepare(). Bytes of
   /// something else leave no cell.
