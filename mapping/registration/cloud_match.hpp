@@ -7,7 +7,6 @@
 #include <span>
 
 #include "mapping/registration/cloud_registration.hpp"
-#include "mapping/registration/cloud_sensor.hpp"
 #include "mapping/registration/plane_growing.hpp"
 #include "rt/archive.hpp"
 
