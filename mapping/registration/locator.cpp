@@ -40,11 +40,6 @@ void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_
 /// Standard deviation of a sum.
 double both(double a, double b) { return std::sqrt(a * a + b * b); }
 
-/// What the prior alone says of a pose.
-void set_covariance(const PosePrior& prior, double (&covariance)[6][6]) {
-  for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
-}
-
 /// Every direction is held by far more than noise could make of nothing.
 bool held_fast(const NormalEquations& equations) {
   const WeakDirections weak = weak_directions(equations, equations.planar ? kFastMarginInPlane : kFastMargin);
@@ -94,7 +89,9 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
   located_.weak_moves = located_.weak_turns = 0;
   const PosePrior prior = expect(odometry);
   double covariance[6][6]{};
-  if (has_map()) set_covariance(prior, covariance);
+  if (has_map()) {
+    for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
+  }
   const bool unplaced = anchor_ == Anchor::unplaced;
   if (unplaced || located_.returns < (config_.planar ? kLeastReturnsInPlane : kLeastReturns)) {
     describe({}, covariance, prior.at.q);

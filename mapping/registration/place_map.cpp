@@ -76,10 +76,9 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   copy_all(kNear);
   draw(layer, 0);
   copy_all(kOn);
-  std::uint64_t all = 1;
-  for (int i = 0; i < 3; ++i) all *= static_cast<std::uint64_t>(tops_of(size_[i]));
-  wanted_tops_ = all;
-  if (all > most_tops_) return false;
+  wanted_tops_ = 1;
+  for (const std::int32_t voxels : size_) wanted_tops_ *= static_cast<std::uint64_t>(tops_of(voxels));
+  if (wanted_tops_ > most_tops_) return false;
   for (int i = 0; i < 3; ++i) tops_[i] = tops_of(size_[i]);
   return true;
 }

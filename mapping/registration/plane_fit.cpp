@@ -34,13 +34,12 @@ void lock_turn(const PlaneSystem& system, const PlaneFitInput& in, const PlanePo
     const Vector3 axis{eigen.vector[0][k], eigen.vector[1][k], eigen.vector[2][k]};
     fit.rotation_axis[k] = axis;
     const bool observed = eigen.value[k] > 1.0 / squared(in.config.observed_sigma_rad);
-    const double part[3] = {axis.x, axis.y, axis.z};
     if (observed) {
-      for (int i = 0; i < 3; ++i) basis.column[i][basis.columns] = part[i];
+      for (int i = 0; i < 3; ++i) basis.column[i][basis.columns] = eigen.vector[i][k];
       ++basis.columns;
       ++fit.rotation_rank;
     } else if (known) {
-      for (int i = 0; i < 3; ++i) basis.locked[i] += part[i] * dot(axis, to_estimate);
+      for (int i = 0; i < 3; ++i) basis.locked[i] += eigen.vector[i][k] * dot(axis, to_estimate);
     }
   }
 }
@@ -71,10 +70,8 @@ bool reduced(const PlaneSystem& system, const Basis& basis, double lever_m, doub
   }
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j <= i; ++j) {
-      const double part =
+      s[i][j] = s[j][i] =
           0.5 * (s[i][j] + s[j][i]) * (i == 3 ? 1.0 / lever_m : 1.0) * (j == 3 ? 1.0 / lever_m : 1.0);
-      s[i][j] = part;
-      s[j][i] = part;
     }
   }
   return true;

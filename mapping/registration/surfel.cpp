@@ -24,12 +24,9 @@ bool can_be(const SurfelSums& sums) {
 
 bool is_finite(const Surfel& surfel) {
   for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(surfel.mean_m[i]) || !std::isfinite(surfel.variance_m2[i])) return false;
-    for (const float part : surfel.axis[i]) {
-      if (!std::isfinite(part)) return false;
-    }
+    if (!std::isfinite(surfel.variance_m2[i]) || !rt::is_finite(surfel.along(i))) return false;
   }
-  return true;
+  return rt::is_finite(surfel.mean());
 }
 
 bool can_be(const Surfel& surfel, double cell_m) {
