@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "mapping/grid/mix64.hpp"
 #include "rt/math.hpp"
@@ -113,25 +114,14 @@ void PlaneGrowing::push(std::uint32_t slot) {
   PlaneCellSlot& cell = memory_.cells[slot - 1];
   if (cell.waiting != 0 || heap_size_ == memory_.heap.size()) return;
   cell.waiting = 1;
-  const std::uint64_t order = std::uint64_t{cell.grade} << 60 | key_of(cell.at);
-  std::uint32_t at = heap_size_++;
-  for (; at > 0 && memory_.heap[(at - 1) / 2] > order; at = (at - 1) / 2)
-    memory_.heap[at] = memory_.heap[(at - 1) / 2];
-  memory_.heap[at] = order;
+  memory_.heap[heap_size_++] = std::uint64_t{cell.grade} << 60 | key_of(cell.at);
+  std::push_heap(memory_.heap.begin(), memory_.heap.begin() + heap_size_, std::greater<>());
 }
 
 /// The next one's slot, or 0 where it has gone meanwhile.
 std::uint32_t PlaneGrowing::pop() {
-  const std::uint64_t least = memory_.heap[0];
-  const std::uint64_t last = memory_.heap[--heap_size_];
-  std::uint32_t at = 0;
-  for (std::uint32_t child = 1; child < heap_size_; child = 2 * at + 1) {
-    if (child + 1 < heap_size_ && memory_.heap[child + 1] < memory_.heap[child]) ++child;
-    if (memory_.heap[child] >= last) break;
-    memory_.heap[at] = memory_.heap[child];
-    at = child;
-  }
-  if (heap_size_ > 0) memory_.heap[at] = last;
+  std::pop_heap(memory_.heap.begin(), memory_.heap.begin() + heap_size_, std::greater<>());
+  const std::uint64_t least = memory_.heap[--heap_size_];
   std::int32_t place[3];
   for (int i = 0; i < 3; ++i)
     place[i] = static_cast<std::int32_t>(least >> (20 * (2 - i)) & 0xfffff) - kLimit;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Places that are looked at, fitted and kept. What leads there is in plane_registration.cpp.
 #include <algorithm>
-#include <cmath>
 
 #include "mapping/registration/plane_registration.hpp"
 

@@ -2,8 +2,6 @@
 // Where one map of planes lies in another, with what was known of it before and after.
 #pragma once
 
-#include <cstdint>
-
 #include "rt/describe.hpp"
 #include "rt/rotation.hpp"
 

@@ -2,8 +2,6 @@
 // Rotations that may take one set of planes into the other, from their normals alone.
 #pragma once
 
-#include <cstdint>
-
 #include "mapping/registration/plane_pose.hpp"
 #include "mapping/registration/plane_registration_config.hpp"
 #include "mapping/registration/plane_side.hpp"

@@ -3,7 +3,6 @@
 // wrong.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "mapping/grid/rolling_grid_config.hpp"
