@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small symmetric matrices: eigenvectors by Jacobi's rotations and systems by Cholesky's factors, in a fixed
-// number of steps and with the same bits everywhere.
+// Small symmetric matrices: sums of rows, eigenvectors by Jacobi's rotations and systems by Cholesky's
+// factors, in a fixed number of steps and with the same bits everywhere.
 #pragma once
 
 #include <cmath>
@@ -9,6 +9,26 @@
 namespace sortie::mapping {
 
 constexpr double squared(double v) { return v * v; }
+
+/// Sums over weighted rows of N unknowns: the change x that makes their residuals least has h x = g.
+template <int N>
+struct LeastSquares {
+  double h[N][N]{};  ///< its lower half, until fill()
+  double g[N]{};
+
+  void add(const double (&j)[N], double residual, double weight) {
+    for (int a = 0; a < N; ++a) {
+      const double wj = weight * j[a];
+      for (int b = 0; b <= a; ++b) h[a][b] += wj * j[b];
+      g[a] -= wj * residual;
+    }
+  }
+  void fill() {
+    for (int a = 0; a < N; ++a) {
+      for (int b = a + 1; b < N; ++b) h[a][b] = h[b][a];
+    }
+  }
+};
 
 /// Eigenvalues in rising order, and their eigenvectors as columns of `vector`.
 template <int N>
