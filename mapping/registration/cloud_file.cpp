@@ -30,14 +30,13 @@ constexpr std::uint64_t kSettingsByte = 20;
 constexpr std::uint64_t kCellsByte = 48;
 
 CloudFileHead cloud_head_of(const SightLayer& layer, CloudSensor sensor) {
-  CloudFileHead head;
-  head.sensor = static_cast<std::uint32_t>(sensor);
-  head.cell_m = layer.config().cell_m;
-  head.min_points = layer.config().min_points;
-  head.most_thickness_m = layer.config().most_thickness_m;
-  head.most_flatness = layer.config().most_flatness;
-  head.cells = static_cast<std::uint32_t>(layer.size());
-  return head;
+  const SightConfig& config = layer.config();
+  return {.sensor = static_cast<std::uint32_t>(sensor),
+          .cell_m = config.cell_m,
+          .min_points = config.min_points,
+          .most_thickness_m = config.most_thickness_m,
+          .most_flatness = config.most_flatness,
+          .cells = static_cast<std::uint32_t>(layer.size())};
 }
 
 std::uint64_t cloud_bytes_of(const CloudFileHead& head) {
@@ -83,7 +82,7 @@ class CloudReader {
       : bytes_(bytes), archive_(rt::Archive::reading(bytes)) {}
 
   CloudFileResult look() {
-    if (has_form() && has_right_head()) look_at_records();
+    if (has_good_head()) look_at_records();
     return result_;
   }
 
@@ -115,7 +114,7 @@ class CloudReader {
     return false;
   }
 
-  bool has_form() {
+  bool has_good_head() {
     CloudFileHead& head = result_.head;
     archive_.value(head);
     if (head.magic != CloudFileHead::kMagic)
@@ -134,12 +133,8 @@ class CloudReader {
     tail.value(check);
     if (check != rt::digest_bytes(bytes_.data(), body))
       return refuse(Fault::checksum, body, "the bytes are damaged");
-    return true;
-  }
-
-  bool has_right_head() {
-    if (!knows_sensor(result_.head)) return refuse(Fault::sensor, kSensorByte, "a sensor that is not known");
-    if (!has_settings(result_.head))
+    if (!knows_sensor(head)) return refuse(Fault::sensor, kSensorByte, "a sensor that is not known");
+    if (!has_settings(head))
       return refuse(Fault::settings, kSettingsByte, "a setting that is out of its range");
     return true;
   }
