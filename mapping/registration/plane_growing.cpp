@@ -162,7 +162,7 @@ void PlaneGrowing::take_out(std::uint32_t slot) {
   else
     region.first = cell.next;
   if (cell.next != 0) memory_.cells[cell.next - 1].before = cell.before;
-  region.sums.subtract(relative(cell.sums, cell.at, region));
+  region.sums.add(relative(cell.sums, cell.at, region), -1);
   region.changed = true;
   if (--region.cells == 0) region = {};
   cell.region = 0;
