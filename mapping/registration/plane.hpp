@@ -34,6 +34,32 @@ struct Plane {
   constexpr rt::Vector3 axis_v() const { return rt::cross(normal, axis_u); }
 };
 
+/// The 4x4 information of (normal, offset) as a measurement of one plane: the inverse of the covariance that
+/// small turns about u and v and a shift along the normal at the centroid give. Row-major, symmetric, rank 3
+/// (length of the normal carries none).
+struct PlaneInformation {
+  double m[16]{};
+};
+
+/// Sum of r r^T / sigma^2 of the three independent errors: the turn about u moves the normal along -v, the
+/// turn about v moves it along u; the offset that belongs to a normal is the one through the centroid.
+inline PlaneInformation information_of(const Plane& plane) {
+  const rt::Vector3 u = plane.axis_u;
+  const rt::Vector3 v = plane.axis_v();
+  const double rows[3][4] = {{v.x, v.y, v.z, 0},
+                             {u.x, u.y, u.z, 0},
+                             {-plane.centroid_m.x, -plane.centroid_m.y, -plane.centroid_m.z, 1}};
+  const double sigma[3] = {plane.sigma_tilt_rad[0], plane.sigma_tilt_rad[1], plane.sigma_offset_m};
+  PlaneInformation information;
+  for (int k = 0; k < 3; ++k) {
+    const double weight = 1.0 / (sigma[k] * sigma[k]);
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) information.m[4 * i + j] += weight * rows[k][i] * rows[k][j];
+    }
+  }
+  return information;
+}
+
 /// Furthest coordinate of a plane [m], largest area [m2], and the range of its standard deviations that can
 /// be computed with (they are used squared).
 inline constexpr double kMostPlaneCoordinate_m = 1e6;

@@ -141,3 +141,31 @@ TEST_CASE("A record refuses what it cannot hold, and leaves its bytes alone") {
   p.sigma_offset_m = 0;
   CHECK(refused(p) == Status::out_of_range);
 }
+
+TEST_CASE("The 4x4 information of a plane is the inverse of its covariance, by differences") {
+  tests::WorldRandom random(3);
+  const mapping::Plane p = tests::rectangle({0.3, -0.5, 0.8}, {4, -7, 2}, {1, 0.2, 0}, 2, 1);
+  mapping::Plane q = p;
+  q.sigma_offset_m = 0.02;
+  q.sigma_tilt_rad[0] = 0.003;
+  q.sigma_tilt_rad[1] = 0.007;
+  const mapping::PlaneInformation information = mapping::information_of(q);
+  // Each of the three independent errors, of one standard deviation, is worth 1.
+  const rt::Vector3 axes[2] = {q.axis_u, q.axis_v()};
+  for (int k = 0; k < 3; ++k) {
+    rt::Vector3 n = q.normal;
+    double d = q.offset_m;
+    if (k < 2) {
+      n = rt::rotate(rt::exp_rotation(q.sigma_tilt_rad[k] * axes[k]), n);
+      d = rt::dot(n, q.centroid_m);
+    } else {
+      d += q.sigma_offset_m;
+    }
+    const double change[4] = {n.x - q.normal.x, n.y - q.normal.y, n.z - q.normal.z, d - q.offset_m};
+    double worth = 0.0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) worth += change[i] * information.m[4 * i + j] * change[j];
+    }
+    CHECK(worth == Approx(1.0).epsilon(1e-3));
+  }
+}
