@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Settings of the registration of two clouds, and what it says of a place.
+// By what a cloud was seen, the settings that suit it and those of the registration of two clouds, and what
+// that says of a place.
 #pragma once
 
 #include <cstdint>
 
+#include "mapping/registration/plane_growing.hpp"
 #include "mapping/registration/plane_registration_config.hpp"
 #include "mapping/registration/sight_score.hpp"
 #include "rt/describe.hpp"
@@ -11,7 +13,40 @@
 
 namespace sortie::mapping {
 
-/// What became of it.
+/// What the points of a cloud come from. The numbers stand in files.
+enum class CloudSensor : std::uint8_t {
+  laser = 0,   ///< noise of some cm, whatever the range
+  camera = 1,  ///< noise of about 1 % of the range
+};
+
+/// Settings of a cloud's cells. A camera's are as large as 1 % of the usual range needs, to tell flat from
+/// thick.
+inline SightConfig sight_config(CloudSensor sensor) {
+  SightConfig config;
+  if (sensor == CloudSensor::laser) return config;
+  config.cell_m = 0.6;
+  config.min_points = 12;
+  config.most_thickness_m = 0.12;
+  return config;
+}
+
+/// Settings of the growing of planes over these cells, whose normals point to where they were seen from. For
+/// a layer with another edge set its `cell_m`.
+inline PlaneGrowingConfig growing_config(CloudSensor sensor) {
+  PlaneGrowingConfig config;
+  config.cell_m = sight_config(sensor).cell_m;
+  config.signed_normals = true;
+  if (sensor == CloudSensor::laser) return config;
+  config.most_angle_rad = 0.21;
+  config.most_offset_m = 0.1;
+  config.most_thickness_m = 0.12;
+  config.most_flatness = 0.25;
+  config.min_points = 12;
+  config.most_weight = 64;
+  return config;
+}
+
+/// What became of a registration.
 enum class CloudVerdict : std::uint8_t {
   none,       ///< not begun
   working,    ///< units ran out; run() goes on
@@ -48,9 +83,8 @@ struct CloudResult {
   std::uint32_t cells{};    ///< of both clouds
   std::uint32_t on{};       ///< of them on surfaces of the other cloud
   std::uint32_t through{};  ///< of them seen through surfaces of the other cloud
-  double
-      lead{};  ///< what speaks for this place and not for another, over what speaks for the other; the least
-  PlanePose T_rival;        ///< that place
+  double lead{};      ///< what speaks for this place alone over what speaks for another one alone; the least
+  PlanePose T_rival;  ///< that place
   bool rival_mirrored{};    ///< it is one of the source's mirror image
   std::uint32_t places{};   ///< that were looked at from near
   std::uint32_t dropped{};  ///< other places that there was no room for: then it is ambiguous
@@ -68,10 +102,9 @@ struct CloudResult {
 struct CloudRegistrationConfig {
   PlaneRegistrationConfig planes;
   SightGates gates;
-  std::uint32_t starts{6};         ///< of the planes' places, most evidence first, that are looked at
-  std::uint32_t turned_starts{2};  ///< the same of each turn and each mirror image
-  std::uint32_t least_on{40};      ///< cells on surfaces of the other cloud
-  double most_through{0.015};      ///< of the cells, through surfaces of the other cloud
+  std::uint32_t starts{6};     ///< of the planes' places, most evidence first, that are looked at
+  std::uint32_t least_on{40};  ///< cells on surfaces of the other cloud
+  double most_through{0.015};  ///< of the cells, through surfaces of the other cloud
   double most_sigma_m{0.05};
   double most_sigma_rad{0.005};
   double least_lead{1.5};  ///< CloudResult::lead

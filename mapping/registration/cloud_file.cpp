@@ -30,14 +30,13 @@ constexpr std::uint64_t kSettingsByte = 20;
 constexpr std::uint64_t kCellsByte = 48;
 
 CloudFileHead cloud_head_of(const SightLayer& layer, CloudSensor sensor) {
-  CloudFileHead head;
-  head.sensor = static_cast<std::uint32_t>(sensor);
-  head.cell_m = layer.config().cell_m;
-  head.min_points = layer.config().min_points;
-  head.most_thickness_m = layer.config().most_thickness_m;
-  head.most_flatness = layer.config().most_flatness;
-  head.cells = static_cast<std::uint32_t>(layer.size());
-  return head;
+  const SightConfig& config = layer.config();
+  return {.sensor = static_cast<std::uint32_t>(sensor),
+          .cell_m = config.cell_m,
+          .min_points = config.min_points,
+          .most_thickness_m = config.most_thickness_m,
+          .most_flatness = config.most_flatness,
+          .cells = static_cast<std::uint32_t>(layer.size())};
 }
 
 std::uint64_t cloud_bytes_of(const CloudFileHead& head) {
@@ -67,29 +66,15 @@ bool has_settings(const CloudFileHead& head) {
          head.most_thickness_m <= 100.0 && head.most_flatness > 0.0 && head.most_flatness <= 1.0;
 }
 
-/// The window that holds some cells, each in a place of its own.
-class CloudWindow {
- public:
-  void take(std::uint64_t key) {
-    const SurfelCell cell = SurfelCell::from_key(key);
-    for (int i = 0; i < 3; ++i) {
-      low_[i] = std::min(low_[i], cell.at[i]);
-      high_[i] = std::max(high_[i], cell.at[i]);
-    }
-  }
-  std::uint32_t cells() const { return std::max(side(0), side(1)); }
-  std::uint32_t cells_up() const { return side(2); }
-  bool is_wide() const { return std::uint64_t{cells()} * cells() * cells_up() > kMostCloudWindow; }
+/// Of the window that holds the cells of a box, each in a place of its own.
+std::uint32_t cloud_side(const SurfelBox& box, int axis) {
+  return std::bit_ceil(std::max(2u, box.cells(axis)));
+}
+std::uint32_t cloud_width(const SurfelBox& box) { return std::max(cloud_side(box, 0), cloud_side(box, 1)); }
 
- private:
-  std::uint32_t side(int axis) const {
-    if (low_[axis] > high_[axis]) return 2;
-    return std::bit_ceil(std::max(2u, static_cast<std::uint32_t>(high_[axis] - low_[axis] + 1)));
-  }
-
-  std::int32_t low_[3]{SurfelCell::kLimit, SurfelCell::kLimit, SurfelCell::kLimit};
-  std::int32_t high_[3]{-SurfelCell::kLimit, -SurfelCell::kLimit, -SurfelCell::kLimit};
-};
+bool is_wide(const SurfelBox& box) {
+  return std::uint64_t{cloud_width(box)} * cloud_width(box) * cloud_side(box, 2) > kMostCloudWindow;
+}
 
 class CloudReader {
  public:
@@ -97,7 +82,7 @@ class CloudReader {
       : bytes_(bytes), archive_(rt::Archive::reading(bytes)) {}
 
   CloudFileResult look() {
-    if (has_form() && has_right_head()) look_at_records();
+    if (has_good_head()) look_at_records();
     return result_;
   }
 
@@ -129,7 +114,7 @@ class CloudReader {
     return false;
   }
 
-  bool has_form() {
+  bool has_good_head() {
     CloudFileHead& head = result_.head;
     archive_.value(head);
     if (head.magic != CloudFileHead::kMagic)
@@ -148,19 +133,15 @@ class CloudReader {
     tail.value(check);
     if (check != rt::digest_bytes(bytes_.data(), body))
       return refuse(Fault::checksum, body, "the bytes are damaged");
-    return true;
-  }
-
-  bool has_right_head() {
-    if (!knows_sensor(result_.head)) return refuse(Fault::sensor, kSensorByte, "a sensor that is not known");
-    if (!has_settings(result_.head))
+    if (!knows_sensor(head)) return refuse(Fault::sensor, kSensorByte, "a sensor that is not known");
+    if (!has_settings(head))
       return refuse(Fault::settings, kSettingsByte, "a setting that is out of its range");
     return true;
   }
 
   bool look_at_records() {
     const CloudFileHead& head = result_.head;
-    CloudWindow window;
+    SurfelBox box;
     std::uint64_t last = 0;
     for (std::uint32_t i = 0; i < head.cells; ++i) {
       const std::uint64_t byte = archive_.bytes();
@@ -171,8 +152,8 @@ class CloudReader {
       if (i > 0 && one.key <= last)
         return refuse(Fault::order, byte, "a cell that is there twice, or out of order");
       last = one.key;
-      window.take(last);
-      if (window.is_wide()) return refuse(Fault::window, byte, "the cloud is wider than any window");
+      box.take(SurfelCell::from_key(last));
+      if (is_wide(box)) return refuse(Fault::window, byte, "the cloud is wider than any window");
     }
     result_.sensor = static_cast<CloudSensor>(head.sensor);
     result_.config.cell_m = head.cell_m;
@@ -180,8 +161,8 @@ class CloudReader {
     result_.config.most_thickness_m = head.most_thickness_m;
     result_.config.most_flatness = head.most_flatness;
     result_.config.cells = head.cells;
-    result_.config.window_cells = window.cells();
-    result_.config.window_cells_up = window.cells_up();
+    result_.config.window_cells = cloud_width(box);
+    result_.config.window_cells_up = cloud_side(box, 2);
     return true;
   }
 
@@ -216,9 +197,9 @@ Status write_cloud(const SightLayer& layer, CloudSensor sensor, std::span<std::u
   if (!knows_sensor(head) || !has_settings(head) || layer.size() > kMostCloudCells)
     return Status::out_of_range;
   const std::span<const SurfelIndex> cells = layer.by_key();
-  CloudWindow window;
-  for (const SurfelIndex index : cells) window.take(layer.record(index).key);
-  if (window.is_wide()) return Status::out_of_range;
+  SurfelBox box;
+  for (const SurfelIndex index : cells) box.take(SurfelCell::from_key(layer.record(index).key));
+  if (is_wide(box)) return Status::out_of_range;
   if (out.size() < cloud_bytes(layer)) return Status::full;
   rt::Archive archive = rt::Archive::writing(out);
   archive.value(head);

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/registration/cloud_sensor.hpp"
+#include "mapping/registration/cloud_config.hpp"
 
 namespace sortie::mapping {
 

@@ -42,8 +42,7 @@ CloudMatch::CloudMatch(const CloudMatchConfig& config, const SensedCloud& own, c
   kept_.layer->make_cells(cells);
   if (!own_is_finer()) finest_ = cells;  // it stays as it is
   clear_planes(kept_);
-  kept_.layer->for_each_plane_cell(
-      cells, [this](const PlaneCell& cell) { static_cast<void>(growing_->set_cell(cell)); });
+  set_cells(*kept_.layer, cells);
   std::uint64_t units = std::numeric_limits<std::uint64_t>::max();
   static_cast<void>(growing_->run(units));
   growing_->planes(kept_planes_);
@@ -60,10 +59,10 @@ void CloudMatch::clear_planes(const SensedCloud& cloud) {
   growing_.emplace(config, memory_);
 }
 
-void CloudMatch::set_cells(std::span<const SurfelIndex> some) {
+void CloudMatch::set_cells(const SightLayer& layer, std::span<const SurfelIndex> some) {
   // There is room for all, and a layer's cells are cells.
-  made().for_each_plane_cell(some,
-                             [this](const PlaneCell& cell) { static_cast<void>(growing_->set_cell(cell)); });
+  layer.for_each_plane_cell(some,
+                            [this](const PlaneCell& cell) { static_cast<void>(growing_->set_cell(cell)); });
 }
 
 void CloudMatch::begin(const PlaneEstimate& estimate) {
@@ -113,7 +112,7 @@ bool CloudMatch::step(std::uint64_t& units) {
       stage_ = Stage::planes;
       return true;
     case Stage::planes:
-      if (!pass(kUnitsPerPlaneCell, units, [this](auto some) { set_cells(some); })) return false;
+      if (!pass(kUnitsPerPlaneCell, units, [this](auto some) { set_cells(made(), some); })) return false;
       stage_ = Stage::grow;
       return true;
     case Stage::grow:

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "mapping/registration/cloud_registration.hpp"
-#include "mapping/registration/cloud_sensor.hpp"
 #include "mapping/registration/plane_growing.hpp"
 #include "rt/archive.hpp"
 
@@ -64,7 +63,7 @@ class CloudMatch {
   static constexpr std::uint64_t kUnitsPerGrowing = 100;  ///< half a microsecond
 
   void clear_planes(const SensedCloud& cloud);
-  void set_cells(std::span<const SurfelIndex> some);
+  void set_cells(const SightLayer& layer, std::span<const SurfelIndex> some);
   bool own_is_finer() const { return own_.layer->cell_m() < kept_.layer->cell_m(); }
   const SensedCloud& finer() const { return own_is_finer() ? own_ : kept_; }
   SightLayer& made() { return grid_ == 0 ? *own_.layer : wide_; }

@@ -20,8 +20,7 @@ constexpr double kWorthLooking = 0.85;  ///< of the start's pairs: what a neighb
 constexpr double kBetter = 1.02;        ///< and by three: what a neighbour must be to be gone to
 constexpr double kChance = 5.0;         ///< cells that may speak for any place
 constexpr double kContender = 0.25;     ///< of the best place's cells on surfaces
-constexpr double kLeastUsual =
-    0.008;  ///< lines of sight through surfaces over cells on them, where all is right
+constexpr double kLeastUsual = 0.008;  ///< lines of sight through surfaces a cell on them, where all is right
 constexpr double kMostUsual = 0.016;
 constexpr double kMostSigmas = 3.0;  ///< of the scale from the estimate's
 constexpr double kBasin_m = 0.15;    ///< a fit of cells may go so far

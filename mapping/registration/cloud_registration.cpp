@@ -10,6 +10,7 @@ namespace {
 constexpr double kOfWall = 0.9;           ///< least part of a squared normal that is level
 constexpr std::uint64_t kUnitsLook = 30;  ///< a cell, in both its looks
 constexpr std::uint64_t kUnitsFit = 8;    ///< a cell and a step
+constexpr double kQuarter = 1.5707963267948966;
 }  // namespace
 
 CloudRegistration::CloudRegistration(const CloudRegistrationConfig& config)
@@ -116,6 +117,49 @@ void CloudRegistration::end_planes() {
   starts_.clear();
   for (std::uint32_t k = 0; k < plane_registration_.places() && k < config_.starts; ++k)
     (void)starts_.push_back(plane_registration_.place(k));
+  start_ = round_ = shift_ = 0;
+  stage_ = Stage::fit;
+  if (starts_.empty()) end_pass();
+}
+
+/// False: that was the last one.
+bool CloudRegistration::next_pass() {
+  while (++pass_ < kPasses) {
+    // A quarter or a half turn from a yaw that is known is nowhere near.
+    const bool turned = (pass_ - 1) % 4 != 0;
+    if (turned && estimate_.has_yaw()) continue;
+    stage_ = Stage::vote;
+    return true;
+  }
+  return false;
+}
+
+/// The best place, turned about the middle of the source or mirrored there, at each combination of shifts.
+void CloudRegistration::vote() {
+  const PlanePose& best = places_[best_].pose;
+  PlanePose turned = best;
+  turned.q_target_source =
+      rt::normalised(rt::from_yaw_pitch_roll(kQuarter * ((pass_ - 1) % 4), 0, 0) * best.q_target_source);
+  rt::Vector3 middle = middle_m_;
+  if (in_mirror()) {
+    mirror_ = rt::rotate_back(best.q_target_source, axis_[0]);
+    middle = mirrored(middle, mirror_);
+    for (std::uint32_t i = 0; i < source_count_; ++i) image_cells_[i] = mirrored(source_cells_[i], mirror_);
+  }
+  turned.p_target_source_m = {};
+  turned.p_target_source_m = transform(best, middle_m_) - transform(turned, middle);
+  const double ratio = best.scale * source_->cell_m() / target_->cell_m();
+  rt::FixedVector<double, kMostSightPeaks> shifts[2];
+  for (int k = 0; k < 2; ++k)
+    votes_.find(source_cells(), turned, target_cells(), axis_[k], ratio * ratio, shifts[k]);
+  starts_.clear();
+  for (const double first : shifts[0]) {
+    for (const double second : shifts[1]) {
+      PlanePose start = turned;
+      start.p_target_source_m = start.p_target_source_m + first * axis_[0] + second * axis_[1];
+      (void)starts_.push_back(start);
+    }
+  }
   start_ = round_ = shift_ = 0;
   stage_ = Stage::fit;
   if (starts_.empty()) end_pass();

@@ -40,11 +40,6 @@ void set_information(PosePrior& prior, double sigma_turn_rad, double sigma_move_
 /// Standard deviation of a sum.
 double both(double a, double b) { return std::sqrt(a * a + b * b); }
 
-/// What the prior alone says of a pose.
-void set_covariance(const PosePrior& prior, double (&covariance)[6][6]) {
-  for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
-}
-
 /// Every direction is held by far more than noise could make of nothing.
 bool held_fast(const NormalEquations& equations) {
   const WeakDirections weak = weak_directions(equations, equations.planar ? kFastMarginInPlane : kFastMargin);
@@ -94,17 +89,17 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
   located_.weak_moves = located_.weak_turns = 0;
   const PosePrior prior = expect(odometry);
   double covariance[6][6]{};
-  if (has_map()) set_covariance(prior, covariance);
-  if (anchor_ == Anchor::unplaced) {
-    describe({}, covariance, prior.at.q);
-    return refuse(LocateVerdict::unplaced, odometry);
+  if (has_map()) {
+    for (int i = 0; i < 6; ++i) covariance[i][i] = 1.0 / prior.information[i][i];  // it is diagonal
   }
-  if (located_.returns < (config_.planar ? kLeastReturnsInPlane : kLeastReturns)) {
+  const bool unplaced = anchor_ == Anchor::unplaced;
+  if (unplaced || located_.returns < (config_.planar ? kLeastReturnsInPlane : kLeastReturns)) {
     describe({}, covariance, prior.at.q);
-    return refuse(LocateVerdict::few_returns, odometry);
+    return refuse(unplaced ? LocateVerdict::unplaced : LocateVerdict::few_returns, odometry);
   }
   if (!has_map()) {
-    begin(odometry);
+    accept(odometry.known ? odometry.T_odom_sensor : RigidPose{}, odometry);
+    conclude(LocateVerdict::first);
     return located_;
   }
   Match match = match_to_map(prior, odometry);
@@ -124,11 +119,6 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
   describe(match.weak, covariance, accepted ? match.pose.q : prior.at.q);
   if (!accepted && verdict != LocateVerdict::new_place) return refuse(verdict, odometry);
   accept(accepted ? match.pose : prior.at, odometry);
-  if (anchor_ == Anchor::told) {
-    anchor_ = Anchor::held;
-    before_ = newest_;
-    before_ns_ = newest_ns_;
-  }
   if (accepted) {
     usual_share_ = match.score.matched;
     jumped_.clear();
@@ -140,15 +130,6 @@ const Located& Locator::look(const rt::PointScan& scan, const OdometryHint& odom
 
 bool Locator::clear() const {
   return located_.crossed <= config_.most_crossed && located_.inside <= config_.most_inside;
-}
-
-void Locator::begin(const OdometryHint& odometry) {
-  const RigidPose pose = odometry.known ? odometry.T_odom_sensor : RigidPose{};
-  accept(pose, odometry);
-  anchor_ = Anchor::held;
-  before_ = newest_;
-  before_ns_ = newest_ns_;
-  conclude(LocateVerdict::first);
 }
 
 /// The odometry's pose or, without any that the map knows, the last motion for as long again.
@@ -206,19 +187,10 @@ LocateVerdict Locator::judge(const Match& match, const PosePrior& prior, const O
 }
 
 void Locator::conclude(LocateVerdict verdict) {
-  LocateCounts& counts = located_.counts;
-  std::uint64_t* const of_verdict[] = {nullptr,
-                                       &counts.first,
-                                       &counts.accepted,
-                                       &counts.few_returns,
-                                       &counts.little_share,
-                                       &counts.crossed,
-                                       &counts.ambiguous,
-                                       &counts.far_from_prior,
-                                       &counts.unheld,
-                                       &counts.new_place,
-                                       &counts.unplaced_on_map};
-  ++*of_verdict[static_cast<std::size_t>(verdict)];
+  std::size_t at = 0;
+  LocateCounts::fields(located_.counts, [&](const char*, std::uint64_t& count) {
+    if (at++ == static_cast<std::size_t>(verdict)) ++count;
+  });
   located_.verdict = verdict;
 }
 
@@ -235,8 +207,10 @@ void Locator::accept(const RigidPose& pose, const OdometryHint& odometry) {
     located_.T_map_odom = after(pose, inverse(odometry.T_odom_sensor));
     tied_ = true;
   }
-  before_ = newest_;
-  before_ns_ = newest_ns_;
+  const bool begins = anchor_ != Anchor::held;  // then no motion is known
+  anchor_ = Anchor::held;
+  before_ = begins ? pose : newest_;
+  before_ns_ = begins ? located_.stamp_ns : newest_ns_;
   newest_ = pose;
   newest_ns_ = located_.stamp_ns;
   registration_.insert(pose);

@@ -35,7 +35,7 @@ constexpr bool is_placed(LocateVerdict verdict) {
          verdict == LocateVerdict::new_place;
 }
 
-/// Scans by verdict. in = all others.
+/// Scans by verdict, in the order of the verdicts. in = all others.
 struct LocateCounts {
   std::uint64_t in{};
   std::uint64_t first{};
@@ -132,7 +132,6 @@ class Locator {
   void look_along_rays(const Match& match);
   bool clear() const;  ///< neither rays through surfaces nor returns in what was seen to be empty
   void conclude(LocateVerdict verdict);
-  void begin(const OdometryHint& odometry);
   bool has_map() const { return anchor_ != Anchor::none; }
   PosePrior expect(const OdometryHint& odometry) const;
   PosePrior going_on() const;

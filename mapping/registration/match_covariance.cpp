@@ -6,9 +6,8 @@
 namespace sortie::mapping {
 namespace {
 constexpr double kLeastScatter = 0.02;  ///< of squared residuals, against what a step assumes of them
-constexpr double kShared = 1.0;  ///< cells side by side may share their errors: so many of them count as one
-constexpr double kBiasMove = 0.0002;   ///< m: what no number of cells makes less
-constexpr double kBiasTurn = 0.00002;  ///< rad
+constexpr double kBiasMove = 0.0002;    ///< m: what no number of cells makes less
+constexpr double kBiasTurn = 0.00002;   ///< rad
 }  // namespace
 
 bool match_covariance(const NormalEquations& equations, const WeakDirections& weak, const PosePrior& prior,
@@ -17,7 +16,6 @@ bool match_covariance(const NormalEquations& equations, const WeakDirections& we
   let_go(weak, held);
   const double unknowns = held.planar ? 3.0 : 6.0;
   const double scatter =
-      kShared *
       std::max(kLeastScatter, held.squares / std::max(1.0, static_cast<double>(held.rows) - unknowns));
   double information[6][6];
   for (int i = 0; i < 6; ++i) {

@@ -56,20 +56,13 @@ rt::Vector3 PlaceMap::position_m(const PlaceCell& cell) const {
 bool PlaceMap::build(const SurfelLayer& layer) {
   for (std::int32_t& tops : tops_) tops = 0;
   wanted_tops_ = 0;
-  SurfelCell last;
-  bool some = false;
+  SurfelBox box;
   for (const std::uint64_t key : layer.keys()) {
-    if (key == SurfelLayer::kUnused) continue;
-    const SurfelCell cell = SurfelCell::from_key(key);
-    if (!some) first_ = last = cell;
-    some = true;
-    for (int i = 0; i < 3; ++i) {
-      first_.at[i] = std::min(first_.at[i], cell.at[i]);
-      last.at[i] = std::max(last.at[i], cell.at[i]);
-    }
+    if (key != SurfelLayer::kUnused) box.take(SurfelCell::from_key(key));
   }
-  if (!some) return false;
-  const auto cells = [&](int i) { return last.at[i] - first_.at[i] + 1; };
+  if (box.cells(0) == 0) return false;
+  first_ = box.low;
+  const auto cells = [&](int i) { return static_cast<std::int32_t>(box.cells(i)); };
   const Size size = with_margins(cells(0), cells(1), cells(2));
   std::copy_n(size.at, 3, size_);
   row_words_ = words_of_row(size_[0]);
@@ -83,10 +76,9 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   copy_all(kNear);
   draw(layer, 0);
   copy_all(kOn);
-  std::uint64_t all = 1;
-  for (int i = 0; i < 3; ++i) all *= static_cast<std::uint64_t>(tops_of(size_[i]));
-  wanted_tops_ = all;
-  if (all > most_tops_) return false;
+  wanted_tops_ = 1;
+  for (const std::int32_t voxels : size_) wanted_tops_ *= static_cast<std::uint64_t>(tops_of(voxels));
+  if (wanted_tops_ > most_tops_) return false;
   for (int i = 0; i < 3; ++i) tops_[i] = tops_of(size_[i]);
   return true;
 }

@@ -2,7 +2,6 @@
 #include "mapping/registration/place_search.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rt/math.hpp"
 

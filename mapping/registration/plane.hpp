@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A bounded piece of plane with what is known about its errors: what maps of different sensors have in
-// common when their points have not.
+// common when their points have not; and a map as such planes.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 
 #include "rt/describe.hpp"
+#include "rt/fixed_vector.hpp"
 #include "rt/rotation.hpp"
 #include "rt/status.hpp"
 
@@ -93,6 +94,21 @@ inline Status check(const Plane& p) {
   good = good && within(p.area_m2, 0.0, kMostPlaneArea_m2) &&
          within(p.sigma_offset_m, kLeastPlaneSigma, kMostPlaneSigma);
   return good ? Status::ok : Status::out_of_range;
+}
+
+/// Most planes of a set.
+inline constexpr std::uint32_t kMostPlanes = 256;
+
+/// Planes of one map, all in one frame whose z axis points up where gravity is known. 54 kB.
+using PlaneSet = rt::FixedVector<Plane, kMostPlanes>;
+
+/// `ok`, or what is wrong with the first plane that is not good; its place goes to `at`.
+inline Status check(const PlaneSet& planes, std::uint32_t& at) {
+  for (at = 0; at < planes.size(); ++at) {
+    const Status status = check(planes[at]);
+    if (status != Status::ok) return status;
+  }
+  return Status::ok;
 }
 
 }  // namespace sortie::mapping

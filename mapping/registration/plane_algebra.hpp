@@ -1,13 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small symmetric matrices: eigenvectors by Jacobi's rotations and systems by Cholesky's factors, in a fixed
-// number of steps and with the same bits everywhere.
+// Small symmetric matrices: sums of rows, eigenvectors by Jacobi's rotations and systems by Cholesky's
+// factors, in a fixed number of steps and with the same bits everywhere.
 #pragma once
 
 #include <cmath>
+#include <utility>
 
 namespace sortie::mapping {
 
 constexpr double squared(double v) { return v * v; }
+
+/// Sums over weighted rows of N unknowns: the change x that makes their residuals least has h x = g.
+template <int N>
+struct LeastSquares {
+  double h[N][N]{};  ///< its lower half, until fill()
+  double g[N]{};
+
+  void add(const double (&j)[N], double residual, double weight) {
+    for (int a = 0; a < N; ++a) {
+      const double wj = weight * j[a];
+      for (int b = 0; b <= a; ++b) h[a][b] += wj * j[b];
+      g[a] -= wj * residual;
+    }
+  }
+  void fill() {
+    for (int a = 0; a < N; ++a) {
+      for (int b = a + 1; b < N; ++b) h[a][b] = h[b][a];
+    }
+  }
+};
 
 /// Eigenvalues in rising order, and their eigenvectors as columns of `vector`.
 template <int N>
@@ -67,31 +88,25 @@ EigenPairs<N> eigen_pairs(const double (&matrix)[N][N]) {
   int order[N];
   for (int i = 0; i < N; ++i) order[i] = i;
   for (int i = 1; i < N; ++i) {
-    for (int k = i; k > 0 && a[order[k]][order[k]] < a[order[k - 1]][order[k - 1]]; --k) {
-      const int other = order[k];
-      order[k] = order[k - 1];
-      order[k - 1] = other;
-    }
+    for (int k = i; k > 0 && a[order[k]][order[k]] < a[order[k - 1]][order[k - 1]]; --k)
+      std::swap(order[k], order[k - 1]);
   }
-  double columns[N][N];
-  for (int i = 0; i < N; ++i) {
-    for (int j = 0; j < N; ++j) columns[i][j] = out.vector[i][j];
-  }
+  const EigenPairs<N> found = out;
   for (int i = 0; i < N; ++i) {
     out.value[i] = a[order[i]][order[i]];
-    for (int k = 0; k < N; ++k) out.vector[k][i] = columns[k][order[i]];
+    for (int k = 0; k < N; ++k) out.vector[k][i] = found.vector[k][order[i]];
   }
   return out;
 }
 
 /// Lower factor L of the leading n x n part of a symmetric positive matrix, A = L L^T, in place. False where
-/// a pivot is not positive; then `a` is spoilt.
+/// a pivot is not above `least` of its diagonal element; then `a` is spoilt.
 template <int N>
-bool factorise(double (&a)[N][N], int n) {
+bool factorise(double (&a)[N][N], int n, double least = 0.0) {
   for (int j = 0; j < n; ++j) {
     double pivot = a[j][j];
     for (int k = 0; k < j; ++k) pivot -= a[j][k] * a[j][k];
-    if (!(pivot > 0.0)) return false;
+    if (!(pivot > least * a[j][j])) return false;
     const double root = std::sqrt(pivot);
     a[j][j] = root;
     for (int i = j + 1; i < n; ++i) {

@@ -161,15 +161,12 @@ void PlaneCandidates::invert_axes(const PlaneEstimate& estimate) {
   Vector3 a[3];
   for (std::uint32_t k = 0; k < axes_; ++k) a[k] = axis_[k].axis;
   if (axes_ == 0) a[0] = {1, 0, 0};
-  if (axes_ <= 1) {
-    const Vector3 other = std::fabs(a[0].z) < 0.7 ? Vector3{0, 0, 1} : Vector3{1, 0, 0};
-    const Vector3 square = rt::cross(a[0], other);
-    a[1] = (1.0 / rt::norm(square)) * square;
-  }
-  if (axes_ <= 2) {
-    const Vector3 square = rt::cross(a[0], a[1]);
-    a[2] = (1.0 / rt::norm(square)) * square;
-  }
+  const auto square_to = [](const Vector3& first, const Vector3& second) {
+    const Vector3 square = rt::cross(first, second);
+    return (1.0 / rt::norm(square)) * square;
+  };
+  if (axes_ <= 1) a[1] = square_to(a[0], std::fabs(a[0].z) < 0.7 ? Vector3{0, 0, 1} : Vector3{1, 0, 0});
+  if (axes_ <= 2) a[2] = square_to(a[0], a[1]);
   const double det = dot(a[0], rt::cross(a[1], a[2]));
   for (int k = 0; k < 3; ++k) dual_[k] = (1.0 / det) * rt::cross(a[(k + 1) % 3], a[(k + 2) % 3]);
   const Vector3 expected = transform(estimate.T_target_source, source_->middle_m()) - target_->middle_m();

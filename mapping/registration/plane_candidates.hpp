@@ -60,7 +60,7 @@ class PlaneCandidates {
   /// Shifts for one scale: pairs of the three families of target planes that have most of them, and are
   /// not near one plane, agree where they lie within 0.3 m. Fewer than three axes where there are no others.
   /// Cost: sorting the pairs.
-  void find_shifts(double scale, const PlaneEstimate& estimate, const PlaneRegistrationConfig& config);
+  void find_shifts(double scale, const PlaneEstimate& estimate);
 
   /// Most that the pairs of peak `i` of axis `a` can gain where the shift along axis `b` is that of its peak
   /// `j`: those whose rectangles meet along b. Worked out once.
@@ -86,7 +86,6 @@ class PlaneCandidates {
   double rest_gain() const { return rest_gain_; }
   /// How many planes of the smaller side these can be.
   std::uint32_t rest_planes() const { return rest_planes_; }
-  double scale() const { return scale_; }
   std::uint32_t dropped() const { return dropped_; }
   /// The pose of a shift.
   PlanePose pose(const rt::Vector3& t_m) const;

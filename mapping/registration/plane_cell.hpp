@@ -30,28 +30,25 @@ inline constexpr std::uint32_t kPlaneWeight = 64;
 /// Weighted sums over points in whole steps, relative to the centre of an anchor cell: exact, so that what
 /// was added can be taken away again and no order matters. Below 2^61 for 16,384 cells within kPlaneReach.
 struct PlaneSums {
+  static constexpr int kAxes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};  ///< of products
   std::int64_t weight{};
   std::int64_t sum[3]{};
   std::int64_t product[6]{};  ///< xx, yy, zz, xy, xz, yz
   SORTIE_FIELDS(weight, sum, product)
 
-  void add(const PlaneSums& other) { combine(other, 1); }
-  void subtract(const PlaneSums& other) { combine(other, -1); }
+  /// `sign`: 1, or -1 to take away again.
+  void add(const PlaneSums& other, std::int64_t sign = 1) {
+    weight += sign * other.weight;
+    for (int i = 0; i < 3; ++i) sum[i] += sign * other.sum[i];
+    for (int k = 0; k < 6; ++k) product[k] += sign * other.product[k];
+  }
   /// The same relative to an anchor `d` steps back: every point moves by d.
   void shift(const std::int64_t (&d)[3]) {
-    constexpr int kAxes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
     for (int k = 0; k < 6; ++k) {
       const auto [i, j] = kAxes[k];
       product[k] += d[i] * sum[j] + d[j] * sum[i] + d[i] * d[j] * weight;
     }
     for (int i = 0; i < 3; ++i) sum[i] += d[i] * weight;
-  }
-
- private:
-  void combine(const PlaneSums& other, std::int64_t sign) {
-    weight += sign * other.weight;
-    for (int i = 0; i < 3; ++i) sum[i] += sign * other.sum[i];
-    for (int k = 0; k < 6; ++k) product[k] += sign * other.product[k];
   }
 };
 
@@ -69,9 +66,8 @@ inline PlaneSums sums_of(const PlaneCell& cell, double edge_m, std::uint32_t mos
   const double across =
       0.5 * (static_cast<double>(cell.variance_m2[1]) + static_cast<double>(cell.variance_m2[2]));
   const double along = static_cast<double>(cell.variance_m2[0]) - across;
-  constexpr int kAxes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   for (int k = 0; k < 6; ++k) {
-    const auto [i, j] = kAxes[k];
+    const auto [i, j] = PlaneSums::kAxes[k];
     const double part = along * static_cast<double>(cell.normal[i]) * static_cast<double>(cell.normal[j]);
     out.product[k] =
         out.weight * (mean[i] * mean[j] + whole((part + (i == j ? across : 0.0)) / (step_m * step_m)));

@@ -22,12 +22,8 @@ struct Placed {
 };
 
 Placed placed(const Plane& s, const PlanePose& pose, const rt::RotationMatrix& r) {
-  Placed p;
-  p.normal = r * s.normal;
-  p.u = r * s.axis_u;
-  p.v = rt::cross(p.normal, p.u);
-  p.centroid = pose.scale * (r * s.centroid_m) + pose.p_target_source_m;
-  return p;
+  const Vector3 normal = r * s.normal, u = r * s.axis_u;
+  return {normal, u, rt::cross(normal, u), pose.scale * (r * s.centroid_m) + pose.p_target_source_m};
 }
 
 /// Its rectangle, as plane `t` sees it.

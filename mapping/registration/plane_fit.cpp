@@ -25,7 +25,7 @@ struct Basis {
 
 void lock_turn(const PlaneSystem& system, const PlaneFitInput& in, const PlanePose& pose, PlaneFit& fit,
                Basis& basis) {
-  const EigenPairs<3> eigen = eigen_pairs(system.turn);
+  const EigenPairs<3> eigen = eigen_pairs(system.turn.h);
   const rt::Quaternion& q = in.estimate.T_target_source.q_target_source;
   const Vector3 to_estimate = rt::log_rotation(q * rt::conjugate(pose.q_target_source));
   const bool known = in.estimate.has_yaw();
@@ -34,13 +34,12 @@ void lock_turn(const PlaneSystem& system, const PlaneFitInput& in, const PlanePo
     const Vector3 axis{eigen.vector[0][k], eigen.vector[1][k], eigen.vector[2][k]};
     fit.rotation_axis[k] = axis;
     const bool observed = eigen.value[k] > 1.0 / squared(in.config.observed_sigma_rad);
-    const double part[3] = {axis.x, axis.y, axis.z};
     if (observed) {
-      for (int i = 0; i < 3; ++i) basis.column[i][basis.columns] = part[i];
+      for (int i = 0; i < 3; ++i) basis.column[i][basis.columns] = eigen.vector[i][k];
       ++basis.columns;
       ++fit.rotation_rank;
     } else if (known) {
-      for (int i = 0; i < 3; ++i) basis.locked[i] += part[i] * dot(axis, to_estimate);
+      for (int i = 0; i < 3; ++i) basis.locked[i] += eigen.vector[i][k] * dot(axis, to_estimate);
     }
   }
 }
@@ -53,11 +52,11 @@ bool reduced(const PlaneSystem& system, const Basis& basis, double lever_m, doub
   for (int i = 0; i < m; ++i) {
     for (int j = 0; j < m; ++j) {
       for (int p = 0; p < 3; ++p) {
-        for (int q = 0; q < 3; ++q) a[i][j] += basis.column[p][i] * system.h[p][q] * basis.column[q][j];
+        for (int q = 0; q < 3; ++q) a[i][j] += basis.column[p][i] * system.whole.h[p][q] * basis.column[q][j];
       }
     }
     for (int j = 0; j < 4; ++j) {
-      for (int p = 0; p < 3; ++p) cross_terms[i][j] += basis.column[p][i] * system.h[p][3 + j];
+      for (int p = 0; p < 3; ++p) cross_terms[i][j] += basis.column[p][i] * system.whole.h[p][3 + j];
     }
   }
   if (m > 0 && !factorise(a, m)) return false;
@@ -65,16 +64,14 @@ bool reduced(const PlaneSystem& system, const Basis& basis, double lever_m, doub
     double x[3] = {cross_terms[0][j], cross_terms[1][j], cross_terms[2][j]};
     if (m > 0) solve(a, m, x);
     for (int i = 0; i < 4; ++i) {
-      s[i][j] = system.h[3 + i][3 + j];
+      s[i][j] = system.whole.h[3 + i][3 + j];
       for (int k = 0; k < m; ++k) s[i][j] -= cross_terms[k][i] * x[k];
     }
   }
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j <= i; ++j) {
-      const double part =
+      s[i][j] = s[j][i] =
           0.5 * (s[i][j] + s[j][i]) * (i == 3 ? 1.0 / lever_m : 1.0) * (j == 3 ? 1.0 / lever_m : 1.0);
-      s[i][j] = part;
-      s[j][i] = part;
     }
   }
   return true;
@@ -90,23 +87,19 @@ void lock_shift(const double (&s)[4][4], const PlaneFitInput& in, const PlanePos
   double value[4]{};
   double vector[4][4]{};  // [row][which]
   const int n = scaled ? 4 : 3;
-  if (scaled) {
-    const EigenPairs<4> eigen = eigen_pairs(s);
-    for (int k = 0; k < 4; ++k) {
+  const auto take = [&]<int N>(const double(&matrix)[N][N]) {
+    const EigenPairs<N> eigen = eigen_pairs(matrix);
+    for (int k = 0; k < N; ++k) {
       value[k] = eigen.value[k];
-      for (int i = 0; i < 4; ++i) vector[i][k] = eigen.vector[i][k];
+      for (int i = 0; i < N; ++i) vector[i][k] = eigen.vector[i][k];
     }
-  } else {
-    double three[3][3];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) three[i][j] = s[i][j];
-    }
-    const EigenPairs<3> eigen = eigen_pairs(three);
-    for (int k = 0; k < 3; ++k) {
-      value[k] = eigen.value[k];
-      for (int i = 0; i < 3; ++i) vector[i][k] = eigen.vector[i][k];
-    }
-  }
+  };
+  double three[3][3];
+  for (int i = 0; i < 3; ++i) std::copy_n(s[i], 3, three[i]);
+  if (scaled)
+    take(s);
+  else
+    take(three);
   fit.translation_rank = 0;
   for (int k = 0; k < n; ++k) {
     double along = 0.0;
@@ -137,13 +130,13 @@ bool solve_within(const PlaneSystem& system, const Basis& basis, double (&change
   double image[7][7]{};  // H times the columns
   for (int p = 0; p < 7; ++p) {
     for (int j = 0; j < m; ++j) {
-      for (int q = 0; q < 7; ++q) image[p][j] += system.h[p][q] * basis.column[q][j];
+      for (int q = 0; q < 7; ++q) image[p][j] += system.whole.h[p][q] * basis.column[q][j];
     }
   }
   double rest[7];
   for (int p = 0; p < 7; ++p) {
-    rest[p] = system.g[p];
-    for (int q = 0; q < 7; ++q) rest[p] -= system.h[p][q] * basis.locked[q];
+    rest[p] = system.whole.g[p];
+    for (int q = 0; q < 7; ++q) rest[p] -= system.whole.h[p][q] * basis.locked[q];
   }
   for (int i = 0; i < m; ++i) {
     for (int p = 0; p < 7; ++p) x[i] += basis.column[p][i] * rest[p];
@@ -187,7 +180,7 @@ bool all_above(const double (&matrix)[N][N], int n, double least) {
 
 /// The change where every direction is observed, without looking for directions; false where one may not be.
 bool solve_whole(const PlaneSystem& system, const PlaneFitInput& in, double lever_m, double (&change)[7]) {
-  if (!all_above(system.turn, 3, 1.0 / squared(in.config.observed_sigma_rad))) return false;
+  if (!all_above(system.turn.h, 3, 1.0 / squared(in.config.observed_sigma_rad))) return false;
   Basis turns;
   for (int i = 0; i < 3; ++i) turns.column[i][i] = 1.0;
   turns.columns = 3;
@@ -197,23 +190,12 @@ bool solve_whole(const PlaneSystem& system, const PlaneFitInput& in, double leve
     return false;
   double a[7][7];
   for (int i = 0; i < 7; ++i) {
-    for (int j = 0; j < 7; ++j) a[i][j] = system.h[i][j];
-    change[i] = i < n ? system.g[i] : 0.0;
+    for (int j = 0; j < 7; ++j) a[i][j] = system.whole.h[i][j];
+    change[i] = i < n ? system.whole.g[i] : 0.0;
   }
   if (!factorise(a, n)) return false;
   solve(a, n, change);
   return true;
-}
-
-void apply(const double (&change)[7], PlaneFit& fit) {
-  PlanePose& pose = fit.T_target_source;
-  const rt::Quaternion turn = rt::exp_rotation({change[0], change[1], change[2]});
-  const double grown = rt::exp(change[6]);
-  const Vector3 pivot = fit.pivot_target_m;
-  fit.pivot_target_m = pivot + Vector3{change[3], change[4], change[5]};
-  pose.q_target_source = rt::normalised(turn * pose.q_target_source);
-  pose.scale *= grown;
-  pose.p_target_source_m = fit.pivot_target_m + grown * rt::rotate(turn, pose.p_target_source_m - pivot);
 }
 
 bool usable(const PlaneFit& fit) {
@@ -255,7 +237,10 @@ PlaneFit fit_planes(std::span<const Plane> source, std::span<const Plane> target
         good = solve_within(system, basis, change, step + 1 == steps ? fit.covariance : nullptr);
       }
     }
-    if (good) apply(change, fit);
+    if (good) {
+      fit.T_target_source = changed(pose, fit.pivot_target_m, change);
+      fit.pivot_target_m = fit.pivot_target_m + Vector3{change[3], change[4], change[5]};
+    }
     fit.chi2 = system.chi2;
     fit.rows = system.rows;
     if (!good || !usable(fit)) {

@@ -26,8 +26,7 @@ struct PlaneFitConfig {
   double observed_sigma_rad{0.0175};  ///< an axis of rotation counts as observed below it
   double model_sigma_m{0.005};        ///< added to every offset: walls are not flat
   double model_sigma_rad{0.002};      ///< added to every normal
-  double kernel_sigmas{
-      0};  ///< residuals about this large count a quarter (Geman, McClure 1985); 0: all count
+  double kernel_sigmas{0};  ///< residuals so large count a quarter (Geman, McClure 1985); 0: all count
 };
 
 /// Result of a fit. Changes are small turns about the target's axes, the shift of the pivot, and the

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "mapping/grid/mix64.hpp"
 #include "rt/math.hpp"
@@ -113,25 +114,14 @@ void PlaneGrowing::push(std::uint32_t slot) {
   PlaneCellSlot& cell = memory_.cells[slot - 1];
   if (cell.waiting != 0 || heap_size_ == memory_.heap.size()) return;
   cell.waiting = 1;
-  const std::uint64_t order = std::uint64_t{cell.grade} << 60 | key_of(cell.at);
-  std::uint32_t at = heap_size_++;
-  for (; at > 0 && memory_.heap[(at - 1) / 2] > order; at = (at - 1) / 2)
-    memory_.heap[at] = memory_.heap[(at - 1) / 2];
-  memory_.heap[at] = order;
+  memory_.heap[heap_size_++] = std::uint64_t{cell.grade} << 60 | key_of(cell.at);
+  std::push_heap(memory_.heap.begin(), memory_.heap.begin() + heap_size_, std::greater<>());
 }
 
 /// The next one's slot, or 0 where it has gone meanwhile.
 std::uint32_t PlaneGrowing::pop() {
-  const std::uint64_t least = memory_.heap[0];
-  const std::uint64_t last = memory_.heap[--heap_size_];
-  std::uint32_t at = 0;
-  for (std::uint32_t child = 1; child < heap_size_; child = 2 * at + 1) {
-    if (child + 1 < heap_size_ && memory_.heap[child + 1] < memory_.heap[child]) ++child;
-    if (memory_.heap[child] >= last) break;
-    memory_.heap[at] = memory_.heap[child];
-    at = child;
-  }
-  if (heap_size_ > 0) memory_.heap[at] = last;
+  std::pop_heap(memory_.heap.begin(), memory_.heap.begin() + heap_size_, std::greater<>());
+  const std::uint64_t least = memory_.heap[--heap_size_];
   std::int32_t place[3];
   for (int i = 0; i < 3; ++i)
     place[i] = static_cast<std::int32_t>(least >> (20 * (2 - i)) & 0xfffff) - kLimit;
@@ -142,10 +132,10 @@ std::uint32_t PlaneGrowing::pop() {
 
 // ---- Cells and their regions. ----
 
-PlaneSums PlaneGrowing::relative(const PlaneCellSlot& cell, const PlaneRegion& region) const {
-  PlaneSums sums = cell.sums;
+/// Sums about a cell as sums about a region's anchor.
+PlaneSums PlaneGrowing::relative(PlaneSums sums, const std::int32_t (&at)[3], const PlaneRegion& region) {
   std::int64_t d[3];
-  for (int i = 0; i < 3; ++i) d[i] = std::int64_t{cell.at[i] - region.anchor[i]} * kPlaneSteps;
+  for (int i = 0; i < 3; ++i) d[i] = std::int64_t{at[i] - region.anchor[i]} * kPlaneSteps;
   sums.shift(d);
   return sums;
 }
@@ -159,7 +149,7 @@ void PlaneGrowing::put_in(std::uint32_t slot, std::uint16_t number) {
   if (region.first != 0) memory_.cells[region.first - 1].before = slot;
   region.first = slot;
   ++region.cells;
-  region.sums.add(relative(cell, region));
+  region.sums.add(relative(cell.sums, cell.at, region));
   region.changed = true;
 }
 
@@ -172,7 +162,7 @@ void PlaneGrowing::take_out(std::uint32_t slot) {
   else
     region.first = cell.next;
   if (cell.next != 0) memory_.cells[cell.next - 1].before = cell.before;
-  region.sums.subtract(relative(cell, region));
+  region.sums.add(relative(cell.sums, cell.at, region), -1);
   region.changed = true;
   if (--region.cells == 0) region = {};
   cell.region = 0;
@@ -215,12 +205,6 @@ Status PlaneGrowing::set_cell(const PlaneCell& cell) {
   if (kept.waiting == 0) kept.grade = grade_of(cell);
   if (kept.flat != 0) push(slot);
   return Status::ok;
-}
-
-std::uint32_t PlaneGrowing::plane_of(const std::int32_t (&at)[3]) const {
-  const std::uint32_t slot = find(at);
-  const std::uint16_t region = slot == 0 ? std::uint16_t{0} : memory_.cells[slot - 1].region;
-  return region == 0 ? 0 : memory_.regions[region - 1u].id;
 }
 
 std::uint32_t PlaneGrowing::regions() const {

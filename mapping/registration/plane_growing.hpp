@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "mapping/registration/plane.hpp"
 #include "mapping/registration/plane_cell.hpp"
-#include "mapping/registration/plane_set.hpp"
 #include "mapping/registration/unit_credit.hpp"
 #include "rt/describe.hpp"
-#include "rt/keys.hpp"
 #include "rt/status.hpp"
 
 namespace sortie::mapping {
@@ -27,14 +26,6 @@ struct PlaneGrowingConfig {
   std::uint32_t min_cells{4};      ///< of a plane
   std::uint32_t most_weight{16};   ///< points of a cell that count: near cells must not outvote far ones
   bool signed_normals{false};      ///< normals of cells point to where they were seen from
-
-  SORTIE_KEYS(c, key) {
-    key("most_angle_deg", c.most_angle_rad,
-        {1, 45, rt::kDegInRad, "between the normals of a cell and its plane"});
-    key("most_offset_m", c.most_offset_m, {0.005, 1, "m", "of a cell's points from its plane"});
-    key("merge_gap_m", c.merge_gap_m, {0, 20, "m", "pieces of one plane further apart stay two planes"});
-    key("min_cells", c.min_cells, {1, 10000, "cells", "of a plane"});
-  }
 };
 
 /// A cell as it is kept. 128 bytes.
@@ -112,8 +103,6 @@ class PlaneGrowing {
   const PlaneGrowingCounts& counts() const { return counts_; }
   std::uint32_t cells() const { return used_; }
   std::uint32_t regions() const;
-  /// Id of the plane that a cell belongs to, or 0.
-  std::uint32_t plane_of(const std::int32_t (&at)[3]) const;
 
  private:
   enum class Stage : std::uint8_t { seed, grow, settle, finish, merge, done };
@@ -127,7 +116,7 @@ class PlaneGrowing {
   void take_out(std::uint32_t cell);
   void put_in(std::uint32_t cell, std::uint16_t region);
   bool fits(const PlaneRegion& region, const PlaneCellSlot& cell, double& off_m) const;
-  PlaneSums relative(const PlaneCellSlot& cell, const PlaneRegion& region) const;
+  static PlaneSums relative(PlaneSums sums, const std::int32_t (&at)[3], const PlaneRegion& region);
   void fit(PlaneRegion& region);
   void shape(PlaneRegion& region);
   std::uint16_t new_region(std::uint32_t seed);

@@ -83,11 +83,7 @@ bool PlaneGrowing::coplanar(const PlaneRegion& a, const PlaneRegion& b) const {
 void PlaneGrowing::unite(std::uint16_t into, std::uint16_t from) {
   PlaneRegion& a = memory_.regions[into - 1u];
   PlaneRegion& b = memory_.regions[from - 1u];
-  PlaneSums sums = b.sums;
-  std::int64_t d[3];
-  for (int i = 0; i < 3; ++i) d[i] = std::int64_t{b.anchor[i] - a.anchor[i]} * kPlaneSteps;
-  sums.shift(d);
-  a.sums.add(sums);
+  a.sums.add(relative(b.sums, b.anchor, a));
   a.cells += b.cells;
   std::uint32_t last = 0;
   for (std::uint32_t slot = b.first; slot != 0; slot = memory_.cells[slot - 1].next) {

@@ -2,6 +2,7 @@
 // Whether two bounded planes cover a common part, seen along the normal of one of them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/registration/plane.hpp"
@@ -92,10 +93,7 @@ inline double common_area(const PlanePatch& own, const PlanePatch& patch) {
       }
     }
     count = kept_count;
-    for (int k = 0; k < count; ++k) {
-      corner[k][0] = kept[k][0];
-      corner[k][1] = kept[k][1];
-    }
+    for (int k = 0; k < count; ++k) std::copy_n(kept[k], 2, corner[k]);
   }
   double twice = 0.0;
   for (int k = 0; k < count; ++k) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Places that are looked at, fitted and kept. What leads there is in plane_registration.cpp.
 #include <algorithm>
-#include <cmath>
 
 #include "mapping/registration/plane_registration.hpp"
 
@@ -179,18 +178,14 @@ void PlaneRegistration::fit_next() {
     keep();
 }
 
-bool PlaneRegistration::same_basin(const PlanePose& a, const PlanePose& b) const {
-  const rt::Vector3 apart = transform(a, source_.middle_m()) - transform(b, source_.middle_m());
-  const rt::Vector3 turn = rt::log_rotation(a.q_target_source * rt::conjugate(b.q_target_source));
-  return rt::norm(apart) <= config_.basin_m && rt::norm(turn) <= config_.basin_rad;
-}
-
 /// Puts the fresh place among the fitted ones: instead of a lesser one in the same basin, or of the least.
 void PlaneRegistration::keep() {
   std::uint32_t at = fitted_count_;
   for (std::uint32_t k = 0; k < fitted_count_; ++k) {
     const Fitted& other = fitted_[order_[k]];
-    if (!same_basin(fresh_.fit.T_target_source, other.fit.T_target_source)) continue;
+    if (!same_place(fresh_.fit.T_target_source, other.fit.T_target_source, source_.middle_m(),
+                    config_.basin_m, config_.basin_rad))
+      continue;
     if (other.evidence >= fresh_.evidence) return;
     at = k;
     break;

@@ -2,8 +2,6 @@
 // Where one map of planes lies in another, with what was known of it before and after.
 #pragma once
 
-#include <cstdint>
-
 #include "rt/describe.hpp"
 #include "rt/rotation.hpp"
 
@@ -34,6 +32,16 @@ inline PlanePose inverse(const PlanePose& pose) {
   back.scale = 1.0 / pose.scale;
   back.p_target_source_m = -back.scale * rt::rotate(back.q_target_source, pose.p_target_source_m);
   return back;
+}
+
+/// A pose after a small turn and growth about a place of the target, which is shifted itself: `by` is (turn
+/// rad, shift m, ln scale), as in PlaneFit.
+inline PlanePose changed(const PlanePose& pose, const rt::Vector3& pivot_m, const double (&by)[7]) {
+  const rt::Quaternion turn = rt::exp_rotation({by[0], by[1], by[2]});
+  const double grown = rt::exp(by[6]);
+  const rt::Vector3 turned = grown * rt::rotate(turn, pose.p_target_source_m - pivot_m);
+  return {rt::normalised(turn * pose.q_target_source), pivot_m + rt::Vector3{by[3], by[4], by[5]} + turned,
+          pose.scale * grown};
 }
 
 /// Whether two poses put a place of the source, `x_source_m`, that near to each other.

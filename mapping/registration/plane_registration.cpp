@@ -184,7 +184,7 @@ void PlaneRegistration::begin_scale() {
     stage_ = in_mirror_ ? Stage::mirror : Stage::pair;
     return;
   }
-  candidates_.find_shifts(scales_[scale_], estimate_, config_);
+  candidates_.find_shifts(scales_[scale_], estimate_);
   ++search_;
   ++scale_;
   places_.clear();

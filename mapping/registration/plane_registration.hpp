@@ -129,7 +129,6 @@ class PlaneRegistration {
   double harmless() const;
   bool harmless(const Place& place) const;
   double rivalry(const Fitted& best, const Fitted& other, double least_margin) const;
-  bool same_basin(const PlanePose& a, const PlanePose& b) const;
   double alone_ratio(const Fitted& best) const;
   void finish();
   double least_gain() const;

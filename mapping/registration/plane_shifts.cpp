@@ -2,6 +2,7 @@
 // Shifts that pairs agree on, and what pairs gain at a shift. Pairs themselves are in plane_candidates.cpp.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mapping/registration/plane_candidates.hpp"
 #include "mapping/registration/plane_patch.hpp"
@@ -15,9 +16,7 @@ constexpr double kWindow_m = 0.3;
 constexpr double kLeastPeak = 0.4;  ///< of the best one's gain
 }  // namespace
 
-void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate,
-                                  const PlaneRegistrationConfig& config) {
-  (void)config;
+void PlaneCandidates::find_shifts(double scale, const PlaneEstimate& estimate) {
   scale_ = scale;
   voted_ = 0;
   for (std::uint32_t k = 0; k < size_; ++k) overlap_[k].reach[0] = kUnknown;
@@ -129,14 +128,8 @@ void PlaneCandidates::Tally::add(std::uint16_t source, std::uint16_t target, dou
 double PlaneCandidates::Tally::take(bool of_source, std::uint32_t& planes) {
   double sources = 0.0;
   double targets = 0.0;
-  for (std::uint32_t k = 0; k < source_count_; ++k) {
-    sources += by_source_[sources_[k]];
-    by_source_[sources_[k]] = 0.0;
-  }
-  for (std::uint32_t k = 0; k < target_count_; ++k) {
-    targets += by_target_[targets_[k]];
-    by_target_[targets_[k]] = 0.0;
-  }
+  for (std::uint32_t k = 0; k < source_count_; ++k) sources += std::exchange(by_source_[sources_[k]], 0.0);
+  for (std::uint32_t k = 0; k < target_count_; ++k) targets += std::exchange(by_target_[targets_[k]], 0.0);
   planes = of_source ? source_count_ : target_count_;
   source_count_ = target_count_ = 0;
   return std::min(sources, targets);

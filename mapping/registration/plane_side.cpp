@@ -1,52 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/plane_side.hpp"
 
-#include "mapping/registration/plane_pose.hpp"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "mapping/registration/plane_pose.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::mapping {
 namespace {
 constexpr double kFamilyCosine = 0.99756;  ///< 4 degrees
 
-/// A total order of planes that differ in anything.
+/// A total order of planes that differ in anything, largest first.
 bool before(const Plane& a, const Plane& b) {
-  const double keys[][2] = {{b.area_m2, a.area_m2},
-                            {a.offset_m, b.offset_m},
-                            {a.normal.x, b.normal.x},
-                            {a.normal.y, b.normal.y},
-                            {a.normal.z, b.normal.z},
-                            {a.centroid_m.x, b.centroid_m.x},
-                            {a.centroid_m.y, b.centroid_m.y},
-                            {a.centroid_m.z, b.centroid_m.z},
-                            {a.axis_u.x, b.axis_u.x},
-                            {a.axis_u.y, b.axis_u.y},
-                            {a.axis_u.z, b.axis_u.z},
-                            {a.least_m[0], b.least_m[0]},
-                            {a.least_m[1], b.least_m[1]},
-                            {a.most_m[0], b.most_m[0]},
-                            {a.most_m[1], b.most_m[1]},
-                            {a.sigma_offset_m, b.sigma_offset_m},
-                            {a.sigma_tilt_rad[0], b.sigma_tilt_rad[0]},
-                            {a.sigma_tilt_rad[1], b.sigma_tilt_rad[1]}};
-  for (const auto& key : keys) {
-    if (key[0] != key[1]) return key[0] < key[1];
-  }
-  return a.id < b.id;
+  if (a.area_m2 != b.area_m2) return a.area_m2 > b.area_m2;
+  const auto others = [](const Plane& p) {
+    return std::to_array({p.offset_m, p.normal.x, p.normal.y, p.normal.z, p.centroid_m.x, p.centroid_m.y,
+                          p.centroid_m.z, p.axis_u.x, p.axis_u.y, p.axis_u.z, p.least_m[0], p.least_m[1],
+                          p.most_m[0], p.most_m[1], p.sigma_offset_m, p.sigma_tilt_rad[0],
+                          p.sigma_tilt_rad[1], static_cast<double>(p.id)});
+  };
+  return others(a) < others(b);
 }
 }  // namespace
 
 void PlaneSide::take(const PlaneSet& planes) {
   size_ = planes.size();
   for (std::uint32_t i = 0; i < size_; ++i) given_[i] = static_cast<std::uint16_t>(i);
-  std::sort(given_, given_ + size_, [&planes](std::uint16_t a, std::uint16_t b) {
-    const double x = planes[a].area_m2;
-    const double y = planes[b].area_m2;
-    return x != y ? x > y : before(planes[a], planes[b]);
-  });
+  std::sort(given_, given_ + size_,
+            [&planes](std::uint16_t a, std::uint16_t b) { return before(planes[a], planes[b]); });
   for (std::uint32_t i = 0; i < size_; ++i) plane_[i] = planes[given_[i]];
   find_box();
   find_families();

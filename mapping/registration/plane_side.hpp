@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/registration/plane_set.hpp"
+#include "mapping/registration/plane.hpp"
 
 namespace sortie::mapping {
 

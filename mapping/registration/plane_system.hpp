@@ -13,9 +13,8 @@ namespace sortie::mapping {
 
 /// Information and right side of the 7 unknowns, whole and of the normals' rows alone.
 struct PlaneSystem {
-  double h[7][7]{};
-  double g[7]{};
-  double turn[3][3]{};
+  LeastSquares<7> whole;
+  LeastSquares<3> turn;
   double chi2{};
   double kernel{};  ///< 1 / its width squared
   std::uint32_t rows{};
@@ -28,12 +27,7 @@ struct PlaneSystem {
   void add(const rt::Vector3& on_turn, const rt::Vector3& on_shift, double on_scale, double residual,
            double variance) {
     const double w = weight(residual, variance);
-    const double j[7] = {on_turn.x, on_turn.y, on_turn.z, on_shift.x, on_shift.y, on_shift.z, on_scale};
-    for (int a = 0; a < 7; ++a) {
-      const double wj = w * j[a];
-      for (int b = 0; b <= a; ++b) h[a][b] += wj * j[b];
-      g[a] -= wj * residual;
-    }
+    whole.add({on_turn.x, on_turn.y, on_turn.z, on_shift.x, on_shift.y, on_shift.z, on_scale}, residual, w);
     chi2 += w * residual * residual;
     ++rows;
   }
@@ -41,23 +35,13 @@ struct PlaneSystem {
   void add_turn(const rt::Vector3& on_turn, double residual, double variance) {
     const double w = weight(residual, variance);
     const double j[3] = {on_turn.x, on_turn.y, on_turn.z};
+    turn.add(j, residual, w);
     for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b <= a; ++b) {
-        h[a][b] += w * j[a] * j[b];
-        turn[a][b] += w * j[a] * j[b];
-      }
-      g[a] -= w * j[a] * residual;
+      for (int b = 0; b <= a; ++b) whole.h[a][b] += w * j[a] * j[b];
+      whole.g[a] -= w * j[a] * residual;
     }
     chi2 += w * residual * residual;
     ++rows;
-  }
-  void fill() {
-    for (int a = 0; a < 7; ++a) {
-      for (int b = a + 1; b < 7; ++b) h[a][b] = h[b][a];
-    }
-    for (int a = 0; a < 3; ++a) {
-      for (int b = a + 1; b < 3; ++b) turn[a][b] = turn[b][a];
-    }
   }
 };
 
@@ -115,7 +99,8 @@ inline PlaneSystem linearised(const PlaneFitInput& in, const PlanePose& pose, co
     system.add_turn(rt::cross(up, {0, 1, 0}), up.y, variance);
   }
   lever_m = std::max(1.0, weights > 0.0 ? std::sqrt(levers / weights) : 1.0);
-  system.fill();
+  system.whole.fill();
+  system.turn.fill();
   return system;
 }
 

@@ -18,10 +18,6 @@ constexpr double kNoiseMargin = 5.0;  ///< what holds a direction, against what 
 constexpr double kUsualDrop = 0.85;   ///< of the share of the scan before: less is a reason to look elsewhere
 constexpr double kSaysNothing = 5.0;  ///< m: a prior that is no better
 
-unsigned bits_of(std::uint32_t cells) {
-  return static_cast<unsigned>(std::countr_zero(std::bit_ceil(cells)));
-}
-
 /// Whether the prior leaves metres open: there is no odometry.
 bool says_nothing(const PosePrior& prior) {
   return prior.information[3][3] < 1.0 / (kSaysNothing * kSaysNothing);
@@ -32,8 +28,8 @@ SurfelLayer ScanRegistration::make_layer(rt::Arena& arena, int level,
                                          const RegistrationMemory& memory) const {
   static constexpr const char* kNames[] = {"surfels_fine", "surfels_middle", "surfels_coarse"};
   const auto shift = static_cast<unsigned>(level);
-  const unsigned bits_xy = bits_of(memory.window_cells) - shift;
-  const unsigned bits_z = bits_of(memory.window_cells_up) - shift;
+  const unsigned bits_xy = window_bits(memory.window_cells) - shift;
+  const unsigned bits_z = window_bits(memory.window_cells_up) - shift;
   // A quarter is flat, the rest is small.
   const std::uint32_t count = std::max(memory.surfels >> shift, kFewestSurfels);
   const SurfelLayerMemory arrays = surfel_memory(arena, kNames[level], kNames[level], bits_xy, bits_z, count);

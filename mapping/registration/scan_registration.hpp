@@ -10,7 +10,6 @@
 #include "mapping/registration/registration_config.hpp"
 #include "mapping/registration/weak_directions.hpp"
 #include "rt/arena.hpp"
-#include "rt/status.hpp"
 
 namespace sortie::mapping {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/registration/plane_algebra.hpp"
 #include "mapping/registration/ray_surfaces.hpp"
 
 namespace sortie::mapping {
@@ -21,8 +22,6 @@ constexpr double kLine = 4.0;
 constexpr double kThinLine = 0.0036;
 constexpr double kSameNormal = 0.95;  ///< cosine between two cells of one surface
 constexpr double kSamePlane = 0.2;    ///< sine of the way from one to the other out of its plane
-
-double square(double v) { return v * v; }
 
 /// Sum of the squares of a cell's points along a direction, in whole steps.
 double second_moment(const SurfelSums& sums, const rt::Vector3& a) {
@@ -51,7 +50,8 @@ void add_held(const Surfel& surfel, const rt::Vector3& x, double weight, double 
 
 /// Not a line.
 bool is_surface(const Surfel& surfel, double cell_m) {
-  return surfel.variance(1) >= kLine * surfel.variance(0) && surfel.variance(1) >= kThinLine * square(cell_m);
+  return surfel.variance(1) >= kLine * surfel.variance(0) &&
+         surfel.variance(1) >= kThinLine * squared(cell_m);
 }
 
 /// Whether the surface of a cell goes on into a neighbour: both lie in the plane of the other. Rows and
@@ -117,8 +117,8 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
   const double step = layer.cell_m() / kSurfelSteps;
   // A surface that goes on through the cell along all three axes has no normal there (extended axes of ICET,
   // McDermott and Rife 2024).
-  const double extended = square(layer.cell_m() * (rule.thin ? kThinSurface : 0.25));
-  const double noise = square(rule.sigma_m);
+  const double extended = squared(layer.cell_m() * (rule.thin ? kThinSurface : 0.25));
+  const double noise = squared(rule.sigma_m);
   for (const CellSums& cell : memory_.cells.first(used)) {
     const Surfel& surfel = layer.surfel(cell.surfel);
     const double variance = surfel.variance(0);
@@ -131,8 +131,8 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
     const rt::Vector3 a = surfel.normal();
     const double residual = rt::dot(a, mean - surfel.mean());
     const double own =
-        std::max(0.0, step * step / n * second_moment(cell.sums, a) - square(rt::dot(a, mean)));
-    const double robust = square(rule.scale_m) / (square(rule.scale_m) + square(residual));
+        std::max(0.0, step * step / n * second_moment(cell.sums, a) - squared(rt::dot(a, mean)));
+    const double robust = squared(rule.scale_m) / (squared(rule.scale_m) + squared(residual));
     const double weight = std::min(n, kMostOfCell) / (variance + own + noise) * robust * robust;
     const rt::Vector3 turn = rt::cross(x, a);
     const double j[6] = {turn.x, turn.y, turn.z, a.x, a.y, a.z};
@@ -143,7 +143,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
     }
     if (rule.noise && (!rule.confirmed || goes_on(layer, cell.cell, surfel)))
       add_held(surfel, layer.centre_m(cell.cell) + surfel.mean() - pose.p, weight, noise, out);
-    out.squares += weight * square(residual);
+    out.squares += weight * squared(residual);
     ++out.rows;
   }
   for (int row = 1; row < 6; ++row) {
@@ -154,30 +154,14 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
 }
 
 bool solve6(const double (&a)[6][6], const double (&b)[6], double (&x)[6]) {
-  double l[6][6]{};
+  double l[6][6];
   for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k <= i; ++k) {
-      double sum = a[i][k];
-      for (int j = 0; j < k; ++j) sum -= l[i][j] * l[k][j];
-      if (i != k) {
-        l[i][k] = sum / l[k][k];
-      } else {
-        // What cancels by more than 12 digits is nothing but rounding.
-        if (!(sum > 1e-12 * a[i][i]) || !std::isfinite(sum)) return false;
-        l[i][i] = std::sqrt(sum);
-      }
-    }
+    for (int k = 0; k < 6; ++k) l[i][k] = a[i][k];
+    x[i] = b[i];
   }
-  for (int i = 0; i < 6; ++i) {
-    double sum = b[i];
-    for (int j = 0; j < i; ++j) sum -= l[i][j] * x[j];
-    x[i] = sum / l[i][i];
-  }
-  for (int i = 5; i >= 0; --i) {
-    double sum = x[i];
-    for (int j = i + 1; j < 6; ++j) sum -= l[j][i] * x[j];
-    x[i] = sum / l[i][i];
-  }
+  // What cancels by more than 12 digits is nothing but rounding.
+  if (!factorise(l, 6, 1e-12)) return false;
+  solve(l, 6, x);
   return true;
 }
 

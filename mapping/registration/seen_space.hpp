@@ -3,7 +3,6 @@
 // wrong.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "mapping/grid/rolling_grid_config.hpp"
@@ -35,8 +34,7 @@ class SeenSpace {
 
  private:
   static bool direction(const rt::Vector3& v, double range_m, int& turn, int& rise);
-  float& at(int turn, int rise) { return ranges_[static_cast<std::size_t>(rise * kTurns + turn)]; }
-  float at(int turn, int rise) const { return ranges_[static_cast<std::size_t>(rise * kTurns + turn)]; }
+  float& at(int turn, int rise) const { return ranges_[static_cast<std::size_t>(rise * kTurns + turn)]; }
 
   std::span<float> ranges_;
   bool planar_;

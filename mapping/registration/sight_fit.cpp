@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "mapping/registration/plane_algebra.hpp"
-#include "rt/math.hpp"
 
 namespace sortie::mapping {
 namespace {
@@ -19,23 +18,8 @@ constexpr double kUneven_m = 0.02;     ///< standard deviation of a surface abou
 constexpr double kErrTogether = 10.0;  ///< cells that have their errors in common
 constexpr double kDamping[7] = {1, 1, 1, 1, 1, 1, 400};  ///< a rad, a metre, a twentieth of the scale
 
-struct SightSystem {
-  double h[7][7]{};
-  double g[7]{};
+struct SightSystem : LeastSquares<7> {
   std::uint32_t pairs{};
-
-  void add(const double (&j)[7], double residual, double weight) {
-    for (int a = 0; a < 7; ++a) {
-      const double wj = weight * j[a];
-      for (int b = 0; b <= a; ++b) h[a][b] += wj * j[b];
-      g[a] -= wj * residual;
-    }
-  }
-  void fill() {
-    for (int a = 0; a < 7; ++a) {
-      for (int b = a + 1; b < 7; ++b) h[a][b] = h[b][a];
-    }
-  }
 };
 
 SightSystem sight_system(std::span<const SightCell> source, const SightLayer& target, const PlanePose& pose,
@@ -105,12 +89,7 @@ SightFit fit_sights(std::span<const SightCell> source, const SightLayer& target,
     double change[7];
     for (int i = 0; i < 7; ++i) change[i] = i < n ? system.g[i] : 0.0;
     solve(system.h, n, change);
-    const rt::Quaternion turn = rt::exp_rotation({change[0], change[1], change[2]});
-    const double grown = rt::exp(change[6]);
-    pose.q_target_source = rt::normalised(turn * pose.q_target_source);
-    pose.scale *= grown;
-    pose.p_target_source_m = pivot + Vector3{change[3], change[4], change[5]} +
-                             grown * rt::rotate(turn, pose.p_target_source_m - pivot);
+    pose = changed(pose, pivot, change);
     if (step + 1 < steps) continue;
     fit.sigma_rad = largest_sigma(system.h, n, 0);
     fit.sigma_m = largest_sigma(system.h, n, 3);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/sight_layer.hpp"
 
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -10,10 +9,6 @@ namespace {
 constexpr std::uint32_t kMemoryPoints = kMostSurfelPoints / 2;
 constexpr std::int32_t kPlaneLimit = 1 << 19;  // of PlaneCell::at
 constexpr std::uint32_t kNotFlat = std::numeric_limits<std::uint32_t>::max();
-
-unsigned window_bits(std::uint32_t cells) {
-  return static_cast<unsigned>(std::bit_width(std::bit_ceil(cells)) - 1);
-}
 
 /// The normal on the side of a place.
 rt::Vector3 turned_to(const rt::Vector3& normal, const rt::Vector3& away) {

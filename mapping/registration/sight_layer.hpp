@@ -21,12 +21,11 @@ namespace sortie::mapping {
 /// wants cells of 0.6 m, 12 points and 0.12 m.
 struct SightConfig {
   double cell_m{0.4};
-  std::uint32_t min_points{8};  ///< that make a surface
-  double most_thickness_m{
-      0.05};                    ///< standard deviation across a surface; a cell that is thicker is left out,
-  double most_flatness{0.25};   ///< and one whose variance across is more than this part of the next one
-  std::uint32_t cells{16'384};  ///< room, whether flat or not
-  std::uint32_t window_cells{128};    ///< along x and along y, a power of two: a cloud is no wider
+  std::uint32_t min_points{8};      ///< that make a surface
+  double most_thickness_m{0.05};    ///< standard deviation across a surface; a thicker cell is left out,
+  double most_flatness{0.25};       ///< and one whose variance across is more than this part of the next one
+  std::uint32_t cells{16'384};      ///< room, whether flat or not
+  std::uint32_t window_cells{128};  ///< along x and along y, a power of two: a cloud is no wider
   std::uint32_t window_cells_up{32};  ///< along z
   std::uint32_t points{4096};         ///< most of one insert()
 
@@ -121,11 +120,6 @@ class SightLayer {
     for (const SurfelIndex index : some) {
       if (plane_cell(index, cell)) take(cell);
     }
-  }
-  /// All of them, by rising key: a sort more.
-  template <class F>
-  void for_each_plane_cell(F&& take) const {
-    for_each_plane_cell(by_key(), take);
   }
 
   /// State to bytes and back. cells() are not among it: after reading they are none until prepare(). Bytes of

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/sight_score.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace sortie::mapping {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a coarse cell of the map knows of the surface in it: sums over its points in whole numbers, and the
-// Gaussian that they make.
+// What a coarse cell of the map knows of the surface in it: sums over its points in whole numbers, the
+// Gaussian that they make, and both as they are kept, in a state or in a map file.
 #pragma once
 
 #include <cstdint>
@@ -81,5 +81,17 @@ inline double squared_deviations(const Surfel& surfel, const rt::Vector3& at_m, 
 /// The Gaussian of some sums in cells of an edge, m. At least one point. `planar`: the points stand for walls
 /// that go upwards through the whole cell.
 Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar = false);
+
+/// A surfel with its cell. 136 bytes in canonical form.
+struct SurfelRecord {
+  std::uint64_t key{};  ///< SurfelCell::key()
+  SurfelSums sums;
+  Surfel surfel;
+  SORTIE_FIELDS(key, sums, surfel)
+};
+
+/// Null where the record can be one of a layer with cells of an edge, m; else a static text that says what
+/// cannot be. After null no sum overflows, and the Gaussian is finite and lies in its cell.
+const char* fault_of(const SurfelRecord& record, double cell_m);
 
 }  // namespace sortie::mapping

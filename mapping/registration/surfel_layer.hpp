@@ -2,10 +2,12 @@
 // A grid of surfels in fixed memory, in a window that wraps around.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 
-#include "mapping/registration/surfel_record.hpp"
+#include "mapping/registration/surfel.hpp"
 #include "rt/archive.hpp"
 #include "rt/arena.hpp"
 #include "rt/describe.hpp"
@@ -35,6 +37,23 @@ struct SurfelCell {
   }
 };
 
+/// The box about some cells: from the first to the last along each axis.
+struct SurfelBox {
+  SurfelCell low{{SurfelCell::kLimit, SurfelCell::kLimit, SurfelCell::kLimit}};
+  SurfelCell high{{-SurfelCell::kLimit, -SurfelCell::kLimit, -SurfelCell::kLimit}};
+
+  void take(const SurfelCell& cell) {
+    for (int i = 0; i < 3; ++i) {
+      low.at[i] = std::min(low.at[i], cell.at[i]);
+      high.at[i] = std::max(high.at[i], cell.at[i]);
+    }
+  }
+  /// Along an axis; 0: there are none.
+  std::uint32_t cells(int axis) const {
+    return low.at[axis] > high.at[axis] ? 0 : static_cast<std::uint32_t>(high.at[axis] - low.at[axis] + 1);
+  }
+};
+
 /// A point's cell and its place in it, whole kSurfelSteps from the centre.
 struct SurfelPlace {
   SurfelCell cell;
@@ -51,6 +70,10 @@ struct SurfelLayerMemory {
   std::span<SurfelIndex> free;
   std::span<std::uint32_t> newest;  ///< number of the scan that touched it last
 };
+/// Bits of a window of so many cells along an axis, or of the next power of two.
+constexpr unsigned window_bits(std::uint32_t cells) {
+  return static_cast<unsigned>(std::countr_zero(std::bit_ceil(cells)));
+}
 /// Arrays of an arena for `surfels` of them, reported under these names; with Gaussians, or sums alone.
 SurfelLayerMemory surfel_memory(rt::Arena& arena, const char* window, const char* name, unsigned bits_xy,
                                 unsigned bits_z, std::size_t surfels, bool gaussians = true);

@@ -46,22 +46,6 @@ SurfelMapFault judge(const SurfelMapHead& head, const SurfelMapHead& own, std::s
   return SurfelMapFault::none;
 }
 
-/// Cells from the first to the last along each axis.
-struct Extent {
-  std::int32_t low[3]{SurfelCell::kLimit, SurfelCell::kLimit, SurfelCell::kLimit};
-  std::int32_t high[3]{-SurfelCell::kLimit, -SurfelCell::kLimit, -SurfelCell::kLimit};
-
-  void take(const SurfelCell& cell) {
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], cell.at[i]);
-      high[i] = std::max(high[i], cell.at[i]);
-    }
-  }
-  std::uint32_t cells(int axis) const {
-    return low[axis] > high[axis] ? 0 : static_cast<std::uint32_t>(high[axis] - low[axis] + 1);
-  }
-};
-
 /// A window that holds twice `cells` of a level, in cells of the finest.
 std::uint32_t window_for(std::uint32_t cells, int level) { return std::bit_ceil(2 * cells) << level; }
 
@@ -108,7 +92,7 @@ class Loader {
 
   void take_layer(int level) {
     SurfelLayer& layer = registration_.layer_to_load(level);
-    Extent extent;
+    SurfelBox box;
     // First what they are and how far they reach: then each has a place of its own in the window.
     rt::Archive ahead = archive_;
     std::uint64_t last = 0;
@@ -121,13 +105,13 @@ class Loader {
       result_.why = "";
       if (i > 0 && one.key <= last) return refuse(SurfelMapFault::order, level);
       last = one.key;
-      extent.take(SurfelCell::from_key(one.key));
+      box.take(SurfelCell::from_key(one.key));
     }
-    const std::uint32_t wide = std::max(extent.cells(0), extent.cells(1));
+    const std::uint32_t wide = std::max(box.cells(0), box.cells(1));
     result_.needed = window_for(wide, level);
     if (2 * wide > layer.window_xy()) return refuse(SurfelMapFault::window, level);
-    result_.needed = window_for(extent.cells(2), level);
-    if (2 * extent.cells(2) > layer.window_z()) return refuse(SurfelMapFault::height, level);
+    result_.needed = window_for(box.cells(2), level);
+    if (2 * box.cells(2) > layer.window_z()) return refuse(SurfelMapFault::height, level);
     result_.needed = 0;
     for (std::uint32_t i = 0; i < result_.head.surfels[level]; ++i) {
       SurfelRecord one;

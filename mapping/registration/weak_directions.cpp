@@ -104,23 +104,18 @@ void look(const NormalEquations& equations, int own, double margin, WeakDirectio
     // What is held couples with nothing, so that its directions are exact.
     if (equations.planar && (own == 3) == (v.z > 0.5)) continue;
     const rt::Vector3 way = giving_way(equations.held, own, other, v);
-    double z[6];
-    const double first[3] = {v.x, v.y, v.z};
-    const double second[3] = {way.x, way.y, way.z};
-    for (int i = 0; i < 3; ++i) {
-      z[own + i] = first[i];
-      z[3 - own + i] = second[i];
-    }
+    const rt::Vector3& turn = own == 3 ? way : v;
+    const rt::Vector3& move = own == 3 ? v : way;
+    const double z[6] = {turn.x, turn.y, turn.z, move.x, move.y, move.z};
     const double noise = form(equations.noise, z);
     if (eigen.value[k] > margin * noise && eigen.value[k] > kNothing * std::max(1.0, largest(equations.held)))
       continue;
     const std::uint32_t row = weak.moves + weak.turns;
-    for (int i = 0; i < 6; ++i) weak.along[row][i] = z[i];
-    if (own == 3) {
+    std::copy_n(z, 6, weak.along[row]);
+    if (own == 3)
       weak.move[weak.moves++] = v;
-    } else {
+    else
       weak.turn[weak.turns++] = v;
-    }
   }
 }
 }  // namespace

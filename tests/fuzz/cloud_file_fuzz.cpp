@@ -121,7 +121,8 @@ class Rig {
     PlaneGrowingConfig config = growing_config(sensor);
     config.cell_m = layer.cell_m();
     PlaneGrowing growing(config, {cells, table, heap, queue, regions});
-    layer.for_each_plane_cell([&](const PlaneCell& cell) { require(growing.set_cell(cell) == Status::ok); });
+    layer.for_each_plane_cell(layer.by_key(),
+                              [&](const PlaneCell& cell) { require(growing.set_cell(cell) == Status::ok); });
     std::uint64_t units = kMostUnits;
     require(growing.run(units));
     PlaneSet planes;

@@ -7,7 +7,7 @@
 #include <map>
 #include <memory>
 
-#include "mapping/registration/cloud_sensor.hpp"
+#include "mapping/registration/cloud_config.hpp"
 #include "tests/mapping/air_ground_world.hpp"
 #include "tests/mapping/plane_points.hpp"
 #include "tests/mapping/plane_trials.hpp"

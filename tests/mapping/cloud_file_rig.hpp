@@ -55,8 +55,10 @@ inline void check_same_cloud(mapping::SightLayer& a, mapping::SightLayer& b) {
     REQUIRE(b.at(p.mean_m) == &q);
   }
   std::vector<std::uint64_t> first, second;
-  a.for_each_plane_cell([&](const mapping::PlaneCell& cell) { first.push_back(rt::digest_of(cell)); });
-  b.for_each_plane_cell([&](const mapping::PlaneCell& cell) { second.push_back(rt::digest_of(cell)); });
+  a.for_each_plane_cell(a.by_key(),
+                        [&](const mapping::PlaneCell& cell) { first.push_back(rt::digest_of(cell)); });
+  b.for_each_plane_cell(b.by_key(),
+                        [&](const mapping::PlaneCell& cell) { second.push_back(rt::digest_of(cell)); });
   REQUIRE(first.size() == a.size());
   REQUIRE(first == second);
 }
@@ -69,7 +71,7 @@ inline void check_sound(mapping::SightLayer& layer) {
     REQUIRE(std::fabs(rt::norm(cell.normal) - 1.0) < 1e-3);
   }
   OwnedGrowing owned(mapping::growing_config(mapping::CloudSensor::laser), 256, 16);
-  layer.for_each_plane_cell([&](const mapping::PlaneCell& cell) {
+  layer.for_each_plane_cell(layer.by_key(), [&](const mapping::PlaneCell& cell) {
     REQUIRE(owned.growing.set_cell(cell) == Status::ok);
     for (const float part : cell.mean_m)
       REQUIRE(std::fabs(static_cast<double>(part)) <= 0.5001 * layer.cell_m());

@@ -60,7 +60,7 @@ TEST_CASE("Sums of a plane are exact: adding, shifting and taking away leave not
     CHECK(there.variance_m2[0] == m.variance_m2[0]);
     far.shift(back);
     random.shuffle(parts);
-    for (const mapping::PlaneSums& part : parts) far.subtract(part);
+    for (const mapping::PlaneSums& part : parts) far.add(part, -1);
     CHECK(far.weight == 0);
     for (const std::int64_t part : far.sum) CHECK(part == 0);
     for (const std::int64_t part : far.product) CHECK(part == 0);

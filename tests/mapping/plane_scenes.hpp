@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mapping/registration/plane.hpp"
 #include "mapping/registration/plane_pose.hpp"
-#include "mapping/registration/plane_set.hpp"
 #include "rt/rotation.hpp"
 #include "tests/mapping/world_random.hpp"
 

@@ -42,7 +42,7 @@ TEST_CASE("A layer's cells for planes are those of its points, and make the same
     REQUIRE_FALSE(owned.full);
     std::vector<mapping::PlaneCell> cells;
     std::uint64_t last = 0;
-    owned.layer.for_each_plane_cell([&](const mapping::PlaneCell& cell) {
+    owned.layer.for_each_plane_cell(owned.layer.by_key(), [&](const mapping::PlaneCell& cell) {
       const std::uint64_t key = mapping::SurfelCell{{cell.at[0], cell.at[1], cell.at[2]}}.key();
       REQUIRE(key > last);
       last = key;
@@ -98,7 +98,7 @@ TEST_CASE("Cells beyond the reach of planes are left out") {
   REQUIRE(owned.layer.insert(points, {}) == Status::ok);
   REQUIRE(owned.layer.size() == 3);
   std::uint32_t count = 0;
-  owned.layer.for_each_plane_cell([&](const mapping::PlaneCell& cell) {
+  owned.layer.for_each_plane_cell(owned.layer.by_key(), [&](const mapping::PlaneCell& cell) {
     CHECK(cell.at[0] == 2);
     ++count;
   });

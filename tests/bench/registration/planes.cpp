@@ -33,7 +33,8 @@ using PlaneCells = std::vector<mapping::PlaneCell>;
 
 PlaneCells cells_of(const mapping::SightLayer& layer) {
   PlaneCells cells;
-  layer.for_each_plane_cell([&cells](const mapping::PlaneCell& cell) { cells.push_back(cell); });
+  layer.for_each_plane_cell(layer.by_key(),
+                            [&cells](const mapping::PlaneCell& cell) { cells.push_back(cell); });
   return cells;
 }
 
@@ -98,8 +99,9 @@ void grow(GrowingRounds& rounds, std::uint64_t seed) {
   };
   double begin = step_cpu_ms();
   insert(points);
-  sight.layer.for_each_plane_cell(
-      [&owned](const mapping::PlaneCell& cell) { (void)owned->growing.set_cell(cell); });
+  sight.layer.for_each_plane_cell(sight.layer.by_key(), [&owned](const mapping::PlaneCell& cell) {
+    (void)owned->growing.set_cell(cell);
+  });
   (void)owned->run_all();
   mapping::PlaneSet set;
   owned->growing.planes(set);
