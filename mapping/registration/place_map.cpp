@@ -66,7 +66,10 @@ bool PlaceMap::build(const SurfelLayer& layer) {
   const Size size = with_margins(cells(0), cells(1), cells(2));
   std::copy_n(size.at, 3, size_);
   row_words_ = words_of_row(size_[0]);
-  if (row(0, size_[2]) > bits_.size() || !poses_.begin(size_) || !parts_.begin(size_) || !nodes_.begin(size_))
+  // With 64 bits wherever it runs: surfaces of a keyframe may lie anywhere.
+  const auto all = static_cast<std::uint64_t>(size_[2]) * static_cast<std::uint64_t>(size_[1]) *
+                   static_cast<std::uint64_t>(row_words_);
+  if (all > bits_.size() || !poses_.begin(size_) || !parts_.begin(size_) || !nodes_.begin(size_))
     return false;
   voxel_m_ = layer.cell_m() / kVoxels;
   origin_m_ =

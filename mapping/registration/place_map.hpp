@@ -12,7 +12,7 @@
 
 namespace sortie::mapping {
 
-/// Where a pose of the search stands: whole steps of kPlaceStep voxels, and of a turn.
+/// Where a pose of the search stands: whole steps of PlaceMap::kStep voxels, and of a turn.
 struct PlaceCell {
   std::int32_t at[3]{};
   std::int32_t turn{};
@@ -61,7 +61,8 @@ class PlaceMap {
   void copy_all(int kind);
   void copy(int kind, PlaceTiles& tiles) const;
   std::size_t row(std::int32_t y, std::int32_t z) const {
-    return static_cast<std::size_t>((z * size_[1] + y) * row_words_);
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
+           static_cast<std::size_t>(row_words_);
   }
 
   std::uint32_t most_tops_;

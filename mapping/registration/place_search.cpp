@@ -8,8 +8,9 @@
 namespace sortie::mapping {
 namespace {
 constexpr double kSearchPi = 3.14159265358979323846;
-constexpr double kFarVoxels = 8000.0;   ///< a return stays within, and in 16 bits
-constexpr std::uint32_t kScanned = 16;  ///< bounds that are read in the time of a unit
+constexpr std::int32_t kFarthestPlace = 1 << 24;  ///< whole steps: no map is so wide
+constexpr double kFarVoxels = 8000.0;             ///< a return stays within, and in 16 bits
+constexpr std::uint32_t kScanned = 16;            ///< bounds that are read in the time of a unit
 }  // namespace
 
 PlaceSearch::PlaceSearch(const PlaceSearchConfig& config, const PlaceMap& map, rt::Arena& arena)
@@ -270,11 +271,16 @@ void PlaceSearch::archive(rt::Archive& archive) {
       .state(step_, returns_m_, return_count_, turn_, at_, level_, rest_, paid_, most_, found_, found_count_,
              candidate_count_, credit_, counts_);
   if (archive.is_reading()) {
-    const bool fits =
-        step_ <= Step::rivals && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
-        turn_ <= kTurns && (step_ != Step::bounds || turn_ < kTurns) && at_ <= nodes() && level_ <= 255 &&
-        rest_ <= 255 && candidate_count_ <= config_.candidates &&
-        found_count_ <= config_.candidates + config_.rivals && (step_ == Step::done || !map_->empty());
+    bool fits = step_ <= Step::rivals && return_count_ <= PlaceSearchConfig::kMostReturns && turn_ >= 0 &&
+                turn_ <= kTurns && (step_ != Step::bounds || turn_ < kTurns) && at_ <= nodes() &&
+                level_ <= 255 && rest_ <= 255 && candidate_count_ <= config_.candidates &&
+                found_count_ <= config_.candidates + config_.rivals &&
+                (step_ == Step::done || !map_->empty());
+    for (const rt::Vector3& v : returns_m_) fits = fits && rt::is_finite(v);
+    for (const PlaceCandidate& one : found_) {
+      fits = fits && one.cell.turn >= 0 && one.cell.turn < kTurns;
+      for (const std::int32_t at : one.cell.at) fits = fits && at > -kFarthestPlace && at < kFarthestPlace;
+    }
     if (!fits) {
       archive.fail(Status::malformed, "a search that cannot be");
       step_ = Step::done;

@@ -99,7 +99,7 @@ inline Status check(const Plane& p) {
 /// Most planes of a set.
 inline constexpr std::uint32_t kMostPlanes = 256;
 
-/// Planes of one map, all in one frame whose z axis points up where gravity is known. 54 kB.
+/// Planes of one map, all in one frame whose z axis points up where gravity is known. 39 kB.
 using PlaneSet = rt::FixedVector<Plane, kMostPlanes>;
 
 /// `ok`, or what is wrong with the first plane that is not good; its place goes to `at`.

@@ -42,7 +42,7 @@ struct ShiftAxis {
 
 /// Pairs of planes under one rotation and scale, in the order of their sides: largest source planes first.
 /// All places are relative to the middles of the two sides: x_target - middle = scale R (x_source - middle) +
-/// t. 1.6 MB.
+/// t. 2.0 MB.
 class PlaneCandidates {
  public:
   PlaneCandidates();
@@ -54,7 +54,7 @@ class PlaneCandidates {
                const PlaneRegistrationConfig& config);
 
   /// Scales that ratios of distances between parallel planes vote for, within 3 sigma of the estimate's; at
-  /// most 6, best first. At most 96 pairs a direction are looked at two by two.
+  /// most 6, best first. At most 192 pairs a direction are looked at two by two.
   void find_scales(const PlaneEstimate& estimate, rt::FixedVector<double, 8>& scales) const;
 
   /// Shifts for one scale: pairs of the three families of target planes that have most of them, and are

@@ -35,9 +35,9 @@ PlaneConsensus judge(const PlaneSide& source, const PlaneSide& target, const Pla
                      const NearCandidates& near, const PlanePose& pose, const PlaneRegistrationConfig& config,
                      PlanePairs& pairs, double* gains);
 
-/// Only the pairs, for a first fit: of each source plane's candidates within `gate_m` and `gate_rad` that
-/// overlap it the one whose distance and tilt are least in parts of these gates. `near` gets all candidates
-/// within twice the distance, for what follows.
+/// Only the pairs, for a first fit: of each source plane's candidates within the gates of distance and tilt
+/// that overlap it the one that is least of both, in parts of these gates. `near` gets all candidates within
+/// twice the distance, for what follows.
 void pair_near(const PlaneSide& source, const PlaneSide& target, const PlaneCandidates& candidates,
                const PlanePose& pose, const PlaneRegistrationConfig& config, NearCandidates& near,
                PlanePairs& pairs);

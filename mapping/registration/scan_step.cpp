@@ -90,7 +90,10 @@ void keep_free_ones(NormalEquations& out) {
 
 std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SamplePoint> sample,
                                const RigidPose& pose) {
-  ++stamp_;
+  if (++stamp_ == 0) {  // after four thousand million steps: no slot may seem to be of this one
+    for (StepMemory::Slot& slot : memory_.slots) slot.stamp = 0;
+    stamp_ = 1;
+  }
   const rt::RotationMatrix r = rt::to_matrix(pose.q);
   std::uint32_t used = 0;
   SurfelPlace place;
