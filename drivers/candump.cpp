@@ -61,6 +61,8 @@ bool writable(const CanFdFrame& frame) {
 
 std::size_t format_candump_line(const CanFrame& frame, std::string_view interface, CandumpDigits digits,
                                 std::span<char> out) noexcept {
+  // Other bits would make it a frame of another kind.
+  if ((frame.flags & ~(kCanExtended | kCanRemote | kCanError)) != 0) return 0;
   return format_candump_line(widened(frame), interface, digits, out);
 }
 

@@ -18,7 +18,7 @@ struct SdoResult {
   std::uint32_t value{};  ///< of a read; of an abort, its code
 };
 
-/// One client. No heap, no clock of its own; 64 bytes.
+/// One client. No heap, no clock of its own; 40 bytes.
 class SdoClient {
  public:
   static constexpr rt::Nanoseconds kTimeoutNs = 100 * rt::kNanosecondsPerMillisecond;  ///< of one attempt
