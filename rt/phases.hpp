@@ -27,6 +27,9 @@ GroupSet groups_on(const ScheduleTable& table, int core);
 /// The processors that a table names, lowest first; -1 alone when it names none.
 FixedVector<int, kMaxGroups> cores_of(const ScheduleTable& table);
 
+/// Visits up to which a table is searched whole.
+inline constexpr std::uint64_t kWholeSearch = 1u << 18;
+
 /// Chooses the phase of every group. What is made small is, first, the sum over processors of the work that
 /// waits in their worst tick, second, of the work that releases meet on average. Ties go to earlier phases.
 ///
@@ -35,6 +38,6 @@ FixedVector<int, kMaxGroups> cores_of(const ScheduleTable& table);
 /// visits (releases times combinations) are searched whole: no choice is better. For others groups are placed
 /// one by one, most budget first, then each is moved to where it loads least until nothing improves (tests
 /// compare this with a search of everything). Set-up only: up to some 10 ms.
-void choose_phases(ScheduleTable& table, std::uint64_t whole = 1u << 18);
+void choose_phases(ScheduleTable& table, std::uint64_t whole = kWholeSearch);
 
 }  // namespace sortie::rt

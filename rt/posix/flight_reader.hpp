@@ -62,10 +62,10 @@ class FlightReader {
   /// its first word. Reads up to the first other byte. Never throws.
   static bool is_blank(const std::string& path) noexcept;
 
-  /// True for a ring with a whole header whose run ended by itself. Reads the header alone. Never throws.
-  static bool has_ended(const std::string& path) noexcept;
-  /// True for one whose run has not ended and whose writer is gone. Another user's file, and a link, are
+  /// True for a ring with a whole header whose run ended by itself. Another user's file, and a link, are
   /// none. Reads the header alone. Never throws.
+  static bool has_ended(const std::string& path) noexcept;
+  /// The same for one whose run has not ended and whose writer is gone.
   static bool was_left(const std::string& path) noexcept;
 
   const FlightHeader& header() const { return *header_; }

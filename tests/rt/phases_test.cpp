@@ -124,7 +124,7 @@ TEST_CASE("small tables get the best phases there are") {
   for (int cores = 0; cores < 3; ++cores) {
     kind.cores = cores;
     kind.floating = cores == 2;
-    const Ratio ratio = compare(seed, 60, kind, 1u << 18);
+    const Ratio ratio = compare(seed, 60, kind, kWholeSearch);
     CHECK(ratio.worst == 1.0);
     CHECK(ratio.optimal == ratio.tables);
   }
