@@ -11,6 +11,10 @@
 namespace sortie::estimators {
 namespace {
 
+static_assert(ends_within(kSideTree, kTreeDepth) && ends_within(kNameTree, kTreeDepth) &&
+              std::all_of(std::begin(kPivotTrees), std::end(kPivotTrees),
+                          [](const TreeNode* tree) { return ends_within(tree, kTreeDepth); }));
+
 constexpr double kNoEdge = 1.0;
 constexpr double kLongAgo_m = 1.0;
 constexpr double kSlowWindows = 5.0;

@@ -69,7 +69,14 @@ struct TreeNode {
 /// Longest way down: bounds the time of a decision.
 inline constexpr std::uint32_t kTreeDepth = 8;
 
-/// Walks down. Cost: at most kTreeDepth comparisons.
+/// Every way down from `at` ends at a leaf within `depth` questions.
+constexpr bool ends_within(const TreeNode* tree, std::uint32_t depth, std::uint32_t at = 0) {
+  const TreeNode& node = tree[at];
+  return node.no == 0 ||
+         (depth > 0 && ends_within(tree, depth - 1, at + 1) && ends_within(tree, depth - 1, node.no));
+}
+
+/// Walks down a tree that ends within kTreeDepth. Cost: at most kTreeDepth comparisons.
 inline const TreeNode& decide(const TreeNode* tree, const double (&features)[kModeFeatures]) {
   const TreeNode* node = tree;
   for (std::uint32_t i = 0; i < kTreeDepth && node->no != 0; ++i)

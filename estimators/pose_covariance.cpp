@@ -32,7 +32,7 @@ void PoseCovariance::advance(const PoseStep& step) {
   const Matrix3d& r = step.r_world_body_to;
   const double way = step.travel_world_m.norm();
   const Matrix3d turn = r.transpose() * step.r_world_body_from;
-  const double angle = std::sqrt(std::max(0.0, 3.0 - turn.trace()));  // the trace is 1 + 2 cos(angle)
+  const double angle = std::sqrt(std::max(0.0, 3.0 - turn.trace()));  // 2 sin(a / 2) of a turn a
   const Vector3d up = r.transpose().col(2);
 
   const double keep = config_.tilt_correlation_s / (config_.tilt_correlation_s + step.dt_s);

@@ -275,14 +275,12 @@ void FlightPart::poll_devices(const Devices& devices, rt::Nanoseconds now_ns) {
   if (outlet_ != nullptr && outlet_->take(now_ns, command)) send_command(*devices.can, command);
 }
 
-/// All of a command or a refusal; the counter rises with every attempt that put something on the bus.
+/// All of a command or a refusal. A number is used once, whether or not its frames went (own_motors.cpp).
 void FlightPart::send_command(drivers::CanBus& can, const rt::RotorCommand& command) {
   drivers::CanFrame frames[drivers::kCanRotorFrames];
   bool sent = drivers::encode_rotors(command, command_counter_, frames) == Status::ok;
-  for (std::uint32_t f = 0; sent && 3 * f < command.rotors; ++f) {
-    sent = can.send(frames[f]) == Status::ok;
-    if (sent && f == 0) ++command_counter_;
-  }
+  if (sent) ++command_counter_;
+  for (std::uint32_t f = 0; sent && 3 * f < command.rotors; ++f) sent = can.send(frames[f]) == Status::ok;
   ++(sent ? commands_sent_ : commands_refused_);
 }
 

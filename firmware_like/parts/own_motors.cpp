@@ -32,27 +32,26 @@ void OwnMotors::poll(drivers::CanBus& can, const rt::DriveCommand* drive, const 
   if (flippers != nullptr) send_flippers(can, *flippers, now_ns);
 }
 
+// A number is used once, whether or not its frame went: where a frame went that was told while the bus was
+// off nobody knows, and who hears it late must not take the next command for a repeat.
 void OwnMotors::send_drive(drivers::CanBus& can, const rt::DriveCommand& command,
                            rt::Nanoseconds now_ns) noexcept {
   drivers::CanFrame frame;
-  if (drivers::encode_drive(command, drive_counter_, frame) != Status::ok || can.send(frame) != Status::ok) {
+  if (drivers::encode_drive(command, drive_counter_++, frame) != Status::ok ||
+      can.send(frame) != Status::ok) {
     ++drive_counters_.refused;
     return;
   }
-  ++drive_counter_;
   ++drive_counters_.sent;
   next_drive_ns_ = now_ns + kDriveEvery;
 }
 
-// Both pairs, or a refusal; the counter rises with every attempt that put something on the bus, so that no
-// pair takes the next command for a repeat.
+// Both pairs, or a refusal.
 void OwnMotors::send_flippers(drivers::CanBus& can, const rt::FlipperCommand& command,
                               rt::Nanoseconds now_ns) noexcept {
   drivers::CanFrame frames[2];
-  const bool begun = drivers::encode_flippers(command, flipper_counter_, frames) == Status::ok &&
-                     can.send(frames[0]) == Status::ok;
-  if (begun) ++flipper_counter_;
-  if (!begun || can.send(frames[1]) != Status::ok) {
+  if (drivers::encode_flippers(command, flipper_counter_++, frames) != Status::ok ||
+      can.send(frames[0]) != Status::ok || can.send(frames[1]) != Status::ok) {
     ++flipper_counters_.refused;
     return;
   }
