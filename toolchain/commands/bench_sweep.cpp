@@ -211,7 +211,12 @@ int run_in_folder(const CommandContext& context, SweepCommand& command,
     return 0;
   }
   std::vector<std::size_t> missing;
-  show(context, command, gather_sweep(plan, {command.output.out}, missing));
+  const SweepSet set = gather_sweep(plan, {command.output.out}, missing);
+  if (!missing.empty()) {
+    throw firmware::InputError(command.output.out + "/" + cell_file(missing.front()) +
+                               ": went while the sweep ran; start it again, what is done is not done twice");
+  }
+  show(context, command, set);
   return 0;
 }
 

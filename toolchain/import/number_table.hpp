@@ -17,7 +17,7 @@ namespace sortie::toolchain {
 /// How the file should look, and which of its columns the reader needs.
 struct TableForm {
   const char* what;                 ///< for messages: "the IMU file of a husky set"
-  std::vector<std::string> stamps;  ///< columns in seconds, read exactly to the nanosecond
+  std::vector<std::string> stamps;  ///< columns in seconds within +-4.5e9, read exactly to the nanosecond
   std::vector<std::string> values;  ///< columns of numbers, finite and below 1e12
   bool has_header{true};  ///< comma-separated with a header row; otherwise blanks and columns by place
   bool truth{false};      ///< values are a reference: empty, NaN or infinite is legal and becomes NaN, and

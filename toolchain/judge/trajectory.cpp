@@ -26,6 +26,12 @@ void slerp(const double (&a)[4], const double (&b)[4], double u, double (&out)[4
   firmware::make_unit(out);
 }
 
+/// From a to b, which is not earlier. Truth of another's log may have any stamps: no sum of them overflows.
+std::int64_t gap_between(const firmware::TimedPose& a, const firmware::TimedPose& b) {
+  const auto gap = static_cast<std::uint64_t>(b.stamp_ns) - static_cast<std::uint64_t>(a.stamp_ns);
+  return static_cast<std::int64_t>(std::min<std::uint64_t>(gap, std::numeric_limits<std::int64_t>::max()));
+}
+
 /// Five median steps, at least 50 ms.
 std::int64_t usual_gap(std::span<const firmware::TimedPose> trajectory) {
   constexpr std::int64_t kLeast = 50'000'000;
@@ -34,10 +40,7 @@ std::int64_t usual_gap(std::span<const firmware::TimedPose> trajectory) {
   std::vector<std::int64_t> steps;
   steps.reserve(trajectory.size());
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    // Truth of another's log may have any stamps.
-    const auto step = static_cast<std::uint64_t>(trajectory[i].stamp_ns) -
-                      static_cast<std::uint64_t>(trajectory[i - 1].stamp_ns);
-    steps.push_back(static_cast<std::int64_t>(std::min<std::uint64_t>(step, kMost)));
+    steps.push_back(std::min(gap_between(trajectory[i - 1], trajectory[i]), kMost));
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
@@ -67,7 +70,7 @@ bool interpolate(std::span<const firmware::TimedPose> trajectory, std::int64_t s
   if (after == trajectory.begin()) return false;
   const firmware::TimedPose& a = *(after - 1);
   const firmware::TimedPose& b = *after;
-  if (b.stamp_ns - a.stamp_ns > max_gap_ns) return false;
+  if (gap_between(a, b) > max_gap_ns) return false;
   const double u = static_cast<double>(stamp_ns - a.stamp_ns) / static_cast<double>(b.stamp_ns - a.stamp_ns);
   pose.stamp_ns = stamp_ns;
   for (int i = 0; i < 3; ++i) pose.p[i] = a.p[i] + u * (b.p[i] - a.p[i]);

@@ -89,13 +89,16 @@ void write_cell(const std::string& folder, std::size_t number, const std::string
 }
 
 std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t cell,
-                                         const std::string& key) {
+                                         const SweepFolderPlan& plan) {
   std::ifstream in(folder + "/" + cell_file(cell), std::ios::binary);
   if (!in) return std::nullopt;
   const firmware::Json json = firmware::Json::parse_or_null(in);
-  if (!json.is_object() || !json.contains("key") || json["key"] != key) return std::nullopt;
+  if (!json.is_object() || !json.contains("key") || json["key"] != plan.key(cell)) return std::nullopt;
   try {
-    return result_from_json(json);
+    SweepCellResult result = result_from_json(json);
+    if (result.cell.values.size() != plan.logs[plan.locate(cell).first].plan.sweep.keys.size())
+      return std::nullopt;
+    return result;
   } catch (const firmware::JsonError&) {
     return std::nullopt;  // as good as not there: it is run again
   }

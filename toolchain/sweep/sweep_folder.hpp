@@ -112,8 +112,9 @@ SweepFolderPlan read_plan(const std::string& folder);
 /// Writes one cell, whole or not at all, whoever else writes it at the same time. Throws InputError.
 void write_cell(const std::string& folder, std::size_t number, const std::string& key,
                 const SweepCellResult& result);
-/// Reads one cell: nothing where it is missing, damaged or of another key.
-std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t cell, const std::string& key);
+/// Reads one cell: nothing where it is missing, damaged or not that of the plan.
+std::optional<SweepCellResult> read_cell(const std::string& folder, std::size_t cell,
+                                         const SweepFolderPlan& plan);
 /// "cell-00042.json".
 std::string cell_file(std::size_t cell);
 

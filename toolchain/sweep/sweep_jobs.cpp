@@ -52,7 +52,7 @@ SweepJobsEnd run_sweep_jobs(const SweepFolderPlan& plan, const SweepJobsOptions&
   SweepJobsEnd end;
   std::vector<std::size_t> waiting;
   for (const std::size_t cell : options.cells) {
-    if (read_cell(options.folder, cell, plan.key(cell))) {
+    if (read_cell(options.folder, cell, plan)) {
       ++end.taken;
       continue;
     }
@@ -116,7 +116,7 @@ void run_sweep_cell(const std::string& folder, std::size_t cell, const firmware:
   const PlannedLog& planned = plan.logs[l];
   if (!planned.simulated && digest_of_file(planned.path) != planned.identity)
     throw firmware::InputError(planned.path + ": is not the log that " + folder + " was planned with" + cure);
-  if (read_cell(folder, cell, plan.key(cell))) return;
+  if (read_cell(folder, cell, plan)) return;
   const firmware::LogFile log(planned.path);
   SweepCellResult result;
   result.cell = planned.plan.sweep.cells[c];

@@ -83,13 +83,13 @@ SweepSet gather_sweep(const SweepFolderPlan& plan, const std::vector<std::string
   for (std::size_t number = 0; number < plan.cell_count(); ++number) {
     std::optional<SweepCellResult> result;
     for (const std::string& folder : folders) {
-      if (!result) result = read_cell(folder, number, plan.key(number));
+      if (!result) result = read_cell(folder, number, plan);
     }
-    const auto [l, c] = plan.locate(number);
-    if (!result || result->cell.values.size() != logs[l].sweep.keys.size()) {
+    if (!result) {
       missing.push_back(number);
       continue;
     }
+    const auto [l, c] = plan.locate(number);
     logs[l].sweep.duration_s = result->duration_s;
     logs[l].sweep.cells[c] = std::move(result->cell);
     maps[l][c] = std::move(result->map);
