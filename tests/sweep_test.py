@@ -67,10 +67,13 @@ stale = json.loads((killed / "cell-00001.json").read_text())
 stale["key"] = "0" * 16
 stale["digest"] = "not this one"
 (killed / "cell-00001.json").write_text(json.dumps(stale))
+short = json.loads((killed / "cell-00002.json").read_text())
+short["values"] = []
+(killed / "cell-00002.json").write_text(json.dumps(short))
 resumed = sweep("--jobs", 2, "--out", killed)
-check(resumed.returncode == 0 and f"{len(left) - 2} cells were there already" in resumed.stderr
-      and "2 cells were of another program" in resumed.stderr
-      and resumed.stderr.count(" left: ") == COUNT - len(left) + 2, "a sweep goes on", resumed)
+check(resumed.returncode == 0 and f"{len(left) - 3} cells were there already" in resumed.stderr
+      and "3 cells were of another program" in resumed.stderr
+      and resumed.stderr.count(" left: ") == COUNT - len(left) + 3, "a sweep goes on", resumed)
 same(killed, "a sweep that was killed")
 
 # Stopped by a signal to the sweep alone: its processes end with it.
