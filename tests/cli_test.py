@@ -397,6 +397,7 @@ elif result.returncode == 0:
     expect(0, "bench", "wcet", "hall.lcm", "--expect", "count/wcet.txt")
     expect(1, "bench", "wcet", "hall.lcm", "--expect", "count/wcet.txt", "--fault", "map@100", says=["task map", "total"])
     expect(2, "bench", "wcet", "hall.lcm", "--fault", "nobody@1", says=["task@tick"])
+    expect(2, "bench", "wcet", "hall.lcm", "--fault", "map@101", says=["no job at that tick"])
     pathlib.Path("other.txt").write_text(pathlib.Path("count/wcet.txt").read_text().replace("built by", "built by an old"))
     expect(0, "bench", "wcet", "hall.lcm", "--expect", "other.txt", says=["skipped", "an old"])
     expect(3, "bench", "wcet", "hall.lcm", "--expect", "text.lcm", says=["text.lcm:1"])

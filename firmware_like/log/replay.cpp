@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/log/replay.hpp"
 
-#include <charconv>
 #include <chrono>
-#include <string_view>
 
 #include "firmware_like/log/log_clock.hpp"
 #include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/log_recorder.hpp"
+#include "firmware_like/log/named_fault.hpp"
 #include "firmware_like/log/replay_observer.hpp"
 #include "firmware_like/log/replay_part.hpp"
 #include "firmware_like/runtime/heap_watch.hpp"
@@ -61,43 +60,6 @@ std::string why_not_live(const LogFile& log, const ReplayOptions& options, bool 
   if (!options.scene.empty() || !options.overrides.empty())
     return "holds the times of its own scene; leave out --scene and --set";
   return use_ticks ? "" : "holds the jobs of another build; take the version that recorded it";
-}
-
-/// The whole of a text as a number.
-template <class T>
-bool read_whole(std::string_view text, T& value) {
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  return read.ec == std::errc{} && read.ptr == text.data() + text.size();
-}
-
-rt::Tick plant_fault(Runtime& runtime, std::string_view text) {
-  const std::size_t at = text.find('@');
-  const std::string_view target = text.substr(0, at);
-  const std::size_t dot = target.find('.');
-  rt::Tick tick = 0;
-  const bool has_tick = at != std::string_view::npos && read_whole(text.substr(at + 1), tick);
-  for (std::uint32_t i = 0; has_tick && i < runtime.executive().task_count(); ++i) {
-    rt::TaskBase& task = runtime.executive().task(i);
-    if (target.substr(0, dot) != task.name()) continue;
-    std::uint32_t byte = task.output_bytes() - 1;
-    if (dot != std::string_view::npos && !read_whole(target.substr(dot + 1), byte)) break;
-    if (byte >= task.output_bytes()) {
-      throw ProfileError("--fault " + std::string(text) + ": the output of this task has " +
-                         std::to_string(task.output_bytes()) + " bytes, 0 is the first");
-    }
-    task.plant_fault({true, tick, byte});
-    return tick;
-  }
-  throw ProfileError("--fault " + std::string(text) +
-                     ": write task@tick or task.byte@tick with a task of this scene, e.g. odometry@1200");
-}
-
-/// A check that was to show that it can fail must not pass because nothing was changed.
-void refuse_unmet_fault(const rt::Executive& executive, const std::string& text) {
-  for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
-    if (executive.task(i).waits_for_fault())
-      throw InputError("--fault " + text + ": this task has no job at that tick of the replay", 2);
-  }
 }
 
 // What was true in the log is true of its replay.
@@ -255,7 +217,14 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   // Another profile takes the same jobs with the same samples again, as long as it has the same groups at the
   // same phases.
   const bool use_ticks = header.has_ticks && reads_ticks(log) && header.groups == runtime.group_table();
-  const rt::Tick fault_tick = options.fault.empty() ? ~rt::Tick{0} : plant_fault(runtime, options.fault);
+  rt::TaskBase* faulty = nullptr;
+  rt::Tick fault_tick = ~rt::Tick{0};
+  if (!options.fault.empty()) {
+    const NamedFault fault = parse_fault(executive, options.fault, true);
+    faulty = &executive.task(fault.task);
+    fault_tick = fault.tick;
+    faulty->plant_fault({true, fault.tick, fault.byte.value_or(faulty->output_bytes() - 1)});
+  }
 
   LogFeed feed(log, runtime, use_ticks);
   choose_part(log, options, outcome, feed);
@@ -279,7 +248,7 @@ ReplayOutcome replay(const LogFile& log, const VehicleRegistry& vehicles, const 
   ProgressFeed shown(feed, runtime, options, recorder.get());
   const double wall_s = run_jobs(executive, shown, options.threaded, outcome.begin_tick, feed.last_tick());
   if (recorder) recorder->stop();
-  refuse_unmet_fault(executive, options.fault);
+  if (faulty != nullptr && faulty->waits_for_fault()) refuse_unmet_fault(options.fault);
 
   tidy(outcome.estimate);
   tidy(outcome.located);

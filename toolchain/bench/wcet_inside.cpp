@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The counted side: between two marks lies one task's job and nothing else.
+#include <algorithm>
 #include <fstream>
 
 #include "firmware_like/log/log_file.hpp"
+#include "firmware_like/log/named_fault.hpp"
 #include "firmware_like/log/replay.hpp"
 #include "toolchain/bench/instruction_count.hpp"
 #include "toolchain/bench/wcet.hpp"
@@ -36,21 +38,6 @@ struct Marks {
   }
 }
 
-void plant(Marks& marks, const rt::Executive& executive, const std::string& fault) {
-  const std::size_t at = fault.find('@');
-  try {
-    if (at == std::string::npos) throw std::invalid_argument("");
-    marks.slow_tick = std::stoull(fault.substr(at + 1));
-    for (std::uint32_t i = 0; i < executive.task_count(); ++i) {
-      if (fault.substr(0, at) == executive.task(i).name()) marks.slow_task = &executive.task(i);
-    }
-    if (marks.slow_task == nullptr) throw std::invalid_argument("");
-  } catch (const std::exception&) {
-    throw firmware::ProfileError("--fault " + fault +
-                                 ": write task@tick with a task of this scene, e.g. odometry@1200");
-  }
-}
-
 }  // namespace
 
 void replay_counted(const firmware::VehicleRegistry& vehicles, const WcetOptions& options,
@@ -64,7 +51,11 @@ void replay_counted(const firmware::VehicleRegistry& vehicles, const WcetOptions
   replaying.map = options.map;
   replaying.before_run = [&marks, &options](firmware::Runtime& runtime) {
     rt::Executive& executive = runtime.executive();
-    if (!options.fault.empty()) plant(marks, executive, options.fault);
+    if (!options.fault.empty()) {
+      const firmware::NamedFault fault = firmware::parse_fault(executive, options.fault, false);
+      marks.slow_task = &executive.task(fault.task);
+      marks.slow_tick = fault.tick;
+    }
     executive.set_record_fields(false);  // as in a live run
     executive.set_clock(nullptr, nullptr);
     start_counting();
@@ -77,6 +68,11 @@ void replay_counted(const firmware::VehicleRegistry& vehicles, const WcetOptions
     executive.set_task_probe(probe, &marks);
   };
   const firmware::ReplayOutcome outcome = firmware::replay(log, vehicles, replaying);
+  const auto is_slow = [&marks](const MarkedJob& job) {
+    return job.task == marks.slow_task && job.tick == marks.slow_tick;
+  };
+  if (marks.slow_task != nullptr && std::ranges::none_of(marks.jobs, is_slow))
+    firmware::refuse_unmet_fault(options.fault);
 
   const rt::Executive& executive = outcome.runtime->executive();
   std::ofstream out(jobs_file);
