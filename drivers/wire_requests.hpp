@@ -11,37 +11,33 @@
 #include "drivers/wire_fields.hpp"
 #include "drivers/wire_telemetry.hpp"
 #include "rt/describe.hpp"
+#include "rt/samples.hpp"
+#include "rt/uav_samples.hpp"
 
 namespace sortie::drivers {
 
-/// drive_request_t. Fields as in rt::DriveRequest.
-struct DriveRequestMessage {
+/// drive_request_t: a request, and who asks whom and when. Its stamp does not travel.
+struct DriveRequestMessage : rt::DriveRequest {
   std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
   std::int64_t sender{};   ///< any number
-  std::int64_t counter{};  ///< above all that the run has taken
-  double speed_m_s{};
-  double turn_rad_s{};
-  std::int32_t mode{};
-  std::int32_t posture{-1};
-  std::int32_t flags{};
   SORTIE_FIELDS(utime, session, sender, counter, speed_m_s, turn_rad_s, mode, posture, flags)
 };
 template <>
 struct WireRules<DriveRequestMessage> : WireTagged {};
 
-/// fly_request_t. Fields as in rt::FlyRequest.
-struct FlyRequestMessage {
+/// fly_request_t, made alike.
+struct FlyRequestMessage : rt::FlyRequest {
   std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
   std::int64_t sender{};   ///< any number
-  std::int64_t counter{};  ///< above all that the run has taken
-  double x_m{};
-  double y_m{};
-  double z_m{};
-  double yaw_rad{};
-  std::int32_t mode{};
-  SORTIE_FIELDS(utime, session, sender, counter, x_m, y_m, z_m, yaw_rad, mode)
+  static constexpr void fields(auto& self, auto&& visit) {
+    SORTIE_VISIT(utime, session, sender, counter)
+    visit("x_m", self.p_world_m[0]);
+    visit("y_m", self.p_world_m[1]);
+    visit("z_m", self.p_world_m[2]);
+    SORTIE_VISIT(yaw_rad, mode)
+  }
 };
 template <>
 struct WireRules<FlyRequestMessage> : WireTagged {};

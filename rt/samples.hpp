@@ -140,9 +140,9 @@ enum DriveRequestFlags : std::uint32_t {
   kDriveAnew = 2u,
 };
 
-/// What somebody outside asks the drive to do, as it was admitted.
+/// What somebody outside asks the drive to do.
 struct DriveRequest {
-  Nanoseconds stamp_ns{};  ///< receipt on the run's clock
+  Nanoseconds stamp_ns{};  ///< receipt on the run's clock; 0 before
   std::int64_t counter{};  ///< of the sender: above all that were taken
   double speed_m_s{};
   double turn_rad_s{};  ///< positive to the left

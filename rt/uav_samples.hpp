@@ -58,9 +58,9 @@ enum class FlyMode : std::uint32_t {
   release,  ///< hands control back to the mission
 };
 
-/// A request to fly, as it was admitted.
+/// A request to fly.
 struct FlyRequest {
-  Nanoseconds stamp_ns{};  ///< receipt on the run's clock
+  Nanoseconds stamp_ns{};  ///< receipt on the run's clock; 0 before
   std::int64_t counter{};  ///< of the sender: above all that were taken
   double p_world_m[3]{};   ///< where to, with FlyMode::go
   double yaw_rad{};

@@ -30,7 +30,7 @@ void RequestDesk<Message>::take(std::span<const std::uint8_t> message, const Req
   if (!open(message, context, form)) return;
   const bool fits = context.age.fits(form.utime);
   const bool is_judged = context.age.is_judged();
-  Asked asked{planner::plain(Kind::request(form)), form.sender, fits && is_judged ? form.utime : 0, {}};
+  Asked asked{planner::plain<Request>(form), form.sender, fits && is_judged ? form.utime : 0, {}};
   asked.request.stamp_ns = context.now_ns - context.age.waited_ns();
   const bool stops = planner::stop_rank(asked.request) != 0;
   const bool at_any_age = stops && planner::stops_at_any_age(asked.request);

@@ -2,7 +2,6 @@
 // The kinds of requests that a run takes. Whoever asks and whoever is asked go by the same lines.
 #pragma once
 
-#include <cstdint>
 #include <string_view>
 
 #include "drivers/channels.hpp"
@@ -23,7 +22,7 @@ struct RequestTopic {
   constexpr bool has_task() const { return !task.empty(); }
 };
 
-/// A kind of request, by its message. What somebody obeys is a Request: request() makes it, without a stamp.
+/// A kind of request, by its message. What somebody obeys is a Request: the message is one.
 template <class Message>
 struct RequestKind;
 
@@ -31,28 +30,12 @@ template <>
 struct RequestKind<drivers::DriveRequestMessage> {
   using Request = rt::DriveRequest;
   static constexpr RequestTopic kTopic{drivers::kChannelDrive, "drive", "drive", "drive", "the robot"};
-  static Request request(const drivers::DriveRequestMessage& asked) {
-    return {.stamp_ns = 0,
-            .counter = asked.counter,
-            .speed_m_s = asked.speed_m_s,
-            .turn_rad_s = asked.turn_rad_s,
-            .mode = static_cast<std::uint32_t>(asked.mode),
-            .posture = asked.posture,
-            .flags = static_cast<std::uint32_t>(asked.flags)};
-  }
 };
 
 template <>
 struct RequestKind<drivers::FlyRequestMessage> {
   using Request = rt::FlyRequest;
   static constexpr RequestTopic kTopic{drivers::kChannelFly, "pilot", "flight", "fly", "the vehicle"};
-  static Request request(const drivers::FlyRequestMessage& asked) {
-    return {.stamp_ns = 0,
-            .counter = asked.counter,
-            .p_world_m = {asked.x_m, asked.y_m, asked.z_m},
-            .yaw_rad = asked.yaw_rad,
-            .mode = static_cast<std::uint32_t>(asked.mode)};
-  }
 };
 
 template <>

@@ -18,7 +18,7 @@ Bytes fly_bytes_of(const FlyRequestMessage& request, const SipKey* key) {
   return exact([&](auto out, auto& size) { return encode(request, key, out, size); });
 }
 
-const FlyRequestMessage kSomeFlight{1, 2, 3, 4, 0.25, -0.5, 1.5, 3.0, 2};
+const FlyRequestMessage kSomeFlight{{0, 4, {0.25, -0.5, 1.5}, 3.0, 2}, 1, 2, 3};
 
 }  // namespace
 
@@ -34,11 +34,12 @@ TEST_CASE("a request to fly is written as lcm-gen writes it, and every field com
     request.session = static_cast<std::int64_t>(random());
     request.sender = static_cast<std::int64_t>(random());
     request.counter = static_cast<std::int64_t>(random());
-    for (double* number : {&request.x_m, &request.y_m, &request.z_m, &request.yaw_rad}) {
+    double* const p_m = request.p_world_m;
+    for (double* number : {p_m, p_m + 1, p_m + 2, &request.yaw_rad}) {
       const std::uint64_t bits = random();
       std::memcpy(number, &bits, 8);  // any bits, NaNs among them: judged by whoever takes it
     }
-    request.mode = static_cast<std::int32_t>(random());
+    request.mode = static_cast<std::uint32_t>(random());
     const SipKey* const used = i % 2 == 0 ? &key : nullptr;
     const Bytes sent = fly_bytes_of(request, used);
     FlyRequestMessage back;

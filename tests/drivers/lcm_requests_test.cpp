@@ -25,7 +25,7 @@ Bytes bytes_of(const DriveRequestMessage& request, const SipKey* key) {
   return exact([&](auto out, auto& size) { return encode(request, key, out, size); });
 }
 
-const DriveRequestMessage kSome{1, 2, 3, 4, 0.25, -0.5, 1, -1, 1};
+const DriveRequestMessage kSome{{0, 4, 0.25, -0.5, 1, -1, 1}, 1, 2, 3};
 
 }  // namespace
 
@@ -44,9 +44,9 @@ TEST_CASE("a request to the drive is written as lcm-gen writes it, and every fie
     const std::uint64_t bits[] = {random(), random()};
     std::memcpy(&request.speed_m_s, &bits[0], 8);  // any bits, NaNs among them: judged by whoever takes it
     std::memcpy(&request.turn_rad_s, &bits[1], 8);
-    request.mode = static_cast<std::int32_t>(random());
+    request.mode = static_cast<std::uint32_t>(random());
     request.posture = static_cast<std::int32_t>(random());
-    request.flags = static_cast<std::int32_t>(random());
+    request.flags = static_cast<std::uint32_t>(random());
     const Bytes sent = bytes_of(request, i % 2 == 0 ? &key : nullptr);
     DriveRequestMessage back;
     REQUIRE(decode(sent, i % 2 == 0 ? &key : nullptr, back) == Status::ok);

@@ -33,7 +33,7 @@ Bytes datagram(std::string_view channel, const Bytes& payload) {
 }
 
 template <class Message>
-Bytes with_mode(std::int32_t mode) {
+Bytes with_mode(std::uint32_t mode) {
   Message message;
   message.utime = message.session = message.sender = message.counter = 0x0202020202020202;
   message.mode = mode;
@@ -44,8 +44,8 @@ Bytes with_mode(std::int32_t mode) {
   return bytes;
 }
 
-std::vector<std::pair<std::string, std::int32_t>> modes_in(LcmReceiver& receiver) {
-  std::vector<std::pair<std::string, std::int32_t>> modes;
+std::vector<std::pair<std::string, std::uint32_t>> modes_in(LcmReceiver& receiver) {
+  std::vector<std::pair<std::string, std::uint32_t>> modes;
   ReceivedMessage received;
   while (receiver.receive(received, 50) == Status::ok) {
     DriveRequestMessage drive;
@@ -65,7 +65,7 @@ TEST_CASE("the queue of stops holds stops alone, and no crowd hides one") {
   LcmReceiver all(kUrlOfAll);
   GroupSender sender(kUrlOfAll);
   const auto send = [&](const Bytes& bytes) { REQUIRE(sender.send(bytes) == Status::ok); };
-  for (std::int32_t mode = 0; mode < 6; ++mode) {
+  for (std::uint32_t mode = 0; mode < 6; ++mode) {
     send(datagram("SORTIE_DRIVE", with_mode<DriveRequestMessage>(mode)));
     send(datagram("SORTIE_FLY", with_mode<FlyRequestMessage>(mode)));
     send(datagram("SORTIE_DRIVE2", with_mode<DriveRequestMessage>(mode)));
@@ -73,14 +73,14 @@ TEST_CASE("the queue of stops holds stops alone, and no crowd hides one") {
   }
   send({1, 2, 3});
   for (std::size_t length = 8; length < 100; ++length) send(Bytes(length, 2));
-  const std::vector<std::pair<std::string, std::int32_t>> wanted{
+  const std::vector<std::pair<std::string, std::uint32_t>> wanted{
       {"fly", 1}, {"drive", 2}, {"fly", 2}, {"drive", 3}, {"fly", 3}};
   CHECK(modes_in(stops) == wanted);
   CHECK(stops.counters().malformed == 0);
   // Nobody reads for a while, and the common queue runs over before the halt comes.
   for (int i = 0; i < 5000; ++i) send(datagram("SORTIE_DRIVE", with_mode<DriveRequestMessage>(0)));
   send(datagram("SORTIE_DRIVE", with_mode<DriveRequestMessage>(2)));
-  CHECK(modes_in(stops) == std::vector<std::pair<std::string, std::int32_t>>{{"drive", 2}});
+  CHECK(modes_in(stops) == std::vector<std::pair<std::string, std::uint32_t>>{{"drive", 2}});
   while (true) {
     ReceivedMessage received;
     const Status status = all.receive(received, 50);

@@ -17,8 +17,8 @@ namespace {
 drivers::FlyRequestMessage fly_to(double x_m, std::int64_t counter) {
   drivers::FlyRequestMessage request;
   request.counter = counter;
-  request.x_m = x_m;
-  request.z_m = 1.5;
+  request.p_world_m[0] = x_m;
+  request.p_world_m[2] = 1.5;
   return request;
 }
 

@@ -48,7 +48,7 @@ struct LoneDrive {
   }
   static Message with_mode(rt::DriveMode mode) {
     Message message;
-    message.mode = static_cast<std::int32_t>(mode);
+    message.mode = static_cast<std::uint32_t>(mode);
     return message;
   }
   static Message stop() { return with_mode(rt::DriveMode::halt); }
@@ -72,8 +72,8 @@ struct LonePilot {
   using Message = drivers::FlyRequestMessage;
   static Message with_mode(rt::FlyMode mode) {
     Message message;
-    message.x_m = 3;
-    message.mode = static_cast<std::int32_t>(mode);
+    message.p_world_m[0] = 3;
+    message.mode = static_cast<std::uint32_t>(mode);
     return message;
   }
   static Message move() { return with_mode(rt::FlyMode::go); }

@@ -141,7 +141,7 @@ TEST_CASE("a halt needs no counter, no clock and nothing beside its mode, and a 
   auto halt = numbered(LoneDrive::stop(), 3, -3600 * kSecond, 2);
   halt.speed_m_s = std::numeric_limits<double>::quiet_NaN();
   halt.posture = 77;
-  halt.flags = -1;
+  halt.flags = 0xffffffff;
   put(desk, halt, taken(1, 0));
   robot.job(2);
   CHECK(robot.is_stopped());

@@ -107,12 +107,12 @@ TEST_CASE("a live run is driven by who knows its secret, and its log replays to 
     return source() == planner::DriveSource::remote && friendly.value("speed_m_s") > 0.1;
   }));
   drivers::DriveRequestMessage halt;
-  halt.mode = static_cast<std::int32_t>(rt::DriveMode::halt);
+  halt.mode = static_cast<std::uint32_t>(rt::DriveMode::halt);
   CHECK(repeat_until(friendly, halt, [&] {
     return (stop() & planner::kStopHalt) != 0 && friendly.value("speed_m_s") == 0.0;
   }));
   drivers::DriveRequestMessage release;
-  release.mode = static_cast<std::int32_t>(rt::DriveMode::release);
+  release.mode = static_cast<std::uint32_t>(rt::DriveMode::release);
   CHECK(repeat_until(friendly, release, [&] { return source() != planner::DriveSource::remote; }));
   const LiveRunOutcome& run = hall.end();
   CHECK(run.results.counters.at("requests_admitted") > 2);

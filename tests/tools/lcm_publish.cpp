@@ -114,7 +114,7 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   send(publisher, kChannelDrive, [&](auto out, auto& size) { return encode(drive, nullptr, out, size); });
   FlyRequestMessage fly;
   fly.counter = step + 1;
-  fly.z_m = 1.5;
+  fly.p_world_m[2] = 1.5;
   send(publisher, kChannelFly, [&](auto out, auto& size) { return encode(fly, nullptr, out, size); });
   ParametersMessage parameters;
   parameters.scene = "hall";

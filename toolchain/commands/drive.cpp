@@ -22,10 +22,8 @@ constexpr std::chrono::milliseconds kForEver = std::chrono::hours{24 * 366};
 
 struct DriveOptions : AskOptions {
   std::string what{"go"};
-  double speed_m_s{};
-  double turn_rad_s{};
+  drivers::DriveRequestMessage wish;
   double for_s{2};
-  int posture{-1};
   bool though_tilted{};
 };
 
@@ -136,11 +134,9 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
 
 // Asks for speeds, and then for none. True when they were taken.
 bool go(const CommandContext& context, const DriveOptions& options, RequestClient& client,
-        drivers::DriveRequestMessage rest) {
-  drivers::DriveRequestMessage wish = rest;
-  wish.speed_m_s = options.speed_m_s;
-  wish.turn_rad_s = options.turn_rad_s;
-  wish.flags |= static_cast<std::int32_t>(rt::kDriveAnew);
+        const drivers::DriveRequestMessage& rest) {
+  drivers::DriveRequestMessage wish = options.wish;
+  wish.flags |= rt::kDriveAnew;
   // After a go that was cut off the robot still holds its flag: anew is what comes behind one without it.
   client.repeat(rest, kRepeat, kRepeat, [](std::int64_t) { return false; });
   bool done = false;
@@ -162,22 +158,21 @@ bool go(const CommandContext& context, const DriveOptions& options, RequestClien
   return done;
 }
 
-int run_drive(const CommandContext& context, const DriveOptions& options) {
+int run_drive(const CommandContext& context, DriveOptions options) {
+  options.wish.mode = static_cast<std::uint32_t>(mode_of(options.what));
+  options.wish.flags = options.though_tilted ? rt::kDriveThoughTilted : 0u;
+  drivers::DriveRequestMessage rest = options.wish;
+  rest.speed_m_s = rest.turn_rad_s = 0;  // only go asks for speeds
   return ask_run(context, options, kDriveTopic, [&](RequestClient& client) {
     const firmware::StopSignals stop;  // a session that is gone stops the robot as Ctrl-C does
-    drivers::DriveRequestMessage request;
-    request.mode = static_cast<std::int32_t>(mode_of(options.what));
-    request.posture = options.posture;
-    request.flags = static_cast<std::int32_t>(options.though_tilted ? rt::kDriveThoughTilted : 0u);
     bool done = false;
     if (options.what == "go") {
-      done = go(context, options, client, request);
+      done = go(context, options, client, rest);
     } else {
-      const std::int64_t first =
-          client.repeat(request, kRepeat, ms_of(options.seconds), [&](std::int64_t from) {
-            done = is_done(client, options.what, from);
-            return done || firmware::StopSignals::asked();
-          });
+      const std::int64_t first = client.repeat(rest, kRepeat, ms_of(options.seconds), [&](std::int64_t from) {
+        done = is_done(client, options.what, from);
+        return done || firmware::StopSignals::asked();
+      });
       if (!done) std::cerr << context.parts.name << ": " << why_not(client, options.what, first) << "\n";
     }
     show(options, client, done);
@@ -206,13 +201,14 @@ void add_drive(firmware::Command& app, CommandContext& context) {
   command->add_option("what", options->what, "go, halt, release, emergency or emergency-end")
       ->one_of({"go", "halt", "release", "emergency", "emergency-end"})
       ->capture_default_str();
-  command->add_option("--speed", options->speed_m_s, "m/s, negative backwards")->capture_default_str();
-  command->add_option("--turn", options->turn_rad_s, "rad/s, positive to the left")->capture_default_str();
+  command->add_option("--speed", options->wish.speed_m_s, "m/s, negative backwards")->capture_default_str();
+  command->add_option("--turn", options->wish.turn_rad_s, "rad/s, positive to the left")
+      ->capture_default_str();
   command->add_option("--for", options->for_s, "Seconds; 0: until Ctrl-C")
       ->in_range(0.0, 1e6)
       ->capture_default_str();
   command
-      ->add_option("--posture", options->posture,
+      ->add_option("--posture", options->wish.posture,
                    "Of the flippers, by its place in flippers.postures; -1: as it is")
       ->in_range(-1, 1000)
       ->capture_default_str();

@@ -21,11 +21,11 @@ namespace {
 
 constexpr firmware::RequestTopic kFlyTopic = firmware::RequestKind<drivers::FlyRequestMessage>::kTopic;
 
+constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+
 struct FlyOptions : AskOptions {
   std::string what;
-  double x_m{std::numeric_limits<double>::quiet_NaN()};
-  double y_m{std::numeric_limits<double>::quiet_NaN()};
-  double z_m{std::numeric_limits<double>::quiet_NaN()};
+  drivers::FlyRequestMessage wish{{.p_world_m = {kNowhere, kNowhere, kNowhere}}};
   double yaw_deg{};
   double wait_s{};
 };
@@ -93,21 +93,17 @@ void show_pilot(const FlyOptions& options, const RequestClient& client, bool don
 }
 
 int run_fly(const CommandContext& context, FlyOptions options) {
-  if (options.what != "go") options.x_m = options.y_m = options.z_m = 0.0;
-  if (!std::isfinite(options.x_m + options.y_m + options.z_m))
-    throw firmware::ProfileError("go needs a place: --x, --y and --z");
-  drivers::FlyRequestMessage request;
-  request.x_m = options.x_m;
-  request.y_m = options.y_m;
-  request.z_m = options.z_m;
-  request.yaw_rad = firmware::kDegree * options.yaw_deg;
-  request.mode = static_cast<std::int32_t>(fly_mode_of(options.what));
+  auto& [x_m, y_m, z_m] = options.wish.p_world_m;
+  if (options.what != "go") x_m = y_m = z_m = 0.0;
+  if (!std::isfinite(x_m + y_m + z_m)) throw firmware::ProfileError("go needs a place: --x, --y and --z");
+  options.wish.yaw_rad = firmware::kDegree * options.yaw_deg;
+  options.wish.mode = static_cast<std::uint32_t>(fly_mode_of(options.what));
   return ask_run(context, options, kFlyTopic, [&](RequestClient& client) {
     const double before = client.value("reached");
     bool done = false;
     // A datagram may be lost, another sender may have come between.
     const std::int64_t first =
-        client.repeat(request, kRepeat, ms_of(options.seconds),
+        client.repeat(options.wish, kRepeat, ms_of(options.seconds),
                       [&](std::int64_t from) { return done = is_flown(client, options.what, from); });
     const auto end = std::chrono::steady_clock::now() + ms_of(options.wait_s);
     const bool reached = done && options.what == "go" && options.wait_s > 0 && client.listen_until(end, [&] {
@@ -137,9 +133,9 @@ void add_fly(firmware::Command& app, CommandContext& context) {
   command->add_option("what", options->what, "go, hover, land, stop or release")
       ->one_of({"go", "hover", "land", "stop", "release"})
       ->required();
-  command->add_option("--x", options->x_m, "m, in the world");
-  command->add_option("--y", options->y_m, "m, in the world");
-  command->add_option("--z", options->z_m, "m, in the world, upwards");
+  command->add_option("--x", options->wish.p_world_m[0], "m, in the world");
+  command->add_option("--y", options->wish.p_world_m[1], "m, in the world");
+  command->add_option("--z", options->wish.p_world_m[2], "m, in the world, upwards");
   command->add_option("--yaw", options->yaw_deg, "deg, heading there")->capture_default_str();
   command->add_option("--wait", options->wait_s, "go: seconds to wait until it is there; 0: none")
       ->in_range(0.0, 3600.0)

@@ -97,7 +97,7 @@ std::uint32_t decode_all(CampaignTrial& trial, std::span<const std::uint8_t> mes
   drivers::DriveRequestMessage request;
   if (drivers::decode(message, nullptr, request) == Status::ok) {
     ++takers;
-    trial.fold(static_cast<std::uint64_t>(request.mode));
+    trial.fold(static_cast<std::uint64_t>(static_cast<std::int32_t>(request.mode)));  // as it travels
   }
   drivers::CanFrame frame;
   if (drivers::decode(message, frame) == Status::ok) {
