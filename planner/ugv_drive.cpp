@@ -181,17 +181,6 @@ void UgvDrive::put_out(DriveSource source, bool shortened, rt::Nanoseconds now_n
   output_.requests = gate_.counters;
 }
 
-rt::DriveCommand UgvDrive::command() const {
-  rt::DriveCommand command;
-  command.stamp_ns = output_.stamp_ns;
-  command.left_m_s = output_.left_m_s;
-  command.right_m_s = output_.right_m_s;
-  command.waypoint = output_.waypoint;
-  command.flags = output_.flags;
-  command.asked = output_.asked;
-  return command;
-}
-
 void UgvDrive::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ugv drive")
       .fixed(config_)

@@ -38,20 +38,15 @@ enum DriveFlags : std::uint32_t {
   kDriveEmergency = rt::kCommandEmergency,  ///< an emergency stop was asked for
 };
 
-/// What the drive decides, and why. For telemetry, digest and the drives.
-struct UgvDriveOutput {
-  rt::Nanoseconds stamp_ns{};
-  double left_m_s{};
-  double right_m_s{};
+/// What the drive decides: the command as the drives get it, and why. For telemetry and digest. Of `flags`,
+/// bits of DriveFlags, the drives look at those of rt::CommandFlags.
+struct UgvDriveOutput : rt::DriveCommand {
   double speed_m_s{};
   double turn_rad_s{};
-  std::uint32_t waypoint{};        ///< number of the waypoint driven to
   std::uint32_t source{};          ///< DriveSource
-  std::uint32_t flags{};           ///< bits of DriveFlags
   std::uint32_t stop{};            ///< bits of DriveStop: every reason that holds
-  std::int32_t posture{-1};        ///< of the flippers; -1: as they are
   std::int64_t request_counter{};  ///< newest that was taken; the next request's lies above it
-  std::uint32_t asked{};           ///< how often somebody has asked for motion (rt::DriveCommand)
+  std::int32_t posture{-1};        ///< of the flippers; -1: as they are
   DriveStopCounters stops;
   RequestCounters requests;
 
@@ -156,8 +151,6 @@ class UgvDrive {
   Status update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns);
 
   const UgvDriveOutput& output() const { return output_; }
-  /// The part of the output that goes to the drives.
-  rt::DriveCommand command() const;
   const WaypointFollowerCounters& follower() const { return follower_.counters(); }
 
   /// State to bytes and back, into a drive of the same configuration.

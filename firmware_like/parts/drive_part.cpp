@@ -119,7 +119,7 @@ class DrivePart final : public Part {
           static_cast<void>(drive_->update(odometry_.pose_task()->value(),
                                            {imu.stale(), odometry_.tracks().stale()}, context.release_ns));
           output = drive_->output();
-          drive_outlet_->put(drive_->command());
+          drive_outlet_->put(output);
         });
     builder.remembers(task, *drive_);
   }

@@ -94,7 +94,7 @@ struct Bench {
         std::fabs(out.turn_rad_s) <= config.max_turn_rad_s + 1e-9 &&
         std::fabs(out.speed_m_s - before.speed_m_s) <= most * dt + 1e-9 &&
         std::fabs(out.turn_rad_s - before.turn_rad_s) <= firmer * config.ramps.turn.acceleration * dt + 1e-9;
-    robot.drive(drive.command(), dt);
+    robot.drive(drive.output(), dt);
     return status;
   }
   /// So many seconds with what the robot really does.

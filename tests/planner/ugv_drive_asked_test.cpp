@@ -11,7 +11,7 @@ using namespace sortie::planner::test;
 
 namespace {
 
-std::uint32_t asked(const Bench& bench) { return bench.drive.command().asked; }
+std::uint32_t asked(const Bench& bench) { return bench.drive.output().asked; }
 void say(Bench& bench, rt::DriveMode mode, double seconds = 0.05) {
   bench.ask(seconds, request_of(0.2, 0.0, mode));
 }
@@ -123,10 +123,10 @@ TEST_CASE("An emergency stop by request ends by its own end and a release, in th
   say(bench, rt::DriveMode::emergency);
   const std::uint32_t before = asked(bench);
   CHECK(bench.has(kDriveEmergency));
-  CHECK((bench.drive.command().flags & rt::kCommandEmergency) != 0);
+  CHECK((bench.drive.output().flags & rt::kCommandEmergency) != 0);
   CHECK((bench.stop() & kStopEmergency) != 0);
   CHECK(bench.drive.output().stops.emergency == 1);
-  CHECK(rt::is_stop(bench.drive.command()));
+  CHECK(rt::is_stop(bench.drive.output()));
   say(bench, rt::DriveMode::release);
   say(bench, rt::DriveMode::drive, 1.0);
   say(bench, rt::DriveMode::halt);
