@@ -185,10 +185,7 @@ class UgvMap final : public Part {
       return PoolLevel{map.fragment_capacity(), map.graph()->most_in_use(), map.graph()->refused()};
     });
     builder.counter("segments", [&output] { return std::uint64_t{output.segments.segments}; });
-    builder.counter("segments_born", [&output] { return output.segments.born; });
-    builder.counter("segments_renamed", [&output] { return output.segments.renamed; });
-    builder.counter("segments_gone", [&output] { return output.segments.gone; });
-    builder.counter("segments_cut", [&output] { return output.segments.cut; });
+    builder.counters("segments_", output.segments.lives);
     builder.counter("segments_refused", [&map] { return map.labelling()->counts().slots_full; });
     builder.counter("segment_backlog", [&output] { return std::uint64_t{output.segments.backlog}; });
     builder.counter("segment_events_lost",
