@@ -150,7 +150,10 @@ class LocatePart final : public Part {
     if (mapping::is_placed(located.verdict)) T_odom_last_ = placed.pose;
     context.add_units(located.steps);
     put(located);
-    static_cast<void>(poses_->put(output_));  // what nobody took is counted; each tells of its own scan alone
+    rt::LocatedPose* const report = poses_->claim();
+    if (report == nullptr) return;  // what nobody took is counted; each tells of its own scan alone
+    *report = output_;
+    poses_->publish();
   }
 
   /// Map and odometry are one, as far as a lost robot is looked for. A scan decides.
