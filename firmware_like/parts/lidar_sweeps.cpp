@@ -97,9 +97,8 @@ void LidarSweeps::take_poses() {
   if (flippers_ == nullptr) return;
   for (const planner::FlipperOutput& output : *flippers_) {
     if ((output.flags & planner::kFlippersMeasured) == 0) continue;
-    rt::FlipperSample sample;
-    for (std::uint32_t i = 0; i < rt::kFlippers; ++i) sample.angle_rad[i] = output.measured_rad[i];
-    static_cast<void>(sweeps_->add(sample));  // what is not finite does not come off the bus
+    // Angles that are not finite do not come off the bus.
+    static_cast<void>(sweeps_->set_flippers(output.measured_rad));
   }
 }
 

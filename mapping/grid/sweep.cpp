@@ -36,10 +36,10 @@ Status Sweeps::set_ranges(double min_m, double max_m) {
   return Status::ok;
 }
 
-Status Sweeps::add(const rt::FlipperSample& flippers) {
-  const Status status = robot_.set_flippers(flippers.angle_rad);
+Status Sweeps::set_flippers(const double (&angle_rad)[rt::kFlippers]) {
+  const Status status = robot_.set_flippers(angle_rad);
   if (status != Status::ok) return status;
-  for (std::uint32_t i = 0; i < rt::kFlippers; ++i) flipper_rad_[i] = flippers.angle_rad[i];
+  for (std::uint32_t i = 0; i < rt::kFlippers; ++i) flipper_rad_[i] = angle_rad[i];
   return Status::ok;
 }
 

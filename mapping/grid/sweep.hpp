@@ -63,7 +63,7 @@ class Sweeps {
 
   /// Where the flippers are from now on. A sweep sees one position of them: at 0.8 rad/s their tip moves 3 cm
   /// in a tenth of a second, which is the filter's margin. Status: ok; not_finite (refused).
-  Status add(const rt::FlipperSample& flippers);
+  Status set_flippers(const double (&angle_rad)[rt::kFlippers]);
 
   /// Puts each return of `sweep` where the sensor was at its own time, `stamp - age`, and expresses it in the
   /// sensor's frame at the stamp. A sweep whose stamp has no pose is refused whole; a return older than the

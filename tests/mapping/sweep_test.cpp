@@ -222,9 +222,8 @@ TEST_CASE("sweep: no heap, and a keyframe carries it on to the bit") {
   std::vector<rt::ScanPoint> other_memory(2048);
   Sweeps sweeps(config, memory);
   feed(sweeps, drive, 1'000'000'000);
-  rt::FlipperSample flippers;
-  flippers.angle_rad[1] = 0.7;
-  REQUIRE(sweeps.add(flippers) == Status::ok);
+  const double flippers_rad[rt::kFlippers] = {0, 0.7};
+  REQUIRE(sweeps.set_flippers(flippers_rad) == Status::ok);
   const auto points = spin(config, drive, 1'000'000'000, 1024);
   if (rt::posix::kHeapTrapAvailable) {
     std::uint64_t calls = 0;
