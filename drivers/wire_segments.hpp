@@ -24,7 +24,7 @@ inline constexpr auto kSegmentFeatures = [](auto& segment, auto&& visit) {
   visit("feature", segment.feature);
 };
 template <>
-struct WireRules<rt::ListedEvent> : WirePlain {
+struct WireRules<rt::SegmentEvent> : WirePlain {
   static constexpr void members(auto& self, auto&& visit) {
     visit("change", self.change);
     visit("event_id", self.id);
@@ -51,7 +51,7 @@ struct WireRules<rt::SegmentList> : WireNumbered {
   }
   static bool taken(const rt::SegmentList& list) {
     return std::all_of(list.event, list.event + list.listed_events,
-                       [](const rt::ListedEvent& event) { return event.change <= rt::ListedEvent::kGone; });
+                       [](const rt::SegmentEvent& event) { return event.change <= rt::SegmentChange::gone; });
   }
 };
 

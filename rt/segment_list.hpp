@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "rt/describe.hpp"
 #include "rt/time.hpp"
 
 namespace sortie::rt {
@@ -22,13 +23,18 @@ struct ListedSegment {
 };
 
 /// What happened to a segment.
-struct ListedEvent {
-  static constexpr std::uint8_t kBorn = 0;     ///< `other`: the segment that it was cut from, or 0
-  static constexpr std::uint8_t kRenamed = 1;  ///< joined into `other`
-  static constexpr std::uint8_t kGone = 2;
-  std::uint8_t change{};
+enum class SegmentChange : std::uint8_t {
+  born,     ///< `id` is new; `other` is the segment that it was cut from, or 0
+  renamed,  ///< `id` was joined into the older `other`
+  gone,     ///< nothing of `id` is left in the local map
+};
+
+/// One event in the life of a segment.
+struct SegmentEvent {
+  SegmentChange change{};
   std::uint32_t id{};
   std::uint32_t other{};
+  SORTIE_FIELDS(change, id, other)
 };
 
 /// A map's segments after a scan: at most kMost of them and kMostEvents events, so that the message stays
@@ -44,7 +50,7 @@ struct SegmentList {
   std::uint32_t listed{};
   std::uint32_t listed_events{};
   ListedSegment segment[kMost];
-  ListedEvent event[kMostEvents];
+  SegmentEvent event[kMostEvents];
 };
 
 }  // namespace sortie::rt

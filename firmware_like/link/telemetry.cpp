@@ -170,13 +170,14 @@ void Telemetry::publish_events() {
 }
 
 template <class Report>
-void Telemetry::publish_reports(std::string_view channel, Report& report, std::int64_t& seq) {
+void Telemetry::publish_reports(std::string_view channel, std::int64_t& seq) {
   ReportQueue<Report>* const queue = runtime_.parts().find<ReportQueue<Report>>();
-  while (queue != nullptr && queue->take(report)) {
-    report.stamp_ns += utc_minus_run_ns_;
+  if (queue == nullptr) return;
+  for (; Report* const report = queue->front(); queue->pop()) {
+    report->stamp_ns += utc_minus_run_ns_;
     static_cast<void>(
         publisher_.publish_encoded(channel, [&](std::span<std::uint8_t> out, std::size_t& size) {
-          return drivers::encode(report, seq++, out, size);  // numbers only what is sent
+          return drivers::encode(*report, seq++, out, size);  // numbers only what is sent
         }));
   }
 }
@@ -184,7 +185,6 @@ void Telemetry::publish_reports(std::string_view channel, Report& report, std::i
 void Telemetry::start() {
   if (!publisher_.active()) return;
   thread_ = rt::posix::make_thread("telemetry", [this] {
-    [[maybe_unused]] rt::LocatedPose located;
     for (std::uint64_t round = 0; !stop_.load(std::memory_order_relaxed); ++round) {
       const std::int64_t utime =
           (runtime_.executive().now() + utc_minus_run_ns_) / rt::kNanosecondsPerMicrosecond;
@@ -194,8 +194,9 @@ void Telemetry::start() {
       publish_motors(utime);
       publish_answers(utime);
       publish_events();
-      publish_reports(drivers::kChannelSegments, segments_, segments_seq_);
-      if constexpr (rt::kBuilt<"locate">) publish_reports(drivers::kChannelLocated, located, located_seq_);
+      publish_reports<rt::SegmentList>(drivers::kChannelSegments, segments_seq_);
+      if constexpr (rt::kBuilt<"locate">)
+        publish_reports<rt::LocatedPose>(drivers::kChannelLocated, located_seq_);
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

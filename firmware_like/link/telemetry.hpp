@@ -14,7 +14,6 @@
 #include "firmware_like/link/request_door.hpp"
 #include "firmware_like/log/log_recorder.hpp"
 #include "firmware_like/runtime/runtime.hpp"
-#include "rt/segment_list.hpp"
 
 namespace sortie::firmware {
 
@@ -61,9 +60,9 @@ class Telemetry {
   void publish_motors(std::int64_t utime);
   void publish_statistics(std::int64_t utime);
   void publish_events();
-  // What parts have put into their queues; `report` is memory for one of them.
+  // What parts have put into their queues.
   template <class Report>
-  void publish_reports(std::string_view channel, Report& report, std::int64_t& seq);
+  void publish_reports(std::string_view channel, std::int64_t& seq);
   void note_parameters(const rt::TaskBase& task);
   void publish_parameters(std::int64_t utime, bool anyway);
   void read_answers();
@@ -82,7 +81,6 @@ class Telemetry {
   std::vector<drivers::AnswersMessage> answers_;  // of this round
   bool parameters_moved_{};
   std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
-  rt::SegmentList segments_;
   std::int64_t segments_seq_{};
   std::int64_t located_seq_{};
   std::atomic<rt::Nanoseconds> cpu_ns_{};

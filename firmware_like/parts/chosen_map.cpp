@@ -156,11 +156,7 @@ SegmentSummary ChosenMap::summary() const {
   }
   summary.backlog = backlog_;
   summary.current = current_;
-  const mapping::LabellingCounts& counts = segments->counts();
-  summary.born = counts.born;
-  summary.renamed = counts.renamed;
-  summary.gone = counts.gone;
-  summary.cut = counts.cut;
+  summary.lives = segments->counts();
   return summary;
 }
 

@@ -56,12 +56,9 @@ struct SegmentSummary {
   std::uint32_t largest{};  ///< voxels of the largest one
   std::uint32_t backlog{};  ///< blocks that wait to be looked at
   bool current{true};       ///< what is shown is the map's exact partition now; never with a full pool
-  std::uint64_t born{};
-  std::uint64_t renamed{};
-  std::uint64_t gone{};
-  std::uint64_t cut{};     ///< of those that were born, the ones that were cut from another
+  mapping::SegmentEventCounts lives;
   std::uint64_t digest{};  ///< sum over the segments' ids and sizes, in no order
-  SORTIE_FIELDS(segments, voxels, largest, backlog, current, born, renamed, gone, cut, digest)
+  SORTIE_FIELDS(segments, voxels, largest, backlog, current, lives, digest)
 };
 
 /// Grid, normals where a policy needs them, segmenter. No heap after construction.

@@ -126,18 +126,18 @@ class CloudPart final : public Part {
   }
 
   /// Where the sensor was: on the map, where there is one.
-  bool place(const PlacedScan& placed, RigidPose& T_cloud_sensor) const {
-    if (!placed.placed) return false;
-    T_cloud_sensor = placed.T_odom_sensor;
+  bool place(const mapping::StraightSweep& placed, RigidPose& T_cloud_sensor) const {
+    if (placed.status != Status::ok) return false;
+    T_cloud_sensor = placed.pose;
     if (located_ == nullptr) return true;
     const mapping::Located& located = located_->locator->located();
     if (!mapping::is_placed(located.verdict)) return false;
-    T_cloud_sensor = after(located.T_map_odom, placed.T_odom_sensor);
+    T_cloud_sensor = after(located.T_map_odom, placed.pose);
     return true;
   }
 
   void take(rt::JobContext& context, std::uint32_t index) {
-    const PlacedScan& placed = sweeps_->place(index);
+    const mapping::StraightSweep& placed = sweeps_->place(index);
     RigidPose T_cloud_sensor;
     if (!place(placed, T_cloud_sensor)) {
       ++output_.unplaced;

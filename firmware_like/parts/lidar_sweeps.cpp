@@ -97,13 +97,12 @@ void LidarSweeps::take_poses() {
   if (flippers_ == nullptr) return;
   for (const planner::FlipperOutput& output : *flippers_) {
     if ((output.flags & planner::kFlippersMeasured) == 0) continue;
-    rt::FlipperSample sample;
-    for (std::uint32_t i = 0; i < rt::kFlippers; ++i) sample.angle_rad[i] = output.measured_rad[i];
-    static_cast<void>(sweeps_->add(sample));  // what is not finite does not come off the bus
+    // Angles that are not finite do not come off the bus.
+    static_cast<void>(sweeps_->set_flippers(output.measured_rad));
   }
 }
 
-const PlacedScan& LidarSweeps::place(std::uint32_t index) {
+const mapping::StraightSweep& LidarSweeps::place(std::uint32_t index) {
   for (; count_ <= index; ++count_) {
     const ScanStream::View view = (*this)[count_];
     placed_[count_] = straighten({view.header, view.elements});
@@ -113,30 +112,24 @@ const PlacedScan& LidarSweeps::place(std::uint32_t index) {
   return placed_[index];
 }
 
-PlacedScan LidarSweeps::straighten(const rt::PointScan& scan) {
-  PlacedScan placed;
+mapping::StraightSweep LidarSweeps::straighten(const rt::PointScan& scan) {
+  const bool posed = (scan.header.flags & rt::kScanPosed) != 0;
+  if (sweeps_ != nullptr && !posed) return sweeps_->straighten(scan);
+  mapping::StraightSweep placed;
   placed.scan = scan;
-  if ((scan.header.flags & rt::kScanPosed) != 0) {
-    placed.placed = true;
-    placed.T_odom_sensor = {rt::to_vector(scan.header.p_world_sensor_m),
-                            rt::to_quaternion(scan.header.q_world_sensor)};
-    return placed;
+  placed.counts.in = scan.header.points;
+  (posed ? placed.counts.used : placed.counts.unplaced) = scan.header.points;
+  if (posed) {
+    placed.pose = {rt::to_vector(scan.header.p_world_sensor_m),
+                   rt::to_quaternion(scan.header.q_world_sensor)};
+  } else {
+    placed.status = Status::empty;  // there are no poses
   }
-  if (sweeps_ == nullptr) {
-    placed.counts.unplaced = scan.header.points;
-    return placed;
-  }
-  const mapping::StraightSweep sweep = sweeps_->straighten(scan);
-  placed.counts = sweep.counts;
-  if (sweep.status != Status::ok) return placed;
-  placed.scan = sweep.scan;
-  placed.placed = true;
-  placed.T_odom_sensor = {sweep.pose.p_world_sensor_m, sweep.pose.q_world_sensor};
   return placed;
 }
 
 // The next scan is straightened into the same memory.
-void LidarSweeps::keep(PlacedScan& placed, std::uint32_t index) {
+void LidarSweeps::keep(mapping::StraightSweep& placed, std::uint32_t index) {
   const std::span<rt::ScanPoint> own = kept_.subspan(std::size_t{index} * points_, points_);
   std::copy_n(placed.scan.points, placed.scan.header.points, own.begin());
   placed.scan.points = own.data();

@@ -23,14 +23,6 @@ struct LidarSweepsConfig {
 /// that wants returns of these ranges. Throws ProfileError.
 LidarSweepsConfig read_sweeps(Profile& profile, double min_range_m, double max_range_m);
 
-/// A scan as of one moment.
-struct PlacedScan {
-  rt::PointScan scan;  ///< sensor frame at its stamp; one that is not placed as it came
-  bool placed{};
-  mapping::RigidPose T_odom_sensor;  ///< at that stamp, where it is placed
-  mapping::SweepCounts counts;       ///< of straightening; of a scan that is not placed all are `unplaced`
-};
-
 /// Scans of channel SCAN in a group. Those that carry a pose stay as they are; others are straightened return
 /// by return with the odometry's poses, and freed of the robot itself; without a pose for them they are not
 /// placed. The first part that needs it makes it and offers it to those behind it. No heap after
@@ -45,9 +37,11 @@ class LidarSweeps {
   /// Scans of this job.
   std::uint32_t size() const { return scans_->size(); }
   ScanStream::View operator[](std::uint32_t index) const { return (*scans_)[index]; }
-  /// Scan `index` of this job, in rising order. Lives until the next one is asked for; of a shared one (see
-  /// share()) until the job's end. Cost: as of Sweeps::straighten(), the first time in a job.
-  const PlacedScan& place(std::uint32_t index);
+  /// Scan `index` of this job, in rising order. Its status is ok where it is placed; its pose is then that of
+  /// the sensor in the odometry's frame. Without odometry one that has no pose is as it came. Lives until the
+  /// next one is asked for; of a shared one (see share()) until the job's end. Cost: as of
+  /// Sweeps::straighten(), the first time in a job.
+  const mapping::StraightSweep& place(std::uint32_t index);
 
   /// A second task reads the same scans, and wants returns of these ranges, too. Set-up only. Takes memory
   /// for all but the last of a job's scans.
@@ -69,17 +63,17 @@ class LidarSweeps {
   static constexpr std::uint64_t kNoJob = ~std::uint64_t{0};
 
   void take_poses();
-  PlacedScan straighten(const rt::PointScan& scan);
-  void keep(PlacedScan& placed, std::uint32_t index);
+  mapping::StraightSweep straighten(const rt::PointScan& scan);
+  void keep(mapping::StraightSweep& placed, std::uint32_t index);
 
   rt::Input<rt::PoseEstimate>* poses_{};  // null without odometry
   rt::Input<planner::FlipperOutput>* flippers_{};
   mapping::SweepConfig config_;  // its ranges are those of the first reader
   ScanStream* scans_{};
   ScanPort* port_{};
-  std::unique_ptr<mapping::Sweeps> sweeps_;  // null without odometry
-  std::vector<PlacedScan> placed_;           // of this job, as many as a batch has
-  std::span<rt::ScanPoint> kept_;            // points of all scans of a batch but its last; empty: not shared
+  std::unique_ptr<mapping::Sweeps> sweeps_;     // null without odometry
+  std::vector<mapping::StraightSweep> placed_;  // of this job, as many as a batch has
+  std::span<rt::ScanPoint> kept_;  // points of all scans of a batch but its last; empty: not shared
   std::uint32_t points_;
   double shared_min_m_{1e300};
   double shared_max_m_{};

@@ -131,8 +131,8 @@ class LocatePart final : public Part {
   void take(rt::JobContext& context, std::uint32_t index) {
     rt::ScanHeader header = (*sweeps_)[index].header;
     const bool posed = (header.flags & rt::kScanPosed) != 0;
-    const PlacedScan& placed = sweeps_->place(index);
-    const bool known = placed.placed && (!posed || config_.scan_poses);
+    const mapping::StraightSweep& placed = sweeps_->place(index);
+    const bool known = placed.status == Status::ok && (!posed || config_.scan_poses);
     if (!known && !posed && sweeps_->has_odometry()) {
       ++unplaced_;
       return;
@@ -147,10 +147,13 @@ class LocatePart final : public Part {
     access_.hint = hint;
     access_.has_odometry = known;
     access_.q_level_sensor = hint.T_odom_sensor.q;
-    if (mapping::is_placed(located.verdict)) T_odom_last_ = placed.T_odom_sensor;
+    if (mapping::is_placed(located.verdict)) T_odom_last_ = placed.pose;
     context.add_units(located.steps);
     put(located);
-    static_cast<void>(poses_->put(output_));  // what nobody took is counted; each tells of its own scan alone
+    rt::LocatedPose* const report = poses_->claim();
+    if (report == nullptr) return;  // what nobody took is counted; each tells of its own scan alone
+    *report = output_;
+    poses_->publish();
   }
 
   /// Map and odometry are one, as far as a lost robot is looked for. A scan decides.
@@ -168,11 +171,11 @@ class LocatePart final : public Part {
 
   /// The first scan of a robot without odometry is taken where the robot starts: the map's frame is then the
   /// world's, as the start has it.
-  mapping::OdometryHint hint_of(const PlacedScan& placed, bool known) const {
+  mapping::OdometryHint hint_of(const mapping::StraightSweep& placed, bool known) const {
     mapping::OdometryHint hint;
     const bool begins = !locator_->has_begun();
     hint.known = known || begins;
-    hint.T_odom_sensor = known ? placed.T_odom_sensor : T_start_sensor_;
+    hint.T_odom_sensor = known ? placed.pose : T_start_sensor_;
     const RigidPose moved = after(inverse(begins ? hint.T_odom_sensor : T_odom_last_), hint.T_odom_sensor);
     hint.sigma_move_m = config_.sigma_move_m + config_.sigma_per_way * rt::norm(moved.p);
     hint.sigma_turn_rad =

@@ -10,8 +10,8 @@
 namespace sortie::firmware {
 
 /// Gathers the events of every labelling and puts out a list when a scan's labelling is done. In no digest
-/// and no part of the state: a replay sends none. Memory: one list, and sums of all segments where features
-/// are asked for. Cost: O(segments); with features one visit a voxel.
+/// and no part of the state: a replay sends none. Memory: the events of a list, which is made in the queue,
+/// and sums of all segments where features are asked for. Cost: O(segments); with features one visit a voxel.
 class SegmentReport {
  public:
   SegmentReport(const ChosenMapConfig& config, bool features, ReportQueue<rt::SegmentList>& queue,
@@ -23,11 +23,12 @@ class SegmentReport {
   void send(const ChosenMap& map, rt::Nanoseconds stamp_ns);
 
  private:
-  void add_features(const ChosenMap& map);
+  void add_features(const ChosenMap& map, rt::SegmentList& list);
 
   std::span<mapping::SegmentMoments> moments_;  ///< empty: no features
   ReportQueue<rt::SegmentList>* queue_;
-  rt::SegmentList list_;
+  std::uint32_t events_{};  // since the list before; those that may be listed:
+  rt::SegmentEvent event_[rt::SegmentList::kMostEvents];
   std::uint16_t slot_of_[rt::SegmentList::kMost]{};
   std::uint64_t labellings_{};
   bool fresh_{};

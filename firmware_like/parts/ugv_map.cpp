@@ -80,19 +80,7 @@ rt::Tick milliseconds_of(const rt::JobContext& context) {
 }
 
 /// What became of every return. in = used + all others.
-struct MapPoints {
-  std::uint64_t in{};
-  std::uint64_t used{};
-  std::uint64_t not_finite{};
-  std::uint64_t too_near{};
-  std::uint64_t too_far{};
-  std::uint64_t on_robot{};
-  std::uint64_t unplaced{};     ///< no pose for the scan, or none so old for the return
-  std::uint64_t outside{};      ///< of the local map
-  std::uint64_t out_of_grid{};  ///< of scans taken farther from the origin than the grid reaches
-  std::uint64_t pool_full{};
-  std::uint64_t scan_full{};
-  std::uint64_t bad_pose{};
+struct MapPoints : mapping::SweepCounts, mapping::GridRefusals {
   SORTIE_FIELDS(in, used, not_finite, too_near, too_far, on_robot, unplaced, outside, out_of_grid, pool_full,
                 scan_full, bad_pose)
 };
@@ -197,10 +185,7 @@ class UgvMap final : public Part {
       return PoolLevel{map.fragment_capacity(), map.graph()->most_in_use(), map.graph()->refused()};
     });
     builder.counter("segments", [&output] { return std::uint64_t{output.segments.segments}; });
-    builder.counter("segments_born", [&output] { return output.segments.born; });
-    builder.counter("segments_renamed", [&output] { return output.segments.renamed; });
-    builder.counter("segments_gone", [&output] { return output.segments.gone; });
-    builder.counter("segments_cut", [&output] { return output.segments.cut; });
+    builder.counters("segments_", output.segments.lives);
     builder.counter("segments_refused", [&map] { return map.labelling()->counts().slots_full; });
     builder.counter("segment_backlog", [&output] { return std::uint64_t{output.segments.backlog}; });
     builder.counter("segment_events_lost",
@@ -209,35 +194,21 @@ class UgvMap final : public Part {
 
   void take(std::uint32_t index, rt::Tick tick) {
     const rt::ScanHeader& header = (*sweeps_)[index].header;
-    const PlacedScan& placed = sweeps_->place(index);
+    const mapping::StraightSweep& placed = sweeps_->place(index);
     ++output_.scans;
     MapPoints& points = output_.points;
-    points.in += header.points;
-    points.not_finite += placed.counts.not_finite;
-    points.too_near += placed.counts.too_near;
-    points.too_far += placed.counts.too_far;
-    points.on_robot += placed.counts.on_robot;
-    points.unplaced += placed.counts.unplaced;
-    points.scan_full += placed.counts.no_room;
-    if (!placed.placed) {
+    rt::add_fields<mapping::SweepCounts>(placed.counts, points);
+    if (placed.status != Status::ok) {
       ++output_.scans_unplaced;
       return;
     }
-    count(map_->insert(placed.scan, placed.T_odom_sensor, tick).points);
+    const mapping::RollingInsert inserted = map_->insert(placed.scan, placed.pose, tick);
+    rt::add_fields<mapping::PointCounts>(inserted.points, points);
+    rt::add_fields<mapping::GridRefusals>(inserted.points, points);
+    // The grid was given what straightening used: such a return came in once, and its end is the grid's.
+    points.used -= placed.counts.used;
+    points.in -= inserted.points.in;
     output_.stamp_ns = header.stamp_ns;
-  }
-
-  void count(const mapping::RollingGridCounts& grid) {
-    MapPoints& points = output_.points;
-    points.used += grid.used;
-    points.not_finite += grid.not_finite;
-    points.too_near += grid.too_near;
-    points.too_far += grid.too_far;
-    points.outside += grid.outside;
-    points.out_of_grid += grid.out_of_grid;
-    points.pool_full += grid.pool_full;
-    points.scan_full += grid.scan_full;
-    points.bad_pose += grid.bad_pose;
   }
 
   void segment(rt::JobContext& context) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "rt/spsc_ring.hpp"
@@ -17,19 +18,26 @@ class ReportQueue {
  public:
   explicit ReportQueue(std::uint32_t capacity) : entries_(capacity), ring_(entries_.data(), capacity) {}
 
-  /// Task side, real-time safe. False when the ring is full: the caller keeps what the next report must tell
-  /// as well. Counted.
-  [[nodiscard]] bool put(const T& value) {
-    if (!open_.load(std::memory_order_relaxed) || ring_.try_push(value)) return true;
+  /// Task side, real-time safe: where to write the next report, over one of before. Null when the ring is
+  /// full: the caller keeps what the next report must tell as well. Counted.
+  [[nodiscard]] T* claim() {
+    const std::span<T> slot = ring_.claim(1);
+    if (!slot.empty()) return slot.data();
     overrun_.fetch_add(1, std::memory_order_relaxed);
-    return false;
+    return nullptr;
+  }
+  /// Task side: what was written goes to the reader, if there is one.
+  void publish() {
+    if (open_.load(std::memory_order_relaxed)) ring_.publish(1);
   }
 
-  /// Reader: takes the oldest.
-  bool take(T& value) {
+  /// Reader: the oldest, the reader's own until pop(); null when there is none.
+  T* front() {
     open_.store(true, std::memory_order_relaxed);
-    return ring_.try_pop(value);
+    const std::span<const T> oldest = ring_.peek(1);
+    return oldest.empty() ? nullptr : &entries_[static_cast<std::size_t>(oldest.data() - entries_.data())];
   }
+  void pop() { ring_.release(1); }
 
   std::uint64_t overrun() const { return overrun_.load(std::memory_order_relaxed); }
 

@@ -80,21 +80,31 @@ struct BlockChange {
 inline constexpr std::uint32_t kDriftStep = 16;
 inline constexpr std::uint16_t kAnyDrift = 0xffff;
 
-/// What became of the points. in = used + all others but the last three, which count voxels and blocks.
-struct RollingGridCounts {
+/// What became of points, whoever looked at them. in = used + all others, with those of what derives from it.
+struct PointCounts {
   std::uint64_t in{};
   std::uint64_t used{};
   std::uint64_t not_finite{};
   std::uint64_t too_near{};
   std::uint64_t too_far{};
+  std::uint64_t scan_full{};  ///< beyond the longest scan that the memory is for
+  SORTIE_FIELDS(in, used, not_finite, too_near, too_far, scan_full)
+};
+
+/// Points that only the grid refuses.
+struct GridRefusals {
   std::uint64_t outside{};      ///< not in the local map
   std::uint64_t out_of_grid{};  ///< all points of scans taken farther from the origin than the grid reaches
   std::uint64_t pool_full{};
-  std::uint64_t scan_full{};  ///< beyond the longest scan that the memory is for
-  std::uint64_t bad_pose{};   ///< all points of scans whose pose was not finite or no rotation
-  std::uint64_t created{};    ///< voxels
-  std::uint64_t evicted{};    ///< voxels
-  std::uint64_t forced{};     ///< blocks that gave way to a point, not to distance or age
+  std::uint64_t bad_pose{};  ///< all points of scans whose pose was not finite or no rotation
+  SORTIE_FIELDS(outside, out_of_grid, pool_full, bad_pose)
+};
+
+/// What became of the points that the grid was given, and of its voxels and blocks.
+struct RollingGridCounts : PointCounts, GridRefusals {
+  std::uint64_t created{};  ///< voxels
+  std::uint64_t evicted{};  ///< voxels
+  std::uint64_t forced{};   ///< blocks that gave way to a point, not to distance or age
   SORTIE_FIELDS(in, used, not_finite, too_near, too_far, outside, out_of_grid, pool_full, scan_full, bad_pose,
                 created, evicted, forced)
 };

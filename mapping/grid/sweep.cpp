@@ -36,21 +36,21 @@ Status Sweeps::set_ranges(double min_m, double max_m) {
   return Status::ok;
 }
 
-Status Sweeps::add(const rt::FlipperSample& flippers) {
-  const Status status = robot_.set_flippers(flippers.angle_rad);
+Status Sweeps::set_flippers(const double (&angle_rad)[rt::kFlippers]) {
+  const Status status = robot_.set_flippers(angle_rad);
   if (status != Status::ok) return status;
-  for (std::uint32_t i = 0; i < rt::kFlippers; ++i) flipper_rad_[i] = flippers.angle_rad[i];
+  for (std::uint32_t i = 0; i < rt::kFlippers; ++i) flipper_rad_[i] = angle_rad[i];
   return Status::ok;
 }
 
-Status Sweeps::moment_at(rt::Nanoseconds stamp_ns, const SensorPose& reference, Moment& moment) const {
+Status Sweeps::moment_at(rt::Nanoseconds stamp_ns, const RigidPose& reference, Moment& moment) const {
   StampedPose body;
   const Status status = poses_.at(stamp_ns, config_.max_ahead_ns, body);
   if (status != Status::ok) return status;
   const rt::Quaternion q = body.q * config_.q_body_sensor;
   const rt::Vector3 p = body.p + rt::rotate(body.q, config_.p_body_sensor_m);
-  moment.turn = rt::to_matrix(rt::conjugate(reference.q_world_sensor) * q);
-  moment.shift_m = rt::rotate_back(reference.q_world_sensor, p - reference.p_world_sensor_m);
+  moment.turn = rt::to_matrix(rt::conjugate(reference.q) * q);
+  moment.shift_m = rt::rotate_back(reference.q, p - reference.p);
   return Status::ok;
 }
 
@@ -99,7 +99,7 @@ void Sweeps::place(const rt::ScanPoint& point, const Moment& moment, StraightSwe
   } else if (moment.status != Status::ok) {
     ++counts.unplaced;
   } else if (result.scan.header.points >= memory_.size()) {
-    ++counts.no_room;
+    ++counts.scan_full;
   } else {
     const rt::Vector3 p = moment.turn * seen + moment.shift_m;
     memory_[result.scan.header.points++] = {static_cast<float>(p.x), static_cast<float>(p.y),

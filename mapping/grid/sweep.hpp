@@ -7,8 +7,8 @@
 #include <span>
 
 #include "mapping/grid/pose_history.hpp"
+#include "mapping/grid/rolling_grid_config.hpp"
 #include "mapping/grid/self_filter.hpp"
-#include "mapping/grid/sensor_pose.hpp"
 #include "rt/archive.hpp"
 #include "rt/keys.hpp"
 #include "rt/samples.hpp"
@@ -33,24 +33,18 @@ struct SweepConfig {
   }
 };
 
-/// What became of the returns. in = used + all others.
-struct SweepCounts {
-  std::uint64_t in{};
-  std::uint64_t used{};
-  std::uint64_t not_finite{};
-  std::uint64_t too_near{};
-  std::uint64_t too_far{};
+/// What became of the returns.
+struct SweepCounts : PointCounts {
   std::uint64_t on_robot{};
   std::uint64_t unplaced{};  ///< no pose for the sweep, or none so old for the return
-  std::uint64_t no_room{};   ///< beyond the memory
-  SORTIE_FIELDS(in, used, not_finite, too_near, too_far, on_robot, unplaced, no_room)
+  SORTIE_FIELDS(in, used, not_finite, too_near, too_far, on_robot, unplaced, scan_full)
 };
 
 /// A sweep as if it had been taken at one moment.
 struct StraightSweep {
   Status status{Status::ok};  ///< why there is no pose: empty, stale, out_of_range (see PoseHistory::at)
   rt::PointScan scan;  ///< sensor frame at the header's stamp, all ages zero; lives until the next call
-  SensorPose pose;     ///< of the sensor at that stamp
+  RigidPose pose;      ///< of the sensor in the world at that stamp
   SweepCounts counts;  ///< of this sweep alone
 };
 
@@ -69,7 +63,7 @@ class Sweeps {
 
   /// Where the flippers are from now on. A sweep sees one position of them: at 0.8 rad/s their tip moves 3 cm
   /// in a tenth of a second, which is the filter's margin. Status: ok; not_finite (refused).
-  Status add(const rt::FlipperSample& flippers);
+  Status set_flippers(const double (&angle_rad)[rt::kFlippers]);
 
   /// Puts each return of `sweep` where the sensor was at its own time, `stamp - age`, and expresses it in the
   /// sensor's frame at the stamp. A sweep whose stamp has no pose is refused whole; a return older than the
@@ -87,7 +81,7 @@ class Sweeps {
 
  private:
   struct Moment;  // where the sensor was at one age, in its frame at the stamp
-  Status moment_at(rt::Nanoseconds stamp_ns, const SensorPose& reference, Moment& moment) const;
+  Status moment_at(rt::Nanoseconds stamp_ns, const RigidPose& reference, Moment& moment) const;
   void place(const rt::ScanPoint& point, const Moment& moment, StraightSweep& result);
 
   SweepConfig config_;

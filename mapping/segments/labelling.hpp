@@ -21,13 +21,18 @@ struct LabellingMemory {
   std::span<SegmentEvent> events;          ///< twice the most events of a labelling
 };
 
-/// Counters of all labellings that were finished.
-struct LabellingCounts {
-  std::uint64_t labellings{};  ///< finished ones
+/// What happened to segments since start, by kind.
+struct SegmentEventCounts {
   std::uint64_t born{};
   std::uint64_t renamed{};
   std::uint64_t gone{};
-  std::uint64_t cut{};         ///< born by a split
+  std::uint64_t cut{};  ///< of those that were born, the ones that were cut from another
+  SORTIE_FIELDS(born, renamed, gone, cut)
+};
+
+/// Counters of all labellings that were finished.
+struct LabellingCounts : SegmentEventCounts {
+  std::uint64_t labellings{};  ///< finished ones
   std::uint64_t slots_full{};  ///< components that got no id for want of a slot, or of an id
   std::uint64_t events_lost{};
   SORTIE_FIELDS(labellings, born, renamed, gone, cut, slots_full, events_lost)

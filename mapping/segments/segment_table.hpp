@@ -6,27 +6,14 @@
 #include <span>
 
 #include "mapping/segments/fragment_graph.hpp"
-#include "rt/describe.hpp"
+#include "rt/segment_list.hpp"
 
 namespace sortie::mapping {
 
 using SegmentId = std::uint32_t;
 inline constexpr SegmentId kNoSegment = 0;
-
-/// What happened to a segment.
-enum class SegmentChange : std::uint8_t {
-  born,     ///< `id` is new; `other` is the segment that it was cut from, or kNoSegment
-  renamed,  ///< `id` was joined into the older `other`
-  gone,     ///< nothing of `id` is left in the local map
-};
-
-/// One event in the life of a segment.
-struct SegmentEvent {
-  SegmentChange change{};
-  SegmentId id{};
-  SegmentId other{};
-  SORTIE_FIELDS(change, id, other)
-};
+using rt::SegmentChange;
+using rt::SegmentEvent;
 
 /// A segment's place in the table. `voxels` and `first_tick` are what a reader wants, the rest is scratch of
 /// the next labelling.

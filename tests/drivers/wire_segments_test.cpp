@@ -34,8 +34,8 @@ std::unique_ptr<rt::SegmentList> any_segments(std::mt19937_64& random) {
     }
     for (float& f : s.feature) f = some();
   }
-  for (rt::ListedEvent& e : std::span(list->event, list->listed_events))
-    e = {static_cast<std::uint8_t>(random() % 3), number(), number()};
+  for (rt::SegmentEvent& e : std::span(list->event, list->listed_events))
+    e = {static_cast<rt::SegmentChange>(random() % 3), number(), number()};
   return list;
 }
 
@@ -58,7 +58,7 @@ segments_t twin_of_segments(const rt::SegmentList& list, std::int64_t seq) {
     twin.feature.emplace_back(s.feature, s.feature + 7);
   }
   twin.m = static_cast<std::int32_t>(list.listed_events);
-  for (const rt::ListedEvent& e : std::span(list.event, list.listed_events)) {
+  for (const rt::SegmentEvent& e : std::span(list.event, list.listed_events)) {
     twin.change.push_back(static_cast<std::int8_t>(e.change));
     twin.event_id.push_back(static_cast<std::int32_t>(e.id));
     twin.event_other.push_back(static_cast<std::int32_t>(e.other));

@@ -70,7 +70,8 @@ TEST_CASE("a robot that drives is located scan by scan, and its replay comes to 
   std::uint64_t told = 0;
   rt::LocatedPose newest;
   options.on_job = [&](const rt::JobRecord&, firmware::Runtime& runtime) {
-    while (runtime.parts().find<firmware::ReportQueue<rt::LocatedPose>>()->take(newest)) ++told;
+    auto& queue = *runtime.parts().find<firmware::ReportQueue<rt::LocatedPose>>();
+    for (; const rt::LocatedPose* const pose = queue.front(); queue.pop(), ++told) newest = *pose;
   };
   firmware::ReplayOutcome again = replay_log(located_hall().log, options);
   CHECK(complaint_of(again).empty());

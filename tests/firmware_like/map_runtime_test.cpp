@@ -137,11 +137,13 @@ TEST_CASE("lists of segments tell every birth and end, and features are those of
   rt::Tick away_until = 0;
   options.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
     if (record.tick > 100 && record.tick < away_until) return;
-    while (runtime.parts().find<firmware::ReportQueue<rt::SegmentList>>()->take(*list)) {
+    auto& queue = *runtime.parts().find<firmware::ReportQueue<rt::SegmentList>>();
+    for (; const rt::SegmentList* const told = queue.front(); queue.pop()) {
+      *list = *told;
       ++lists;
       wrong += list->events == list->listed_events ? 0u : 1u;
-      for (const rt::ListedEvent& event : std::span(list->event, list->listed_events)) {
-        const bool born = event.change == rt::ListedEvent::kBorn;
+      for (const rt::SegmentEvent& event : std::span(list->event, list->listed_events)) {
+        const bool born = event.change == rt::SegmentChange::born;
         const bool fits = born ? living.insert(event.id).second : living.erase(event.id) == 1;
         wrong += fits ? 0u : 1u;
       }

@@ -44,7 +44,7 @@ SweepConfig mount() {
   return config;
 }
 
-SensorPose sensor_at(const SweepConfig& config, const StampedPose& body) {
+RigidPose sensor_at(const SweepConfig& config, const StampedPose& body) {
   return {body.p + rt::rotate(body.q, config.p_body_sensor_m), body.q * config.q_body_sensor};
 }
 
@@ -58,11 +58,11 @@ std::vector<rt::ScanPoint> spin(const SweepConfig& config, const Drive& drive, r
   std::vector<rt::ScanPoint> points;
   for (int i = 0; i < columns; ++i) {
     const auto age = static_cast<std::uint16_t>((columns - 1 - i) * 10000 / columns);
-    const SensorPose sensor = sensor_at(config, drive.at(end_ns - 10'000 * rt::Nanoseconds{age}));
+    const RigidPose sensor = sensor_at(config, drive.at(end_ns - 10'000 * rt::Nanoseconds{age}));
     const double angle = 2.0 * kPi_rad * i / columns;
     const rt::Vector3 ray{std::cos(angle), std::sin(angle), 0.02 * (i % 7 - 3)};
-    const rt::Vector3 d = rt::rotate(sensor.q_world_sensor, ray);
-    const rt::Vector3& o = sensor.p_world_sensor_m;
+    const rt::Vector3 d = rt::rotate(sensor.q, ray);
+    const rt::Vector3& o = sensor.p;
     const double to_x = d.x != 0.0 ? ((d.x > 0 ? kRoomX_m : -kRoomX_m) - o.x) / d.x : 1e9;
     const double to_y = d.y != 0.0 ? ((d.y > 0 ? kRoomY_m : -kRoomY_m) - o.y) / d.y : 1e9;
     const double t = std::min(to_x, to_y);
@@ -85,9 +85,8 @@ double worst_wall(const StraightSweep& sweep) {
   for (std::uint32_t i = 0; i < sweep.scan.header.points; ++i) {
     const rt::ScanPoint& p = sweep.scan.points[i];
     const rt::Vector3 world =
-        sweep.pose.p_world_sensor_m +
-        rt::rotate(sweep.pose.q_world_sensor,
-                   {static_cast<double>(p.x_m), static_cast<double>(p.y_m), static_cast<double>(p.z_m)});
+        sweep.pose.p + rt::rotate(sweep.pose.q, {static_cast<double>(p.x_m), static_cast<double>(p.y_m),
+                                                 static_cast<double>(p.z_m)});
     worst = std::max(worst, wall_distance(world));
   }
   return worst;
@@ -190,10 +189,10 @@ TEST_CASE("sweep: returns that are no use are counted by reason, and the sensor'
   CHECK(sweep.counts.too_near == 1);
   CHECK(sweep.counts.too_far == 2);
   CHECK(sweep.counts.on_robot == 1);
-  CHECK(sweep.counts.no_room == 1);
+  CHECK(sweep.counts.scan_full == 1);
   CHECK(sweep.counts.used == 3);
-  const SensorPose expected = sensor_at(config, drive.at(970'000'000));
-  CHECK(rt::norm(sweep.pose.p_world_sensor_m - expected.p_world_sensor_m) < 1e-12);
+  const RigidPose expected = sensor_at(config, drive.at(970'000'000));
+  CHECK(rt::norm(sweep.pose.p - expected.p) < 1e-12);
   CHECK(sweep.scan.points[0].intensity == 1);
   CHECK(sweep.scan.header.stamp_ns == 1'000'000'000);
 }
@@ -223,9 +222,8 @@ TEST_CASE("sweep: no heap, and a keyframe carries it on to the bit") {
   std::vector<rt::ScanPoint> other_memory(2048);
   Sweeps sweeps(config, memory);
   feed(sweeps, drive, 1'000'000'000);
-  rt::FlipperSample flippers;
-  flippers.angle_rad[1] = 0.7;
-  REQUIRE(sweeps.add(flippers) == Status::ok);
+  const double flippers_rad[rt::kFlippers] = {0, 0.7};
+  REQUIRE(sweeps.set_flippers(flippers_rad) == Status::ok);
   const auto points = spin(config, drive, 1'000'000'000, 1024);
   if (rt::posix::kHeapTrapAvailable) {
     std::uint64_t calls = 0;

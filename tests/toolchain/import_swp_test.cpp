@@ -274,7 +274,7 @@ TEST_CASE("a sweep taken on the move comes in with the motion beside it and is s
     for (std::uint32_t i = 0; i < kSweptRows * kSweptColumns; ++i) {
       const rt::Vector3 seen{static_cast<double>(from[i].x_m), static_cast<double>(from[i].y_m),
                              static_cast<double>(from[i].z_m)};
-      const rt::Vector3 p = straight.pose.p_world_sensor_m + rt::rotate(straight.pose.q_world_sensor, seen);
+      const rt::Vector3 p = straight.pose.p + rt::rotate(straight.pose.q, seen);
       most_m = std::max(most_m, std::min(std::fabs(std::fabs(p.x) - 6.0), std::fabs(std::fabs(p.y) - 6.0)));
     }
     return most_m;

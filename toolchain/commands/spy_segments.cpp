@@ -19,14 +19,14 @@ Status read_segments(std::span<const std::uint8_t> message, std::vector<drivers:
   add("stamp_ns", list.stamp_ns);
   add("segments", list.segments);
   std::uint32_t changes[4]{};
-  for (const rt::ListedEvent& event : std::span(list.event, list.listed_events)) {
-    const bool cut = event.change == rt::ListedEvent::kBorn && event.other != 0;
-    ++changes[cut ? 3 : event.change];
+  for (const rt::SegmentEvent& event : std::span(list.event, list.listed_events)) {
+    const bool cut = event.change == rt::SegmentChange::born && event.other != 0;
+    ++changes[cut ? 3 : static_cast<int>(event.change)];
   }
-  add("born", changes[rt::ListedEvent::kBorn]);
+  add("born", changes[static_cast<int>(rt::SegmentChange::born)]);
   add("cut", changes[3]);
-  add("renamed", changes[rt::ListedEvent::kRenamed]);
-  add("gone", changes[rt::ListedEvent::kGone]);
+  add("renamed", changes[static_cast<int>(rt::SegmentChange::renamed)]);
+  add("gone", changes[static_cast<int>(rt::SegmentChange::gone)]);
   for (const rt::ListedSegment& segment : std::span(list.segment, list.listed)) {
     const std::string name = "segment " + std::to_string(segment.id) + " ";
     add(name + "voxels", segment.voxels);
