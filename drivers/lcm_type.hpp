@@ -99,6 +99,8 @@ constexpr void describe(auto& sink, LcmMember member, const V& value) {
   } else if constexpr (kKind == WireKind::counted) {
     member.count = LcmName{}.with(value.count_name);
     describe_elements<typename V::Element, typename V::Listing>(sink, member, {});
+  } else if constexpr (kKind == WireKind::widened) {
+    add_member(sink, member, lcm_number<typename V::Travels>());
   } else if constexpr (kKind == WireKind::list) {
     static_assert(wire_kind<typename V::value_type>() == WireKind::nested, "numbers in a list: listed()");
     member.count = member.name;

@@ -15,6 +15,7 @@
 #include "drivers/channels.hpp"
 #include "drivers/wire_fields.hpp"
 #include "rt/describe.hpp"
+#include "rt/job_record.hpp"
 #include "rt/samples.hpp"
 #include "rt/status.hpp"
 
@@ -41,72 +42,48 @@ struct LogHeader {
                 utc_minus_monotonic_ns, has_ticks, initial_p, initial_q, groups, tasks, source)
 };
 
-/// Samples of one input stream that a job consumed: first_seq .. first_seq + count - 1.
-struct StreamTake {
-  std::int16_t stream_id{};
-  std::int64_t first_seq{};
-  std::int32_t count{};
-  SORTIE_FIELDS(stream_id, first_seq, count)
+/// In tick_t: samples first_seq .. first_seq + count - 1 of an input stream that a job consumed.
+template <>
+struct WireRules<rt::StreamRange> : WirePlain {
+  static constexpr void members(auto& self, auto&& visit) {
+    visit("stream_id", self.stream);
+    visit("first_seq", self.first);
+    visit("count", self.count);
+  }
 };
-
-/// Jobs of another group whose outputs a job saw.
-struct ChannelTake {
-  std::int64_t first{};
-  std::int64_t last{};
-  static constexpr void fields(auto& self, auto&& visit) {
+/// In tick_t: jobs of another group whose outputs a job saw.
+template <>
+struct WireRules<rt::InputRange> : WirePlain {
+  static constexpr void members(auto& self, auto&& visit) {
     visit("taken_first", self.first);
     visit("taken_last", self.last);
   }
 };
-
-/// What one task gave out in this job.
-struct TaskOutput {
-  std::uint64_t digest{};
-  std::int32_t units{};
-  SORTIE_FIELDS(digest, units)
-};
-
-/// Lists in someone else's memory, or in their own.
-template <class T>
-using WireView = std::span<const T>;
-template <class T>
-using WireOwned = std::vector<T>;
-
-/// tick_t.
-template <template <class> class List>
-struct TickOf {
-  std::int64_t tick{};
-  std::int64_t job{};
-  std::int32_t group{};
-  std::int8_t verdict{};
-  std::int8_t level{};  ///< of the degrade ladder
-  std::int16_t shed{};  ///< bit i: task i was left out
-  std::int16_t cut{};   ///< bit i: the clock stopped task i
-  List<StreamTake> streams;
-  List<ChannelTake> channels;
-  List<TaskOutput> tasks;
-  List<std::uint8_t> fields;  ///< canonical outputs, or empty
-};
-template <template <class> class List>
-struct WireRules<TickOf<List>> : WirePlain {
+/// tick_t: a job without its times. What is read may be no job of any table: only the counts are sure to fit.
+template <>
+struct WireRules<rt::JobRecord> : WirePlain {
   static constexpr void members(auto& self, auto&& visit) {
+    const auto used = [](const char* count_name, auto& array, auto& count) {
+      return counted(count_name, std::span(array), count, Status::malformed);
+    };
     visit("tick", self.tick);
     visit("job", self.job);
-    visit("group", self.group);
+    visit("group", widened<std::int32_t>(self.group));
     visit("verdict", self.verdict);
     visit("level", self.level);
     visit("shed", self.shed);
     visit("cut", self.cut);
-    visit("nstreams", self.streams);
-    visit("nchannels", self.channels);
-    visit("ntasks", self.tasks);
-    visit("fields", listed("nfields", self.fields));
+    visit("nstreams", widened<std::int32_t>(self.streams));
+    visit("stream", used("nstreams", self.stream, self.streams));
+    visit("nchannels", widened<std::int32_t>(self.inputs));
+    visit("input", used("nchannels", self.input, self.inputs));
+    visit("ntasks", widened<std::int32_t>(self.tasks));
+    visit("digest", used("ntasks", self.digest, self.tasks));
+    visit("units", used("ntasks", self.units, self.tasks));
+    visit("nfields", self.field_bytes);
+    visit("fields", used("nfields", self.fields, self.field_bytes));
   }
 };
-/// For encoding.
-using TickView = TickOf<WireView>;
-/// As read back. Reuse one object: its vectors keep their memory.
-using TickRecord = TickOf<WireOwned>;
 
 /// timing_t: when a job began, on the run's clock, and how long each of its tasks took.
 template <class Durations>
@@ -180,10 +157,10 @@ struct PoseMessage {
   SORTIE_FIELDS(utime, pos, vel, orientation, rotation_rate, accel)
 };
 
-/// In place, so that its vectors keep their memory: the record may be half filled unless ok.
-[[nodiscard]] inline Status decode(std::span<const std::uint8_t> message, TickRecord& tick) {
+/// In place, since a record is large: it may be half filled unless ok.
+[[nodiscard]] inline Status decode(std::span<const std::uint8_t> message, rt::JobRecord& record) {
   std::int64_t none = 0;
-  return detail::read_any(message, tick, none);
+  return detail::read_any(message, record, none);
 }
 
 /// The pose message of an estimate: body velocity turned into the world, acceleration 0 (not estimated).

@@ -66,7 +66,7 @@ constexpr void visit_members(T& value, Visitor&& visit) {
 }
 
 namespace detail {
-enum class WireKind { number, letters, text, array, joined, list, listed, counted, nested };
+enum class WireKind { number, letters, text, array, joined, list, listed, counted, widened, nested };
 
 /// Memory of a T that nobody made.
 template <class T>
@@ -125,6 +125,19 @@ template <class Members = detail::AllMembers, class Item, std::size_t Extent, cl
 constexpr auto counted(const char* count_name, std::span<Item, Extent> room, Count& count,
                        Status beyond = Status::full, Members = {}) {
   return WireCounted<Item, Count, Members>{count_name, room, count, beyond};
+}
+
+/// For members(), but not in rows: a number that travels as a `Number`, which holds all that it can be. One
+/// that is read and does not fit is refused.
+template <class Number, class Value>
+struct WireWidened {
+  static constexpr detail::WireKind kWireKind = detail::WireKind::widened;
+  using Travels = Number;
+  Value& value;
+};
+template <class Number, class Value>
+constexpr auto widened(Value& value) {
+  return WireWidened<Number, Value>{value};
 }
 
 /// For members(): several numbers of one type as one array.

@@ -21,7 +21,7 @@ static_assert(kFingerprintOf<rt::SegmentList> == kFingerprintSegments);
 static_assert(kFingerprintOf<rt::LocatedPose> == kFingerprintLocated);
 static_assert(kFingerprintOf<CanFrame> == kFingerprintCan);
 static_assert(kFingerprintOf<LogHeader> == kFingerprintHeader);
-static_assert(kFingerprintOf<TickView> == kFingerprintTick && kFingerprintOf<TickRecord> == kFingerprintTick);
+static_assert(kFingerprintOf<rt::JobRecord> == kFingerprintTick);
 static_assert(kFingerprintOf<JobTiming> == kFingerprintTiming);
 static_assert(kFingerprintOf<JobTimingRecord> == kFingerprintTiming);
 static_assert(kFingerprintOf<GapRecord> == kFingerprintGap);

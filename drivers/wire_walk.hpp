@@ -132,6 +132,14 @@ constexpr void walk(Stream& stream, V& value) {
   } else if constexpr (kKind == WireKind::counted) {
     constexpr std::size_t kLeast = least<typename V::Element, typename V::Listing>().bytes;
     walk_elements<typename V::Element, typename V::Listing>(stream, stream.bounded(value, kLeast));
+  } else if constexpr (kKind == WireKind::widened) {
+    typename V::Travels number{};
+    if constexpr (!Stream::kReads && Stream::kLooksInside) number = value.value;
+    stream.numbers(&number, 1);
+    if constexpr (Stream::kReads) {
+      value.value = static_cast<std::remove_cvref_t<decltype(value.value)>>(number);
+      if (value.value != number) stream.reader.refuse();
+    }
   } else {
     visit_members(value, [&stream](const char*, auto&& member) { walk(stream, member); });
   }

@@ -16,19 +16,28 @@ enum class RayStage : std::uint8_t {
   exact,     ///< all positions together, all directions
 };
 
-/// A plan's worth, what is known about the best possible one, and what both took. Worths in nats.
-struct RayPlan {
+/// What is told of each plan: its worth, what that may lack, and what it took. Worths in nats.
+struct RaySummary {
+  std::uint32_t traced{};  ///< directions that were looked at, of positions * N
+  std::uint64_t units{};   ///< spent since begin()
+  std::uint64_t digest{};  ///< xxhash64 of the rays, two bytes each
+  double worth{};          ///< expected fall of the map's entropy that is sure; at `exact_worth` it is that
+  double certificate{};    ///< worth / best_bound: at least this share of the best possible; 0: not known
+  static constexpr void fields(auto& self, auto&& visit) {
+    SORTIE_VISIT(traced, units)
+    visit("plan_digest", self.digest);
+    SORTIE_VISIT(worth, certificate)
+  }
+};
+
+/// A plan, and what is known about the best possible one. Worths in nats.
+struct RayPlan : RaySummary {
   RayStage stage{};
   std::uint32_t positions{};
-  std::uint32_t rays{};     ///< of each position: min(K, N), all different
-  std::uint32_t planned{};  ///< positions from the first on that hold more than the seed
-  double worth{};           ///< expected fall of the map's entropy that is sure; at `exact_worth` it is that
-  bool exact_worth{};       ///< false: the rays that were not weighed count nothing in `worth`
-  double best_bound{};      ///< no plan of this shape is worth more; infinity while that is not known
-  double certificate{};     ///< worth / best_bound: at least this share of the best possible; 0: not known
-  std::uint64_t digest{};   ///< of the rays
-  std::uint64_t units{};    ///< spent since begin()
-  std::uint32_t traced{};   ///< directions, of positions * N
+  std::uint32_t rays{};         ///< of each position: min(K, N), all different
+  std::uint32_t planned{};      ///< positions from the first on that hold more than the seed
+  bool exact_worth{};           ///< false: the rays that were not weighed count nothing in `worth`
+  double best_bound{};          ///< no plan of this shape is worth more; infinity while that is not known
   std::uint32_t evaluations{};  ///< worths computed beside other rays
   std::uint32_t table_used{};   ///< most cells in the table of coverage
   bool table_full{};            ///< it refused a ray; nothing was lost, but stages ended early

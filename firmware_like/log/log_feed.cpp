@@ -7,6 +7,12 @@
 
 namespace sortie::firmware {
 
+// The longest log that is replayed, a year: one wrong time must not keep a replay busy for ever.
+rt::Tick LogFeed::most_ticks() const {
+  constexpr rt::Nanoseconds kLongest = 366LL * 24 * 3600 * 1'000'000'000;
+  return static_cast<rt::Tick>(kLongest / runtime_.executive().base_tick_ns());
+}
+
 LogFeed::LogFeed(const LogFile& log, Runtime& runtime, bool use_ticks)
     : path_(log.path()),
       runtime_(runtime),
@@ -46,7 +52,7 @@ LogFeed::LogFeed(const LogFile& log, Runtime& runtime, bool use_ticks)
     last_tick_ =
         rt::first_tick_at_or_after(log.last_sample_ns(), executive.epoch_ns(), executive.base_tick_ns()) +
         slowest;
-    if (last_tick_ > most_ticks_of_a_log(executive)) {
+    if (last_tick_ > most_ticks()) {
       throw InputError(
           log.path() + ": its samples end " + std::to_string(last_tick_) +
           " ticks after its epoch, more than a year; a receipt time or the header's epoch is wrong");
@@ -70,8 +76,7 @@ LogFeed::LogFeed(const LogFile& log, Runtime& runtime, bool use_ticks)
 
 std::size_t LogFeed::jobs_before(const GroupCursor& cursor, rt::Tick tick) const {
   const auto at = std::partition_point(cursor.jobs.begin(), cursor.jobs.end(), [&](const StoredEvent& event) {
-    return drivers::decode(event.message, scratch_) == Status::ok &&
-           static_cast<rt::Tick>(scratch_.tick) < tick;
+    return drivers::decode(event.message, scratch_) == Status::ok && scratch_.tick < tick;
   });
   return static_cast<std::size_t>(at - cursor.jobs.begin());
 }
@@ -107,8 +112,7 @@ void LogFeed::archive(rt::Archive& archive, rt::Tick tick) {
 bool LogFeed::load(GroupCursor& cursor) {
   if (cursor.ready) return true;
   if (cursor.next >= cursor.jobs.size()) return false;
-  cursor.ready = drivers::decode(cursor.jobs[cursor.next].message, scratch_) == Status::ok &&
-                 to_job_record(scratch_, *cursor.current);
+  cursor.ready = drivers::decode(cursor.jobs[cursor.next].message, *cursor.current) == Status::ok;
   if (!cursor.ready) throw InputError(path_ + ": a SORTIE_TICK event is damaged; record the log again");
   ++cursor.next;
   return true;
@@ -184,12 +188,11 @@ LogDigest LogFeed::recorded_digest() const {
       if (executive.task(i).group() == index) tasks.push_back(i);
     }
     for (const StoredEvent& event : groups_[index].jobs) {
-      if (drivers::decode(event.message, scratch_) != Status::ok || scratch_.tasks.size() != tasks.size())
-        continue;
+      if (drivers::decode(event.message, scratch_) != Status::ok || scratch_.tasks != tasks.size()) continue;
       for (std::size_t i = 0; i < tasks.size(); ++i) {
-        if ((static_cast<unsigned>(scratch_.shed) >> i & 1u) != 0) continue;  // it put out nothing
+        if ((scratch_.shed >> i & 1) != 0) continue;  // it put out nothing
         std::uint64_t& chain = digest.tasks[tasks[i]];
-        chain = rt::chain_digest(chain, static_cast<std::uint64_t>(scratch_.tick), scratch_.tasks[i].digest);
+        chain = rt::chain_digest(chain, scratch_.tick, scratch_.digest[i]);
       }
       ++digest.jobs;
     }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "drivers/wire_records.hpp"
 #include "firmware_like/log/log_file.hpp"
-#include "firmware_like/log/recorded_job.hpp"
 #include "firmware_like/log/stream_use.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "rt/archive.hpp"
@@ -80,6 +80,8 @@ class LogFeed final : public rt::JobFeed {
     bool ready{};  // `current` holds jobs[next]
   };
 
+  rt::Tick most_ticks() const;
+  bool read_job(const StoredEvent& event);
   void index_jobs(const LogFile& log);
   void leave_out_orphans();
   void take_run_end(const LogFile& log);
@@ -92,7 +94,7 @@ class LogFeed final : public rt::JobFeed {
   bool use_ticks_;
   std::vector<std::unique_ptr<PortCursor>> ports_;
   std::vector<GroupCursor> groups_;
-  mutable drivers::TickRecord scratch_;
+  mutable rt::JobRecord scratch_;
   rt::Tick first_tick_{};
   rt::Tick last_tick_{};
   std::uint64_t missing_samples_{};

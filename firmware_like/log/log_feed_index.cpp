@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which jobs of a log a replay takes: as many as are whole, and in their order.
 #include <algorithm>
+#include <limits>
 
 #include "firmware_like/log/log_event.hpp"
 #include "firmware_like/log/log_feed.hpp"
@@ -30,39 +31,44 @@ void LogFeed::take_run_end(const LogFile& log) {
   last_tick_ = *end - 1;
 }
 
+// False: a damaged event, which may say anything; no job of this table.
+bool LogFeed::read_job(const StoredEvent& event) {
+  if (drivers::decode(event.message, scratch_) != Status::ok || scratch_.group >= groups_.size())
+    return false;
+  const rt::Group& group = runtime_.executive().group(scratch_.group);
+  return scratch_.level <= rt::kTopLevel && scratch_.inputs == group.inputs.size() &&
+         scratch_.streams == group.streams.size() && scratch_.tasks == group.tasks.size() &&
+         group.timing.is_release(scratch_.job, scratch_.tick) && scratch_.tick <= most_ticks() &&
+         std::all_of(scratch_.stream, scratch_.stream + scratch_.streams, [](const rt::StreamRange& range) {
+           return range.first <= std::numeric_limits<std::int64_t>::max() &&
+                  range.count <= std::numeric_limits<std::int32_t>::max();
+         });
+}
+
 void LogFeed::index_jobs(const LogFile& log) {
-  const rt::Executive& executive = runtime_.executive();
   for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTick))) {
-    const bool fits = drivers::decode(event.message, scratch_) == Status::ok && fits_job_record(scratch_) &&
-                      static_cast<std::uint32_t>(scratch_.group) < groups_.size();
-    const auto index = static_cast<std::uint32_t>(fits ? scratch_.group : 0);
-    const rt::Group& group = executive.group(index);
-    if (!fits || scratch_.channels.size() != group.inputs.size() ||
-        scratch_.streams.size() != group.streams.size() || scratch_.tasks.size() != group.tasks.size() ||
-        !group.timing.is_release(static_cast<std::uint64_t>(scratch_.job),
-                                 static_cast<rt::Tick>(scratch_.tick)) ||
-        static_cast<rt::Tick>(scratch_.tick) > most_ticks_of_a_log(executive)) {
+    if (!read_job(event)) {
       // The table of groups is the log's own, so this is damage inside an event, which nothing else can tell.
       damage_ = place_of(log, event) + " is damaged; everything before it is used";
       break;
     }
-    const auto tick = static_cast<rt::Tick>(scratch_.tick);
-    GroupCursor& cursor = groups_[index];
-    if (tick >= log.whole_until()) continue;
-    if (scratch_.job <= cursor.newest) {
+    GroupCursor& cursor = groups_[scratch_.group];
+    if (scratch_.tick >= log.whole_until()) continue;
+    const auto job = static_cast<std::int64_t>(scratch_.job);
+    if (job <= cursor.newest) {
       // A group's jobs are recorded in their order. Which of the two numbers is wrong nobody can tell, and to
       // leave the later one out would make another run of it.
-      damage_ = place_of(log, event) + " holds job " + std::to_string(scratch_.job) + " of group " +
-                group.spec.name + " after job " + std::to_string(cursor.newest) +
-                ", so one of them is damaged; everything before it is used";
+      damage_ = place_of(log, event) + " holds job " + std::to_string(job) + " of group " +
+                runtime_.executive().group(scratch_.group).spec.name + " after job " +
+                std::to_string(cursor.newest) + ", so one of them is damaged; everything before it is used";
       break;
     }
-    if (cursor.jobs.empty()) cursor.first_tick = tick;
-    cursor.newest = scratch_.job;
-    const std::size_t inputs = scratch_.channels.size();
+    if (cursor.jobs.empty()) cursor.first_tick = scratch_.tick;
+    cursor.newest = job;
+    const std::size_t inputs = scratch_.inputs;
     for (std::size_t i = 0; i < inputs; ++i) {
       const std::int64_t before = cursor.jobs.empty() ? -1 : cursor.needs[cursor.needs.size() - inputs];
-      cursor.needs.push_back(std::max(before, scratch_.channels[i].last));
+      cursor.needs.push_back(std::max(before, scratch_.input[i].last));
     }
     cursor.jobs.push_back(event);
   }
@@ -97,7 +103,7 @@ void LogFeed::leave_out_orphans() {
       cursor.jobs.resize(whole);
       cursor.newest = -1;
       if (whole > 0 && drivers::decode(cursor.jobs.back().message, scratch_) == Status::ok)
-        cursor.newest = scratch_.job;
+        cursor.newest = static_cast<std::int64_t>(scratch_.job);
       changed = true;
     }
   }

@@ -103,38 +103,17 @@ void LogRecorder::write_gap(rt::Tick tick, std::uint64_t lost, const char* reaso
   }
 }
 
-bool LogRecorder::write_job(const rt::JobRecord& record) {
-  drivers::StreamTake streams[rt::kMaxStreamsPerGroup];
-  drivers::ChannelTake channels[rt::kMaxInputsPerGroup];
-  drivers::TaskOutput outputs[rt::kMaxTasksPerGroup];
-  for (std::uint32_t i = 0; i < record.streams; ++i) {
-    streams[i] = {static_cast<std::int16_t>(record.stream[i].stream),
-                  static_cast<std::int64_t>(record.stream[i].first),
-                  static_cast<std::int32_t>(record.stream[i].count)};
-  }
-  for (std::uint32_t i = 0; i < record.inputs; ++i)
-    channels[i] = {record.input[i].first, record.input[i].last};
-  for (std::uint32_t i = 0; i < record.tasks; ++i) {
-    outputs[i] = {record.digest[i], static_cast<std::int32_t>(record.units[i])};
-  }
-  const drivers::TickView view{static_cast<std::int64_t>(record.tick),
-                               static_cast<std::int64_t>(record.job),
-                               record.group,
-                               static_cast<std::int8_t>(record.verdict),
-                               static_cast<std::int8_t>(record.level),
-                               static_cast<std::int16_t>(record.shed),
-                               static_cast<std::int16_t>(record.cut),
-                               {streams, record.streams},
-                               {channels, record.inputs},
-                               {outputs, record.tasks},
-                               {record.fields, options_.write_fields ? record.field_bytes : 0}};
+bool LogRecorder::write_job(rt::JobRecord& record) {
+  if (!options_.write_fields) record.field_bytes = 0;
   std::size_t size = 0;
   const rt::Nanoseconds released = runtime_.executive().time_of(record.tick);
-  if (drivers::encode(view, buffer_, size) != Status::ok ||
+  if (drivers::encode(record, buffer_, size) != Status::ok ||
       !append(drivers::kChannelTick, released / 1000, {buffer_.data(), size}))
     return false;
-  const drivers::JobTiming timing{
-      view.tick, view.group, record.started_ns, {record.duration_ns, record.tasks}};
+  const drivers::JobTiming timing{static_cast<std::int64_t>(record.tick),
+                                  record.group,
+                                  record.started_ns,
+                                  {record.duration_ns, record.tasks}};
   // How long it took is no input of a replay.
   if (drivers::encode(timing, buffer_, size) == Status::ok)
     static_cast<void>(append(drivers::kChannelTiming, released / 1000, {buffer_.data(), size}));

@@ -88,7 +88,7 @@ class LogRecorder final : public SampleSink {
   bool has_log() const;
   void open_log(const drivers::LogHeader& header);
   void job(const rt::JobRecord& record);
-  bool write_job(const rt::JobRecord& record);
+  bool write_job(rt::JobRecord& record);
   void write_gap(rt::Tick tick, std::uint64_t lost, const char* reason);
   rt::Tick whole_until() const;
   void note_written();

@@ -203,11 +203,7 @@ void UgvSsl::plan(rt::JobContext& context, SslOutput& output) {
   const planner::RayPlan* plan = choice_->plan();
   if (plan == nullptr) return;
   output.stage = static_cast<std::uint32_t>(plan->stage);
-  output.traced = plan->traced;
-  output.units = plan->units;
-  output.plan_digest = plan->digest;
-  output.worth = plan->worth;
-  output.certificate = plan->certificate;
+  output.plan = *plan;  // its summary alone
 }
 
 void UgvSsl::send(const Devices& devices, const rt::SslCommand& command, rt::Nanoseconds now_ns) {

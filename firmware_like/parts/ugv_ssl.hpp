@@ -9,6 +9,7 @@
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/ugv_ssl_config.hpp"
 #include "mapping/grid/pose_history.hpp"
+#include "planner/ray_plan.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
@@ -29,15 +30,10 @@ struct SslOutput {
   std::uint64_t map_changes{};   ///< of the map that was planned over (mapping::OccupancyOutput)
   std::uint64_t rays_digest{};   ///< xxhash64 of the directions that are asked for, two bytes each
   std::uint32_t stage{};         ///< of the newest plan (planner::RayStage)
-  std::uint32_t traced{};        ///< directions that were looked at for it
-  std::uint64_t units{};         ///< spent on it
-  std::uint64_t plan_digest{};
-  double worth{};             ///< expected fall of the map's entropy by all its positions, nats
-  double certificate{};       ///< at least this share of the best possible; 0: not known
-  std::uint64_t unplanned{};  ///< commands that had no plan: strides
+  planner::RaySummary plan;      ///< of the same
+  std::uint64_t unplanned{};     ///< commands that had no plan: strides
   SORTIE_FIELDS(stamp_ns, asked, answered, frames, rays, returns, unasked, unplaced, range_sum_mm, nearest_mm,
-                oldest_10us, map_changes, rays_digest, stage, traced, units, plan_digest, worth, certificate,
-                unplanned)
+                oldest_10us, map_changes, rays_digest, stage, plan, unplanned)
 };
 
 /// Tasks of the group `mapping`. `occupancy`, only where rays are scheduled: moves the map's window with the

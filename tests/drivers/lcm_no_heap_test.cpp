@@ -40,13 +40,8 @@ TEST_CASE("codecs of samples and records take no memory") {
   }
   Bytes bytes(8192);
   std::vector<rt::ScanPoint> points(100);
-  const std::vector<StreamTake> takes(8);
-  const std::vector<TaskOutput> outputs(16);
   const ExecStats tasks{3, std::vector<TaskTiming>(5)};
   const std::vector<NamedValue> values(13, {"a value with a long name", 1.5});
-  TickRecord record;
-  record.streams.reserve(8);
-  record.tasks.reserve(16);
   std::size_t size = 0;
   std::int64_t seq = 0;
   std::uint64_t calls = 0;
@@ -61,10 +56,10 @@ TEST_CASE("codecs of samples and records take no memory") {
     scan.points = points.data();
     good = encode(scan, 2, bytes, size) == Status::ok && good;
     good = decode(std::span(bytes).first(size), scan.header, points, seq) == Status::ok && good;
-    TickView tick;
-    tick.streams = takes;
-    tick.tasks = outputs;
-    good = encode(tick, bytes, size) == Status::ok && good;
+    rt::JobRecord record{};
+    record.streams = rt::kMaxStreamsPerGroup;
+    record.tasks = rt::kMaxTasksPerGroup;
+    good = encode(record, bytes, size) == Status::ok && good;
     good = decode(std::span(bytes).first(size), record) == Status::ok && good;
     good = encode(tasks, bytes, size) == Status::ok && good;
     good = encode(FieldsView{4, "attitude", values}, bytes, size) == Status::ok && good;

@@ -41,19 +41,27 @@ using namespace sortie::test;
 
 namespace {
 
-TickRecord some_tick() {
-  TickRecord tick;
+constexpr std::uint8_t kFieldBytes[] = {0, 255, 1, 2};
+
+rt::JobRecord some_tick() {
+  rt::JobRecord tick{};
   tick.tick = 1'000'000'000'007;
   tick.job = 12;
   tick.group = 3;
-  tick.verdict = -1;
+  tick.verdict = static_cast<rt::Verdict>(0xff);
   tick.level = 4;
   tick.shed = 0x0ffe;
-  tick.cut = -2;
-  tick.streams = {{1, 100, 5}, {-2, -1, 0}};
-  tick.channels = {{4, 5}, {6, 7}, {8, 9}};
-  tick.tasks = {{0xFEDCBA9876543210u, 17}};
-  tick.fields = {0, 255, 1, 2};
+  tick.cut = 0xfffe;
+  tick.streams = 2;
+  tick.stream[0] = {100, 5, 1};
+  tick.stream[1] = {~std::uint64_t{0}, 0, 0xfffe};
+  tick.inputs = 3;
+  for (std::int64_t i = 0; i < 3; ++i) tick.input[i] = {4 + 2 * i, 5 + 2 * i};
+  tick.tasks = 1;
+  tick.digest[0] = 0xFEDCBA9876543210u;
+  tick.units[0] = 17;
+  tick.field_bytes = 4;
+  for (std::size_t i = 0; i < 4; ++i) tick.fields[i] = kFieldBytes[i];
   return tick;
 }
 
@@ -101,15 +109,15 @@ TEST_CASE("pose_t is bot_core.pose_t") {
 }
 
 TEST_CASE("a tick record is written as lcm-gen writes it and comes back") {
-  const TickRecord tick = some_tick();
+  const rt::JobRecord tick = some_tick();
   tick_t twin{};
-  twin.tick = tick.tick;
-  twin.job = tick.job;
-  twin.group = tick.group;
-  twin.verdict = tick.verdict;
-  twin.level = tick.level;
-  twin.shed = tick.shed;
-  twin.cut = tick.cut;
+  twin.tick = 1'000'000'000'007;
+  twin.job = 12;
+  twin.group = 3;
+  twin.verdict = -1;
+  twin.level = 4;
+  twin.shed = 0x0ffe;
+  twin.cut = -2;
   twin.nstreams = 2;
   twin.stream_id = {1, -2};
   twin.first_seq = {100, -1};
@@ -126,29 +134,33 @@ TEST_CASE("a tick record is written as lcm-gen writes it and comes back") {
   CHECK(bytes == generated_bytes(twin));
   CHECK(bytes.size() == encoded_bytes(tick));
 
-  TickRecord back;
+  rt::JobRecord back;
   REQUIRE(decode(bytes, back) == Status::ok);
   Bytes again(bytes.size());
   std::size_t size = 0;
   REQUIRE(encode(back, again, size) == Status::ok);
   CHECK(again == bytes);
-  CHECK(back.cut == -2);
-  CHECK(back.streams[1].stream_id == -2);
-  CHECK(back.channels[2].last == 9);
-  CHECK(back.tasks[0].digest == 0xFEDCBA9876543210u);
+  CHECK(back.cut == 0xfffe);
+  CHECK(back.stream[1].stream == 0xfffe);
+  CHECK(back.input[2].last == 9);
+  CHECK(back.digest[0] == 0xFEDCBA9876543210u);
 }
 
 TEST_CASE("a tick record that is cut anywhere is refused") {
   const Bytes bytes = exact([tick = some_tick()](auto out, auto& size) { return encode(tick, out, size); });
-  TickRecord back;
+  rt::JobRecord back;
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     REQUIRE(decode(std::span(bytes).first(length), back) == Status::malformed);
   }
-  // A count that promises gigabytes must not be believed.
-  Bytes hostile = bytes;
-  hostile[8 + 8 + 8 + 4 + 6] = 0x7f;
-  CHECK(decode(hostile, back) == Status::malformed);
-  CHECK(back.streams.capacity() < 1000);
+  // A count or a group that no record holds must not be believed, nor cut down to one that it does.
+  for (const std::size_t byte : {8 + 8 + 8, 8 + 8 + 8 + 1, 8 + 8 + 8 + 4 + 6, 8 + 8 + 8 + 4 + 6 + 2}) {
+    for (const int value : {0x7f, 0xff, 0x01}) {
+      Bytes hostile = bytes;
+      hostile[byte] = static_cast<std::uint8_t>(value);
+      CHECK(decode(hostile, back) == Status::malformed);
+      CHECK(back.streams <= rt::kMaxStreamsPerGroup);
+    }
+  }
 }
 
 TEST_CASE("an event is written as lcm-gen writes it and comes back, and cut ones are refused") {

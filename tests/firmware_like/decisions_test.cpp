@@ -18,9 +18,9 @@ using namespace sortie::testing;
 
 namespace {
 
-std::vector<drivers::TickRecord> ticks_of(const std::string& path) {
+std::vector<rt::JobRecord> ticks_of(const std::string& path) {
   const LogFile log(path);
-  std::vector<drivers::TickRecord> records;
+  std::vector<rt::JobRecord> records;
   for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTick))) {
     records.emplace_back();
     REQUIRE(drivers::decode(event.message, records.back()) == Status::ok);
@@ -39,16 +39,16 @@ constexpr int kWork = 0;
 constexpr int kPlan = 1;
 constexpr int kShown = 2;
 constexpr std::size_t kRefine = 1;
-constexpr std::int16_t kRefineBit = 2;
+constexpr std::uint16_t kRefineBit = 2;
 
-bool ran(const drivers::TickRecord& job, std::size_t task) { return ((job.shed >> task) & 1) == 0; }
+bool ran(const rt::JobRecord& job, std::size_t task) { return ((job.shed >> task) & 1) == 0; }
 
 }  // namespace
 
 TEST_CASE("the log says of each job what the executive decided, and its replay decides the same") {
   const TempFolder folder;
   LadderRun run(folder);
-  const std::vector<drivers::TickRecord> logged = ticks_of(run.log);
+  const std::vector<rt::JobRecord> logged = ticks_of(run.log);
   REQUIRE(logged.size() == run.jobs.size());
   int levels[rt::kLevels]{};
   int cuts = 0;
@@ -56,25 +56,24 @@ TEST_CASE("the log says of each job what the executive decided, and its replay d
   for (std::size_t i = 0; i < logged.size(); ++i) {
     const rt::JobRecord& job = run.jobs[i];
     INFO("tick " << job.tick << ", group " << job.group);
-    CHECK(logged[i].tick == static_cast<std::int64_t>(job.tick));
+    CHECK(logged[i].tick == job.tick);
     CHECK(logged[i].group == job.group);
-    CHECK(logged[i].verdict == static_cast<int>(job.verdict));
+    CHECK(logged[i].verdict == job.verdict);
     CHECK(logged[i].level == job.level);
     CHECK(logged[i].shed == job.shed);
     CHECK(logged[i].cut == job.cut);
-    REQUIRE(logged[i].streams.size() == job.streams);
+    REQUIRE(logged[i].streams == job.streams);
     for (std::uint32_t k = 0; k < job.streams; ++k) {
-      CHECK(logged[i].streams[k].first_seq == static_cast<std::int64_t>(job.stream[k].first));
-      CHECK(logged[i].streams[k].count == static_cast<std::int32_t>(job.stream[k].count));
+      CHECK(logged[i].stream[k].first == job.stream[k].first);
+      CHECK(logged[i].stream[k].count == job.stream[k].count);
     }
-    REQUIRE(logged[i].channels.size() == job.inputs);
+    REQUIRE(logged[i].inputs == job.inputs);
     for (std::uint32_t k = 0; k < job.inputs; ++k) {
-      CHECK(logged[i].channels[k].first == job.input[k].first);
-      CHECK(logged[i].channels[k].last == job.input[k].last);
+      CHECK(logged[i].input[k].first == job.input[k].first);
+      CHECK(logged[i].input[k].last == job.input[k].last);
     }
-    REQUIRE(logged[i].tasks.size() == job.tasks);
-    for (std::uint32_t k = 0; k < job.tasks; ++k)
-      CHECK(logged[i].tasks[k].units == static_cast<std::int32_t>(job.units[k]));
+    REQUIRE(logged[i].tasks == job.tasks);
+    for (std::uint32_t k = 0; k < job.tasks; ++k) CHECK(logged[i].units[k] == job.units[k]);
     ++levels[job.level];
     cuts += job.cut != 0 ? 1 : 0;
     missed += job.verdict == rt::Verdict::missed ? 1 : 0;
@@ -96,13 +95,13 @@ TEST_CASE("the log says of each job what the executive decided, and its replay d
 TEST_CASE("a log with one altered field is refused, whatever the field, and the place is named") {
   struct Case {
     const char* what;
-    std::function<bool(const drivers::TickRecord&)> picks;
-    std::function<void(drivers::TickRecord&)> alters;
+    std::function<bool(const rt::JobRecord&)> picks;
+    std::function<void(rt::JobRecord&)> alters;
     const char* field;   // of the difference, how it begins
     const char* was_is;  // "was X, is Y" as it is told, or how it begins; empty: as it comes
     int ticks_later{};   // most ticks until it shows
   };
-  using Job = drivers::TickRecord;
+  using Job = rt::JobRecord;
   const auto work = [](const Job& job) { return job.group == kWork && job.tick > 300; };
   const std::vector<Case> cases{
       {"level up", [&](const Job& j) { return work(j) && j.level == 0 && j.job % 2 == 1; },
@@ -122,33 +121,32 @@ TEST_CASE("a log with one altered field is refused, whatever the field, and the 
        [&](const Job& j) { return work(j) && j.cut == 0 && j.job % 3 == 1 && j.level == 0; },
        [](Job& j) { j.cut = kRefineBit; }, "cut", "was after 40 units, is none, 40 units"},
       {"a cut of a task without units", [&](const Job& j) { return work(j); },
-       [](Job& j) { j.cut = static_cast<std::int16_t>(j.cut | 1); }, "cut", "was after 0 units, is none"},
+       [](Job& j) { j.cut = static_cast<std::uint16_t>(j.cut | 1); }, "cut", "was after 0 units, is none"},
       {"units", [&](const Job& j) { return work(j) && j.cut == 0 && j.level == 0; },
-       [](Job& j) { j.tasks[kRefine].units += 1; }, "units", ""},
+       [](Job& j) { j.units[kRefine] += 1; }, "units", ""},
       {"units of a cut", [&](const Job& j) { return work(j) && (j.cut & kRefineBit) != 0; },
-       [](Job& j) { j.tasks[kRefine].units -= 1; }, "", ""},
-      {"samples", [&](const Job& j) { return work(j) && j.streams[0].count > 0; },
-       [](Job& j) { j.streams[0].count -= 1; }, "", ""},
-      {"first sample", [&](const Job& j) { return work(j) && j.streams[0].count > 0; },
-       [](Job& j) { j.streams[0].first_seq -= 1; }, "samples of stream", ""},
-      {"last job taken, less", [](const Job& j) { return j.group == kPlan && j.channels[0].last > 300; },
-       [](Job& j) { j.channels[0].last -= 1; }, "", ""},
-      {"last job taken, more", [](const Job& j) { return j.group == kPlan && j.channels[0].last > 300; },
-       [](Job& j) { j.channels[0].last += 100; }, "jobs taken of task steer", ""},
-      {"first job taken", [](const Job& j) { return j.group == kPlan && j.channels[0].last > 300; },
-       [](Job& j) { j.channels[0].first -= 100; }, "jobs taken of task steer", ""},
+       [](Job& j) { j.units[kRefine] -= 1; }, "", ""},
+      {"samples", [&](const Job& j) { return work(j) && j.stream[0].count > 0; },
+       [](Job& j) { j.stream[0].count -= 1; }, "", ""},
+      {"first sample", [&](const Job& j) { return work(j) && j.stream[0].count > 0; },
+       [](Job& j) { j.stream[0].first -= 1; }, "samples of stream", ""},
+      {"last job taken, less", [](const Job& j) { return j.group == kPlan && j.input[0].last > 300; },
+       [](Job& j) { j.input[0].last -= 1; }, "", ""},
+      {"last job taken, more", [](const Job& j) { return j.group == kPlan && j.input[0].last > 300; },
+       [](Job& j) { j.input[0].last += 100; }, "jobs taken of task steer", ""},
+      {"first job taken", [](const Job& j) { return j.group == kPlan && j.input[0].last > 300; },
+       [](Job& j) { j.input[0].first -= 100; }, "jobs taken of task steer", ""},
       {"done that others took becomes missed",
-       [&](const Job& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::done); },
-       [](Job& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "", "", 15},
-      {"missed becomes done",
-       [&](const Job& j) { return work(j) && j.verdict == static_cast<int>(rt::Verdict::missed); },
-       [](Job& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::done); }, "verdict",
+       [&](const Job& j) { return work(j) && j.verdict == rt::Verdict::done; },
+       [](Job& j) { j.verdict = rt::Verdict::missed; }, "", "", 15},
+      {"missed becomes done", [&](const Job& j) { return work(j) && j.verdict == rt::Verdict::missed; },
+       [](Job& j) { j.verdict = rt::Verdict::done; }, "verdict",
        "was done, is missed by its times: it ended "},
       {"done that nobody takes becomes missed",
-       [](const Job& j) { return j.group == kShown && j.verdict == static_cast<int>(rt::Verdict::done); },
-       [](Job& j) { j.verdict = static_cast<std::int8_t>(rt::Verdict::missed); }, "verdict",
+       [](const Job& j) { return j.group == kShown && j.verdict == rt::Verdict::done; },
+       [](Job& j) { j.verdict = rt::Verdict::missed; }, "verdict",
        "was missed, is done by its times: it ended "},
-      {"digest", [&](const Job& j) { return work(j); }, [](Job& j) { j.tasks[0].digest ^= 1; }, "", ""},
+      {"digest", [&](const Job& j) { return work(j); }, [](Job& j) { j.digest[0] ^= 1; }, "", ""},
   };
   const TempFolder folder;
   const LadderRun run(folder);
@@ -161,7 +159,7 @@ TEST_CASE("a log with one altered field is refused, whatever the field, and the 
       Job record;
       REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
       if (!item.picks(record)) return true;
-      altered = record.tick;
+      altered = static_cast<std::int64_t>(record.tick);
       item.alters(record);
       std::size_t size = 0;
       REQUIRE(drivers::encode(record, event.bytes, size) == Status::ok);
@@ -186,11 +184,11 @@ TEST_CASE(
   const std::string path = folder.file("altered.lcm");
   for (const int group : {0, 1}) {
     rewrite_log(two_seconds().log, path, [&](EditableEvent& event, std::size_t) {
-      drivers::TickRecord record;
+      rt::JobRecord record;
       if (event.channel != drivers::kChannelTick) return true;
       REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
       if (record.group != group || record.tick < 1000 || record.tick >= 1100) return true;
-      record.verdict = static_cast<std::int8_t>(rt::Verdict::missed);
+      record.verdict = rt::Verdict::missed;
       std::size_t size = 0;
       REQUIRE(drivers::encode(record, event.bytes, size) == Status::ok);
       return true;

@@ -180,9 +180,9 @@ TEST_CASE("a gap behind a disk that filled up early names the tick where the log
     const LogFile log(path);
     rt::Tick newest = 0;
     for (const StoredEvent& event : log.channel(std::string(drivers::kChannelTick))) {
-      drivers::TickRecord job;
+      rt::JobRecord job;
       REQUIRE(drivers::decode(event.message, job) == Status::ok);
-      newest = std::max(newest, static_cast<rt::Tick>(job.tick));
+      newest = std::max(newest, job.tick);
     }
     CHECK(newest < 11'000);
     CHECK(log.whole_until() <= newest + 1);
@@ -199,10 +199,10 @@ TEST_CASE("a job's number that cannot be is refused with its place, and drops no
   const std::string whole = folder.file("whole.lcm");
   const std::string path = folder.file("hurt.lcm");
   record(stall_scene(folder), whole, {}, {100, 200, 300}, 400);
-  const auto with = [&](const std::function<void(drivers::TickRecord&)>& edit) {
+  const auto with = [&](const std::function<void(rt::JobRecord&)>& edit) {
     rewrite_log(whole, path, [&](EditableEvent& event, std::size_t) {
       if (event.channel != drivers::kChannelTick) return true;
-      drivers::TickRecord job;
+      rt::JobRecord job;
       REQUIRE(drivers::decode(event.bytes, job) == Status::ok);
       if (job.group == 1 && job.job == 7) edit(job);  // every 20 ticks: 20 is 4 times 5
       std::size_t size = 0;
@@ -211,28 +211,28 @@ TEST_CASE("a job's number that cannot be is refused with its place, and drops no
     });
     return replay(LogFile(path), stall_vehicles(), {});
   };
-  const std::uint64_t jobs = with([](drivers::TickRecord&) {}).recorded.jobs;
+  const std::uint64_t jobs = with([](rt::JobRecord&) {}).recorded.jobs;
   CHECK(jobs == 420);
   // 2^62 jobs of 20 ticks are 5 * 2^64: the tick seems right.
-  const auto wraps = with([](drivers::TickRecord& job) { job.job += std::int64_t{1} << 62; });
+  const auto wraps = with([](rt::JobRecord& job) { job.job += std::uint64_t{1} << 62; });
   CHECK(mentions(wraps.damage, "is damaged"));
   CHECK(mentions(wraps.damage, "SORTIE_TICK event"));
   CHECK(wraps.recorded.jobs < jobs);
   CHECK(complaint_of(wraps) == "");
   // One that came already, and one far ahead, after which all others come too late.
-  const auto again = with([](drivers::TickRecord& job) {
+  const auto again = with([](rt::JobRecord& job) {
     job.job -= 1;
     job.tick -= 20;
   });
   CHECK(mentions(again.damage, "after job 6"));
-  const auto ahead = with([](drivers::TickRecord& job) {
+  const auto ahead = with([](rt::JobRecord& job) {
     job.job += 1000;
     job.tick += 20'000;
   });
   CHECK(mentions(ahead.damage, "after job 1007"));
-  const auto never = with([](drivers::TickRecord& job) {
-    job.job += std::int64_t{1} << 40;
-    job.tick += 20 * (std::int64_t{1} << 40);
+  const auto never = with([](rt::JobRecord& job) {
+    job.job += std::uint64_t{1} << 40;
+    job.tick += 20 * (std::uint64_t{1} << 40);
   });
   CHECK(mentions(never.damage, "is damaged"));
 }

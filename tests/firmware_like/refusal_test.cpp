@@ -130,23 +130,22 @@ TEST_CASE("of two groups that differ first at the same tick the one first in the
   const rt::GroupTiming fast = executive.group(0).timing;
   const rt::GroupTiming slow = executive.group(1).timing;
   // Ticks at which both groups have a job, and the fast group's is one that stalls.
-  std::vector<std::int64_t> ticks;
+  std::vector<rt::Tick> ticks;
   for (std::uint64_t job = 0; slow.release(job) < 1400; ++job) {
     const rt::Tick tick = slow.release(job);
-    if (fast.releases_at(tick) && fast.job_at(tick) % 37 == 5)
-      ticks.push_back(static_cast<std::int64_t>(tick));
+    if (fast.releases_at(tick) && fast.job_at(tick) % 37 == 5) ticks.push_back(tick);
   }
   REQUIRE(ticks.size() > 1);
   const std::string path = folder.file("spoiled.lcm");
-  for (const std::int64_t tick : ticks) {
+  for (const rt::Tick tick : ticks) {
     int spoiled = 0;
     rewrite_log(live.record, path, [&](EditableEvent& event, std::size_t) {
       if (event.channel != drivers::kChannelTick) return true;
-      drivers::TickRecord record;
+      rt::JobRecord record;
       REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
       if (record.tick != tick) return true;
       ++spoiled;
-      for (drivers::TaskOutput& task : record.tasks) task.digest ^= 1;
+      for (std::uint64_t& digest : record.digest) digest ^= 1;
       std::size_t size = 0;
       REQUIRE(drivers::encode(record, event.bytes, size) == Status::ok);
       return true;
@@ -160,7 +159,7 @@ TEST_CASE("of two groups that differ first at the same tick the one first in the
       const ReplayOutcome outcome = replay(LogFile(path), stall_vehicles(), options);
       stalls = {};
       REQUIRE(outcome.divergence.has_value());
-      CHECK(outcome.divergence->tick == static_cast<rt::Tick>(tick));
+      CHECK(outcome.divergence->tick == tick);
       CHECK(outcome.divergence->group == executive.group(0).spec.name);
       CHECK(outcome.diverged_jobs == 2);
     }

@@ -102,45 +102,45 @@ TEST_CASE("a sample that the log has lost unsaid is noticed") {
 TEST_CASE("a record that asks for the impossible neither crashes nor goes unnoticed") {
   const TempFolder folder;
   const std::string path = folder.file("hostile.lcm");
-  const auto with = [&](const std::function<void(drivers::TickRecord&)>& edit) {
+  const auto with = [&](const std::function<void(rt::JobRecord&)>& edit, int group = 0) {
     rewrite_log(two_seconds().log, path, [&](EditableEvent& event, std::size_t index) {
       if (event.channel != drivers::kChannelTick || index < 700 || index > 1500) return true;
-      drivers::TickRecord record;
+      rt::JobRecord record;
       REQUIRE(drivers::decode(event.bytes, record) == Status::ok);
       edit(record);
       event.bytes.resize(drivers::encoded_bytes(record));
       std::size_t size = 0;
       REQUIRE(drivers::encode(record, event.bytes, size) == Status::ok);
+      // No record holds a negative group: into its four bytes, behind fingerprint, tick and job.
+      if (group < 0) std::fill_n(event.bytes.begin() + 24, 4, static_cast<std::uint8_t>(group));
       return true;
     });
     return replay_log(path);
   };
-  const auto huge_take = with([](drivers::TickRecord& record) {
-    for (auto& stream : record.streams) stream.count = 0x7fffffff;
+  const auto huge_take = with([](rt::JobRecord& record) {
+    for (auto& stream : record.stream) stream.count = 0x7fffffff;
   });
   CHECK(huge_take.divergence.has_value());
   CHECK(counter(huge_take, "samples_missing") > 0);
   // More jobs of another group than the input has room for, up to the end of time.
-  const auto huge_range = with([](drivers::TickRecord& record) {
-    for (auto& channel : record.channels) channel = {-5, std::int64_t{1} << 62};
+  const auto huge_range = with([](rt::JobRecord& record) {
+    for (auto& input : record.input) input = {-5, std::int64_t{1} << 62};
   });
   CHECK(huge_range.recorded.jobs > 0);
-  const auto no_input = with([](drivers::TickRecord& record) { record.verdict = 77; });
+  const auto no_input = with([](rt::JobRecord& record) { record.verdict = static_cast<rt::Verdict>(77); });
   CHECK(no_input.recorded.jobs > 0);
   // What cannot be a job of this table ends the part that is used, and is told.
-  const std::function<void(drivers::TickRecord&)> damages[] = {
-      [](drivers::TickRecord& record) { record.streams.clear(); },
-      [](drivers::TickRecord& record) { record.group = 99; },
-      [](drivers::TickRecord& record) { record.group = -1; },
-      [](drivers::TickRecord& record) { record.tick += 1; }};
-  for (const auto& damage : damages) {
-    const auto part = with(damage);
+  const auto is_told = [](const ReplayOutcome& part) {
     CHECK(complaint_of(part) == "");
     CHECK(part.damage.find("SORTIE_TICK event 700") != std::string::npos);
     CHECK(mentions(part.results.warnings, "SORTIE_TICK event 700"));
     CHECK(part.recorded.jobs <= 700);
     CHECK(part.recorded.jobs > 600);
-  }
+  };
+  is_told(with([](rt::JobRecord& record) { record.streams = 0; }));
+  is_told(with([](rt::JobRecord& record) { record.group = 99; }));
+  is_told(with([](rt::JobRecord&) {}, -1));
+  is_told(with([](rt::JobRecord& record) { record.tick += 1; }));
 }
 
 TEST_CASE("impossible times in a log are named, and a replay of samples still ends") {

@@ -76,7 +76,7 @@ void decode_ssl(Message message) {
 
 void decode_records(Message message) {
   LogHeader header;
-  TickRecord tick;
+  rt::JobRecord tick;
   GapRecord gap;
   CustomView custom;
   PoseMessage pose;

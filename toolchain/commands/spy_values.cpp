@@ -98,7 +98,7 @@ Status read_named(Message message, Values& values) {
 }
 
 Status read_tick(Message message, Values& values) {
-  drivers::TickRecord tick;
+  rt::JobRecord tick;
   const Status status = drivers::decode(message, tick);
   add(values, "tick", tick.tick);
   add(values, "job", tick.job);

@@ -45,7 +45,7 @@ void RayFigures::job(const rt::JobRecord& record, const firmware::Runtime& runti
   if (!plan.shed) {
     plan.unplanned = output.unplanned != unplanned_;
     plan.stage = static_cast<std::uint8_t>(output.stage);
-    plan.certificate = output.certificate;
+    plan.certificate = output.plan.certificate;
     unplanned_ = output.unplanned;
   }
   plans_.push_back(plan);
