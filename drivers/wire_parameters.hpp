@@ -46,16 +46,12 @@ struct ParameterInForce {
   SORTIE_FIELDS(name, unit, value, low, high)
 };
 
-/// parameters_t.
-struct ParametersMessage {
-  std::int64_t utime{};
-  std::int64_t session{};
-  std::int64_t counter{};  ///< highest that was taken
+/// parameters_t: the parameters with the answers to who asked for changes. It carries no tag, no name of the
+/// robot, and nothing of a task.
+struct ParametersMessage : AnswersMessage {
   std::string scene;
   bool remote{};  ///< requests are listened to
-  bool keyed{};   ///< and need a tag
   std::vector<ParameterInForce> parameters;
-  std::vector<RequestAnswer> answers;
   static constexpr void fields(auto& self, auto&& visit) {
     visit("utime", self.utime);
     visit("session", self.session);
