@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "drivers/wire_requests.hpp"
@@ -21,15 +20,18 @@ struct WireRules<rt::ParameterChange> : WireNumbered {
   static bool sent(const rt::ParameterChange& change) { return taken(change); }
 };
 
-/// A request to change a parameter. On decoding `name` points into the message.
+/// set_parameter_t: a request to change a parameter. The stamp of the change is not sent: the run gives it.
 struct SetParameter {
   std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
   std::int64_t sender{};   ///< comes back with the answer
   std::int64_t counter{};  ///< above all that the run has taken: a repeated datagram is stale
-  std::string_view name;
-  double value{};
-  SORTIE_FIELDS(utime, session, sender, counter, name, value)
+  rt::ParameterChange change;
+  static constexpr void fields(auto& self, auto&& visit) {
+    SORTIE_VISIT(utime, session, sender, counter)
+    visit("name", self.change.name);
+    visit("value", self.change.value);
+  }
 };
 template <>
 struct WireRules<SetParameter> : WireTagged {};
@@ -44,16 +46,12 @@ struct ParameterInForce {
   SORTIE_FIELDS(name, unit, value, low, high)
 };
 
-/// parameters_t.
-struct ParametersMessage {
-  std::int64_t utime{};
-  std::int64_t session{};
-  std::int64_t counter{};  ///< highest that was taken
+/// parameters_t: the parameters with the answers to who asked for changes. It carries no tag, no name of the
+/// robot, and nothing of a task.
+struct ParametersMessage : AnswersMessage {
   std::string scene;
   bool remote{};  ///< requests are listened to
-  bool keyed{};   ///< and need a tag
   std::vector<ParameterInForce> parameters;
-  std::vector<RequestAnswer> answers;
   static constexpr void fields(auto& self, auto&& visit) {
     visit("utime", self.utime);
     visit("session", self.session);
@@ -65,8 +63,5 @@ struct ParametersMessage {
     visit("answers", self.answers);
   }
 };
-
-/// Longest set_parameter_t that is looked at.
-inline constexpr std::size_t kMaxSetParameterBytes = 7 * 8 + 4 + rt::kMaxParameterName + 1;
 
 }  // namespace sortie::drivers

@@ -13,7 +13,7 @@
 //
 // A name with a dot is a whole path, others are in the table that a reader names. The list is walked with
 // what has been read so far, so that it may end where a part is not there. A struct inside lists its own:
-// Inner::keys(c.inner, key). Set-up only; nothing of it is in a program that reads no profile.
+// Inner::keys(c.inner, key). Set-up only; of all this a run keeps the ranges of its run-time parameters.
 #pragma once
 
 #include <cmath>
@@ -56,27 +56,32 @@ struct KeyChoice {
   int value{};
 };
 
-/// What a key may be. Texts are static.
-struct KeySpec {
+/// Where a number may lie, as it is written, and what its key means; of other keys the meaning alone.
+/// Profile, help texts and tables of run-time parameters hold it whole. Texts are static.
+struct KeyRange {
+  double low{};
+  double high{};
+  KeyUnit unit{""};
+  const char* meaning = "";
+};
+
+/// What a key may be.
+struct KeySpec : KeyRange {
   static constexpr std::size_t kMostChoices = 4;
 
   /// A number, or three of them, in low .. high, as it is written. With a unit that the member does not keep
   /// it is converted; else a whole member takes whole numbers only.
   constexpr KeySpec(double least, double most, KeyUnit written_in, const char* what, int more = 0)
-      : low(least), high(most), unit(written_in), meaning(what), marks(more) {}
+      : KeyRange{least, most, written_in, what}, marks(more) {}
   /// True or false.
-  constexpr KeySpec(const char* what, int more = 0) : meaning(what), marks(more) {}
+  constexpr KeySpec(const char* what, int more = 0) : KeyRange{.meaning = what}, marks(more) {}
   /// One name of some, in the order in which they are shown.
   template <std::size_t N>
   requires(N <= kMostChoices) constexpr KeySpec(const char* what, const KeyChoice (&names)[N], int more = 0)
-      : meaning(what), marks(more) {
+      : KeyRange{.meaning = what}, marks(more) {
     for (const KeyChoice& choice : names) choices[count++] = choice;
   }
 
-  double low{};
-  double high{};
-  KeyUnit unit{""};
-  const char* meaning;
   int marks;  ///< bits of KeyMarks
   KeyChoice choices[kMostChoices]{};
   std::size_t count{};  ///< of the choices

@@ -11,6 +11,7 @@
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
 #include "rt/fixed_vector.hpp"
+#include "rt/keys.hpp"
 #include "rt/status.hpp"
 #include "rt/time.hpp"
 
@@ -57,21 +58,28 @@ struct ParameterState {
   SORTIE_FIELDS(stamp_ns, applied, refused, value)
 };
 
-/// The parameters of one group. Built at set-up; then check() may be called from any thread, everything else
-/// only by the group's jobs. No heap; about 1 kB. Cost of a change: one comparison of names a parameter.
+/// The parameters of one group. Built at set-up; then check() and the entries are for any thread, everything
+/// else only for the group's jobs. No heap; 1.3 kB. Cost of a change: one comparison of names a parameter.
 class ParameterTable {
  public:
   /// Takes a value that lies within its range. May refuse it for a reason of its own; then nothing changed.
   using Setter = Status (*)(void* self, double value);
 
+  /// One parameter, as it was added.
+  struct Entry : KeyRange {
+    std::string_view name;
+    Setter set{};
+    void* self{};
+  };
+
   /// Set-up: adds a parameter. `name` and `self` outlive the table. `full` beyond 16; `out_of_range` for a
   /// name that is too long or there already, or a range without `initial` in it.
-  Status add(const char* name, double low, double high, double initial, Setter set, void* self) {
+  Status add(const char* name, const KeyRange& range, double initial, Setter set, void* self) {
     const std::string_view text(name);
     if (text.empty() || text.size() > kMaxParameterName || find(text) < entries_.size() ||
-        !(low <= initial && initial <= high))
+        !(range.low <= initial && initial <= range.high))
       return Status::out_of_range;
-    if (!entries_.push_back({text, low, high, set, self})) return Status::full;
+    if (!entries_.push_back({range, text, set, self})) return Status::full;
     state_.value[entries_.size() - 1] = initial;
     return Status::ok;
   }
@@ -130,15 +138,10 @@ class ParameterTable {
 
   const ParameterState& state() const { return state_; }
   std::uint32_t size() const { return entries_.size(); }
+  /// In the order in which they were added; `index` < size() is not checked.
+  const Entry& operator[](std::uint32_t index) const { return entries_[index]; }
 
  private:
-  struct Entry {
-    std::string_view name;
-    double low{};
-    double high{};
-    Setter set{};
-    void* self{};
-  };
   std::uint32_t find(std::string_view name) const {
     std::uint32_t index = 0;
     while (index < entries_.size() && entries_[index].name != name) ++index;

@@ -119,32 +119,33 @@ void RequestDesk<drivers::SetParameter>::take(std::span<const std::uint8_t> mess
   if (!wanted()) return;
   const std::lock_guard lock(mutex_);
   drivers::SetParameter asked;
-  const bool is_long = message.size() > drivers::kMaxSetParameterBytes;
-  if (!open(is_long ? message.first(0) : message, context, asked)) return;
+  if (!open(message, context, asked)) return;
   if (!context.age.fits(asked.utime) || context.age.waited_ns() > kMostWait_ns) {
     ++counters_.wrong_time;
   } else if (asked.counter <= newest_) {
     ++counters_.stale;
   } else {
     newest_ = asked.counter;
-    const Status status = hand_in(asked.name, asked.value, context.now_ns);
+    asked.change.stamp_ns = context.now_ns;
+    const Status status = hand_in(asked.change);
     answers_.add({asked.sender, asked.counter, static_cast<std::int32_t>(status)});
   }
 }
 
 Status RequestDesk<drivers::SetParameter>::set(std::string_view name, double value, rt::Nanoseconds now_ns) {
+  rt::ParameterChange change;
+  // A name that does not fit is no parameter's; the change then has none.
+  static_cast<void>(rt::make_change(name, value, now_ns, change));
   const std::lock_guard lock(mutex_);
-  return hand_in(name, value, now_ns);
+  return hand_in(change);
 }
 
-Status RequestDesk<drivers::SetParameter>::hand_in(std::string_view name, double value,
-                                                   rt::Nanoseconds now_ns) {
+Status RequestDesk<drivers::SetParameter>::hand_in(const rt::ParameterChange& change) {
+  const std::string_view name = rt::name_of(change);
   Status status = Status::not_supported;
   if (const ParameterInfo* info = runtime_.parts().parameters().find(name); info != nullptr) {
-    status = info->owner->table.check(name, value);
-    rt::ParameterChange change;
-    if (status == Status::ok) status = rt::make_change(name, value, now_ns, change);
-    if (status == Status::ok) status = info->owner->port->push(change, now_ns);
+    status = info->owner->table.check(name, change.value);
+    if (status == Status::ok) status = info->owner->port->push(change, change.stamp_ns);
   }
   ++(status == Status::ok              ? counters_.admitted
      : status == Status::not_supported ? counters_.unknown

@@ -198,7 +198,7 @@ class RequestDesk<drivers::SetParameter> : public RequestReception<ParameterDesk
   std::int64_t newest() const;
 
  private:
-  Status hand_in(std::string_view name, double value, rt::Nanoseconds now_ns);
+  Status hand_in(const rt::ParameterChange& change);
 
   Runtime& runtime_;
   std::int64_t newest_{};

@@ -110,8 +110,6 @@ drivers::ParametersMessage RequestDoor::describe() const {
   message.scene = runtime_.profile().name();
   message.remote = listens() && parameters().wanted();
   message.keyed = key_.has_value();
-  for (const ParameterInfo& info : runtime_.parts().parameters().all)
-    message.parameters.push_back({info.name, info.unit, info.initial, info.low, info.high});
   parameters().describe(message);
   return message;
 }

@@ -60,7 +60,8 @@ class RequestDoor {
   const drivers::SipKey* key() const { return key_ ? &*key_ : nullptr; }
   /// True when requests are listened to.
   bool listens() const { return receiver_ != nullptr; }
-  /// Every parameter with its first value, and the newest answers; the caller fills in what is in force.
+  /// What a run tells of its parameters, with the newest answers; the caller adds the date and what is in
+  /// force.
   drivers::ParametersMessage describe() const;
 
  private:

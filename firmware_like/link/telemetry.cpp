@@ -37,7 +37,7 @@ Telemetry::Telemetry(Runtime& runtime, const LogRecorder& recorder, const Reques
     longest = std::max<std::size_t>(longest, runtime.executive().task(i).output_bytes());
   }
   canonical_.resize(longest);
-  for (const auto& group : runtime.parts().parameters().groups) in_force_.push_back(group->table.state());
+  for (const auto& group : runtime.parts().parameters().groups) in_force_[group.get()] = group->table.state();
 }
 
 Telemetry::~Telemetry() { stop(); }
@@ -90,12 +90,11 @@ void Telemetry::publish_motors(std::int64_t utime) {
 }
 
 void Telemetry::note_parameters(const rt::TaskBase& task) {
-  const auto& groups = runtime_.parts().parameters().groups;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i]->task != &task) continue;
-    const std::uint32_t before = in_force_[i].applied + in_force_[i].refused;
-    rt::decode_canonical(canonical_.data(), in_force_[i]);
-    parameters_moved_ = parameters_moved_ || in_force_[i].applied + in_force_[i].refused != before;
+  for (auto& [group, state] : in_force_) {
+    if (group->task != &task) continue;
+    const std::uint32_t before = state.applied + state.refused;
+    rt::decode_canonical(canonical_.data(), state);
+    parameters_moved_ = parameters_moved_ || state.applied + state.refused != before;
   }
 }
 
@@ -107,11 +106,10 @@ void Telemetry::publish_parameters(std::int64_t utime, bool anyway) {
   parameters_moved_ = false;
   drivers::ParametersMessage message = desk_.describe();
   message.utime = utime;
-  for (std::size_t i = 0; i < set.all.size(); ++i) {
-    for (std::size_t group = 0; group < set.groups.size(); ++group) {
-      if (set.groups[group].get() == set.all[i].owner)
-        message.parameters[i].value = in_force_[group].value[set.all[i].index];
-    }
+  for (const ParameterInfo& info : set.all) {
+    const rt::ParameterTable::Entry& key = info.key();
+    message.parameters.push_back(
+        {std::string(key.name), key.unit.name, in_force_[info.owner].value[info.index], key.low, key.high});
   }
   publish(drivers::kChannelParameters, message);
 }

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -77,8 +78,8 @@ class Telemetry {
   std::vector<std::uint8_t> canonical_;
   std::mutex events_mutex_;
   std::vector<drivers::EventRecord> events_;
-  std::vector<rt::ParameterState> in_force_;      // by group of parameters
-  std::vector<drivers::AnswersMessage> answers_;  // of this round
+  std::map<const ParameterGroup*, rt::ParameterState> in_force_;  // as the tasks put it out
+  std::vector<drivers::AnswersMessage> answers_;                  // of this round
   bool parameters_moved_{};
   std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
   std::int64_t segments_seq_{};

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -42,15 +41,12 @@ struct ApplyChanges {
   void archive(rt::Archive& archive) { owner->table.archive(archive); }
 };
 
-/// One parameter, for those who ask from outside.
+/// Where one parameter is, for those who ask from outside.
 struct ParameterInfo {
-  std::string name;
-  std::string unit;
-  double low{};
-  double high{};
-  double initial{};
   ParameterGroup* owner{};
   std::uint32_t index{};  ///< in the owner's table and state
+  /// Its name, range, unit and meaning.
+  const rt::ParameterTable::Entry& key() const { return owner->table[index]; }
 };
 
 /// Every parameter of a vehicle, in order of declaration.
@@ -61,7 +57,7 @@ struct ParameterSet {
   /// The parameter of that name, or null.
   const ParameterInfo* find(std::string_view name) const {
     for (const ParameterInfo& info : all) {
-      if (info.name == name) return &info;
+      if (info.key().name == name) return &info;
     }
     return nullptr;
   }

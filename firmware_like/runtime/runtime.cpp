@@ -221,14 +221,15 @@ void Runtime::read_parameter_keys() {
     if (info == nullptr) {
       std::string known;
       for (const ParameterInfo& other : builder_->parameters().all)
-        known += (known.empty() ? "" : ", ") + other.name;
+        known += (known.empty() ? "" : ", ") + std::string(other.key().name);
       profile_.fail(path, line.name + " is no run-time parameter of this scene; known: " +
                               (known.empty() ? "none" : known));
     }
     if (info->owner->table.check(line.name, line.value) != Status::ok) {
       std::ostringstream why;
-      why << line.name << " = " << line.value << " is outside " << info->low << " .. " << info->high << " "
-          << info->unit;
+      const rt::KeyRange& range = info->key();
+      why << line.name << " = " << line.value << " is outside " << range.low << " .. " << range.high << " "
+          << range.unit.name;
       profile_.fail(path, why.str());
     }
   }

@@ -154,7 +154,7 @@ void VehicleBuilder::parameter(rt::GroupId group, const std::string& path, Param
   ParameterGroup& owner = parameter_group(group, path);
   owner.setters.push_back(std::make_unique<ParameterSetter>(std::move(set)));
   const Status status = owner.table.add(
-      keep(path), key.low, key.high, key.number,
+      keep(path), key, key.number,
       [](void* self, double value) { return (*static_cast<ParameterSetter*>(self))(value); },
       owner.setters.back().get());
   if (status == Status::full)
@@ -162,7 +162,7 @@ void VehicleBuilder::parameter(rt::GroupId group, const std::string& path, Param
   if (status != Status::ok)
     profile_.fail(path, "cannot be a run-time parameter: declared twice, or its name is longer than " +
                             std::to_string(rt::kMaxParameterName) + " bytes");
-  parameters_.all.push_back({path, key.unit, key.low, key.high, key.number, &owner, owner.table.size() - 1});
+  parameters_.all.push_back({&owner, owner.table.size() - 1});
 }
 
 double VehicleBuilder::parameter(rt::GroupId group, const std::string& path, const NumberSpec& spec,

@@ -108,33 +108,33 @@ void Profile::check_power_of_two(const std::string& path, std::uint32_t value) c
 
 bool Profile::has(const std::string& path) const { return static_cast<bool>(tree_->at_path(path)); }
 
-ProfileKey* Profile::declare(const std::string& path, const std::string& value, const std::string& unit,
-                             const std::string& range, const std::string& meaning, bool is_default) {
-  for (ProfileKey& key : keys_) {
-    if (key.path == path) return &key;
+ProfileKey* Profile::declare(const std::string& path, const std::string& value, const rt::KeyRange& key,
+                             const std::string& range, bool is_default) {
+  for (ProfileKey& known : keys_) {
+    if (known.path == path) return &known;
   }
-  keys_.push_back({path, value, unit, range, meaning, is_default});
+  keys_.push_back({key, path, value, range, is_default});
   keys_.back().is_knob = knobs_.count(path) != 0;
   return &keys_.back();
 }
 
 double Profile::number(const std::string& path, const NumberSpec& spec) {
   const TomlNode node = tree_->at_path(path);
+  const char* const unit = spec.unit.name;
   double value = spec.fallback;
   if (node) {
     if (!node.is_number())
-      fail(path, "must be a number" + (*spec.unit ? " in " + std::string(spec.unit) : std::string()));
+      fail(path, "must be a number" + (*unit ? " in " + std::string(unit) : std::string()));
     if (!node.number()) fail(path, kTooManyDigits);
     value = *node.number();
   }
   const std::string range = as_text(spec.low) + " .. " + as_text(spec.high);
   if (!(value >= spec.low && value <= spec.high)) {
-    fail(path, as_text(value) + " is outside " + range +
-                   (*spec.unit ? " " + std::string(spec.unit) : std::string()));
+    fail(path, as_text(value) + " is outside " + range + (*unit ? " " + std::string(unit) : std::string()));
   }
-  ProfileKey* key = declare(path, as_text(value), spec.unit, range, spec.meaning, !node);
+  ProfileKey* key = declare(path, as_text(value), spec, range, !node);
   key->number = value;
-  key->low = spec.low;
+  key->low = spec.low;  // of a key that was read before: as it is read now
   key->high = spec.high;
   return value;
 }
@@ -151,8 +151,8 @@ std::optional<std::int64_t> Profile::integer_or_auto(const std::string& path, co
   if (node && !node.is_integer() && !is_auto) fail(path, "must be a whole number, or \"auto\"");
   std::optional<std::int64_t> value;
   if (!is_auto) value = static_cast<std::int64_t>(std::llround(number(path, spec)));
-  ProfileKey* key = declare(path, "\"auto\"", spec.unit, as_text(spec.low) + " .. " + as_text(spec.high),
-                            spec.meaning, false);
+  ProfileKey* key = declare(path, "\"auto\"", {.unit = spec.unit, .meaning = spec.meaning},
+                            as_text(spec.low) + " .. " + as_text(spec.high), false);
   if (key->range.find("auto") == std::string::npos) key->range += ", \"auto\"";
   return value;
 }
@@ -161,7 +161,7 @@ bool Profile::flag(const std::string& path, bool fallback, const char* meaning) 
   const TomlNode node = tree_->at_path(path);
   if (node && !node.is_boolean()) fail(path, "must be true or false");
   const bool value = node.flag().value_or(fallback);
-  declare(path, value ? "true" : "false", "", "true, false", meaning, !node);
+  declare(path, value ? "true" : "false", {.meaning = meaning}, "true, false", !node);
   return value;
 }
 
@@ -175,7 +175,7 @@ std::string Profile::text(const std::string& path, const std::string& fallback, 
   if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
     fail(path, "\"" + value + "\" is not one of: " + range);
   }
-  declare(path, "\"" + value + "\"", "", range, meaning, !node);
+  declare(path, "\"" + value + "\"", {.meaning = meaning}, range, !node);
   return value;
 }
 
@@ -194,7 +194,7 @@ std::vector<std::string> Profile::texts(const std::string& path, const std::vect
   }
   std::string shown;
   for (const std::string& entry : result) shown += (shown.empty() ? "\"" : ", \"") + entry + "\"";
-  declare(path, "[" + shown + "]", "", "", meaning, !node);
+  declare(path, "[" + shown + "]", {.meaning = meaning}, "", !node);
   return result;
 }
 
@@ -216,8 +216,8 @@ std::vector<std::array<double, 2>> Profile::points(const std::string& path, std:
     if (result.size() > most)
       fail(path, std::to_string(result.size()) + " points; at most " + std::to_string(most) + " fit");
   }
-  declare(path, std::to_string(result.size()) + " points", "m", "at most " + std::to_string(most), meaning,
-          !node);
+  declare(path, std::to_string(result.size()) + " points", {.unit = "m", .meaning = meaning},
+          "at most " + std::to_string(most), !node);
   return result;
 }
 

@@ -33,19 +33,15 @@ class ProfileError : public std::runtime_error {
   static std::string one_line(std::string words);
 };
 
-/// One declared key, for help texts and docs.
-struct ProfileKey {
+/// One declared key, for help texts and docs. Of what is no number low and high are 0.
+struct ProfileKey : rt::KeyRange {
   std::string path;
   std::string value;  ///< in force
-  std::string unit;
-  std::string range;
-  std::string meaning;
+  std::string range;  ///< or choices, as text
   bool is_default{};
   bool is_changeable{};  ///< a run-time parameter: may be set while a run goes on
   bool is_knob{};        ///< trades error for run time or memory: of interest to a sweep
-  double number{};       ///< of a number: its value and range
-  double low{};
-  double high{};
+  double number{};       ///< of a number: its value
 };
 
 /// One row of [[script]]: a change of a run-time parameter, made by the run itself.
@@ -56,13 +52,14 @@ struct ScriptLine {
   std::size_t row{};  ///< in the file's order
 };
 
-/// Where a number may lie and what it means.
-struct NumberSpec {
+/// A number that the profile may leave out: its range, and what holds then.
+struct NumberSpec : rt::KeyRange {
+  constexpr NumberSpec() = default;
+  constexpr NumberSpec(double otherwise, const KeyRange& range) : KeyRange(range), fallback(otherwise) {}
+  constexpr NumberSpec(double otherwise, double least, double most, rt::KeyUnit written_in = "",
+                       const char* what = "")
+      : KeyRange{least, most, written_in, what}, fallback(otherwise) {}
   double fallback{};
-  double low{};
-  double high{};
-  const char* unit = "";
-  const char* meaning = "";
 };
 
 /// One column of a list of tables.
@@ -113,7 +110,7 @@ class Profile {
   }
 
   /// Reads a value, or gives the fallback when the key is absent. Out of range or of another type:
-  /// ProfileError.
+  /// ProfileError. Units and meanings are static texts.
   double number(const std::string& path, const NumberSpec& spec);
   std::int64_t integer(const std::string& path, const NumberSpec& spec);
   /// A whole number, or nothing where "auto" stands.
@@ -175,8 +172,8 @@ class Profile {
       "has more digits than a number here can hold: whole ones reach to 2^53 = 9007199254740992";
   friend Profile load_scene(const std::string& scene, const std::vector<std::string>& overrides);
   Profile(LaidScene scene, const std::vector<std::string>& overrides);
-  ProfileKey* declare(const std::string& path, const std::string& value, const std::string& unit,
-                      const std::string& range, const std::string& meaning, bool is_default);
+  ProfileKey* declare(const std::string& path, const std::string& value, const rt::KeyRange& key,
+                      const std::string& range, bool is_default);
   // True: the profile has it, and `written` is what stands there; a flag or a choice as the member's value.
   bool read_key(const std::string& path, const rt::KeySpec& spec, rt::KeyKind kind, double& written);
   void read_point(const std::string& path, const rt::KeySpec& spec, rt::Vector3& point);

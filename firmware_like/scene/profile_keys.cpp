@@ -7,14 +7,6 @@
 
 namespace sortie::firmware {
 
-namespace {
-
-NumberSpec number_of(const rt::KeySpec& spec, double fallback) {
-  return {fallback, spec.low, spec.high, spec.unit.name, spec.meaning};
-}
-
-}  // namespace
-
 std::string key_path(const std::string& table, const std::string& name) {
   return name.find('.') == std::string::npos ? table + "." + name : name;
 }
@@ -22,7 +14,7 @@ std::string key_path(const std::string& table, const std::string& name) {
 bool Profile::read_key(const std::string& path, const rt::KeySpec& spec, rt::KeyKind kind, double& written) {
   if ((spec.marks & rt::kKnob) != 0) knob(path);
   if (kind == rt::KeyKind::whole) {
-    written = static_cast<double>(integer(path, number_of(spec, written)));
+    written = static_cast<double>(integer(path, {written, spec}));
   } else if (kind == rt::KeyKind::flag) {
     written = flag(path, written != 0.0, spec.meaning) ? 1 : 0;
   } else if (kind == rt::KeyKind::choice) {
@@ -33,13 +25,13 @@ bool Profile::read_key(const std::string& path, const rt::KeySpec& spec, rt::Key
     const std::string said = text(path, now == names.end() ? "" : now->name, spec.meaning, known);
     written = names[static_cast<std::size_t>(std::ranges::find(known, said) - known.begin())].value;
   } else {
-    written = number(path, number_of(spec, written));
+    written = number(path, {written, spec});
   }
   return has(path);
 }
 
 void Profile::read_point(const std::string& path, const rt::KeySpec& spec, rt::Vector3& point) {
-  const std::vector<double> read = numbers(path, {point.x, point.y, point.z}, number_of(spec, 0));
+  const std::vector<double> read = numbers(path, {point.x, point.y, point.z}, {0, spec});
   point = {read[0], read[1], read[2]};
 }
 

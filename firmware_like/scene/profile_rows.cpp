@@ -15,7 +15,7 @@ constexpr double kLatest_s = 1e7;  // of a script's row: as long as the longest 
 
 std::string range_of(const NumberSpec& spec) {
   std::ostringstream out;
-  out << spec.low << " .. " << spec.high << (*spec.unit != '\0' ? " " : "") << spec.unit;
+  out << spec.low << " .. " << spec.high << (*spec.unit.name != '\0' ? " " : "") << spec.unit.name;
   return out.str();
 }
 
@@ -47,7 +47,8 @@ std::vector<double> Profile::numbers(const std::string& path, const std::vector<
   for (const double value : result) shown << (shown.tellp() == 0 ? "[" : ", ") << value;
   NumberSpec without_unit = spec;
   without_unit.unit = "";
-  declare(path, shown.str() + "]", spec.unit, range_of(without_unit), spec.meaning, !node);
+  declare(path, shown.str() + "]", {.unit = spec.unit, .meaning = spec.meaning}, range_of(without_unit),
+          !node);
   return result;
 }
 
@@ -87,8 +88,8 @@ std::vector<ProfileRow> Profile::rows(const std::string& path, const std::vector
       }
     }
   }
-  declare(path, std::to_string(result.size()) + " rows", "",
-          "at most " + std::to_string(most) + " rows of " + names_of(columns), meaning, !list);
+  declare(path, std::to_string(result.size()) + " rows", {.meaning = meaning},
+          "at most " + std::to_string(most) + " rows of " + names_of(columns), !list);
   return result;
 }
 
@@ -115,9 +116,10 @@ std::vector<ScriptLine> Profile::script() {
     lines.push_back({at_s, name, *row.get("value").number(), i});
   }
   std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
-  declare("script", std::to_string(lines.size()) + " changes", "", "rows of at_s, set, value",
-          "changes of run-time parameters that a run makes by itself; a replay takes them from the log",
-          !rows);
+  const char* meaning =
+      "changes of run-time parameters that a run makes by itself; a replay takes them from the log";
+  declare("script", std::to_string(lines.size()) + " changes", {.meaning = meaning},
+          "rows of at_s, set, value", !rows);
   return lines;
 }
 

@@ -37,7 +37,7 @@ class Weather {
       case 3:
         add_header("LC02", drivers::kChannelSet);
         add_request(
-            drivers::SetParameter{number(), number(), number(), number(), "drive.max_speed_m_s", 0.1});
+            drivers::SetParameter{number(), number(), number(), number(), {0, "drive.max_speed_m_s", 0.1}});
         break;
       default: {
         add_header("LC02", drivers::kChannelDrive);

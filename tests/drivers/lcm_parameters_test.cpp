@@ -23,7 +23,7 @@ SipKey counting_key() {
   return key;
 }
 
-SetParameter some_request() { return {1, 2, 3, 4, "drive.max_speed_m_s", 0.25}; }
+SetParameter some_request() { return {1, 2, 3, 4, {0, "drive.max_speed_m_s", 0.25}}; }
 
 Bytes request_bytes(const SetParameter& request, const SipKey* key) {
   return exact([&](auto out, auto& size) { return encode(request, key, out, size); });
@@ -70,13 +70,13 @@ TEST_CASE("a request is written as lcm-gen writes it, and its tag covers every b
   SetParameter back;
   REQUIRE(decode(open, nullptr, back) == Status::ok);
   CHECK(back.counter == 4);
-  CHECK(back.name == "drive.max_speed_m_s");
+  CHECK(rt::name_of(back.change) == "drive.max_speed_m_s");
   CHECK(decode(open, &key, back) == Status::disconnected);
 
   const Bytes tagged = request_bytes(some_request(), &key);
   CHECK(tagged.size() == open.size());
   REQUIRE(decode(tagged, &key, back) == Status::ok);
-  CHECK(back.value == 0.25);
+  CHECK(back.change.value == 0.25);
   SipKey other = key;
   other[15] ^= 1u;
   CHECK(decode(tagged, &other, back) == Status::disconnected);
@@ -86,8 +86,13 @@ TEST_CASE("a request is written as lcm-gen writes it, and its tag covers every b
     INFO("bit " << bit);
     REQUIRE(decode(spoiled, &key, back) != Status::ok);
   }
-  CHECK(kMaxSetParameterBytes ==
-        request_bytes({1, 2, 3, 4, std::string(rt::kMaxParameterName, 'x'), 1}, &key).size());
+  const std::string longest(rt::kMaxParameterName, 'x');
+  REQUIRE(decode(generated_bytes(set_parameter_t{1, 2, 3, 5, longest, 1, 0}), nullptr, back) == Status::ok);
+  CHECK(rt::name_of(back.change) == longest);
+  // Malformed before its tag is looked at.
+  const Bytes long_name = generated_bytes(set_parameter_t{1, 2, 3, 6, longest + "x", 1, 0});
+  CHECK(decode(long_name, &key, back) == Status::malformed);
+  CHECK(back.counter == 5);
 }
 
 TEST_CASE("the parameters in force are written as lcm-gen writes them and come back") {

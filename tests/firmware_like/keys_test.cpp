@@ -126,7 +126,7 @@ TEST_CASE("what a profile does not say stays as the struct has it, to the last b
   for (const ProfileKey& key : profile.keys()) {
     if (key.path.rfind("scene.", 0) == 0) continue;
     CHECK(key.is_default);
-    shown += key.path + "=" + key.value + " " + key.unit + " (" + key.range + ") " + key.meaning + "\n";
+    shown += key.path + "=" + key.value + " " + key.unit.name + " (" + key.range + ") " + key.meaning + "\n";
   }
   CHECK(shown ==
         "rig.gain=1.5  (0.5 .. 2) how much\n"
@@ -276,11 +276,11 @@ TEST_CASE("a live key is a run-time parameter in its list's range: set by its se
   Runtime runtime(profile_of("[rig]\ngain = 2\narm_deg = 30\n"), vehicles, RuntimeStart{});
   const ParameterSet& set = runtime.parts().parameters();
   std::string known;
-  for (const ParameterInfo& info : set.all) known += info.name + " ";
+  for (const ParameterInfo& info : set.all) known += std::string(info.key().name) + " ";
   CHECK(known == "rig.arm_deg rig.gain rig.block_ms ");
-  CHECK(set.find("rig.arm_deg")->initial == 30.0);
-  CHECK(set.find("rig.arm_deg")->high == 180.0);
-  CHECK(set.find("rig.arm_deg")->unit == "deg");
+  CHECK(set.find("rig.arm_deg")->owner->table.state().value[0] == 30.0);
+  CHECK(set.find("rig.arm_deg")->key().high == 180.0);
+  CHECK(std::string(set.find("rig.arm_deg")->key().unit.name) == "deg");
   const auto change = [&](const char* name, double value) {
     rt::ParameterChange asked;
     REQUIRE(rt::make_change(name, value, 1, asked) == Status::ok);

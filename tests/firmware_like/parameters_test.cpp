@@ -88,12 +88,14 @@ TEST_CASE("every parameter of the ground robot can be changed, and every change 
   const std::string plain = run_live(own_vehicles(), make_simulated_robot, hall_options()).results.digest;
   std::size_t count = 0;
   for (const ParameterInfo& info : runtime.parts().parameters().all) {
-    INFO(info.name);
-    CHECK(info.initial >= info.low);
-    CHECK(info.initial <= info.high);
-    const double other = 0.9 * info.initial;
+    const std::string name(info.key().name);
+    INFO(name);
+    const double initial = info.owner->table.state().value[info.index];
+    CHECK(initial >= info.key().low);
+    CHECK(initial <= info.key().high);
+    const double other = 0.9 * initial;
     const LiveRunOutcome run = run_live(own_vehicles(), make_simulated_robot,
-                                        hall_options({"script=[" + row(1, info.name, other) + "]"}));
+                                        hall_options({"script=[" + row(1, name, other) + "]"}));
     CHECK(run.results.digest != plain);
     CHECK(run.results.counters.at("parameters_applied") == 1);
     ++count;

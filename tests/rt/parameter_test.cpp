@@ -37,7 +37,7 @@ class Adjustable {
  public:
   explicit Adjustable(std::uint32_t seed = 0, std::uint32_t most_us = 0)
       : memory_(4u << 20), arena_(memory_), executive(arena_, 1'000'000, 0), jitter_(seed, most_us) {
-    REQUIRE(table_.add("gain", -1e9, 1e9, 1, store, &gain_) == Status::ok);
+    REQUIRE(table_.add("gain", {-1e9, 1e9}, 1, store, &gain_) == Status::ok);
     const GroupId owner = executive.add_group({"owner", 1, 0, -1});
     const GroupId reader = executive.add_group({"reader", 3, 0, -1});
     stream = executive.add_stream<ParameterChange>(owner, "PARAMETER_owner", 16, 16);
@@ -99,8 +99,8 @@ TEST_CASE("a change is checked by name, number and range, and what is refused ch
   double speed = 0.5;
   double width = 0.4;
   ParameterTable table;
-  REQUIRE(table.add("drive.max_speed_m_s", 0.01, 10, speed, store, &speed) == Status::ok);
-  REQUIRE(table.add("drive.track_width_m", 0.05, 10, width, store, &width) == Status::ok);
+  REQUIRE(table.add("drive.max_speed_m_s", {0.01, 10}, speed, store, &speed) == Status::ok);
+  REQUIRE(table.add("drive.track_width_m", {0.05, 10}, width, store, &width) == Status::ok);
   CHECK(table.check("drive.max_speed_m_s", 0.01) == Status::ok);
   CHECK(table.check("drive.max_speed_m_s", 10) == Status::ok);
   CHECK(table.check("drive.max_speed_m_s", std::nextafter(10.0, 11.0)) == Status::out_of_range);
@@ -129,7 +129,7 @@ TEST_CASE("a change is checked by name, number and range, and what is refused ch
 TEST_CASE("a setter may refuse a value, and the state then keeps the old one") {
   ParameterTable table;
   const auto refuse = [](void*, double value) { return value > 5 ? Status::out_of_range : Status::ok; };
-  REQUIRE(table.add("p", 0, 10, 1, refuse, nullptr) == Status::ok);
+  REQUIRE(table.add("p", {0, 10}, 1, refuse, nullptr) == Status::ok);
   CHECK(table.apply(change("p", 6)) == Status::out_of_range);
   CHECK(table.state().value[0] == 1);
   CHECK(table.apply(change("p", 5)) == Status::ok);
@@ -143,16 +143,16 @@ TEST_CASE("a table takes sixteen parameters with names and ranges that make sens
   double value = 0;
   const std::string longest(kMaxParameterName, 'x');
   const std::string too_long(kMaxParameterName + 1, 'x');
-  CHECK(table.add(longest.c_str(), 0, 1, 0, store, &value) == Status::ok);
-  CHECK(table.add(longest.c_str(), 0, 1, 0, store, &value) == Status::out_of_range);
-  CHECK(table.add(too_long.c_str(), 0, 1, 0, store, &value) == Status::out_of_range);
-  CHECK(table.add("", 0, 1, 0, store, &value) == Status::out_of_range);
-  CHECK(table.add("high", 0, 1, 2, store, &value) == Status::out_of_range);
-  CHECK(table.add("nan", 0, 1, kQuietNan, store, &value) == Status::out_of_range);
+  CHECK(table.add(longest.c_str(), {0, 1}, 0, store, &value) == Status::ok);
+  CHECK(table.add(longest.c_str(), {0, 1}, 0, store, &value) == Status::out_of_range);
+  CHECK(table.add(too_long.c_str(), {0, 1}, 0, store, &value) == Status::out_of_range);
+  CHECK(table.add("", {0, 1}, 0, store, &value) == Status::out_of_range);
+  CHECK(table.add("high", {0, 1}, 2, store, &value) == Status::out_of_range);
+  CHECK(table.add("nan", {0, 1}, kQuietNan, store, &value) == Status::out_of_range);
   CHECK(table.apply(change(longest, 1)) == Status::ok);
   const char* names[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o"};
-  for (const char* name : names) CHECK(table.add(name, 0, 1, 0, store, &value) == Status::ok);
-  CHECK(table.add("p", 0, 1, 0, store, &value) == Status::full);
+  for (const char* name : names) CHECK(table.add(name, {0, 1}, 0, store, &value) == Status::ok);
+  CHECK(table.add("p", {0, 1}, 0, store, &value) == Status::full);
   CHECK(table.size() == kMaxParametersPerGroup);
 
   ParameterChange made;
@@ -166,8 +166,8 @@ TEST_CASE("a table that is restored goes on as if it had never stopped") {
   double second = 1;
   ParameterTable table;
   ParameterTable again;
-  REQUIRE(table.add("p", 0, 10, 1, store, &first) == Status::ok);
-  REQUIRE(again.add("p", 0, 10, 1, store, &second) == Status::ok);
+  REQUIRE(table.add("p", {0, 10}, 1, store, &first) == Status::ok);
+  REQUIRE(again.add("p", {0, 10}, 1, store, &second) == Status::ok);
   REQUIRE(table.apply(change("p", 7, 5)) == Status::ok);
   static_cast<void>(table.apply(change("p", kQuietNan)));
   REQUIRE(again.restore(table.state()) == Status::ok);
@@ -195,8 +195,8 @@ TEST_CASE("a table goes through an archive, two parameters that bound each other
   ParameterTable table;
   ParameterTable again;
   for (auto [t, pair] : {std::pair{&table, &first}, std::pair{&again, &second}}) {
-    REQUIRE(t->add("low", 0, 100, 0, Pair::set_low, pair) == Status::ok);
-    REQUIRE(t->add("high", 0, 100, 1, Pair::set_high, pair) == Status::ok);
+    REQUIRE(t->add("low", {0, 100}, 0, Pair::set_low, pair) == Status::ok);
+    REQUIRE(t->add("high", {0, 100}, 1, Pair::set_high, pair) == Status::ok);
   }
   REQUIRE(table.apply(change("high", 50)) == Status::ok);
   REQUIRE(table.apply(change("low", 40)) == Status::ok);

@@ -78,7 +78,7 @@ TEST_CASE("every knob is read by some scene for real use, and every value that i
       REQUIRE(declared != keys.end());
       CHECK(std::any_of(knob.values.begin(), knob.values.end(),
                         [&](const std::string& value) { return same_value(value, declared->value); }));
-      CHECK_FALSE(declared->meaning.empty());
+      CHECK_FALSE(std::string(declared->meaning).empty());
       CHECK_NOTHROW(build({knob.key + "=" + knob.values.front()}));
       CHECK_NOTHROW(build({knob.key + "=" + knob.values.back()}));
     }

@@ -92,18 +92,18 @@ TEST_CASE("the desk takes requests with the right tag, session and counter, and 
   const std::int64_t session = desk.describe().session;
   CHECK(session != 0);
   Sender sender;
-  const std::string name = "drive.max_speed_m_s";
+  const auto speed = [](double value) { return rt::ParameterChange{0, "drive.max_speed_m_s", value}; };
   sender.raw({1, 2, 3});
   sender.raw(std::vector<std::uint8_t>(2000, 0));
-  sender.ask({1, session, 5, 1, name, 0.1}, nullptr);
-  sender.ask({1, session, 5, 1, name, 0.1}, &other);
-  sender.ask({1, session + 1, 5, 1, name, 0.1}, &key);
-  sender.ask({1, session, 5, 10, name, 0.2}, &key);  // good
-  sender.ask({1, session, 5, 10, name, 0.2}, &key);  // the same datagram again
-  sender.ask({1, session, 5, 9, name, 0.3}, &key);   // overtaken
-  sender.ask({1, session, 5, 11, name, 99}, &key);
-  sender.ask({1, session, 5, 12, "drive.max", 0.3}, &key);
-  sender.ask({1, session, 5, 13, name, std::numeric_limits<double>::quiet_NaN()}, &key);
+  sender.ask({1, session, 5, 1, speed(0.1)}, nullptr);
+  sender.ask({1, session, 5, 1, speed(0.1)}, &other);
+  sender.ask({1, session + 1, 5, 1, speed(0.1)}, &key);
+  sender.ask({1, session, 5, 10, speed(0.2)}, &key);  // good
+  sender.ask({1, session, 5, 10, speed(0.2)}, &key);  // the same datagram again
+  sender.ask({1, session, 5, 9, speed(0.3)}, &key);   // overtaken
+  sender.ask({1, session, 5, 11, speed(99)}, &key);
+  sender.ask({1, session, 5, 12, {0, "drive.max", 0.3}}, &key);
+  sender.ask({1, session, 5, 13, speed(std::numeric_limits<double>::quiet_NaN())}, &key);
   wait_for(desk, sender.sent);
   const ParameterDeskCounters counters = desk.parameters().counters();
   CHECK(counters.malformed == 2);
@@ -136,9 +136,9 @@ TEST_CASE("the desk refuses a friend's request that was held back, and takes the
                           std::chrono::system_clock::now().time_since_epoch())
                           .count();
   Sender sender;
-  sender.ask({now_us - 600'000'000, session, 5, 1, "drive.max_speed_m_s", 0.1}, &key);
-  sender.ask({now_us + 600'000'000, session, 5, 2, "drive.max_speed_m_s", 0.1}, &key);
-  sender.ask({now_us, session, 5, 3, "drive.max_speed_m_s", 0.2}, &key);
+  sender.ask({now_us - 600'000'000, session, 5, 1, {0, "drive.max_speed_m_s", 0.1}}, &key);
+  sender.ask({now_us + 600'000'000, session, 5, 2, {0, "drive.max_speed_m_s", 0.1}}, &key);
+  sender.ask({now_us, session, 5, 3, {0, "drive.max_speed_m_s", 0.2}}, &key);
   wait_for(desk, sender.sent);
   CHECK(desk.parameters().counters().wrong_time == 2);
   CHECK(desk.parameters().counters().admitted == 1);
@@ -153,7 +153,8 @@ TEST_CASE("a flood of requests is refused beyond the ring and counted") {
   CHECK(desk.open(kUrl).find("anybody") != std::string::npos);
   const std::int64_t session = desk.describe().session;
   Sender sender;
-  for (std::int64_t i = 1; i <= 60; ++i) sender.ask({1, session, 5, i, "drive.max_speed_m_s", 0.3}, nullptr);
+  for (std::int64_t i = 1; i <= 60; ++i)
+    sender.ask({1, session, 5, i, {0, "drive.max_speed_m_s", 0.3}}, nullptr);
   wait_for(desk, sender.sent);
   CHECK(desk.parameters().counters().admitted == kWaitingChanges);
   CHECK(desk.parameters().counters().full == 60 - kWaitingChanges);
@@ -171,7 +172,7 @@ TEST_CASE("without a secret nothing is taken, and the cure is told") {
   CHECK(warning.find("secret_file") != std::string::npos);
   CHECK_FALSE(desk.describe().remote);
   Sender sender;
-  sender.ask({1, desk.describe().session, 5, 1, "drive.max_speed_m_s", 0.1}, nullptr);
+  sender.ask({1, desk.describe().session, 5, 1, {0, "drive.max_speed_m_s", 0.1}}, nullptr);
   for (int i = 0; i < 20; ++i) {
     desk.poll(i);
     std::this_thread::sleep_for(milliseconds(5));
@@ -186,7 +187,7 @@ TEST_CASE("without remote control nothing is listened to") {
   CHECK(desk.open(kUrl).empty());
   CHECK_FALSE(desk.describe().remote);
   Sender sender;
-  sender.ask({1, 0, 5, 1, "drive.max_speed_m_s", 0.1}, nullptr);
+  sender.ask({1, 0, 5, 1, {0, "drive.max_speed_m_s", 0.1}}, nullptr);
   for (int i = 0; i < 20; ++i) {
     desk.poll(i);
     std::this_thread::sleep_for(milliseconds(5));
@@ -223,7 +224,7 @@ TEST_CASE("a live run is heard, takes a friend's changes, and its log replays to
   CHECK(ask_for_change(stranger, "drive.max_speed_m_s", 2, milliseconds(700)).end == ChangeEnd::no_answer);
   // Asked again before anybody has answered it is the same change, which is made once.
   drivers::SetParameter twice;
-  twice.name = "drive.max_speed_m_s";
+  twice.change = {0, "drive.max_speed_m_s", 0};
   const std::int64_t first = stranger.ask(twice);
   CHECK(stranger.ask(twice) == first);
   const LiveRunOutcome& run = hall.end();

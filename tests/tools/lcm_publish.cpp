@@ -107,7 +107,7 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   std::memcpy(change.name, "drive.max_speed_m_s", sizeof("drive.max_speed_m_s"));
   change.value = 0.5;
   send(publisher, kChannelChange, [&](auto out, auto& size) { return encode(change, step, out, size); });
-  const SetParameter request{robot.stamp_ns / 1000, 1, 2, step, "drive.max_speed_m_s", 0.5};
+  const SetParameter request{robot.stamp_ns / 1000, 1, 2, step, change};
   send(publisher, kChannelSet, [&](auto out, auto& size) { return encode(request, nullptr, out, size); });
   DriveRequestMessage drive;
   drive.counter = step + 1;

@@ -73,8 +73,8 @@ RequestClient::RequestClient(const std::string& url, std::optional<drivers::SipK
   if (!publisher_.active()) throw std::runtime_error(publisher_.problem());
 }
 
-// What a run says of the task, or of its parameters: these are told as if they were a task's state. Status:
-// as the codec's; `malformed` also for what cannot be believed or is of another task.
+// What a run says of the task, or of its parameters: then its session is its name. Status: as the codec's;
+// `malformed` also for what cannot be believed or is of another task.
 Status RequestClient::read(std::span<const std::uint8_t> payload, const drivers::SipKey* key,
                            Heard& heard) const {
   if (topic_.has_task()) {
@@ -84,14 +84,9 @@ Status RequestClient::read(std::span<const std::uint8_t> payload, const drivers:
     const bool fits = heard.task == topic_.task && heard.counter >= 0 && heard.counter <= kMostCounter;
     return fits ? Status::ok : Status::malformed;
   }
-  drivers::ParametersMessage& run = heard.parameters;
-  if (const Status form = drivers::decode(payload, run); form != Status::ok) return form;
-  heard.utime = run.utime;
-  heard.session = run.session;
-  heard.robot = firmware::hex(static_cast<std::uint64_t>(run.session));
-  heard.counter = std::clamp<std::int64_t>(run.counter, 0, kMostCounter);
-  heard.answers = run.answers;
-  for (const drivers::ParameterInForce& one : run.parameters) heard.state.push_back({one.name, one.value});
+  if (const Status form = drivers::decode(payload, heard); form != Status::ok) return form;
+  heard.robot = firmware::hex(static_cast<std::uint64_t>(heard.session));
+  heard.counter = std::clamp<std::int64_t>(heard.counter, 0, kMostCounter);
   return Status::ok;
 }
 
@@ -282,10 +277,12 @@ std::optional<Status> RequestClient::answer(std::int64_t first) const {
 }
 
 double RequestClient::value(const std::string& name) const {
-  for (const drivers::NamedValue& value : heard_.state) {
-    if (value.name == name) return value.value;
-  }
-  return 0;
+  const auto of = [&name](const auto& rows) {
+    const auto row =
+        std::find_if(rows.begin(), rows.end(), [&name](const auto& one) { return one.name == name; });
+    return row == rows.end() ? 0.0 : row->value;
+  };
+  return topic_.has_task() ? of(heard_.state) : of(heard_.parameters);
 }
 
 }  // namespace sortie::toolchain

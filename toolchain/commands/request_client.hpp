@@ -38,7 +38,7 @@ class RequestClient {
   /// Name of the robot that was found; of parameters its session, as digits.
   const std::string& robot() const { return heard_.robot; }
   /// What the run said of its parameters; of a task nothing.
-  const drivers::ParametersMessage& parameters() const { return heard_.parameters; }
+  const drivers::ParametersMessage& parameters() const { return heard_; }
 
   /// Listens for at most so long. True as soon as the run has said something new.
   bool listen(std::chrono::milliseconds most);
@@ -66,9 +66,7 @@ class RequestClient {
   std::uint64_t sent() const { return sent_; }
 
  private:
-  struct Heard : drivers::AnswersMessage {
-    drivers::ParametersMessage parameters;
-  };
+  using Heard = drivers::ParametersMessage;  // of a task: what all answers have
   struct Search;
   const drivers::SipKey* key() const { return key_ ? &*key_ : nullptr; }
   Status read(std::span<const std::uint8_t> payload, const drivers::SipKey* key, Heard& heard) const;

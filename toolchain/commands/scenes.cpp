@@ -138,14 +138,14 @@ int show_keys(const CommandContext& context, const std::string& scene, const Sce
     if (json) {
       rows.push_back({{"key", key.path},
                       {"value", key.value},
-                      {"unit", key.unit},
+                      {"unit", key.unit.name},
                       {"range", key.range},
                       {"default", key.is_default},
                       {"changeable", key.is_changeable},
                       {"meaning", key.meaning}});
     } else {
-      std::printf("%-34s = %-18s %-6s %s%s%s\n", key.path.c_str(), key.value.c_str(), key.unit.c_str(),
-                  key.meaning.c_str(), key.range.empty() ? "" : (" (" + key.range + ")").c_str(),
+      std::printf("%-34s = %-18s %-6s %s%s%s\n", key.path.c_str(), key.value.c_str(), key.unit.name,
+                  key.meaning, key.range.empty() ? "" : (" (" + key.range + ")").c_str(),
                   key.is_changeable ? "; may change while running" : "");
     }
   }

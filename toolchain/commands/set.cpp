@@ -152,8 +152,8 @@ ChangeOutcome ask_for_change(RequestClient& client, const std::string& name, dou
   ChangeOutcome outcome;
   outcome.before = client.value(name);
   drivers::SetParameter request;
-  request.name = name;
-  request.value = value;
+  // A name that does not fit is no parameter's; the run then says so.
+  static_cast<void>(rt::make_change(name, value, 0, request.change));
   std::optional<Status> answer;
   client.repeat(request, kRepeatChange, most, [&](std::int64_t first) {
     answer = client.answer(first);

@@ -202,7 +202,7 @@ Status read_request(Message message, Values& values) {
   drivers::SetParameter request;
   const Status status = drivers::decode(message, nullptr, request);
   add(values, "counter", request.counter);
-  values.push_back({std::string(request.name), request.value});
+  values.push_back({std::string(rt::name_of(request.change)), request.change.value});
   return status;
 }
 
