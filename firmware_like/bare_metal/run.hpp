@@ -25,7 +25,7 @@ struct RecordSink {
 template <class Robot>
 [[noreturn]] void run() {
   paint_stack();
-  // With the large tables of a desktop the same robot takes 38 kB.
+  // On a board the odometry leaves 0.1 kB of 8 KiB. With the large tables of a desktop it takes 41 kB.
   alignas(16) static std::byte memory[rt::kMaxGroups > 2 ? 64 * 1024 : 8 * 1024];
   static rt::Arena arena(memory);
   static rt::Executive executive(arena, rt::kNanosecondsPerMillisecond, 0);

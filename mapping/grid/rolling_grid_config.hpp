@@ -80,7 +80,8 @@ struct BlockChange {
 inline constexpr std::uint32_t kDriftStep = 16;
 inline constexpr std::uint16_t kAnyDrift = 0xffff;
 
-/// What became of points, whoever looked at them. in = used + all others, with those of what derives from it.
+/// What became of points, whoever looked at them. in = used + all others, with the points of what derives
+/// from it.
 struct PointCounts {
   std::uint64_t in{};
   std::uint64_t used{};
@@ -100,7 +101,7 @@ struct GridRefusals {
   SORTIE_FIELDS(outside, out_of_grid, pool_full, bad_pose)
 };
 
-/// What became of the points that the grid was given, and of its voxels and blocks.
+/// What became of the points that the grid was given; the last three count voxels and blocks.
 struct RollingGridCounts : PointCounts, GridRefusals {
   std::uint64_t created{};  ///< voxels
   std::uint64_t evicted{};  ///< voxels
