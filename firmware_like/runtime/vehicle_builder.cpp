@@ -150,7 +150,7 @@ ParameterGroup& VehicleBuilder::parameter_group(rt::GroupId group, const std::st
 
 void VehicleBuilder::parameter(rt::GroupId group, const std::string& path, ParameterSetter set) {
   if (!wants("parameters")) return;
-  const ProfileKey& key = profile_.changeable(path);
+  const ProfileKey key = profile_.changeable(path);  // a copy: the group's task declares keys of its own
   ParameterGroup& owner = parameter_group(group, path);
   owner.setters.push_back(std::make_unique<ParameterSetter>(std::move(set)));
   const Status status = owner.table.add(
