@@ -25,14 +25,16 @@ bool meets_surface(const SurfelLayer& layer, const rt::Vector3& from, const rt::
   for (double s = near_m; s < far_m; s += 0.5 * cell) {
     const rt::Vector3 p = from + s * ray;
     if (!layer.place(p.x, p.y, p.z, place)) return false;
-    const Surfel* const surfel = layer.surfel_at(place.cell);
-    if (surfel == nullptr || surfel->variance(0) > thin * thin) continue;
-    const rt::Vector3 n = surfel->normal();
-    const double slope = rt::dot(n, ray);
-    if (std::fabs(slope) < kGrazingSurface) continue;
-    const rt::Vector3 mean = layer.centre_m(place.cell) + surfel->mean();
-    const double range_m = rt::dot(n, mean - from) / slope;
-    if (stops(*surfel, range_m, from + range_m * ray - mean)) return true;
+    for (SurfelIndex at = layer.find(place.cell); at != kNoSurfel; at = layer.behind(at)) {
+      const Surfel& surfel = layer.surfel(at);
+      if (surfel.count == 0 || surfel.variance(0) > thin * thin) continue;
+      const rt::Vector3 n = surfel.normal();
+      const double slope = rt::dot(n, ray);
+      if (std::fabs(slope) < kGrazingSurface) continue;
+      const rt::Vector3 mean = layer.centre_m(place.cell) + surfel.mean();
+      const double range_m = rt::dot(n, mean - from) / slope;
+      if (stops(surfel, range_m, from + range_m * ray - mean)) return true;
+    }
   }
   return false;
 }

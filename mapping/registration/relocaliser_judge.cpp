@@ -16,11 +16,12 @@ constexpr double kMostHeight = 0.05;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
 
 /// Whether a point of the map's frame lies on the surface of its cell; `known`: there is one.
-bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, double sigma_m, bool& known) {
+bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, const rt::Vector3& ray, double sigma_m,
+                bool& known) {
   SurfelPlace place;
   known = false;
   if (!layer.place(p.x, p.y, p.z, place)) return false;
-  const Surfel* const surfel = layer.surfel_at(place.cell);
+  const Surfel* const surfel = layer.surfel_met(place.cell, ray);
   if (surfel == nullptr) return false;
   known = true;
   return squared_deviations(*surfel, layer.from_centre_m(place), sigma_m * sigma_m) < kNear2;
@@ -48,7 +49,7 @@ void Relocaliser::explain(Place& place) {
     if (!is_seen(coarse, p)) continue;
     ++place.seen;
     bool has_surface{};
-    const bool on = on_surface(fine, p, sigma_m, has_surface);
+    const bool on = on_surface(fine, p, p - place.pose.p, sigma_m, has_surface);
     if (has_surface) known[i / 64] |= bit;
     if (!on) continue;
     explained[i / 64] |= bit;

@@ -213,7 +213,7 @@ void ScanRegistration::insert(const RigidPose& pose) {
   ++scans_;
   for (SurfelLayer& layer : layers_) {
     layer.evict_beyond(pose.p);
-    layer.insert(points_.first(chosen_), scans_, cells_);
+    layer.insert(points_.first(chosen_), pose.p, scans_, cells_);
   }
 }
 

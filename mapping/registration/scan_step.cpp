@@ -61,17 +61,19 @@ bool goes_on(const SurfelLayer& layer, const SurfelCell& cell, const Surfel& sur
   for (int i = 0; i < 27; ++i) {
     if (i == 13) continue;  // the cell itself
     const std::int32_t by[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
-    const Surfel* const other =
-        layer.surfel_at({{cell.at[0] + by[0], cell.at[1] + by[1], cell.at[2] + by[2]}});
-    if (other == nullptr || !is_surface(*other, layer.cell_m()) ||
-        std::abs(rt::dot(surfel.normal(), other->normal())) < kSameNormal)
-      continue;
-    const rt::Vector3 between =
-        layer.cell_m() * rt::Vector3{1.0 * by[0], 1.0 * by[1], 1.0 * by[2]} + other->mean() - surfel.mean();
-    const double off = kSamePlane * rt::norm(between);
-    if (std::abs(rt::dot(surfel.normal(), between)) < off &&
-        std::abs(rt::dot(other->normal(), between)) < off)
-      return true;
+    for (SurfelIndex at = layer.find({{cell.at[0] + by[0], cell.at[1] + by[1], cell.at[2] + by[2]}});
+         at != kNoSurfel; at = layer.behind(at)) {
+      const Surfel& other = layer.surfel(at);
+      if (other.count == 0 || !is_surface(other, layer.cell_m()) ||
+          std::abs(rt::dot(surfel.normal(), other.normal())) < kSameNormal)
+        continue;
+      const rt::Vector3 between =
+          layer.cell_m() * rt::Vector3{1.0 * by[0], 1.0 * by[1], 1.0 * by[2]} + other.mean() - surfel.mean();
+      const double off = kSamePlane * rt::norm(between);
+      if (std::abs(rt::dot(surfel.normal(), between)) < off &&
+          std::abs(rt::dot(other.normal(), between)) < off)
+        return true;
+    }
   }
   return false;
 }
@@ -100,7 +102,9 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
   for (const SamplePoint& point : sample) {
     const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
-    const SurfelIndex index = layer.find(place.cell);
+    SurfelIndex index = layer.find(place.cell);
+    if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
+    index = layer.met(index, p - pose.p);
     if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
     StepMemory::Slot& slot = memory_.slots[index];
     if (slot.stamp != stamp_) {

@@ -69,6 +69,7 @@ struct SurfelLayerMemory {
   std::span<Surfel> surfels;
   std::span<SurfelIndex> free;
   std::span<std::uint32_t> newest;  ///< number of the scan that touched it last
+  std::span<SurfelIndex> behind;    ///< the surfel of the other side of each; none in a layer without Gaussians
 };
 /// Bits of a window of so many cells along an axis, or of the next power of two.
 constexpr unsigned window_bits(std::uint32_t cells) {
@@ -131,6 +132,13 @@ class SurfelLayer {
     const SurfelIndex index = find(cell);
     return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
   }
+  /// The same of the side that a ray into the cell can have met.
+  const Surfel* surfel_met(const SurfelCell& cell, const rt::Vector3& ray) const {
+    SurfelIndex index = find(cell);
+    if (index == kNoSurfel || memory_.surfels[index].count == 0) return nullptr;
+    index = met(index, ray);
+    return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
+  }
   /// A place in its cell, from the cell's centre.
   rt::Vector3 from_centre_m(const SurfelPlace& place) const {
     const double step = cell_m_ / kSurfelSteps;
@@ -139,13 +147,30 @@ class SurfelLayer {
   rt::Vector3 centre_m(const SurfelCell& cell) const {
     return {(cell.at[0] + 0.5) * cell_m_, (cell.at[1] + 0.5) * cell_m_, (cell.at[2] + 0.5) * cell_m_};
   }
+  /// The other side of a cell's surface, or kNoSurfel.
+  SurfelIndex behind(SurfelIndex index) const { return memory_.behind[index]; }
+  /// The surfel that a ray into the cell of `index` can have met: that one, or, where the ray comes from
+  /// behind its surface, the one of the other side; kNoSurfel: nobody has seen that side.
+  SurfelIndex met(SurfelIndex index, const rt::Vector3& ray) const {
+    const Surfel& surfel = memory_.surfels[index];
+    const double slope = rt::dot(surfel.normal(), ray);
+    if (!(slope > 0.0) || slope * slope < kGrazing2 * rt::dot(ray, ray) || !has_sides(surfel)) return index;
+    return memory_.behind[index];
+  }
+  /// A thin surface, of which one side alone was seen by a ray that meets it.
+  bool has_sides(const Surfel& surfel) const {
+    return surfel.count >= kLeastOfSide && surfel.variance(0) < thin2_ && surfel.variance(1) > 4.0 * thin2_ * 0.16;
+  }
   std::span<const std::uint64_t> keys() const { return memory_.keys; }
   static constexpr std::uint64_t kUnused = ~std::uint64_t{0};
+  static constexpr std::uint64_t kOtherSide = std::uint64_t{1} << 63;
+  static constexpr std::uint32_t kLeastOfSide = 16;
+  static constexpr double kGrazing2 = 0.01;
 
   /// Adds points of the map's frame. `cells` is scratch, as long as `points_m`; `scan` is the scan's number,
   /// which rises by one from scan to scan. Returns the surfels that took points, in scratch.
-  std::span<const std::uint64_t> insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
-                                        std::span<std::uint64_t> cells);
+  std::span<const std::uint64_t> insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m,
+                                        std::uint32_t scan, std::span<std::uint64_t> cells);
   /// Gives back what lies beyond the window about a place. From then on cells beyond it get only what room
   /// those within it leave. Looks at every surfel.
   void evict_beyond(const rt::Vector3& middle_m);
@@ -179,6 +204,7 @@ class SurfelLayer {
 
   double cell_m_;
   double per_cell_;
+  double thin2_;
   unsigned bits_xy_;
   unsigned bits_z_;
   std::uint32_t mask_xy_;
