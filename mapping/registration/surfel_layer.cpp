@@ -20,7 +20,7 @@ SurfelLayer::SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::
                          std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar)
     : cell_m_(cell_m),
       per_cell_(1.0 / cell_m),
-      thin2_(0.075 * 0.075 * cell_m * cell_m),
+      thin_m2_(kThinSurface * kThinSurface * cell_m * cell_m),
       bits_xy_(bits_xy),
       bits_z_(bits_z),
       mask_xy_((1u << bits_xy) - 1),
@@ -44,9 +44,9 @@ void SurfelLayer::release(SurfelIndex index) {
   const std::uint32_t at = entry(SurfelCell::from_key(memory_.keys[index]));
   if (memory_.window[at] == index) {
     memory_.window[at] = kNoSurfel;
-    if (has_gaussians() && memory_.behind[index] != kNoSurfel) release(memory_.behind[index]);
+    if (has_gaussians() && memory_.others[index] != kNoSurfel) release(memory_.others[index]);
   } else if (memory_.window[at] != kNoSurfel) {
-    memory_.behind[memory_.window[at]] = kNoSurfel;
+    memory_.others[memory_.window[at]] = kNoSurfel;
   }
   memory_.keys[index] = kUnused;
   memory_.free[free_++] = index;
@@ -95,8 +95,8 @@ void SurfelLayer::make_room(std::span<std::uint64_t> missing, std::uint32_t scan
       }
       if (free_ == 0) continue;  // the same
       const SurfelIndex index = memory_.free[--free_];
-      (other_side ? memory_.behind[memory_.window[at]] : memory_.window[at]) = index;
-      if (has_gaussians()) memory_.behind[index] = kNoSurfel;
+      (other_side ? memory_.others[memory_.window[at]] : memory_.window[at]) = index;
+      if (has_gaussians()) memory_.others[index] = kNoSurfel;
       memory_.keys[index] = key;
       memory_.sums[index] = {};
       if (has_gaussians()) memory_.surfels[index] = {};
@@ -149,10 +149,9 @@ std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> 
       Surfel& surfel = memory_.surfels[index];
       const std::uint32_t known = surfel.count;
       if (fades || (sums.count >= min_points_ && sums.count > known + known / 10)) {
-        const rt::Vector3 seen_from =
-            known > 0 && has_sides(surfel)
-                ? surfel.normal()
-                : from_m - centre_m(SurfelCell::from_key(memory_.keys[index]));
+        const rt::Vector3 seen_from = known > 0 && has_sides(surfel)
+                                          ? surfel.normal()
+                                          : from_m - centre_m(SurfelCell::from_key(memory_.keys[index]));
         surfel = surfel_of(sums, cell_m_, planar_);
         if (rt::dot(surfel.normal(), seen_from) < 0.0) {
           for (float& part : surfel.axis[0]) part = -part;
@@ -184,13 +183,13 @@ Status SurfelLayer::put(const SurfelRecord& record) {
   const bool other_side = (record.key & kOtherSide) != 0;
   const SurfelIndex front = find(SurfelCell::from_key(record.key));
   if (other_side && (front == kNoSurfel || !has_gaussians())) return Status::malformed;
-  SurfelIndex& place = other_side ? memory_.behind[front]
-                                  : memory_.window[entry(SurfelCell::from_key(record.key))];
+  SurfelIndex& place =
+      other_side ? memory_.others[front] : memory_.window[entry(SurfelCell::from_key(record.key))];
   if (place != kNoSurfel) return Status::out_of_range;
   const SurfelIndex index = memory_.free[--free_];
   place = index;
   memory_.keys[index] = record.key;
-  if (has_gaussians()) memory_.behind[index] = kNoSurfel;
+  if (has_gaussians()) memory_.others[index] = kNoSurfel;
   memory_.sums[index] = record.sums;
   if (has_gaussians()) memory_.surfels[index] = record.surfel;
   memory_.newest[index] = 0;
@@ -208,7 +207,8 @@ void SurfelLayer::archive(rt::Archive& archive) {
   archive.expect(memory_.keys.size(), "another number of surfels than this layer's");
   if (archive.is_reading()) clear();
   rt::Members(archive, *this, "surfel layer")
-      .fixed(cell_m_, per_cell_, thin2_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_, planar_)
+      .fixed(cell_m_, per_cell_, thin_m2_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_,
+             planar_)
       .by_hand(memory_, free_)
       .state(middle_, has_middle_, counts_);
   for (const std::int32_t at : middle_.at) {
@@ -238,7 +238,7 @@ void SurfelLayer::archive(rt::Archive& archive) {
     }
     last = one.key;
     const SurfelIndex front = find(SurfelCell::from_key(one.key));
-    memory_.newest[(one.key & kOtherSide) != 0 ? behind(front) : front] = newest;
+    memory_.newest[(one.key & kOtherSide) != 0 ? other_side(front) : front] = newest;
   }
   if (archive.is_reading() && archive.status() != Status::ok) clear();
 }
