@@ -69,6 +69,8 @@ static_assert(sizeof(Surfel) == 64);
 
 /// Of a cell's edge: standard deviation, across it, of a surface that is thin.
 inline constexpr double kThinSurface = 0.075;
+/// Points: of fewer, rows of a lidar that cross an edge may make a surface that is none.
+inline constexpr std::uint32_t kSureSurface = 16;
 
 /// Whether a cell's points lie on a surface and not along a line, which has no normal. `cell_m`: the edge.
 inline bool is_surface(const Surfel& surfel, double cell_m) {

@@ -191,12 +191,10 @@ class SurfelLayer {
 
  private:
   static constexpr std::uint64_t kOtherSide = SurfelRecord::kOtherSide;
-  /// Of few points, rows of a lidar that cross an edge may make a surface that is none.
-  static constexpr std::uint32_t kLeastOfSide = 16;
   /// Squared cosine between a ray and a normal: what grazes a surface does not say from which side.
   static constexpr double kGrazing2 = 0.01;
   bool has_sides(const Surfel& surfel) const {
-    return surfel.count >= kLeastOfSide && surfel.variance(0) <= thin_m2_ && is_surface(surfel, cell_m_);
+    return surfel.count >= kSureSurface && surfel.variance(0) <= thin_m2_ && is_surface(surfel, cell_m_);
   }
   std::uint32_t entry(const SurfelCell& cell) const {
     const auto part = [](std::int32_t i, std::uint32_t mask) { return static_cast<std::uint32_t>(i) & mask; };
