@@ -106,7 +106,8 @@ struct SurfelRecord {
 };
 
 /// Null where the record can be one of a layer with cells of an edge, m; else a static text that says what
-/// cannot be. After null no sum overflows, and the Gaussian is finite and lies in its cell.
-const char* fault_of(const SurfelRecord& record, double cell_m);
+/// cannot be. After null no sum overflows, and the Gaussian is finite and lies in its cell. `sides`: the
+/// layer keeps both sides of a surface.
+const char* fault_of(const SurfelRecord& record, double cell_m, bool sides);
 
 }  // namespace sortie::mapping

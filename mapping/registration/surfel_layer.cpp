@@ -178,11 +178,11 @@ std::span<const SurfelIndex> SurfelLayer::by_key() const {
 }
 
 Status SurfelLayer::put(const SurfelRecord& record) {
-  if (fault_of(record, cell_m_) != nullptr) return Status::malformed;
+  if (fault_of(record, cell_m_, has_gaussians()) != nullptr) return Status::malformed;
   if (free_ == 0) return Status::full;
   const bool other_side = (record.key & kOtherSide) != 0;
   const SurfelIndex front = find(SurfelCell::from_key(record.key));
-  if (other_side && (front == kNoSurfel || !has_gaussians())) return Status::malformed;
+  if (other_side && front == kNoSurfel) return Status::malformed;
   SurfelIndex& place =
       other_side ? memory_.others[front] : memory_.window[entry(SurfelCell::from_key(record.key))];
   if (place != kNoSurfel) return Status::out_of_range;

@@ -154,6 +154,7 @@ TEST_CASE("A kept surfel of another side needs the first one") {
   wall.see(false, 60);
   wall.see(true, 60);
   const mapping::SurfelLayer& layer = wall.owned.layer;
+  REQUIRE(layer.size() == 2);
   const mapping::SurfelRecord first = layer.record(wall.first());
   const mapping::SurfelRecord other = layer.record(layer.other_side(wall.first()));
   CHECK(other.key == (first.key | mapping::SurfelRecord::kOtherSide));
