@@ -146,7 +146,7 @@ class CloudReader {
     for (std::uint32_t i = 0; i < head.cells; ++i) {
       const std::uint64_t byte = archive_.bytes();
       const SightRecord one = read_cell(head, archive_);
-      const char* const why = fault_of({one.key, one.sums, {}}, head.cell_m);
+      const char* const why = fault_of({one.key, one.sums, {}}, head.cell_m, false);
       if (why != nullptr) return refuse(Fault::record, byte, why);
       if (!rt::is_finite(one.from_m)) return refuse(Fault::record, byte, "a cell that was seen from nowhere");
       if (i > 0 && one.key <= last)

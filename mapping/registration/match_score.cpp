@@ -17,7 +17,7 @@ MatchScore match_score(const SurfelLayer& layer, std::span<const SamplePoint> sa
   for (const SamplePoint& point : sample) {
     const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
-    const Surfel* const surfel = layer.surfel_at(place.cell);
+    const Surfel* const surfel = layer.surfel_met(place.cell, p - pose.p);
     if (surfel == nullptr) continue;
     ++known;
     const double d2 = squared_deviations(*surfel, layer.from_centre_m(place), sigma_m * sigma_m);

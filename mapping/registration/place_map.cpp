@@ -88,10 +88,10 @@ bool PlaceMap::build(const SurfelLayer& layer) {
 
 void PlaceMap::draw(const SurfelLayer& layer, std::int32_t steps) {
   std::fill(bits_.begin(), bits_.end(), Word{0});
-  for (const std::uint64_t key : layer.keys()) {
-    if (key == SurfelLayer::kUnused) continue;
-    const SurfelCell cell = SurfelCell::from_key(key);
-    if (const Surfel* const surfel = layer.surfel_at(cell)) draw(*surfel, cell, steps);
+  for (std::size_t i = 0; i < layer.keys().size(); ++i) {
+    if (layer.keys()[i] == SurfelLayer::kUnused) continue;
+    const Surfel& surfel = layer.surfel(static_cast<SurfelIndex>(i));
+    if (surfel.count > 0) draw(surfel, SurfelCell::from_key(layer.keys()[i]), steps);
   }
 }
 

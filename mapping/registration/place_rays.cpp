@@ -19,6 +19,7 @@ bool meets(const SurfelLayer& layer, const rt::Vector3& from, const rt::Vector3&
   const double apart_m = kApart * layer.cell_m();
   return meets_surface(layer, from, ray, near_m, far_m,
                        [&](const Surfel& surfel, double range_m, const rt::Vector3& off) {
+                         if (surfel.count < kSureSurface) return false;
                          if (range_m < near_m - apart_m || range_m > far_m + apart_m) return false;
                          double apart2 = 0.0;
                          for (int i = 1; i < 3; ++i) {

@@ -19,7 +19,6 @@ constexpr double kRises_m[] = {0.0, -0.25, 0.25, -0.5, 0.5};
 /// What the attitude is worth, rad, against a scan's returns, which err together: while a place is found it
 /// is what it is said to be, then it is known to half a degree.
 constexpr double kHeldTilt = 0.0002;
-constexpr double kHeldHeight = 1e8;  ///< 1/m^2
 }  // namespace
 
 PosePrior Relocaliser::prior_at(const RigidPose& pose, double tilt_rad) const {
@@ -28,12 +27,6 @@ PosePrior Relocaliser::prior_at(const RigidPose& pose, double tilt_rad) const {
               rt::normalised(upright_turn(pose.q * rt::conjugate(q_level_sensor_)) * q_level_sensor_)};
   for (int i = 0; i < 6; ++i) prior.information[i][i] = 0.01;
   prior.information[0][0] = prior.information[1][1] = 1.0 / (tilt_rad * tilt_rad);
-  return prior;
-}
-
-PosePrior Relocaliser::prior_at_height(const RigidPose& pose) const {
-  PosePrior prior = prior_at(pose, kFreeTilt);
-  prior.information[5][5] = kHeldHeight;
   return prior;
 }
 
@@ -51,8 +44,9 @@ Relocaliser::Relocaliser(const RelocateConfig& config, const PlaceSearchConfig& 
       map_(memory, search.tops, arena),
       search_(search, map_, arena),
       sample_(arena.make_array<SamplePoint>("relocate_sample", registration.config().returns)),
-      bits_(arena.make_array<std::uint64_t>("relocate_bits",
-                                            std::size_t{3} * (kSpare + 1) * ((sample_.size() + 63) / 64))),
+      bits_(arena.make_array<std::uint64_t>(
+          "relocate_bits",
+          std::size_t{3} * PlaceSearchConfig::kMostCandidates * ((sample_.size() + 63) / 64))),
       cubes_(arena.make_array<std::uint64_t>("relocate_cubes", sample_.size())),
       weights_(arena.make_array<Weights>("relocate_weights", sample_.size())) {}
 
@@ -104,11 +98,6 @@ bool Relocaliser::run(std::uint64_t& units) {
   if (step_ == Step::retries) {
     if (!run_retries(units)) return false;
     order();
-    at_ = 0;
-    step_ = Step::heights;
-  }
-  if (step_ == Step::heights) {
-    if (!run_heights(units)) return false;
     at_ = 0;
     step_ = Step::verdict;
   }
@@ -169,7 +158,7 @@ bool Relocaliser::run_retries(std::uint64_t& units) {
     };
     match_place(place, returns);
     take();
-    look_about(place, prior_at(place.pose, kFreeTilt), false);
+    look_about(place, prior_at(place.pose, kFreeTilt));
     take();
     explain(place);
     look_along_rays(place);
@@ -178,8 +167,8 @@ bool Relocaliser::run_retries(std::uint64_t& units) {
 }
 
 /// From starts about where a place ended: a rival that was caught beside its place would be no rival.
-Match Relocaliser::look_about(Place& place, const PosePrior& prior, bool thin) {
-  Match match = registration_->match_from(place.pose, prior, size_, thin);
+Match Relocaliser::look_about(Place& place, const PosePrior& prior) {
+  Match match = registration_->match_from(place.pose, prior, size_);
   registration_->match_about(match, prior);
   keep(match, place);
   return match;
@@ -192,10 +181,7 @@ void Relocaliser::match_place(Place& place, std::size_t returns) {
 
 void Relocaliser::keep(const Match& match, Place& place) {
   place.pose = match.pose;
-  // Heights are tried by themselves.
-  const bool in_height =
-      match.weak.turns == 0 && match.weak.moves == 1 && std::fabs(match.weak.move[0].z) > 0.9;
-  place.weak = (match.weak.moves + match.weak.turns > 0 && !in_height) || match.equations.rows < 6;
+  place.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
   explain(place);
 }
 

@@ -108,28 +108,20 @@ class Relocaliser {
   struct Compared {
     Evidence by[kWeighed + 1];
   };
-  enum class Step : std::uint8_t { idle, search, tries, retries, heights, verdict };
-  static constexpr double kFreeTilt = 0.0015;    ///< rad, against a scan's returns, which err together
-  static constexpr std::uint32_t kHeights = 13;  ///< that are tried for the best place
-  static constexpr std::uint32_t kSpare = PlaceSearchConfig::kMostCandidates;  ///< slot of none of them
+  enum class Step : std::uint8_t { idle, search, tries, retries, verdict };
+  static constexpr double kFreeTilt = 0.0015;  ///< rad, against a scan's returns, which err together
   static constexpr std::uint32_t kTried = 32;  ///< of the candidates, again from where they ended
 
   /// 10 m and 10 rad about the upright: nothing is known but the attitude, to `tilt_rad`.
   PosePrior prior_at(const RigidPose& pose, double tilt_rad) const;
-  /// The same as well as it is known, and the height is held.
-  PosePrior prior_at_height(const RigidPose& pose) const;
   bool pay(std::uint64_t cost, std::uint64_t& units);
   bool run_tries(std::uint64_t& units);
   bool run_retries(std::uint64_t& units);
-  bool run_heights(std::uint64_t& units);
-  double rise_m(std::uint32_t height) const;
-  bool is_free() const;
-  bool is_height_held() const;
   bool pay_match(std::size_t returns, std::uint64_t& units);
   bool pay_looks(std::size_t matched, std::uint64_t& units);
   void match_place(Place& place, std::size_t returns);
   void keep(const Match& match, Place& place);
-  Match look_about(Place& place, const PosePrior& prior, bool thin);
+  Match look_about(Place& place, const PosePrior& prior);
   void explain(Place& place);
   void look_along_rays(Place& place);
   void weigh_returns();
@@ -139,7 +131,7 @@ class Relocaliser {
   void unexplained(const Place& place, double (&out)[kWeighed + 1]) const;
   Compared compare(const Place& here, const Place& there) const;
   void conclude(RelocateVerdict verdict);
-  std::size_t words() const { return bits_.size() / (3 * (kSpare + 1)); }
+  std::size_t words() const { return bits_.size() / (3 * PlaceSearchConfig::kMostCandidates); }
   /// Returns that a place explains, those whose place the map knows there, and those whose rays went through
   /// a surface.
   std::uint64_t* explained_bits(const Place& place) const { return &bits_[3 * place.slot * words()]; }
@@ -164,10 +156,6 @@ class Relocaliser {
   std::uint32_t at_{};     ///< candidate that is next
   std::uint32_t count_{};  ///< of candidates
   Place places_[PlaceSearchConfig::kMostCandidates];
-  RigidPose level_;             ///< of the best place, before other heights were tried
-  RigidPose free_;              ///< where a match to thin surfaces ended
-  double explained_free_{};     ///< there
-  double heights_[kHeights]{};  ///< explained at each height that was tried
   UnitCredit credit_;
   Relocated result_;
 };

@@ -11,12 +11,10 @@ void Relocaliser::archive(rt::Archive& archive) {
       .fixed(config_, registration_, map_)
       .scratch(bits_, cubes_, weights_, weight_)
       .by_hand(search_, sample_)
-      .state(size_, q_level_sensor_, step_, at_, count_, places_, level_, free_, explained_free_, heights_,
-             credit_, result_);
+      .state(size_, q_level_sensor_, step_, at_, count_, places_, credit_, result_);
   if (archive.is_reading()) {
     bool fits = step_ <= Step::verdict && size_ <= sample_.size() &&
-                count_ <= PlaceSearchConfig::kMostCandidates &&
-                at_ <= (step_ == Step::heights ? kHeights + 1 : count_) &&
+                count_ <= PlaceSearchConfig::kMostCandidates && at_ <= count_ &&
                 result_.verdict <= RelocateVerdict::few_returns;
     for (const Place& place : places_) fits = fits && place.slot < PlaceSearchConfig::kMostCandidates;
     if (!fits) {
@@ -26,8 +24,6 @@ void Relocaliser::archive(rt::Archive& archive) {
     }
     check_pose(archive, {{}, q_level_sensor_});
     for (const Place& place : places_) check_pose(archive, place.pose);
-    check_pose(archive, level_);
-    check_pose(archive, free_);
     if (step_ != Step::idle && !take_map()) archive.fail(Status::malformed, "a search without a map");
   }
   if (step_ == Step::idle) return;

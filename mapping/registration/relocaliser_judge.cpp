@@ -11,16 +11,15 @@ namespace sortie::mapping {
 namespace {
 constexpr double kMostMove = 0.015;  ///< m and rad, standard deviations: of a place that is held
 constexpr double kMostTurn = 0.006;
-constexpr double kHeightSigma = 0.03;  ///< m: of the heights that are tried
-constexpr double kMostHeight = 0.05;
 constexpr double kNear2 = 9.0;  ///< squared standard deviations from a surface
 
 /// Whether a point of the map's frame lies on the surface of its cell; `known`: there is one.
-bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, double sigma_m, bool& known) {
+bool on_surface(const SurfelLayer& layer, const rt::Vector3& p, const rt::Vector3& ray, double sigma_m,
+                bool& known) {
   SurfelPlace place;
   known = false;
   if (!layer.place(p.x, p.y, p.z, place)) return false;
-  const Surfel* const surfel = layer.surfel_at(place.cell);
+  const Surfel* const surfel = layer.surfel_met(place.cell, ray);
   if (surfel == nullptr) return false;
   known = true;
   return squared_deviations(*surfel, layer.from_centre_m(place), sigma_m * sigma_m) < kNear2;
@@ -48,7 +47,7 @@ void Relocaliser::explain(Place& place) {
     if (!is_seen(coarse, p)) continue;
     ++place.seen;
     bool has_surface{};
-    const bool on = on_surface(fine, p, sigma_m, has_surface);
+    const bool on = on_surface(fine, p, p - place.pose.p, sigma_m, has_surface);
     if (has_surface) known[i / 64] |= bit;
     if (!on) continue;
     explained[i / 64] |= bit;
@@ -164,10 +163,7 @@ RelocateVerdict Relocaliser::judge() {
   if (count_ == 0) return RelocateVerdict::nothing_fits;
   Place& best = places_[0];
   registration_->take_sample(sample());
-  const bool free = is_free();
-  if (free) best.pose = free_;
-  const Match match =
-      look_about(best, free ? prior_at(best.pose, kFreeTilt) : prior_at_height(best.pose), true);
+  const Match match = look_about(best, prior_at(best.pose, kFreeTilt));
   look_along_rays(best);
   result_.T_map_sensor = best.pose;
   result_.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
@@ -177,21 +173,15 @@ RelocateVerdict Relocaliser::judge() {
   if (result_.share < config_.least_share || result_.seen < config_.least_seen ||
       result_.crossed > config_.most_crossed)
     return RelocateVerdict::nothing_fits;
-  if (!lead || best.weak || (!free && !is_height_held())) return RelocateVerdict::ambiguous;
-  PosePrior prior = prior_at(best.pose, 10.0);
-  if (!free) prior.information[5][5] = 1.0 / (kHeightSigma * kHeightSigma);
+  if (!lead || best.weak) return RelocateVerdict::ambiguous;
   double covariance[6][6]{};
-  if (!match_covariance(match.equations, match.weak, prior, match.spread, covariance))
+  if (!match_covariance(match.equations, match.weak, prior_at(best.pose, 10.0), match.spread, covariance))
     return RelocateVerdict::ambiguous;
   pose_covariance(covariance, best.pose.q, result_.covariance);
-  if (!free) result_.covariance[14] += kHeightSigma * kHeightSigma;
   const auto trace = [&](int at) {
     return result_.covariance[7 * at] + result_.covariance[7 * at + 7] + result_.covariance[7 * at + 14];
   };
-  const double of_height = free ? 0.0 : result_.covariance[14];
-  if (trace(0) - of_height > kMostMove * kMostMove || of_height > kMostHeight * kMostHeight ||
-      trace(3) > kMostTurn * kMostTurn)
-    return RelocateVerdict::ambiguous;
+  if (trace(0) > kMostMove * kMostMove || trace(3) > kMostTurn * kMostTurn) return RelocateVerdict::ambiguous;
   return RelocateVerdict::placed;
 }
 

@@ -51,7 +51,7 @@ SurfaceFit surface_fit(const SurfelLayer& layer, std::span<const SamplePoint> sa
   for (const SamplePoint& point : sample) {
     const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
-    const Surfel* const surfel = layer.surfel_at(place.cell);
+    const Surfel* const surfel = layer.surfel_met(place.cell, p - pose.p);
     if (surfel == nullptr) continue;
     ++fit.known;
     const double off = rt::dot(surfel->normal(), layer.from_centre_m(place) - surfel->mean());

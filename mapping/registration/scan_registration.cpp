@@ -77,9 +77,8 @@ RigidPose ScanRegistration::descend(RigidPose pose, const PosePrior& prior, cons
   const std::span<const SamplePoint> sample = sample_.first(std::min(size_, returns));
   const auto steps = [&](int level, std::uint32_t count, double scale_m) {
     for (std::uint32_t i = 0; i < count; ++i) {
-      NormalEquations equations =
-          step_.equations(layers_[level], sample, pose,
-                          {scale_m, config_.sigma_m, level == 0 && i == 0, false, level == 0 && match.thin});
+      NormalEquations equations = step_.equations(layers_[level], sample, pose,
+                                                  {scale_m, config_.sigma_m, level == 0 && i == 0, false});
       if (level == 0) {
         if (i == 0) match.weak = weak_directions(equations, kNoiseMargin);
         let_go(match.weak, equations);
@@ -113,7 +112,7 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
                    rt::exp_rotation({by[0], by[1], by[2]}) * match.pose.q};
     for (int k = 0; k < 2; ++k) {
       NormalEquations equations =
-          step_.equations(layers_[0], few, pose, {0.15, config_.sigma_m, false, false, match.thin});
+          step_.equations(layers_[0], few, pose, {0.15, config_.sigma_m, false, false});
       let_go(match.weak, equations);
       if (!ScanStep::advance(equations, prior, pose)) break;
       ++match.steps;
@@ -145,9 +144,9 @@ bool ScanRegistration::look_about(Match& match, const PosePrior& prior) {
 
 /// The equations at the pose, and what they do not hold.
 void ScanRegistration::weigh(Match& match) {
-  match.equations = step_.equations(
-      layers_[0], sample(), match.pose,
-      {0.25 * config_.cell_m, config_.sigma_m, true, match.alone && !config_.planar, match.thin});
+  match.equations =
+      step_.equations(layers_[0], sample(), match.pose,
+                      {0.25 * config_.cell_m, config_.sigma_m, true, match.alone && !config_.planar});
   match.weak = weak_directions(match.equations, kNoiseMargin);
 }
 
@@ -188,11 +187,9 @@ void ScanRegistration::match_about(Match& match, const PosePrior& prior) {
   weigh(match);
 }
 
-Match ScanRegistration::match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns,
-                                   bool thin) {
+Match ScanRegistration::match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns) {
   const std::span<const SamplePoint> some = sample().first(std::min(size_, returns));
   Match match;
-  match.thin = thin;
   match.pose = descend(start, prior, {0, 0, config_.steps}, returns, match);
   match.score = match_score(layers_[0], some, match.pose, config_.sigma_m);
   if (match.score.matched < config_.good_share) {
@@ -213,7 +210,7 @@ void ScanRegistration::insert(const RigidPose& pose) {
   ++scans_;
   for (SurfelLayer& layer : layers_) {
     layer.evict_beyond(pose.p);
-    layer.insert(points_.first(chosen_), scans_, cells_);
+    layer.insert(points_.first(chosen_), pose.p, scans_, cells_);
   }
 }
 

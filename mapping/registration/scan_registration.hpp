@@ -28,7 +28,6 @@ struct Match {
   bool recovered{};           ///< other starts were tried
   bool other_start{};         ///< the pose comes from another start than the given one
   bool ambiguous{};           ///< another pose, well apart, did as well
-  bool thin{};                ///< matched to thin surfaces alone, in the finest layer
 };
 
 /// Registration of scans to a map that it keeps. All memory comes from an arena; no heap afterwards. The same
@@ -51,9 +50,8 @@ class ScanRegistration {
   std::size_t take_sample(std::span<const SamplePoint> sample);
   /// Matches the first `returns` of the sample from one start alone, with the finest layer and, where that
   /// does not do, with the coarse ones first: for who has many starts of his own. Steps it spends: at most 4
-  /// and twice those of the config. `thin`: to thin surfaces alone, which leaves out a floor between storeys
-  /// that the map has seen from above and from below.
-  Match match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns, bool thin = false);
+  /// and twice those of the config.
+  Match match_from(const RigidPose& start, const PosePrior& prior, std::size_t returns);
   /// Looks from starts about a match's pose, with all of the sample, and takes a better one: Match::spread.
   void match_about(Match& match, const PosePrior& prior);
   /// Adds the sample to the map at a pose.

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "mapping/registration/plane_algebra.hpp"
-#include "mapping/registration/ray_surfaces.hpp"
 
 namespace sortie::mapping {
 namespace {
@@ -16,10 +15,6 @@ constexpr double kLeastNoise = 0.1;
 
 /// What of a surface's thickness may be its bend, which more points do not make less.
 constexpr double kBent = 0.03;
-/// A cell whose points lie on a line has no normal: its middle variance is less than this many of the least
-/// one, or of the cell's edge squared.
-constexpr double kLine = 4.0;
-constexpr double kThinLine = 0.0036;
 constexpr double kSameNormal = 0.95;  ///< cosine between two cells of one surface
 constexpr double kSamePlane = 0.2;    ///< sine of the way from one to the other out of its plane
 
@@ -48,12 +43,6 @@ void add_held(const Surfel& surfel, const rt::Vector3& x, double weight, double 
   }
 }
 
-/// Not a line.
-bool is_surface(const Surfel& surfel, double cell_m) {
-  return surfel.variance(1) >= kLine * surfel.variance(0) &&
-         surfel.variance(1) >= kThinLine * squared(cell_m);
-}
-
 /// Whether the surface of a cell goes on into a neighbour: both lie in the plane of the other. Rows and
 /// columns of a lidar that cross an edge, and few returns far off, make a flat surfel where no surface is,
 /// and make it again wherever the robot goes: to it, standing still fits best.
@@ -61,17 +50,19 @@ bool goes_on(const SurfelLayer& layer, const SurfelCell& cell, const Surfel& sur
   for (int i = 0; i < 27; ++i) {
     if (i == 13) continue;  // the cell itself
     const std::int32_t by[3] = {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
-    const Surfel* const other =
-        layer.surfel_at({{cell.at[0] + by[0], cell.at[1] + by[1], cell.at[2] + by[2]}});
-    if (other == nullptr || !is_surface(*other, layer.cell_m()) ||
-        std::abs(rt::dot(surfel.normal(), other->normal())) < kSameNormal)
-      continue;
-    const rt::Vector3 between =
-        layer.cell_m() * rt::Vector3{1.0 * by[0], 1.0 * by[1], 1.0 * by[2]} + other->mean() - surfel.mean();
-    const double off = kSamePlane * rt::norm(between);
-    if (std::abs(rt::dot(surfel.normal(), between)) < off &&
-        std::abs(rt::dot(other->normal(), between)) < off)
-      return true;
+    for (SurfelIndex at = layer.find({{cell.at[0] + by[0], cell.at[1] + by[1], cell.at[2] + by[2]}});
+         at != kNoSurfel; at = layer.other_side(at)) {
+      const Surfel& other = layer.surfel(at);
+      if (other.count == 0 || !is_surface(other, layer.cell_m()) ||
+          std::abs(rt::dot(surfel.normal(), other.normal())) < kSameNormal)
+        continue;
+      const rt::Vector3 between =
+          layer.cell_m() * rt::Vector3{1.0 * by[0], 1.0 * by[1], 1.0 * by[2]} + other.mean() - surfel.mean();
+      const double off = kSamePlane * rt::norm(between);
+      if (std::abs(rt::dot(surfel.normal(), between)) < off &&
+          std::abs(rt::dot(other.normal(), between)) < off)
+        return true;
+    }
   }
   return false;
 }
@@ -100,7 +91,9 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
   for (const SamplePoint& point : sample) {
     const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
-    const SurfelIndex index = layer.find(place.cell);
+    SurfelIndex index = layer.find(place.cell);
+    if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
+    index = layer.met(index, p - pose.p);
     if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
     StepMemory::Slot& slot = memory_.slots[index];
     if (slot.stamp != stamp_) {
@@ -120,7 +113,7 @@ NormalEquations ScanStep::equations(const SurfelLayer& layer, std::span<const Sa
   const double step = layer.cell_m() / kSurfelSteps;
   // A surface that goes on through the cell along all three axes has no normal there (extended axes of ICET,
   // McDermott and Rife 2024).
-  const double extended = squared(layer.cell_m() * (rule.thin ? kThinSurface : 0.25));
+  const double extended = squared(0.25 * layer.cell_m());
   const double noise = squared(rule.sigma_m);
   for (const CellSums& cell : memory_.cells.first(used)) {
     const Surfel& surfel = layer.surfel(cell.surfel);

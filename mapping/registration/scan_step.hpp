@@ -41,7 +41,6 @@ struct StepRule {
   double sigma_m{0.02};
   bool noise{false};      ///< NormalEquations::held and noise are wanted: 108 sums more a cell
   bool confirmed{false};  ///< of cells alone whose surface goes on in a neighbour
-  bool thin{false};       ///< of thin surfaces alone: a floor of which the map knows both sides is none
 };
 
 /// A scan's sums in one cell, on their way.

@@ -35,7 +35,7 @@ SightLayer::SightLayer(const SightConfig& config, rt::Arena& arena)
 Status SightLayer::insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m) {
   if (!rt::is_finite(from_m)) return Status::not_finite;
   if (points_m.size() > scratch_.size()) return Status::full;
-  for (const std::uint64_t surfel : layer_.insert(points_m, ++views_, scratch_))
+  for (const std::uint64_t surfel : layer_.insert(points_m, from_m, ++views_, scratch_))
     from_[static_cast<SurfelIndex>(surfel)] = from_m;
   return Status::ok;
 }

@@ -100,8 +100,9 @@ Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar) {
   return surfel;
 }
 
-const char* fault_of(const SurfelRecord& record, double cell_m) {
-  if (record.key >> 63 != 0) return "no cell has this key";
+const char* fault_of(const SurfelRecord& record, double cell_m, bool sides) {
+  if (sides ? record.key == ~std::uint64_t{0} : (record.key & SurfelRecord::kOtherSide) != 0)
+    return "no cell has this key";
   if (record.sums.count == 0) return "a surfel without points";
   if (record.sums.count > kMostSurfelPoints) return "a surfel of more points than its sums have room for";
   if (!can_be(record.sums)) return "sums that no points in a cell have";

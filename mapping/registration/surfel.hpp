@@ -49,7 +49,8 @@ SurfelSums widened(SurfelSums sums, const bool (&upper)[3]);
 /// The Gaussian of a cell, relative to its centre. 64 bytes.
 struct Surfel {
   float mean_m[3]{};
-  float axis[3][3]{};      ///< unit vectors, by rising variance: axis[0] is the normal of a flat one
+  float axis[3][3]{};      ///< unit vectors, by rising variance: axis[0] is the normal of a flat one, and
+                           ///< points to where it was seen from
   float variance_m2[3]{};  ///< along the axes
   std::uint32_t count{};   ///< points it was made of; 0: none yet
 
@@ -65,6 +66,19 @@ struct Surfel {
   }
 };
 static_assert(sizeof(Surfel) == 64);
+
+/// Of a cell's edge: standard deviation, across it, of a surface that is thin.
+inline constexpr double kThinSurface = 0.075;
+/// Points: of fewer, rows of a lidar that cross an edge may make a surface that is none.
+inline constexpr std::uint32_t kSureSurface = 16;
+
+/// Whether a cell's points lie on a surface and not along a line, which has no normal. `cell_m`: the edge.
+inline bool is_surface(const Surfel& surfel, double cell_m) {
+  constexpr double kLine = 4.0;  ///< times the least variance, or of the edge squared, the middle one has
+  constexpr double kThinLine = 0.0036;
+  return surfel.variance(1) >= kLine * surfel.variance(0) &&
+         surfel.variance(1) >= kThinLine * cell_m * cell_m;
+}
 
 /// Squared distance of a point from a surfel in standard deviations, with noise added to each; the point
 /// relative to the cell's centre.
@@ -84,14 +98,16 @@ Surfel surfel_of(const SurfelSums& sums, double cell_m, bool planar = false);
 
 /// A surfel with its cell. 136 bytes in canonical form.
 struct SurfelRecord {
-  std::uint64_t key{};  ///< SurfelCell::key()
+  static constexpr std::uint64_t kOtherSide = std::uint64_t{1} << 63;
+  std::uint64_t key{};  ///< SurfelCell::key(), and kOtherSide of the surfel of a surface's other side
   SurfelSums sums;
   Surfel surfel;
   SORTIE_FIELDS(key, sums, surfel)
 };
 
 /// Null where the record can be one of a layer with cells of an edge, m; else a static text that says what
-/// cannot be. After null no sum overflows, and the Gaussian is finite and lies in its cell.
-const char* fault_of(const SurfelRecord& record, double cell_m);
+/// cannot be. After null no sum overflows, and the Gaussian is finite and lies in its cell. `sides`: the
+/// layer keeps both sides of a surface.
+const char* fault_of(const SurfelRecord& record, double cell_m, bool sides);
 
 }  // namespace sortie::mapping

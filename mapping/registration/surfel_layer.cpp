@@ -12,13 +12,15 @@ SurfelLayerMemory surfel_memory(rt::Arena& arena, const char* window, const char
           arena.make_array<SurfelSums>(name, surfels),
           arena.make_array<Surfel>(name, gaussians ? surfels : 0),
           arena.make_array<SurfelIndex>(name, surfels),
-          arena.make_array<std::uint32_t>(name, surfels)};
+          arena.make_array<std::uint32_t>(name, surfels),
+          arena.make_array<SurfelIndex>(name, gaussians ? surfels : 0)};
 }
 
 SurfelLayer::SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
                          std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar)
     : cell_m_(cell_m),
       per_cell_(1.0 / cell_m),
+      thin_m2_(kThinSurface * kThinSurface * cell_m * cell_m),
       bits_xy_(bits_xy),
       bits_z_(bits_z),
       mask_xy_((1u << bits_xy) - 1),
@@ -40,7 +42,12 @@ void SurfelLayer::clear() {
 
 void SurfelLayer::release(SurfelIndex index) {
   const std::uint32_t at = entry(SurfelCell::from_key(memory_.keys[index]));
-  if (memory_.window[at] == index) memory_.window[at] = kNoSurfel;
+  if (memory_.window[at] == index) {
+    memory_.window[at] = kNoSurfel;
+    if (has_gaussians() && memory_.others[index] != kNoSurfel) release(memory_.others[index]);
+  } else if (memory_.window[at] != kNoSurfel) {
+    memory_.others[memory_.window[at]] = kNoSurfel;
+  }
   memory_.keys[index] = kUnused;
   memory_.free[free_++] = index;
   ++counts_.evicted;
@@ -79,13 +86,17 @@ void SurfelLayer::make_room(std::span<std::uint64_t> missing, std::uint32_t scan
       const SurfelCell cell = SurfelCell::from_key(key);
       if ((!has_middle_ || within_window(cell)) != near) continue;
       const std::uint32_t at = entry(cell);
-      if (memory_.window[at] != kNoSurfel) {
+      const bool other_side = (key & kOtherSide) != 0;
+      if (other_side) {
+        if (free_ == 0 || find(cell) == kNoSurfel) continue;
+      } else if (memory_.window[at] != kNoSurfel) {
         if (!near) continue;  // counted with its points
         release(memory_.window[at]);
       }
       if (free_ == 0) continue;  // the same
       const SurfelIndex index = memory_.free[--free_];
-      memory_.window[at] = index;
+      (other_side ? memory_.others[memory_.window[at]] : memory_.window[at]) = index;
+      if (has_gaussians()) memory_.others[index] = kNoSurfel;
       memory_.keys[index] = key;
       memory_.sums[index] = {};
       if (has_gaussians()) memory_.surfels[index] = {};
@@ -95,12 +106,19 @@ void SurfelLayer::make_room(std::span<std::uint64_t> missing, std::uint32_t scan
   }
 }
 
-std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
+std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> points_m,
+                                                   const rt::Vector3& from_m, std::uint32_t scan,
                                                    std::span<std::uint64_t> cells) {
   std::size_t missing = 0;
   SurfelPlace at;
+  const auto side_of = [&](SurfelIndex index, const rt::Vector3& p) {
+    return index != kNoSurfel && has_gaussians() ? met(index, p - from_m) : index;
+  };
   for (const rt::Vector3& p : points_m) {
-    if (place(p.x, p.y, p.z, at) && find(at.cell) == kNoSurfel) cells[missing++] = at.cell.key();
+    if (!place(p.x, p.y, p.z, at)) continue;
+    const SurfelIndex index = find(at.cell);
+    if (side_of(index, p) == kNoSurfel)
+      cells[missing++] = at.cell.key() | (index == kNoSurfel ? 0 : kOtherSide);
   }
   make_room(cells.first(missing), scan);
   std::size_t touched = 0;
@@ -110,7 +128,7 @@ std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> 
       ++counts_.outside;
       continue;
     }
-    const SurfelIndex index = find(at.cell);
+    const SurfelIndex index = side_of(find(at.cell), p);
     if (index == kNoSurfel) {
       ++counts_.pool_full;
       continue;
@@ -130,8 +148,15 @@ std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> 
     if (has_gaussians()) {
       Surfel& surfel = memory_.surfels[index];
       const std::uint32_t known = surfel.count;
-      if (fades || (sums.count >= min_points_ && sums.count > known + known / 10))
+      if (fades || (sums.count >= min_points_ && sums.count > known + known / 10)) {
+        const rt::Vector3 seen_from = known > 0 && has_sides(surfel)
+                                          ? surfel.normal()
+                                          : from_m - centre_m(SurfelCell::from_key(memory_.keys[index]));
         surfel = surfel_of(sums, cell_m_, planar_);
+        if (rt::dot(surfel.normal(), seen_from) < 0.0) {
+          for (float& part : surfel.axis[0]) part = -part;
+        }
+      }
     }
     if (!fades) continue;
     sums.fade();
@@ -153,13 +178,18 @@ std::span<const SurfelIndex> SurfelLayer::by_key() const {
 }
 
 Status SurfelLayer::put(const SurfelRecord& record) {
-  if (fault_of(record, cell_m_) != nullptr) return Status::malformed;
+  if (fault_of(record, cell_m_, has_gaussians()) != nullptr) return Status::malformed;
   if (free_ == 0) return Status::full;
-  SurfelIndex& place = memory_.window[entry(SurfelCell::from_key(record.key))];
+  const bool other_side = (record.key & kOtherSide) != 0;
+  const SurfelIndex front = find(SurfelCell::from_key(record.key));
+  if (other_side && front == kNoSurfel) return Status::malformed;
+  SurfelIndex& place =
+      other_side ? memory_.others[front] : memory_.window[entry(SurfelCell::from_key(record.key))];
   if (place != kNoSurfel) return Status::out_of_range;
   const SurfelIndex index = memory_.free[--free_];
   place = index;
   memory_.keys[index] = record.key;
+  if (has_gaussians()) memory_.others[index] = kNoSurfel;
   memory_.sums[index] = record.sums;
   if (has_gaussians()) memory_.surfels[index] = record.surfel;
   memory_.newest[index] = 0;
@@ -177,7 +207,8 @@ void SurfelLayer::archive(rt::Archive& archive) {
   archive.expect(memory_.keys.size(), "another number of surfels than this layer's");
   if (archive.is_reading()) clear();
   rt::Members(archive, *this, "surfel layer")
-      .fixed(cell_m_, per_cell_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_, planar_)
+      .fixed(cell_m_, per_cell_, thin_m2_, bits_xy_, bits_z_, mask_xy_, mask_z_, min_points_, memory_points_,
+             planar_)
       .by_hand(memory_, free_)
       .state(middle_, has_middle_, counts_);
   for (const std::int32_t at : middle_.at) {
@@ -206,7 +237,8 @@ void SurfelLayer::archive(rt::Archive& archive) {
       break;
     }
     last = one.key;
-    memory_.newest[memory_.window[entry(SurfelCell::from_key(one.key))]] = newest;
+    const SurfelIndex front = find(SurfelCell::from_key(one.key));
+    memory_.newest[(one.key & kOtherSide) != 0 ? other_side(front) : front] = newest;
   }
   if (archive.is_reading() && archive.status() != Status::ok) clear();
 }

@@ -69,6 +69,7 @@ struct SurfelLayerMemory {
   std::span<Surfel> surfels;
   std::span<SurfelIndex> free;
   std::span<std::uint32_t> newest;  ///< number of the scan that touched it last
+  std::span<SurfelIndex> others;    ///< of each, the surfel of its other side; none without Gaussians
 };
 /// Bits of a window of so many cells along an axis, or of the next power of two.
 constexpr unsigned window_bits(std::uint32_t cells) {
@@ -91,10 +92,14 @@ struct SurfelLayerCounts {
 
 /// Surfels by their cells. One look-up a cell, no probing, no heap. What a scan does to it does not depend on
 /// the order of its points: new cells get their room in the order of their keys.
+///
+/// A wall or a floor that is seen from both sides has two surfaces, and its thickness apart they would make
+/// one that is neither, or draw what was seen of one to the other. So a layer with Gaussians keeps two
+/// surfels of such a cell: what a ray finds that comes from behind a thin surface is of its other side.
 class SurfelLayer {
  public:
-  /// 144 bytes a surfel, 64 of them its Gaussian, and 4 an entry of the window. `cell_m`: edge, [0.01, 100].
-  /// A cell has a Gaussian from `min_points` on, and fades from `memory_points` on (at most 32,768).
+  /// 148 bytes a surfel, 68 of them for its Gaussian, and 4 an entry of the window. `cell_m`: edge, [0.01,
+  /// 100]. A cell has a Gaussian from `min_points` on, and fades from `memory_points` on (at most 32,768).
   /// `planar`: see surfel_of().
   SurfelLayer(double cell_m, unsigned bits_xy, unsigned bits_z, std::uint32_t min_points,
               std::uint32_t memory_points, const SurfelLayerMemory& memory, bool planar = false);
@@ -119,7 +124,7 @@ class SurfelLayer {
     }
     return true;
   }
-  /// Surfel of a cell, or kNoSurfel.
+  /// Surfel of a cell, of the side that was seen first, or kNoSurfel.
   SurfelIndex find(const SurfelCell& cell) const {
     const SurfelIndex index = memory_.window[entry(cell)];
     return index != kNoSurfel && memory_.keys[index] == cell.key() ? index : kNoSurfel;
@@ -131,6 +136,13 @@ class SurfelLayer {
     const SurfelIndex index = find(cell);
     return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
   }
+  /// The same of the side that a ray into the cell can have met.
+  const Surfel* surfel_met(const SurfelCell& cell, const rt::Vector3& ray) const {
+    SurfelIndex index = find(cell);
+    if (index == kNoSurfel || memory_.surfels[index].count == 0) return nullptr;
+    index = met(index, ray);
+    return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
+  }
   /// A place in its cell, from the cell's centre.
   rt::Vector3 from_centre_m(const SurfelPlace& place) const {
     const double step = cell_m_ / kSurfelSteps;
@@ -139,13 +151,24 @@ class SurfelLayer {
   rt::Vector3 centre_m(const SurfelCell& cell) const {
     return {(cell.at[0] + 0.5) * cell_m_, (cell.at[1] + 0.5) * cell_m_, (cell.at[2] + 0.5) * cell_m_};
   }
+  /// Of the surfel that find() gives: the one of its surface's other side, or kNoSurfel.
+  SurfelIndex other_side(SurfelIndex index) const { return memory_.others[index]; }
+  /// Which side of the surface that find() gave a ray into its cell can have met: where it comes from behind
+  /// a thin surface, the other one. kNoSurfel: nobody has seen that side. `ray`: of any length.
+  SurfelIndex met(SurfelIndex index, const rt::Vector3& ray) const {
+    const Surfel& surfel = memory_.surfels[index];
+    const double slope = rt::dot(surfel.normal(), ray);
+    if (!(slope > 0.0) || slope * slope < kGrazing2 * rt::dot(ray, ray) || !has_sides(surfel)) return index;
+    return memory_.others[index];
+  }
   std::span<const std::uint64_t> keys() const { return memory_.keys; }
   static constexpr std::uint64_t kUnused = ~std::uint64_t{0};
 
-  /// Adds points of the map's frame. `cells` is scratch, as long as `points_m`; `scan` is the scan's number,
-  /// which rises by one from scan to scan. Returns the surfels that took points, in scratch.
-  std::span<const std::uint64_t> insert(std::span<const rt::Vector3> points_m, std::uint32_t scan,
-                                        std::span<std::uint64_t> cells);
+  /// Adds points of the map's frame that were seen from `from_m`. `cells` is scratch, as long as `points_m`;
+  /// `scan` is the scan's number, which rises by one from scan to scan. Returns the surfels that took points,
+  /// in scratch.
+  std::span<const std::uint64_t> insert(std::span<const rt::Vector3> points_m, const rt::Vector3& from_m,
+                                        std::uint32_t scan, std::span<std::uint64_t> cells);
   /// Gives back what lies beyond the window about a place. From then on cells beyond it get only what room
   /// those within it leave. Looks at every surfel.
   void evict_beyond(const rt::Vector3& middle_m);
@@ -167,6 +190,12 @@ class SurfelLayer {
   void archive(rt::Archive& archive);
 
  private:
+  static constexpr std::uint64_t kOtherSide = SurfelRecord::kOtherSide;
+  /// Squared cosine between a ray and a normal: what grazes a surface does not say from which side.
+  static constexpr double kGrazing2 = 0.01;
+  bool has_sides(const Surfel& surfel) const {
+    return surfel.count >= kSureSurface && surfel.variance(0) <= thin_m2_ && is_surface(surfel, cell_m_);
+  }
   std::uint32_t entry(const SurfelCell& cell) const {
     const auto part = [](std::int32_t i, std::uint32_t mask) { return static_cast<std::uint32_t>(i) & mask; };
     return (part(cell.at[0], mask_xy_) << bits_xy_ | part(cell.at[1], mask_xy_)) << bits_z_ |
@@ -179,6 +208,7 @@ class SurfelLayer {
 
   double cell_m_;
   double per_cell_;
+  double thin_m2_;
   unsigned bits_xy_;
   unsigned bits_z_;
   std::uint32_t mask_xy_;

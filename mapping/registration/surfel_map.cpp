@@ -100,7 +100,7 @@ class Loader {
       SurfelRecord one;
       result_.byte = ahead.bytes();
       ahead.value(one);
-      result_.why = fault_of(one, layer.cell_m());
+      result_.why = fault_of(one, layer.cell_m(), true);
       if (result_.why != nullptr) return refuse(SurfelMapFault::surfel, level);
       result_.why = "";
       if (i > 0 && one.key <= last) return refuse(SurfelMapFault::order, level);
@@ -115,8 +115,11 @@ class Loader {
     result_.needed = 0;
     for (std::uint32_t i = 0; i < result_.head.surfels[level]; ++i) {
       SurfelRecord one;
+      result_.byte = archive_.bytes();
       archive_.value(one);
-      if (layer.put(one) != Status::ok) return refuse(SurfelMapFault::surfel, level);
+      if (layer.put(one) == Status::ok) continue;
+      result_.why = "the other side of a surface that is not there";
+      return refuse(SurfelMapFault::surfel, level);
     }
   }
 

@@ -14,8 +14,8 @@ namespace sortie::mapping {
 /// What stands before the surfels. 48 bytes.
 struct SurfelMapHead {
   static constexpr std::uint64_t kMagic = 0x4c45465255534f53;  ///< "SOSURFEL"
-  static constexpr std::uint32_t kVersion = 1;
-  static constexpr std::uint32_t kInPlane = 101;  ///< of a map in the plane (RegistrationConfig::planar)
+  static constexpr std::uint32_t kVersion = 2;                 ///< 1: a surface had one side
+  static constexpr std::uint32_t kInPlane = 102;  ///< of a map in the plane (RegistrationConfig::planar)
   std::uint64_t magic{kMagic};
   std::uint32_t version{kVersion};
   std::uint32_t steps{kSurfelSteps};  ///< of a cell's edge, in which its sums are

@@ -39,6 +39,7 @@ class Rig {
       registration_.take(points_);
       registration_.insert({});
     }
+    registration_.insert({{8.0, 0.0, 0.0}, {}});  // the room behind the wall: both sides of it are known
     room_ = written();
   }
 
@@ -68,7 +69,9 @@ class Rig {
   static void check_surfels(const SurfelLayer& layer) {
     for (const SurfelIndex index : layer.by_key()) {
       const SurfelRecord one = layer.record(index);
-      require(layer.find(SurfelCell::from_key(one.key)) == index);
+      const SurfelIndex first = layer.find(SurfelCell::from_key(one.key));
+      require(first != kNoSurfel);
+      require(((one.key & SurfelRecord::kOtherSide) != 0 ? layer.other_side(first) : first) == index);
       for (int i = 0; i < 3 && one.surfel.count > 0; ++i) {
         require(rt::norm(one.surfel.along(i)) < 1.1);
         require(std::abs(static_cast<double>(one.surfel.mean_m[i])) < 0.51 * layer.cell_m());

@@ -5,31 +5,14 @@
 #include <random>
 
 #include "tests/mapping/registration_rig.hpp"
+#include "tests/mapping/registration_stored.hpp"
 
 namespace {
 using namespace sortie;
+using testing::restore;
+using testing::stored;
 
 constexpr std::int64_t kArchiveTick_ns = 100'000'000;
-
-template <class Part>
-std::vector<std::uint8_t> stored(Part& part) {
-  rt::Archive measure = rt::Archive::measuring();
-  part.archive(measure);
-  INFO(measure.where() << ": " << measure.why());
-  REQUIRE(measure.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
-  rt::Archive write = rt::Archive::writing(bytes);
-  part.archive(write);
-  REQUIRE(write.status() == Status::ok);
-  return bytes;
-}
-
-template <class Part>
-Status restore(Part& part, std::span<const std::uint8_t> bytes) {
-  rt::Archive read = rt::Archive::reading(bytes);
-  part.archive(read);
-  return read.status();
-}
 
 /// Drives on in a room; the odometry is known to scans of even number, and every fifth scan is of elsewhere.
 struct ArchiveDrive {

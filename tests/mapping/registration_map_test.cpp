@@ -121,7 +121,7 @@ TEST_CASE("A kept map that does not fit is refused by name, and leaves no surfel
   CHECK(refused(good).fault == SurfelMapFault::none);
   CHECK(refused({}).fault == SurfelMapFault::no_map);
   CHECK(refused(changed([](auto& b) { b[0] ^= 1; })).fault == SurfelMapFault::no_map);
-  CHECK(refused(changed([](auto& b) { b[8] = 2; })).fault == SurfelMapFault::version);
+  CHECK(refused(changed([](auto& b) { b[8] = 1; })).fault == SurfelMapFault::version);
   CHECK(refused(changed([](auto& b) { b[8] = mapping::SurfelMapHead::kInPlane; })).fault ==
         SurfelMapFault::planar);
   mapping::RegistrationConfig flat;

@@ -20,6 +20,7 @@ struct OwnedSurfelLayer {
   std::vector<mapping::Surfel> surfels;
   std::vector<mapping::SurfelIndex> free;
   std::vector<std::uint32_t> newest;
+  std::vector<mapping::SurfelIndex> others;
   std::vector<std::uint64_t> cells;
   mapping::SurfelLayer layer;
 
@@ -31,14 +32,15 @@ struct OwnedSurfelLayer {
         surfels(most),
         free(most),
         newest(most),
+        others(most),
         layer(cell_m, bits_xy, bits_z, min_points, memory_points,
-              {window, keys, sums, surfels, free, newest}) {}
+              {window, keys, sums, surfels, free, newest, others}) {}
   OwnedSurfelLayer(const OwnedSurfelLayer&) = delete;
   OwnedSurfelLayer& operator=(const OwnedSurfelLayer&) = delete;
 
-  void insert(const std::vector<rt::Vector3>& points, std::uint32_t scan) {
+  void insert(const std::vector<rt::Vector3>& points, std::uint32_t scan, const rt::Vector3& from = {}) {
     cells.resize(std::max(cells.size(), points.size()));
-    layer.insert(points, scan, cells);
+    layer.insert(points, from, scan, cells);
   }
 };
 

@@ -20,7 +20,7 @@ struct ScoreScene {
     lidar.columns = 240;
     for (std::uint32_t scan = 1; scan <= 4; ++scan) {
       const mapping::RigidPose at{{0.2 * scan - 0.5, 0.1 * scan, 1.2}, rt::exp_rotation({0, 0, 0.2 * scan})};
-      owned.insert(testing::placed(lidar.scan(world, at.p, at.q, draws), at), scan);
+      owned.insert(testing::placed(lidar.scan(world, at.p, at.q, draws), at), scan, at.p);
     }
     pose = {{0.2, 0.2, 1.2}, rt::exp_rotation({0, 0, draws.uniform(-0.5, 0.5)})};
     lidar.columns = 100;

@@ -120,7 +120,7 @@ struct StepScene {
     lidar.columns = 240;
     for (std::uint32_t scan = 1; scan <= 3; ++scan) {
       const mapping::RigidPose at{{0.3 * scan, 0.1 * scan, 1.2}, rt::exp_rotation({0, 0, 0.1 * scan})};
-      owned.insert(testing::placed(lidar.scan(world, at.p, at.q, draws), at), scan);
+      owned.insert(testing::placed(lidar.scan(world, at.p, at.q, draws), at), scan, at.p);
     }
     pose = {{draws.uniform(-0.5, 0.5), draws.uniform(-0.5, 0.5), 1.2}, rt::exp_rotation(draws.direction())};
     lidar.columns = 60;
