@@ -149,10 +149,12 @@ std::span<const std::uint64_t> SurfelLayer::insert(std::span<const rt::Vector3> 
       Surfel& surfel = memory_.surfels[index];
       const std::uint32_t known = surfel.count;
       if (fades || (sums.count >= min_points_ && sums.count > known + known / 10)) {
-        const rt::Vector3 seen_from = known > 0 && has_sides(surfel)
-                                          ? surfel.normal()
-                                          : from_m - centre_m(SurfelCell::from_key(memory_.keys[index]));
+        const bool keeps_side = known > 0 && has_sides(surfel);
+        const rt::Vector3 before = surfel.normal();
         surfel = surfel_of(sums, cell_m_, planar_);
+        const rt::Vector3 seen_from =
+            keeps_side ? before
+                       : from_m - centre_m(SurfelCell::from_key(memory_.keys[index])) - surfel.mean();
         if (rt::dot(surfel.normal(), seen_from) < 0.0) {
           for (float& part : surfel.axis[0]) part = -part;
         }

@@ -82,6 +82,22 @@ TEST_CASE("A ray meets the side that it comes to") {
   CHECK(layer.surfel_met({}, {1, 0, 0})->normal().x < -0.99);
 }
 
+TEST_CASE("A low sensor sees the floor from above, wherever in its cell the floor lies") {
+  for (const double floor_m : {0.03, 0.25, 0.47}) {
+    CAPTURE(floor_m);
+    testing::Draws draws(5);
+    testing::OwnedSurfelLayer owned(kCell, 5, 4, 64);
+    for (std::uint32_t scan = 1; scan <= 3; ++scan) {
+      std::vector<rt::Vector3> points;
+      for (int i = 0; i < 60; ++i)
+        points.push_back({draws.uniform(0, 0.5), draws.uniform(0, 0.5), floor_m + 0.003 * draws.normal()});
+      owned.insert(points, scan, {-0.6, 0.25, floor_m + 0.15});
+    }
+    CHECK(owned.layer.size() == 1);
+    CHECK(owned.layer.surfel(owned.layer.find({})).normal().z > 0.99);
+  }
+}
+
 TEST_CASE("What is thick, a line, or of few points has one side") {
   testing::Draws draws(3);
   const auto seen_from_both = [&](const auto& point, int count) {
