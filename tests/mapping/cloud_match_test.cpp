@@ -96,7 +96,8 @@ TEST_CASE("A cell of more points than its wider one has room for keeps its share
   mapping::SurfelSums wide;
   for (int k = 0; k < 8; ++k) wide.add(mapping::widened(sums, {(k & 1) != 0, (k & 2) != 0, (k & 4) != 0}));
   CHECK(wide.count == mapping::kMostSurfelPoints);
-  CHECK(mapping::fault_of({0, wide, {}}, 0.8) == nullptr);
+  CHECK(mapping::fault_of({0, wide, {}}, 0.8, false) == nullptr);
+  CHECK(mapping::fault_of({mapping::SurfelRecord::kOtherSide, wide, {}}, 0.8, false) != nullptr);
   const mapping::Surfel surfel = mapping::surfel_of(wide, 0.8);
   CHECK(rt::norm(surfel.mean() - rt::Vector3{0.2, -0.2, 0.0}) < 1e-3);
   for (int i = 0; i < 3; ++i) CHECK(std::fabs(surfel.variance(i) - 0.04) < 1e-3);

@@ -123,9 +123,9 @@ TEST_CASE("A surfel that is there twice, or in another's place, or none, is not 
   const auto is_refused = [&](auto change) {
     mapping::SurfelRecord bad = one;
     bad.key = mapping::SurfelCell{{2, 2, 2}}.key();
-    REQUIRE(mapping::fault_of(bad, 0.5) == nullptr);
+    REQUIRE(mapping::fault_of(bad, 0.5, true) == nullptr);
     change(bad);
-    CHECK(mapping::fault_of(bad, 0.5) != nullptr);
+    CHECK(mapping::fault_of(bad, 0.5, true) != nullptr);
     CHECK(owned.layer.put(bad) == Status::malformed);
   };
   const float nan = std::numeric_limits<float>::quiet_NaN();
