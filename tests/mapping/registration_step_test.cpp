@@ -43,6 +43,16 @@ struct StepTwin {
   double squares{}, weight{};
 };
 
+/// Whether a ray comes from behind what the map has in a cell, as it is described: by the angle.
+bool is_from_behind(const mapping::SurfelLayer& layer, const mapping::SurfelCell& cell,
+                    const Eigen::Vector3d& ray) {
+  const mapping::Surfel* const surfel = layer.surfel_at(cell);
+  if (surfel == nullptr || surfel->count < 16) return false;
+  const Eigen::Vector3d sd = as_eigen(surfel->variance_m2).cwiseSqrt() / layer.cell_m();
+  if (sd[0] > 0.075 || sd[1] < 2 * sd[0] || sd[1] < 0.06) return false;
+  return as_eigen(surfel->axis[0]).dot(ray.normalized()) >= 0.1;
+}
+
 /// The equations as they are described, by floor, std::map and dense matrices.
 StepTwin step_twin(const mapping::SurfelLayer& layer, const std::vector<mapping::SamplePoint>& sample,
                    const mapping::RigidPose& pose, const mapping::StepRule& rule) {
@@ -51,21 +61,26 @@ StepTwin step_twin(const mapping::SurfelLayer& layer, const std::vector<mapping:
   struct Held {
     std::vector<Eigen::Vector3d> sensor, in_cell;
   };
-  std::map<std::array<int, 3>, Held> groups;
+  std::map<std::array<int, 4>, Held> groups;
   for (const mapping::SamplePoint& point : sample) {
     const Eigen::Vector3d v(static_cast<double>(point.x_m), static_cast<double>(point.y_m),
                             static_cast<double>(point.z_m));
     const Eigen::Vector3d p = (r * v + as_eigen(pose.p)) / edge;
     const Eigen::Vector3d low = p.array().floor();
-    Held& held = groups[{static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(low.z())}];
+    const mapping::SurfelCell cell{
+        {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(low.z())}};
+    const int side = is_from_behind(layer, cell, r * v) ? 1 : 0;
+    Held& held = groups[{cell.at[0], cell.at[1], cell.at[2], side}];
     held.sensor.push_back(v);
     held.in_cell.push_back(step * (((p - low) * 4096).array().floor() - 2048).matrix());
   }
   StepTwin twin;
   for (const auto& [at, held] : groups) {
     const mapping::SurfelCell cell{{at[0], at[1], at[2]}};
-    const mapping::Surfel* const surfel = layer.surfel_at(cell);
-    if (surfel == nullptr) continue;
+    mapping::SurfelIndex index = layer.find(cell);
+    if (index != mapping::kNoSurfel && at[3] == 1) index = layer.other_side(index);
+    if (index == mapping::kNoSurfel || layer.surfel(index).count == 0) continue;
+    const mapping::Surfel* const surfel = &layer.surfel(index);
     const Eigen::Vector3d variance = as_eigen(surfel->variance_m2);
     if (variance[1] < 4 * variance[0] || variance[1] < 0.0036 * edge * edge) continue;
     const auto n = static_cast<double>(held.in_cell.size());
