@@ -201,7 +201,7 @@ void Relocaliser::weigh_returns() {
       const rt::Vector3 p = r * sample_[i].at();
       cubes_[i] = cube(p.x) << 48 | cube(p.y) << 32 | cube(p.z) << 16 | i;
     }
-    std::sort(cubes_.begin(), cubes_.begin() + size_);
+    std::sort(cubes_.data(), cubes_.data() + size_);
     std::uint64_t sum = 0;
     for (std::uint32_t from = 0, to = 0; from < size_; from = to) {
       while (to < size_ && cubes_[to] >> 16 == cubes_[from] >> 16) ++to;

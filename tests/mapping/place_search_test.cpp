@@ -24,11 +24,12 @@ struct PlainMap {
     std::int32_t last[3]{};
     bool some = false;
     const auto each = [&](auto call) {
-      for (const std::uint64_t key : layer.keys()) {
-        if (key != mapping::SurfelLayer::kUnused) call(mapping::SurfelCell::from_key(key));
+      for (std::size_t i = 0; i < layer.keys().size(); ++i) {
+        if (layer.keys()[i] != mapping::SurfelLayer::kUnused)
+          call(mapping::SurfelCell::from_key(layer.keys()[i]), layer.surfel(static_cast<std::uint32_t>(i)));
       }
     };
-    each([&](const mapping::SurfelCell& cell) {
+    each([&](const mapping::SurfelCell& cell, const mapping::Surfel&) {
       for (int i = 0; i < 3; ++i) {
         first[i] = some ? std::min(first[i], cell.at[i]) : cell.at[i];
         last[i] = some ? std::max(last[i], cell.at[i]) : cell.at[i];
@@ -40,9 +41,8 @@ struct PlainMap {
     const double half = 0.5 * layer.cell_m();
     for (int wide = 1; wide <= 2; ++wide) {
       std::vector<bool> there(worth.size());
-      each([&](const mapping::SurfelCell& cell) {
-        if (const mapping::Surfel* const surfel = layer.surfel_at(cell))
-          draw(*surfel, cell, half, wide, there);
+      each([&](const mapping::SurfelCell& cell, const mapping::Surfel& surfel) {
+        if (surfel.count > 0) draw(surfel, cell, half, wide, there);
       });
       for (std::size_t i = 0; i < there.size(); ++i) worth[i] += there[i];
     }

@@ -147,8 +147,7 @@ int run_set(const CommandContext& context, const SetOptions& options) {
 
 ChangeOutcome ask_for_change(RequestClient& client, const std::string& name, double value,
                              std::chrono::milliseconds most) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + most;
+  const auto end = std::chrono::steady_clock::now() + most;
   ChangeOutcome outcome;
   outcome.before = client.value(name);
   drivers::SetParameter request;
@@ -163,7 +162,7 @@ ChangeOutcome ask_for_change(RequestClient& client, const std::string& name, dou
   if (outcome.status != Status::ok) {
     outcome.end = ChangeEnd::refused;
   } else if (answer) {
-    const bool in_force = client.listen_until(std::min(end, Clock::now() + kSettle),
+    const bool in_force = client.listen_until(std::min(end, std::chrono::steady_clock::now() + kSettle),
                                               [&] { return client.value(name) == value; });
     outcome.end = in_force ? ChangeEnd::in_force : ChangeEnd::not_applied;
   }
