@@ -115,12 +115,12 @@ void PlaneGrowing::push(std::uint32_t slot) {
   if (cell.waiting != 0 || heap_size_ == memory_.heap.size()) return;
   cell.waiting = 1;
   memory_.heap[heap_size_++] = std::uint64_t{cell.grade} << 60 | key_of(cell.at);
-  std::push_heap(memory_.heap.begin(), memory_.heap.begin() + heap_size_, std::greater<>());
+  std::push_heap(memory_.heap.data(), memory_.heap.data() + heap_size_, std::greater<>());
 }
 
 /// The next one's slot, or 0 where it has gone meanwhile.
 std::uint32_t PlaneGrowing::pop() {
-  std::pop_heap(memory_.heap.begin(), memory_.heap.begin() + heap_size_, std::greater<>());
+  std::pop_heap(memory_.heap.data(), memory_.heap.data() + heap_size_, std::greater<>());
   const std::uint64_t least = memory_.heap[--heap_size_];
   std::int32_t place[3];
   for (int i = 0; i < 3; ++i)
