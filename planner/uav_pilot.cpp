@@ -273,6 +273,8 @@ void UavPilot::archive(rt::Archive& archive) {
   archive.bounded(next_look_, look_count_ > 0 ? look_count_ - 1 : 0);
   archive.bounded(point_count_, UavWay::kMostPoints);
   archive.bounded(leg_, UavWay::kMostPoints);
+  // What was held back is no field of the output.
+  if (archive.is_reading()) output_.requests = gate_.counters;
 }
 
 }  // namespace sortie::planner

@@ -186,6 +186,8 @@ void UgvDrive::archive(rt::Archive& archive) {
       .fixed(config_)
       .state(follower_, mission_, guard_, gate_, limiter_, request_, output_, start_ns_, last_ns_, started_,
              remote_, halted_, emergency_, begun_, asked_, posture_);
+  // What was held back is no field of the output.
+  if (archive.is_reading()) output_.requests = gate_.counters;
 }
 
 }  // namespace sortie::planner

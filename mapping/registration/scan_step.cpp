@@ -91,10 +91,8 @@ std::uint32_t ScanStep::sum_up(const SurfelLayer& layer, std::span<const SampleP
   for (const SamplePoint& point : sample) {
     const rt::Vector3 p = r * point.at() + pose.p;
     if (!layer.place(p.x, p.y, p.z, place)) continue;
-    SurfelIndex index = layer.find(place.cell);
-    if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
-    index = layer.met(index, p - pose.p);
-    if (index == kNoSurfel || layer.surfel(index).count == 0) continue;
+    const SurfelIndex index = layer.find_met(place.cell, p - pose.p);
+    if (index == kNoSurfel) continue;
     StepMemory::Slot& slot = memory_.slots[index];
     if (slot.stamp != stamp_) {
       slot = {stamp_, used};

@@ -136,12 +136,16 @@ class SurfelLayer {
     const SurfelIndex index = find(cell);
     return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
   }
-  /// The same of the side that a ray into the cell can have met.
-  const Surfel* surfel_met(const SurfelCell& cell, const rt::Vector3& ray) const {
+  /// Of the side that a ray into the cell can have met, the surfel that has a Gaussian, or kNoSurfel.
+  SurfelIndex find_met(const SurfelCell& cell, const rt::Vector3& ray) const {
     SurfelIndex index = find(cell);
-    if (index == kNoSurfel || memory_.surfels[index].count == 0) return nullptr;
-    index = met(index, ray);
-    return index == kNoSurfel || memory_.surfels[index].count == 0 ? nullptr : &memory_.surfels[index];
+    if (index != kNoSurfel && memory_.surfels[index].count > 0) index = met(index, ray);
+    return index != kNoSurfel && memory_.surfels[index].count > 0 ? index : kNoSurfel;
+  }
+  /// The same, or null.
+  const Surfel* surfel_met(const SurfelCell& cell, const rt::Vector3& ray) const {
+    const SurfelIndex index = find_met(cell, ray);
+    return index == kNoSurfel ? nullptr : &memory_.surfels[index];
   }
   /// A place in its cell, from the cell's centre.
   rt::Vector3 from_centre_m(const SurfelPlace& place) const {

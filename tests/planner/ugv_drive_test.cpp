@@ -232,6 +232,12 @@ TEST_CASE("A drive that is put back in the middle goes on as if it had never sto
       bench.ask(0.2, request);
     }
     if (draw.one_in(4)) bench.ask(0.05, request_of(0, 0, rt::DriveMode::release));
+    if (draw.one_in(4)) {
+      rt::DriveRequest late = request_of(0.1, 0);
+      late.counter = bench.drive.output().request_counter + 1;
+      late.stamp_ns = bench.now_ns - 60 * rt::kNanosecondsPerSecond;
+      REQUIRE(bench.drive.request(late, bench.now_ns) == Status::stale);
+    }
     bench.run(draw(0.1, 1.5), {draw.one_in(8), false});
     rt::Archive count = rt::Archive::measuring();
     bench.drive.archive(count);
@@ -246,6 +252,7 @@ TEST_CASE("A drive that is put back in the middle goes on as if it had never sto
     rt::Archive in = rt::Archive::reading(bytes);
     twin.archive(in);
     REQUIRE(in.status() == Status::ok);
+    CHECK(twin.output().requests.held_back == bench.drive.output().requests.held_back);
     for (int i = 0; i < 20; ++i) {
       bench.now_ns += kStep_ns;
       const rt::PoseEstimate pose = bench.robot.pose(bench.now_ns);
@@ -258,4 +265,5 @@ TEST_CASE("A drive that is put back in the middle goes on as if it had never sto
       REQUIRE(std::memcmp(mine, its, sizeof mine) == 0);
     }
   }
+  CHECK(bench.drive.output().requests.held_back > 0);
 }
