@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -43,6 +44,17 @@ struct OwnedSurfelLayer {
     layer.insert(points, from, scan, cells);
   }
 };
+
+/// Whether a ray comes from behind what the map has in a cell, as it is described: by the angle.
+inline bool is_from_behind(const mapping::SurfelLayer& layer, const mapping::SurfelCell& cell,
+                           const rt::Vector3& ray) {
+  const mapping::Surfel* const surfel = layer.surfel_at(cell);
+  if (surfel == nullptr || surfel->count < 16) return false;
+  const double least = std::sqrt(surfel->variance(0)) / layer.cell_m();
+  const double middle = std::sqrt(surfel->variance(1)) / layer.cell_m();
+  if (least > 0.075 || middle < 2.0 * least || middle < 0.06) return false;
+  return rt::dot(surfel->along(0), ray) / rt::norm(ray) >= 0.1;
+}
 
 /// A locator, or a registration, with memory of its own.
 template <class Part>

@@ -40,8 +40,11 @@ mapping::MatchScore score_twin(const mapping::SurfelLayer& layer,
     const mapping::SurfelCell cell{{static_cast<std::int32_t>(std::floor(p.x / layer.cell_m())),
                                     static_cast<std::int32_t>(std::floor(p.y / layer.cell_m())),
                                     static_cast<std::int32_t>(std::floor(p.z / layer.cell_m()))}};
-    const mapping::Surfel* const surfel = layer.surfel_at(cell);
-    if (surfel == nullptr) continue;
+    mapping::SurfelIndex index = layer.find(cell);
+    if (index != mapping::kNoSurfel && testing::is_from_behind(layer, cell, p - pose.p))
+      index = layer.other_side(index);
+    if (index == mapping::kNoSurfel || layer.surfel(index).count == 0) continue;
+    const mapping::Surfel* const surfel = &layer.surfel(index);
     const rt::Vector3 off =
         p - layer.centre_m(cell) -
         rt::Vector3{static_cast<double>(surfel->mean_m[0]), static_cast<double>(surfel->mean_m[1]),

@@ -43,16 +43,6 @@ struct StepTwin {
   double squares{}, weight{};
 };
 
-/// Whether a ray comes from behind what the map has in a cell, as it is described: by the angle.
-bool is_from_behind(const mapping::SurfelLayer& layer, const mapping::SurfelCell& cell,
-                    const Eigen::Vector3d& ray) {
-  const mapping::Surfel* const surfel = layer.surfel_at(cell);
-  if (surfel == nullptr || surfel->count < 16) return false;
-  const Eigen::Vector3d sd = as_eigen(surfel->variance_m2).cwiseSqrt() / layer.cell_m();
-  if (sd[0] > 0.075 || sd[1] < 2 * sd[0] || sd[1] < 0.06) return false;
-  return as_eigen(surfel->axis[0]).dot(ray.normalized()) >= 0.1;
-}
-
 /// The equations as they are described, by floor, std::map and dense matrices.
 StepTwin step_twin(const mapping::SurfelLayer& layer, const std::vector<mapping::SamplePoint>& sample,
                    const mapping::RigidPose& pose, const mapping::StepRule& rule) {
@@ -69,7 +59,8 @@ StepTwin step_twin(const mapping::SurfelLayer& layer, const std::vector<mapping:
     const Eigen::Vector3d low = p.array().floor();
     const mapping::SurfelCell cell{
         {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(low.z())}};
-    const int side = is_from_behind(layer, cell, r * v) ? 1 : 0;
+    const Eigen::Vector3d ray = r * v;
+    const int side = testing::is_from_behind(layer, cell, {ray.x(), ray.y(), ray.z()}) ? 1 : 0;
     Held& held = groups[{cell.at[0], cell.at[1], cell.at[2], side}];
     held.sensor.push_back(v);
     held.in_cell.push_back(step * (((p - low) * 4096).array().floor() - 2048).matrix());
