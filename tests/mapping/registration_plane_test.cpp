@@ -97,40 +97,59 @@ double squared_deviations(const mapping::Located& l, const RigidPose& truth) {
   const Eigen::Vector3d off(l.T_map_sensor.p.x - truth.p.x, l.T_map_sensor.p.y - truth.p.y, turned.z);
   return off.dot(testing::solved(c, off));
 }
+/// What 80 scans of a walk came to: the most that a pose was off, and how many were not placed.
+struct Walked {
+  double most_m = 0.0, most_rad = 0.0;
+  int refused = 0;
+};
+
+Walked walk_through(const testing::RegistrationWorld& world, double lean, testing::Draws& draws) {
+  testing::OwnedLocator owned(planar_config());
+  REQUIRE(owned.arena.refused() == 0);
+  Wheels wheels{mapping::laid_flat(way_at(0, lean)), way_at(0, lean)};
+  Walked walked;
+  for (int tick = 0; tick < 80; ++tick) {
+    INFO("lean " << lean << ", scan " << tick);
+    const RigidPose truth = way_at(tick, lean);
+    const mapping::OdometryHint hint = wheels.to(truth, draws);
+    const mapping::Located l =
+        locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws), (tick + 1) * kPlaneTick_ns, hint);
+    if (!mapping::is_placed(l.verdict)) ++walked.refused;
+    walked.most_m = std::max(walked.most_m, flat_between(l.T_map_sensor, truth));
+    walked.most_rad = std::max(walked.most_rad, turn_between(l.T_map_sensor, truth));
+    CHECK(std::fabs(l.T_map_sensor.p.z - hint.T_odom_sensor.p.z) < 1e-12);
+    const mapping::OutOfPlane told = mapping::out_of_plane(hint.T_odom_sensor),
+                              kept = mapping::out_of_plane(l.T_map_sensor);
+    CHECK(rt::norm(rt::log_rotation(rt::conjugate(told.tilt) * kept.tilt)) < 1e-9);
+    // What hangs the odometry on the map lies in the plane.
+    CHECK(l.T_map_odom.p.z == 0.0);
+    CHECK(l.T_map_odom.q.x == 0.0);
+    CHECK(l.T_map_odom.q.y == 0.0);
+    const RigidPose tied = mapping::after(l.T_map_odom, hint.T_odom_sensor);
+    if (mapping::is_placed(l.verdict)) CHECK(rt::norm(tied.p - l.T_map_sensor.p) < 1e-9);
+  }
+  return walked;
+}
 }  // namespace
 
+// A map that is made on the way drifts: of 2,000 such walks of 6.4 m (seeds 1 to 1,000), 5 were off by more
+// than 1 % of the way (6 cm) or 15 mrad, the worst by 6.4 cm and 15.7 mrad. So 3 of 16 would be another
+// program.
 TEST_CASE("A lidar of one row is followed through a storey, and its height and tilt are the odometry's") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  for (const double lean : {0.0, 0.05}) {
-    const testing::RegistrationWorld world = storey(draws);
-    testing::OwnedLocator owned(planar_config());
-    REQUIRE(owned.arena.refused() == 0);
-    Wheels wheels{mapping::laid_flat(way_at(0, lean)), way_at(0, lean)};
-    std::uint64_t refused = 0;
-    for (int tick = 0; tick < 80; ++tick) {
-      INFO("lean " << lean << ", scan " << tick);
-      const RigidPose truth = way_at(tick, lean);
-      const mapping::OdometryHint hint = wheels.to(truth, draws);
-      const mapping::Located l = locate_flat(owned, one_row().scan(world, truth.p, truth.q, draws),
-                                             (tick + 1) * kPlaneTick_ns, hint);
-      if (!mapping::is_placed(l.verdict)) ++refused;
-      CHECK(flat_between(l.T_map_sensor, truth) < 0.06);
-      CHECK(turn_between(l.T_map_sensor, truth) < 0.015);
-      CHECK(std::fabs(l.T_map_sensor.p.z - hint.T_odom_sensor.p.z) < 1e-12);
-      const mapping::OutOfPlane told = mapping::out_of_plane(hint.T_odom_sensor),
-                                kept = mapping::out_of_plane(l.T_map_sensor);
-      CHECK(rt::norm(rt::log_rotation(rt::conjugate(told.tilt) * kept.tilt)) < 1e-9);
-      // What hangs the odometry on the map lies in the plane.
-      CHECK(l.T_map_odom.p.z == 0.0);
-      CHECK(l.T_map_odom.q.x == 0.0);
-      CHECK(l.T_map_odom.q.y == 0.0);
-      const RigidPose tied = mapping::after(l.T_map_odom, hint.T_odom_sensor);
-      if (mapping::is_placed(l.verdict)) CHECK(rt::norm(tied.p - l.T_map_sensor.p) < 1e-9);
+  int far_off = 0;
+  for (int run = 0; run < 8; ++run) {
+    for (const double lean : {0.0, 0.05}) {
+      const Walked walked = walk_through(storey(draws), lean, draws);
+      CHECK(walked.refused <= 2);
+      CHECK(walked.most_m < 0.1);
+      CHECK(walked.most_rad < 0.025);
+      if (!(walked.most_m < 0.06 && walked.most_rad < 0.015)) ++far_off;
     }
-    CHECK(refused <= 2);
   }
+  CHECK(far_off <= 2);
 }
 
 TEST_CASE("Along a corridor a lidar of one row holds nothing, and says so") {
