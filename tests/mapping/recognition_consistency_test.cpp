@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Consistent correspondences: the exact test beside another one, the sweep beside all pairs one by one.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstddef>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "mapping/recognition/consistency_sweep.hpp"
+#include "tests/mapping/registration_world.hpp"
+
+namespace {
+using namespace sortie;
+using mapping::ConsistencyGate;
+using mapping::PlaceCm;
+using mapping::SweptPair;
+
+/// |sqrt a - sqrt b| <= eps, with S = a + b - eps^2: S <= 0 or S^2 <= 4 a b. All below 2^64 where b is at
+/// most 2^31.
+bool within(std::uint64_t a, std::uint64_t b, std::uint64_t eps) {
+  if (b > 1u << 31) return false;
+  if (a + b <= eps * eps) return true;
+  const std::uint64_t s = a + b - eps * eps;
+  return s * s <= 4 * a * b;
+}
+
+std::uint64_t square(std::int64_t v) { return static_cast<std::uint64_t>(v * v); }
+
+/// Two correspondences by the letter of the rule.
+bool consistent(const ConsistencyGate& gate, const SweptPair& a, const SweptPair& b) {
+  if (a.pair.segment == b.pair.segment || a.pair.target == b.pair.target) return false;
+  const auto apart = [](std::int32_t from, std::int32_t to) { return std::int64_t{to} - from; };
+  const std::int64_t l[3] = {apart(a.segment.x, b.segment.x), apart(a.segment.y, b.segment.y),
+                             apart(a.segment.z, b.segment.z)};
+  const std::int64_t t[3] = {apart(a.target.x, b.target.x), apart(a.target.y, b.target.y),
+                             apart(a.target.z, b.target.z)};
+  for (const std::int64_t d : t) {
+    if (std::abs(d) > 100'000) return false;  // 1 km: no local map is so wide
+  }
+  const std::uint64_t flat = square(l[0]) + square(l[1]), flat_target = square(t[0]) + square(t[1]);
+  const auto eps = static_cast<std::uint64_t>(gate.eps_cm);
+  constexpr std::uint64_t kMost = 20'000ull * 20'000ull;
+  if (!gate.gravity) {
+    return flat + square(l[2]) <= kMost && within(flat + square(l[2]), flat_target + square(t[2]), eps);
+  }
+  const double room =
+      std::floor(gate.eps_cm + 1.0 + std::sqrt(static_cast<double>(flat)) * gate.tilt_permille * 1e-3);
+  return flat <= kMost && within(flat, flat_target, eps) &&
+         std::fabs(static_cast<double>(t[2] - l[2])) <= room;
+}
+
+struct OwnedSweep {
+  std::vector<std::byte> memory;
+  rt::Arena arena;
+  mapping::ConsistencySweep sweep;
+
+  explicit OwnedSweep(std::uint32_t most)
+      : memory(std::size_t{most} * (most / 8 + 400) + 8'192), arena(memory), sweep(most, arena) {}
+};
+
+/// A local map of segments, and a known map in which some of them stand, turned and moved.
+std::vector<SweptPair> correspondences(testing::Draws& draws, int segments, int each, double wide_cm,
+                                       double map_cm) {
+  const auto whole = [](double v) { return static_cast<std::int32_t>(std::floor(v)); };
+  std::vector<PlaceCm> local, targets;
+  const double yaw = draws.uniform(-3, 3), c = std::cos(yaw), s = std::sin(yaw);
+  const double at_x = draws.uniform(-map_cm, map_cm), at_y = draws.uniform(-map_cm, map_cm);
+  for (int i = 0; i < segments; ++i) {
+    local.push_back({whole(draws.uniform(-wide_cm, wide_cm)), whole(draws.uniform(-wide_cm, wide_cm)),
+                     whole(draws.uniform(-150, 400))});
+    const PlaceCm& p = local.back();
+    targets.push_back({whole(at_x + c * p.x - s * p.y + draws.uniform(-30, 30)),
+                       whole(at_y + s * p.x + c * p.y + draws.uniform(-30, 30)),
+                       p.z + 700 + whole(draws.uniform(-40, 40))});
+  }
+  while (targets.size() < 3u * static_cast<unsigned>(segments)) {
+    targets.push_back({whole(draws.uniform(-map_cm, map_cm)), whole(draws.uniform(-map_cm, map_cm)),
+                       whole(draws.uniform(-150, 1200))});
+  }
+  std::vector<SweptPair> pairs;
+  for (int i = 0; i < segments; ++i) {
+    for (int k = 0; k < each; ++k) {
+      const auto n = static_cast<double>(targets.size());
+      const auto t = k == 0 ? static_cast<std::uint16_t>(i) : static_cast<std::uint16_t>(draws.uniform(0, n));
+      const mapping::Correspondence pair{static_cast<std::uint16_t>(i), t};
+      const auto is_there = [&](const SweptPair& p) { return p.pair == pair; };
+      if (std::any_of(pairs.begin(), pairs.end(), is_there)) continue;
+      pairs.push_back({pair, local[static_cast<std::size_t>(i)], targets[t]});
+    }
+  }
+  for (std::size_t i = pairs.size(); i > 1; --i) {
+    std::swap(pairs[i - 1], pairs[static_cast<std::size_t>(draws.uniform(0, static_cast<double>(i)))]);
+  }
+  return pairs;
+}
+
+/// Every bit of the graph beside the rule.
+int disagreements(const mapping::ConsistencySweep& sweep, const ConsistencyGate& gate,
+                  const std::vector<SweptPair>& pairs, int& edges) {
+  int off = 0;
+  const auto graph = sweep.graph();
+  const auto order = sweep.order();
+  for (std::uint32_t a = 0; a < graph.vertices(); ++a) {
+    for (std::uint32_t b = 0; b < graph.vertices(); ++b) {
+      const bool expected = a != b && consistent(gate, pairs[order[a]], pairs[order[b]]);
+      if (graph.adjacent(a, b) != expected) ++off;
+      if (expected) ++edges;
+    }
+    for (std::uint32_t b = graph.vertices(); b < 64 * graph.words(); ++b) {
+      if (graph.adjacent(a, b)) ++off;
+    }
+  }
+  return off;
+}
+
+bool run_whole(mapping::ConsistencySweep& sweep) {
+  std::uint64_t units = ~std::uint64_t{0};
+  return sweep.run(units);
+}
+}  // namespace
+
+TEST_CASE("The range of a pair of segments is the exact test, at its edges too") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  for (int i = 0; i < 20'000; ++i) {
+    const ConsistencyGate gate{static_cast<std::int32_t>(draws.uniform(0, i % 2 == 0 ? 60 : 2001)), 9,
+                               i % 3 != 0};
+    const double wide = i % 5 == 0 ? 20.0 : 14'000.0;
+    const double x = std::floor(draws.uniform(-wide, wide)), y = std::floor(draws.uniform(-wide, wide)),
+                 z = std::floor(draws.uniform(-wide, wide));
+    const mapping::PairRange range = mapping::pair_range(gate, x, y, z);
+    const auto a = static_cast<std::uint64_t>(x * x + y * y + (gate.gravity ? 0.0 : z * z));
+    const auto eps = static_cast<std::uint64_t>(gate.eps_cm);
+    if (a > 20'000ull * 20'000ull) {
+      CHECK(range.least == ~0u);
+      continue;
+    }
+    const std::uint64_t least = range.least, most = least + range.span;
+    CHECK(within(a, least, eps));
+    CHECK(within(a, most, eps));
+    CHECK_FALSE(within(a, most + 1, eps));
+    if (least > 0) CHECK_FALSE(within(a, least - 1, eps));
+  }
+}
+
+TEST_CASE("The sweep finds the pairs that the rule finds one by one") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  OwnedSweep owned(700);
+  REQUIRE(owned.arena.refused() == 0);
+  int edges = 0;
+  for (int run = 0; run < 24; ++run) {
+    INFO("run " << run);
+    // Small and wide maps; one segment with many targets, many with one; maps wider than 16 bits of cm.
+    const int segments = run % 4 == 0 ? 3 : (run % 4 == 1 ? 300 : 40), each = run % 4 == 1 ? 2 : 16;
+    const double map_cm = run % 3 == 0 ? 3'000 : (run % 3 == 1 ? 40'000 : 900'000);
+    const auto pairs = correspondences(draws, segments, each, run % 5 == 4 ? 13'000 : 2'500, map_cm);
+    const ConsistencyGate gate{run % 7 == 6 ? 0 : static_cast<std::int32_t>(draws.uniform(5, 90)),
+                               static_cast<std::int32_t>(draws.uniform(0, 40)), run % 2 == 0};
+    REQUIRE(owned.sweep.begin(gate, pairs) == Status::ok);
+    REQUIRE(run_whole(owned.sweep));
+    CHECK(disagreements(owned.sweep, gate, pairs, edges) == 0);
+  }
+  CHECK(edges > 10'000);
+}
+
+TEST_CASE("A map far away, at the edge of 16 bits, and one place for all, are swept alike") {
+  OwnedSweep owned(200);
+  int edges = 0;
+  for (const std::int32_t off : {0, 32'767, 32'768, 65'535, 65'536, 1'000'000'000 - 400'000}) {
+    for (const bool gravity : {true, false}) {
+      std::vector<SweptPair> pairs;
+      for (int i = 0; i < 60; ++i) {
+        // Every second target is `off` away: its distance modulo 2^16 is that of a neighbour.
+        const std::int32_t far = i % 2 == 0 ? 0 : off, z = 10 * (i % 7);
+        const auto n = static_cast<std::uint16_t>(i);
+        pairs.push_back({{n, n}, {50 * i, 3 * i, z}, {50 * i + far, 3 * i, z + 100}});
+        pairs.push_back({{n, static_cast<std::uint16_t>(100 + n)}, {50 * i, 3 * i, z}, {0, 0, far}});
+      }
+      const ConsistencyGate gate{40, 9, gravity};
+      REQUIRE(owned.sweep.begin(gate, pairs) == Status::ok);
+      REQUIRE(run_whole(owned.sweep));
+      INFO("off " << off << " gravity " << gravity);
+      CHECK(disagreements(owned.sweep, gate, pairs, edges) == 0);
+    }
+  }
+  CHECK(edges > 0);
+}
+
+TEST_CASE("A sweep in small budgets is the same sweep, and what it cannot take it refuses") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  OwnedSweep owned(400), whole(400);
+  const auto pairs = correspondences(draws, 30, 12, 2'500, 4'000);
+  REQUIRE(whole.sweep.begin({}, pairs) == Status::ok);
+  REQUIRE(run_whole(whole.sweep));
+  REQUIRE(owned.sweep.begin({}, pairs) == Status::ok);
+  int steps = 0;
+  for (std::uint64_t units = 17; !owned.sweep.run(units); units = 17) REQUIRE(++steps < 100'000);
+  CHECK(steps > 100);
+  for (std::uint32_t v = 0; v < whole.sweep.graph().vertices(); ++v) {
+    const auto a = whole.sweep.graph().row(v), b = owned.sweep.graph().row(v);
+    REQUIRE(std::equal(a.begin(), a.end(), b.begin(), b.end()));
+  }
+  CHECK(owned.sweep.begin({-1, 9, true}, pairs) == Status::out_of_range);
+  CHECK(owned.sweep.graph().vertices() == 0);
+  CHECK(owned.sweep.begin({2'001, 9, true}, pairs) == Status::out_of_range);
+  CHECK(owned.sweep.begin({40, 501, true}, pairs) == Status::out_of_range);
+  std::vector<SweptPair> beyond(1);
+  beyond[0].target.z = 1'000'000'001;
+  CHECK(owned.sweep.begin({}, beyond) == Status::out_of_range);
+  CHECK(owned.sweep.begin({}, std::vector<SweptPair>(401)) == Status::full);
+  CHECK(owned.sweep.begin({}, {}) == Status::ok);
+  CHECK(run_whole(owned.sweep));
+  CHECK(owned.sweep.graph().vertices() == 0);
+}
