@@ -84,7 +84,7 @@ bool ConsistentSet::open(std::uint64_t& units) {
   std::uint32_t count = 0;
   for (std::size_t w = 0; w < row.size(); ++w) pool[w] = row[w] & members_[w];
   BitGraph::each(pool, [&](std::uint32_t v) {
-    if (order_.position(v) > order_.position(start)) {
+    if (order_.position(v) > order_.position(start) && !is_over(v)) {
       ++count;
     } else {
       BitGraph::take(pool, v);
@@ -96,21 +96,34 @@ bool ConsistentSet::open(std::uint64_t& units) {
     cut_ = true;
     return true;
   }
-  if (!credit_.pay(std::uint64_t{count} * graph_.words(), units)) return false;
+  // Few neighbours are tested one by one, many by whole rows.
+  const bool few = count < 2 * graph_.words();
+  const std::uint64_t cost = few ? count * (count + 1) / 2 : count * graph_.words();
+  if (!credit_.pay(cost + graph_.words(), units)) return false;
   ++counts_.opened;
   words_ = BitGraph::words_of(count);
   std::uint32_t listed = 0;
   BitGraph::each(pool, [&](std::uint32_t v) { around_[listed++] = static_cast<std::uint16_t>(v); });
   std::sort(around_.begin(), around_.begin() + count,
             [&](std::uint16_t a, std::uint16_t b) { return order_.position(a) > order_.position(b); });
-  for (std::uint32_t i = 0; i < count; ++i) index_[around_[i]] = static_cast<std::uint16_t>(i);
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto own = inner(i);
     std::fill(own.begin(), own.end(), Word{0});
+    index_[around_[i]] = static_cast<std::uint16_t>(i);
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
     const auto beside = graph_.row(around_[i]);
+    if (few) {
+      for (std::uint32_t k = 0; k < i; ++k) {
+        if (!BitGraph::has(beside, around_[k])) continue;
+        BitGraph::put(inner(i), k);
+        BitGraph::put(inner(k), i);
+      }
+      continue;
+    }
     for (std::size_t w = 0; w < beside.size(); ++w) {
       for (Word rest = beside[w] & pool[w]; rest != 0; rest &= rest - 1) {
-        BitGraph::put(own, index_[w * 64 + static_cast<std::size_t>(std::countr_zero(rest))]);
+        BitGraph::put(inner(i), index_[w * 64 + static_cast<std::size_t>(std::countr_zero(rest))]);
       }
     }
   }
