@@ -54,6 +54,15 @@ class BitGraph {
   static void take(std::span<Word> set, std::uint32_t vertex) {
     set[vertex / kWordBits] &= ~(Word{1} << (vertex % kWordBits));
   }
+  /// Makes it the set of the first so many.
+  static void fill(std::span<Word> set, std::uint32_t vertices) {
+    for (std::size_t w = 0; w < set.size(); ++w) {
+      const std::size_t first = w * kWordBits;
+      set[w] = vertices >= first + kWordBits ? ~Word{0}
+               : vertices > first            ? (Word{1} << (vertices - first)) - 1
+                                             : Word{0};
+    }
+  }
   static std::uint32_t count(std::span<const Word> set) {
     std::uint32_t sum = 0;
     for (const Word word : set) sum += static_cast<std::uint32_t>(std::popcount(word));

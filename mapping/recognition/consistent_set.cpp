@@ -127,11 +127,7 @@ bool ConsistentSet::open(std::uint64_t& units) {
       }
     }
   }
-  const auto all = left(0);
-  for (std::uint32_t w = 0; w < words_; ++w) {
-    const std::uint32_t rest = count - w * 64;
-    all[w] = rest >= 64 ? ~Word{0} : (Word{1} << rest) - 1;
-  }
+  BitGraph::fill(left(0), count);
   hand_[0] = start;
   size_ = 1;
   level_ = 0;
