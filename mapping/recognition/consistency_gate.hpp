@@ -16,7 +16,7 @@ namespace sortie::mapping {
 /// gravity: the distances in space alone (R. Dube et al., Incremental-Segment-Based Localization in 3D Point
 /// Clouds, RA-L 2018, eq. 10).
 struct ConsistencyGate {
-  static constexpr std::int32_t kMostEpsCm = 2'000;
+  static constexpr std::int32_t kMostEpsCm = 500;
   static constexpr std::int32_t kMostTilt = 500;
 
   std::int32_t eps_cm{40};  ///< 0 to kMostEpsCm
@@ -30,8 +30,8 @@ struct ConsistencyGate {
   }
 };
 
-/// Two segments of one local map that are further apart, along x, y or z or as the crow flies, are consistent
-/// with nothing: the test's numbers have 32 bits.
+/// Two segments of one local map that are further apart are consistent with nothing: the test's numbers have
+/// 32 bits.
 inline constexpr double kMostPairCm = 20'000.0;
 
 /// What two local segments ask of their targets.
@@ -41,24 +41,19 @@ struct PairRange {
   std::int16_t height_cm{-1};  ///< how much the two heights may differ
 };
 
-/// Range of two local segments that are (x, y, z) apart, whole cm. With |r - d| <= eps and r >= 0, r^2 goes
-/// from (d - eps)^2, or 0 where eps is larger, to (d + eps)^2 = d^2 + eps^2 + 2 eps d. 2 eps d is rounded
-/// down, so the bounds lie within, and the test is exact: squares and their roots' arguments are whole
-/// numbers below 2^53, and a correctly rounded root of one is never rounded up to the next whole number.
-inline PairRange pair_range(const ConsistencyGate& gate, double x, double y, double z) {
-  const double flat = x * x + y * y;
-  const double square = gate.gravity ? flat : flat + z * z;
+/// Range of two local segments whose distance has a square of `square` cm^2, a whole number. With |r - d| <=
+/// eps and r >= 0, r^2 goes from (d - eps)^2, or 0 where eps is larger, to (d + eps)^2 = d^2 + eps^2 + 2 eps
+/// d. 2 eps d is cut off, so the bounds lie within, and the test is exact: where 2 eps d is no whole number
+/// it is at least 1 / (4 eps d) = 2e-8 away from one, and what is computed is off by less than 4e-9.
+inline PairRange pair_range(const ConsistencyGate& gate, double square) {
   if (square > kMostPairCm * kMostPairCm) return {};
-  const double eps = gate.eps_cm;
-  const auto spread = static_cast<std::int32_t>(std::sqrt(4.0 * eps * eps * square));
+  const double eps = gate.eps_cm, distance = std::sqrt(square);
+  const auto spread = static_cast<std::int32_t>(2.0 * eps * distance);
   const auto middle = static_cast<std::int32_t>(square + eps * eps);
   const std::int32_t least = square <= eps * eps ? 0 : middle - spread;
-  PairRange range;
-  range.least = static_cast<std::uint32_t>(least);
-  range.span = static_cast<std::uint32_t>(middle + spread - least);
   // A centimetre more: heights are differences of four rounded ones.
-  range.height_cm = static_cast<std::int16_t>(eps + 1.0 + std::sqrt(flat) * gate.tilt_permille * 1e-3);
-  return range;
+  const auto height = static_cast<std::int16_t>(eps + 1.0 + distance * (1e-3 * gate.tilt_permille));
+  return {static_cast<std::uint32_t>(least), static_cast<std::uint32_t>(middle + spread - least), height};
 }
 
 }  // namespace sortie::mapping

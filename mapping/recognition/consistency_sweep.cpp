@@ -28,10 +28,11 @@ std::int16_t low16(std::int32_t v) { return static_cast<std::int16_t>(v); }
 
 /// Bits of 64 bytes that are 0 or 1.
 BitGraph::Word packed(const std::uint8_t (&bytes)[kLanes]) {
+  static_assert(std::endian::native == std::endian::little, "the first byte is the lowest");
   BitGraph::Word bits = 0;
   for (std::uint32_t k = 0; k < kLanes; k += 8) {
     std::uint64_t eight = 0;
-    for (std::uint32_t b = 0; b < 8; ++b) eight |= std::uint64_t{bytes[k + b]} << (8 * b);
+    std::memcpy(&eight, bytes + k, sizeof eight);
     bits |= (eight * 0x0102040810204080u >> 56) << k;
   }
   return bits;
@@ -57,9 +58,9 @@ ConsistencySweep::ConsistencySweep(std::uint32_t most, rt::Arena& arena) {
   order_ = arena.make_array<std::uint16_t>("recognition order", most);
   rows_ = arena.make_array<std::uint16_t>("recognition rows", most);
   vertex_ = arena.make_array<Vertex>("recognition vertices", most);
-  group_of_ = arena.make_array<Group>("recognition segments", most);
   columns_ = arena.make_array<Columns>("recognition columns", words);
   boxes_ = arena.make_array<Box>("recognition boxes", words);
+  near_ = arena.make_array<std::uint16_t>("recognition near words", words);
   bits_ = arena.make_array<BitGraph::Word>("recognition graph", BitGraph::matrix_words(most));
 }
 
@@ -68,31 +69,30 @@ Status ConsistencySweep::begin(const ConsistencyGate& gate, std::span<const Swep
   vertices_ = 0;
   graph_ = {};
   credit_.clear();
+  if (pairs.size() > order_.size()) return Status::full;
+  const auto count = static_cast<std::uint32_t>(pairs.size());
+  if (bits_.size() < BitGraph::matrix_words(count)) return Status::full;
+  if (!gate.usable()) return Status::out_of_range;
   const auto is_near = [](const PlaceCm& p) {
     const auto inside = [](std::int32_t cm) { return cm >= -kMostPlaceCm && cm <= kMostPlaceCm; };
     return inside(p.x) && inside(p.y) && inside(p.z);
   };
-  if (!gate.usable()) return Status::out_of_range;
   for (const SweptPair& p : pairs) {
     if (!is_near(p.segment) || !is_near(p.target)) return Status::out_of_range;
   }
-  if (pairs.size() > order_.size() ||
-      bits_.size() < BitGraph::matrix_words(static_cast<std::uint32_t>(pairs.size()))) {
-    return Status::full;
-  }
   gate_ = gate;
-  vertices_ = static_cast<std::uint32_t>(pairs.size());
+  vertices_ = count;
   words_ = BitGraph::words_of(vertices_);
   const auto bits = bits_.first(BitGraph::matrix_words(vertices_));
   std::fill(bits.begin(), bits.end(), BitGraph::Word{0});
   graph_ = BitGraph(vertices_, bits);
   sort(pairs);
   list_groups(pairs);
-  fill_columns();
-  measure_reach();
+  fill_columns(pairs);
+  measure(pairs);
   step_ = vertices_ > 0 ? Step::rows : Step::done;
   at_ = 0;
-  group_ = groups_;
+  group_ = kNoGroup;
   return Status::ok;
 }
 
@@ -114,32 +114,37 @@ void ConsistencySweep::sort(std::span<const SweptPair> pairs) {
   }
 }
 
+/// Rows of one segment follow each other, so that its columns are made once.
 void ConsistencySweep::list_groups(std::span<const SweptPair> pairs) {
   const auto segment = [&](std::uint16_t v) { return pairs[order_[v]].pair.segment; };
   for (std::uint32_t v = 0; v < vertices_; ++v) rows_[v] = static_cast<std::uint16_t>(v);
   std::sort(rows_.begin(), rows_.begin() + vertices_, [&](std::uint16_t a, std::uint16_t b) {
     return segment(a) != segment(b) ? segment(a) < segment(b) : a < b;
   });
-  groups_ = 0;
+  std::uint16_t group = 0;
   for (std::uint32_t i = 0; i < vertices_; ++i) {
-    const std::uint16_t v = rows_[i];
-    if (i == 0 || segment(v) != segment(rows_[i - 1])) group_of_[groups_++].place = pairs[order_[v]].segment;
-    vertex_[v].group = static_cast<std::uint16_t>(groups_ - 1);
+    if (i > 0 && segment(rows_[i]) != segment(rows_[i - 1])) ++group;
+    vertex_[rows_[i]].group = group;
   }
 }
 
-void ConsistencySweep::fill_columns() {
+void ConsistencySweep::fill_columns(std::span<const SweptPair> pairs) {
   for (std::uint32_t w = 0; w < words_; ++w) {
     Columns& c = columns_[w];
     Box& box = boxes_[w];
+    const std::uint32_t lanes = std::min(kLanes, vertices_ - w * kLanes);
     c = {};
     for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const std::uint32_t v = w * kLanes + k;
-      if (v >= vertices_) break;
-      const Vertex& vertex = vertex_[v];
+      const Vertex& vertex = vertex_[w * kLanes + std::min(k, lanes - 1)];
+      const PlaceCm& segment = pairs[order_[w * kLanes + std::min(k, lanes - 1)]].segment;
       c.x[k] = low16(vertex.at[0]);
       c.y[k] = low16(vertex.at[1]);
       c.z[k] = low16(vertex.at[2]);
+      c.rise[k] = low16(vertex.at[3]);
+      c.segment[0][k] = segment.x;
+      c.segment[1][k] = segment.y;
+      c.segment[2][k] = segment.z;
+      c.group[k] = k < lanes ? vertex.group : -1;
       for (int i = 0; i < 4; ++i) {
         box.least[i] = k == 0 ? vertex.at[i] : std::min(box.least[i], vertex.at[i]);
         box.most[i] = k == 0 ? vertex.at[i] : std::max(box.most[i], vertex.at[i]);
@@ -149,14 +154,14 @@ void ConsistencySweep::fill_columns() {
 }
 
 /// No consistent targets are further apart than the local map is wide, and eps.
-void ConsistencySweep::measure_reach() {
+void ConsistencySweep::measure(std::span<const SweptPair> pairs) {
   double square = 0.0;
   const auto widen = [&](auto coordinate) {
     double least = 0.0, most = 0.0;
-    for (std::uint32_t g = 0; g < groups_; ++g) {
-      const double at = coordinate(group_of_[g].place);
-      least = g == 0 ? at : std::min(least, at);
-      most = g == 0 ? at : std::max(most, at);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const double at = coordinate(pairs[i].segment);
+      least = i == 0 ? at : std::min(least, at);
+      most = i == 0 ? at : std::max(most, at);
     }
     square += (most - least) * (most - least);
   };
@@ -164,32 +169,38 @@ void ConsistencySweep::measure_reach() {
   widen([](const PlaceCm& p) { return double(p.y); });
   if (!gate_.gravity) widen([](const PlaceCm& p) { return double(p.z); });
   reach_cm_ = static_cast<std::int32_t>(std::min(std::sqrt(square), kMostPairCm)) + 1 + gate_.eps_cm;
+  wide_ = false;
+  for (int i = 0; i < 4; ++i) {
+    std::int32_t least = 0, most = 0;
+    for (std::uint32_t w = 0; w < words_; ++w) {
+      least = w == 0 ? boxes_[w].least[i] : std::min(least, boxes_[w].least[i]);
+      most = w == 0 ? boxes_[w].most[i] : std::max(most, boxes_[w].most[i]);
+    }
+    wide_ |= most - least > kMost16;
+  }
 }
 
-/// Makes the columns for the rows of one segment.
-void ConsistencySweep::open_group(std::uint32_t group) {
-  group_ = group;
-  const PlaceCm& own = group_of_[group].place;
-  for (std::uint32_t g = 0; g < groups_; ++g) {
-    const PlaceCm& p = group_of_[g].place;
-    group_of_[g].range =
-        g == group ? PairRange{}
-                   : pair_range(gate_, double(p.x) - own.x, double(p.y) - own.y, double(p.z) - own.z);
-  }
-  for (std::uint32_t w = 0; w < words_; ++w) {
+/// Makes the columns for the rows of a vertex's segment, from its word on: no row of it comes before.
+void ConsistencySweep::open_group(std::uint32_t first) {
+  const Columns& own = columns_[first / kLanes];
+  const std::uint32_t at = first % kLanes;
+  const double x = own.segment[0][at], y = own.segment[1][at], z = own.segment[2][at];
+  const std::int32_t group = vertex_[first].group;
+  for (std::uint32_t w = first / kLanes; w < words_; ++w) {
     Columns& c = columns_[w];
-    const std::uint32_t lanes = std::min(kLanes, vertices_ - w * kLanes);
-    for (std::uint32_t k = 0; k < lanes; ++k) {
-      const Vertex& vertex = vertex_[w * kLanes + k];
-      const PairRange& range = group_of_[vertex.group].range;
+    double square[kLanes];
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      const double dx = c.segment[0][k] - x, dy = c.segment[1][k] - y, dz = c.segment[2][k] - z;
+      square[k] = dx * dx + dy * dy + (gate_.gravity ? 0.0 : dz * dz);
+    }
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      const bool none = c.group[k] == group || c.group[k] < 0;
+      const PairRange range = none ? PairRange{} : pair_range(gate_, square[k]);
+      // Shifted by half of all numbers: then one signed comparison tests both ends.
       c.least[k] = range.least + 0x80000000u;
       c.span[k] = static_cast<std::int32_t>(range.span + 0x80000000u);
-      c.rise_least[k] = low16(vertex.at[3] + range.height_cm - kSigned);
+      c.rise_least[k] = low16(c.rise[k] + range.height_cm - kSigned);
       c.rise_span[k] = low16(2 * range.height_cm - kSigned);
-    }
-    for (std::uint32_t k = lanes; k < kLanes; ++k) {
-      c.least[k] = ~0u + 0x80000000u;
-      c.span[k] = static_cast<std::int32_t>(0x80000000u);
     }
   }
 }
@@ -231,38 +242,35 @@ BitGraph::Word ConsistencySweep::without_far(const Vertex& row, std::uint32_t wo
     const auto k = static_cast<std::uint32_t>(std::countr_zero(rest));
     const Vertex& other = vertex_[word * kLanes + k];
     for (const int i : {0, 1, gate_.gravity ? 3 : 2}) {
-      const std::int64_t apart = std::int64_t{other.at[i]} - row.at[i];
+      const std::int32_t apart = other.at[i] - row.at[i];
       if (apart > kMost16 || apart < -kMost16) bits &= ~(BitGraph::Word{1} << k);
     }
   }
   return bits;
 }
 
-/// Bits behind the diagonal. Gives the words that were tested.
-std::uint32_t ConsistencySweep::test_row(std::uint32_t v) {
+/// Words whose targets may be near enough to a row's, behind all of its target.
+void ConsistencySweep::list_near(const Vertex& row) {
+  const std::int32_t left = row.at[0] - reach_cm_, right = row.at[0] + reach_cm_;
+  const std::int32_t below = row.at[1] - reach_cm_, above = row.at[1] + reach_cm_;
+  near_count_ = 0;
+  for (std::uint32_t w = row.other / kLanes; w < words_; ++w) {
+    const Box& box = boxes_[w];
+    if (box.least[0] > right || box.most[0] < left || box.least[1] > above || box.most[1] < below) continue;
+    near_[near_count_++] = static_cast<std::uint16_t>(w);
+  }
+}
+
+void ConsistencySweep::test_row(std::uint32_t v) {
   const Vertex& row = vertex_[v];
   const std::span<BitGraph::Word> bits = graph_.row(v);
-  std::uint32_t tested = 0;
-  for (std::uint32_t w = v / kLanes; w < words_; ++w) {
-    const Box& box = boxes_[w];
-    std::int64_t least[4], most[4];
-    for (int i = 0; i < 4; ++i) {
-      least[i] = std::int64_t{box.least[i]} - row.at[i];
-      most[i] = std::int64_t{box.most[i]} - row.at[i];
-    }
-    if (least[0] > reach_cm_ || most[0] < -reach_cm_ || least[1] > reach_cm_ || most[1] < -reach_cm_)
-      continue;
-    ++tested;
+  for (std::uint32_t i = 0; i < near_count_; ++i) {
+    const std::uint32_t w = near_[i];
     BitGraph::Word found = test(row, columns_[w]);
-    bool wide = false;
-    for (const int i : {0, 1, gate_.gravity ? 3 : 2}) wide |= most[i] > kMost16 || least[i] < -kMost16;
-    if (wide && found != 0) found = without_far(row, w, found);
-    // Behind the row's vertex, and behind all of its target.
-    if (row.other >= (w + 1) * kLanes) continue;
-    if (row.other > w * kLanes) found &= ~BitGraph::Word{0} << (row.other - w * kLanes);
+    if (w == row.other / kLanes) found &= ~BitGraph::Word{0} << row.other % kLanes;
+    if (wide_ && found != 0) found = without_far(row, w, found);
     bits[w] = found;
   }
-  return tested;
 }
 
 /// Copies 64 rows' bits to the columns' rows.
@@ -283,10 +291,12 @@ bool ConsistencySweep::run(std::uint64_t& units) {
   while (step_ == Step::rows) {
     const std::uint32_t row = rows_[at_];
     if (vertex_[row].group != group_) {
-      if (!credit_.pay(groups_ + vertices_ / 4, units)) return false;
-      open_group(vertex_[row].group);
+      if (!credit_.pay(16 * (words_ - row / kLanes), units)) return false;
+      group_ = vertex_[row].group;
+      open_group(row);
     }
-    if (!credit_.pay(16 * (words_ - row / kLanes), units)) return false;
+    list_near(vertex_[row]);
+    if (!credit_.pay(words_ / 4 + 16 * near_count_, units)) return false;
     test_row(row);
     if (++at_ == vertices_) {
       step_ = Step::mirror;
@@ -294,7 +304,7 @@ bool ConsistencySweep::run(std::uint64_t& units) {
     }
   }
   while (step_ == Step::mirror) {
-    if (!credit_.pay(64 * (words_ - at_), units)) return false;
+    if (!credit_.pay(32 * (words_ - at_), units)) return false;
     mirror(at_);
     if (++at_ == words_) step_ = Step::done;
   }

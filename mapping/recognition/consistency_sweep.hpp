@@ -30,7 +30,7 @@ struct SweptPair {
 class ConsistencySweep {
  public:
   static constexpr std::uint32_t kMostVertices = 8'192;
-  static constexpr std::int32_t kMostPlaceCm = 1'000'000'000;  ///< along x, y or z from the frame's origin
+  static constexpr std::int32_t kMostPlaceCm = 500'000'000;  ///< along x, y or z from the frame's origin
 
   /// Room for `most` correspondences, at most kMostVertices.
   ConsistencySweep(std::uint32_t most, rt::Arena& arena);
@@ -59,6 +59,9 @@ class ConsistencySweep {
     std::int16_t rise_span[kLanes];
     std::uint32_t least[kLanes];
     std::int32_t span[kLanes];
+    // Of the segment.
+    double segment[3][kLanes];
+    std::int32_t group[kLanes];
   };
   struct Box {
     std::int32_t least[4];  ///< x, y, z of 64 targets, and the rise
@@ -69,37 +72,36 @@ class ConsistencySweep {
     std::uint16_t group{};  ///< number of its segment, from 0
     std::uint16_t other{};  ///< the first vertex behind it that has another target
   };
-  struct Group {
-    PlaceCm place;
-    PairRange range;  ///< for the row's segment
-  };
+  static constexpr std::uint32_t kNoGroup = ~0u;
   enum class Step : std::uint8_t { done, rows, mirror };
 
   void sort(std::span<const SweptPair> pairs);
   void list_groups(std::span<const SweptPair> pairs);
-  void fill_columns();
-  void measure_reach();
-  void open_group(std::uint32_t group);
+  void fill_columns(std::span<const SweptPair> pairs);
+  void measure(std::span<const SweptPair> pairs);
+  void open_group(std::uint32_t vertex);
   BitGraph::Word test(const Vertex& row, const Columns& columns) const;
   BitGraph::Word without_far(const Vertex& row, std::uint32_t word, BitGraph::Word bits) const;
-  std::uint32_t test_row(std::uint32_t vertex);
+  void list_near(const Vertex& row);
+  void test_row(std::uint32_t vertex);
   void mirror(std::uint32_t word);
 
   ConsistencyGate gate_;
   std::uint32_t vertices_{};
   std::uint32_t words_{};
-  std::uint32_t groups_{};
   std::int32_t reach_cm_{};  ///< no pair of targets further apart along x or y is consistent
+  bool wide_{};              ///< low 16 bits do not tell all places apart
   Step step_{Step::done};
-  std::uint32_t at_{};     ///< row in rows_, or word of columns
-  std::uint32_t group_{};  ///< that the columns are made for
+  std::uint32_t at_{};  ///< row in rows_, or word of columns
+  std::uint32_t group_{kNoGroup};  ///< that the columns are made for
   std::span<std::uint64_t> keys_;
   std::span<std::uint16_t> order_;
   std::span<std::uint16_t> rows_;  ///< vertices by group
   std::span<Vertex> vertex_;
-  std::span<Group> group_of_;
   std::span<Columns> columns_;
   std::span<Box> boxes_;
+  std::span<std::uint16_t> near_;  ///< words of columns that a row is tested with
+  std::uint32_t near_count_{};
   std::span<BitGraph::Word> bits_;
   BitGraph graph_;
   UnitCredit credit_;

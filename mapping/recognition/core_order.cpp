@@ -24,8 +24,9 @@ void CoreOrder::begin(const BitGraph& graph, std::span<const BitGraph::Word> mem
 std::uint16_t CoreOrder::neighbours(std::uint32_t vertex) const {
   const auto row = graph_.row(vertex);
   std::uint32_t sum = 0;
-  for (std::size_t w = 0; w < row.size(); ++w)
-    sum += static_cast<std::uint32_t>(std::popcount(row[w] & members_[w]));
+  for (std::size_t w = 0; w < row.size(); ++w) {
+    if (row[w] != 0) sum += static_cast<std::uint32_t>(std::popcount(row[w] & members_[w]));
+  }
   return static_cast<std::uint16_t>(sum);
 }
 
