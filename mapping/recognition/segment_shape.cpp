@@ -26,8 +26,6 @@ std::uint8_t to_step(double value) {
   return static_cast<std::uint8_t>(rt::floor(std::clamp(value, 0.0, 255.0) + 0.5));
 }
 
-std::int32_t rounded(double value) { return static_cast<std::int32_t>(rt::floor(value + 0.5)); }
-
 /// Nearest whole number to a / n, halves up: moves with a by whole multiples of n.
 std::int64_t nearest(std::int64_t a, std::int64_t n) {
   const std::int64_t twice = 2 * a + n;
@@ -62,7 +60,7 @@ double gap(double larger, double smaller, double least) {
 /// Shares a voxel between the bins left and right of `at`, in 1/256 of a bin from the middle of the first.
 void share(std::uint32_t (&bins)[SegmentDescriptor::kBins], double at) {
   constexpr std::int32_t kLast = SegmentDescriptor::kBins - 1;
-  const std::int32_t place = rounded(std::clamp(at, 0.0, 1.0 * kLast * SegmentShape::kBin));
+  const auto place = static_cast<std::int32_t>(std::clamp(at, 0.0, 1.0 * kLast * SegmentShape::kBin) + 0.5);
   const std::int32_t bin = std::min(place / SegmentShape::kBin, kLast - 1);
   const std::int32_t right = place - bin * SegmentShape::kBin;
   bins[bin] += static_cast<std::uint32_t>(SegmentShape::kBin - right);
@@ -104,7 +102,9 @@ void SegmentShape::add(const SegmentFrame& frame, const std::int32_t (&at)[3]) {
   for (int i = 0; i < 3; ++i) d[i] = static_cast<double>(at[i] - frame.middle[i]) - frame.rest[i];
   for (int k = 0; k < 2; ++k) {
     const double along = d[0] * frame.axis[k][0] + d[1] * frame.axis[k][1] + d[2] * frame.axis[k][2];
-    const std::int64_t t = rounded(std::clamp(kUnit * along, -1.0 * kMost, 1.0 * kMost));
+    // Lifted above 0, where cutting off rounds down.
+    const double lifted = std::clamp(kUnit * along, -1.0 * kMost, 1.0 * kMost) + (kMost + 0.5);
+    const std::int64_t t = static_cast<std::int32_t>(lifted) - kMost;
     cube[k] += t * t * t;
   }
   constexpr double kAcross = (SegmentDescriptor::kBins - 1) * kBin;

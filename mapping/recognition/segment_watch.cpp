@@ -53,7 +53,6 @@ void SegmentWatch::silence(SegmentId id) {
   if (segment == nullptr) return;
   if (segment->speaks) ++counts_.silenced;
   segment->speaks = false;
-  segment->described = {};
   segment->rest = segment->now.place;
   segment->rest_since_ns = now_ns_;
 }

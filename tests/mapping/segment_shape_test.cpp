@@ -115,6 +115,7 @@ TEST_CASE("A descriptor has the same bits in any order and after any move") {
   for (int trial = 0; trial < 100; ++trial) {
     StepPoints points = clusters(draws);
     const SegmentDescriptor found = testing::describe(points);
+    const mapping::SegmentFrame frame = mapping::frame_of(testing::moments_of(points), 0.1);
     std::shuffle(points.begin(), points.end(), order);
     CHECK(testing::describe(points) == found);
     // Whole cells are whole steps; so far that the ends still lie within 2^19.
@@ -125,6 +126,16 @@ TEST_CASE("A descriptor has the same bits in any order and after any move") {
       for (unsigned i = 0; i < 3; ++i) p[i] += move[i];
     }
     CHECK(testing::describe(points) == found);
+    const mapping::SegmentFrame moved = mapping::frame_of(testing::moments_of(points), 0.1);
+    for (int i = 0; i < 3; ++i) {
+      CHECK(moved.middle[i] == frame.middle[i] + move[i]);
+      CHECK(moved.rest[i] == frame.rest[i]);
+      CHECK(std::fabs(frame.rest[i]) <= 0.5);
+      CHECK(moved.axis[0][i] == frame.axis[0][i]);
+      CHECK(moved.axis[1][i] == frame.axis[1][i]);
+    }
+    CHECK(moved.per_height == frame.per_height);
+    CHECK(moved.per_radius == frame.per_radius);
   }
 }
 
