@@ -2,13 +2,16 @@
 #include "mapping/recognition/consistency_sweep.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace sortie::mapping {
 namespace {
 constexpr std::uint32_t kLanes = BitGraph::kWordBits;
-constexpr std::int32_t kSigned = 0x8000;
-constexpr std::int32_t kMost16 = 0x7fff;
+/// Whole numbers up to here have a float each.
+constexpr std::int64_t kExactFloat = 1 << 24;
+/// More than single precision loses of a sum of squares (2^-24 each of five roundings).
+constexpr float kRounding = 1e-6f;
 
 /// Bits of x and y by turns: targets near each other stand near each other in the order.
 std::uint64_t interleaved(std::uint32_t x, std::uint32_t y) {
@@ -21,10 +24,13 @@ std::uint64_t interleaved(std::uint32_t x, std::uint32_t y) {
   return spread(x & 0xffffu) | spread(y & 0xffffu) << 1;
 }
 
-/// Tile of 10 m; tiles 655 km apart have one number, which costs time alone.
+/// Tile of 10 m; tiles 671 km apart have one number, which costs time alone.
 std::uint32_t tile_of(std::int32_t cm) { return (static_cast<std::uint32_t>(cm) + 0x80000000u) >> 10; }
 
-std::int16_t low16(std::int32_t v) { return static_cast<std::int16_t>(v); }
+std::int32_t coordinate(const SweptPair& p, int axis) {
+  const std::int32_t of[] = {p.target.x, p.target.y, p.target.z, p.target.z - p.segment.z};
+  return of[axis];
+}
 
 /// Bits of 64 bytes that are 0 or 1.
 BitGraph::Word packed(const std::uint8_t (&bytes)[kLanes]) {
@@ -37,42 +43,32 @@ BitGraph::Word packed(const std::uint8_t (&bytes)[kLanes]) {
   }
   return bits;
 }
-
-/// Turns a square of 64 x 64 bits over its diagonal (H. S. Warren, Hacker's Delight, 7-3).
-void transpose(BitGraph::Word (&m)[kLanes]) {
-  BitGraph::Word mask = 0x00000000ffffffffu;
-  for (std::uint32_t j = 32; j != 0; j >>= 1, mask ^= mask << j) {
-    for (std::uint32_t k = 0; k < kLanes; k = (k + j + 1) & ~j) {
-      const BitGraph::Word t = (m[k] >> j ^ m[k + j]) & mask;
-      m[k] ^= t << j;
-      m[k + j] ^= t;
-    }
-  }
-}
 }  // namespace
 
 ConsistencySweep::ConsistencySweep(std::uint32_t most, rt::Arena& arena) {
   most = std::min(most, kMostVertices);
   const std::uint32_t words = BitGraph::words_of(most);
   keys_ = arena.make_array<std::uint64_t>("recognition keys", most);
-  order_ = arena.make_array<std::uint16_t>("recognition order", most);
-  rows_ = arena.make_array<std::uint16_t>("recognition rows", most);
-  vertex_ = arena.make_array<Vertex>("recognition vertices", most);
+  number_ = arena.make_array<std::uint16_t>("recognition order", most);
+  pairs_ = arena.make_array<SweptPair>("recognition pairs", most);
   columns_ = arena.make_array<Columns>("recognition columns", words);
   boxes_ = arena.make_array<Box>("recognition boxes", words);
   near_ = arena.make_array<std::uint16_t>("recognition near words", words);
-  bits_ = arena.make_array<BitGraph::Word>("recognition graph", BitGraph::matrix_words(most));
+  for (auto& bits : bits_)
+    bits = arena.make_array<BitGraph::Word>("recognition graph", BitGraph::matrix_words(most));
 }
 
-Status ConsistencySweep::begin(const ConsistencyGate& gate, std::span<const SweptPair> pairs) {
-  step_ = Step::done;
+Status ConsistencySweep::begin(const ConsistencyGates& gates, std::span<const SweptPair> pairs) {
   vertices_ = 0;
-  graph_ = {};
+  row_ = 0;
+  row_open_ = word_open_ = false;
   credit_.clear();
-  if (pairs.size() > order_.size()) return Status::full;
+  for (BitGraph& graph : graphs_) graph = {};
+  if (pairs.size() > number_.size()) return Status::full;
   const auto count = static_cast<std::uint32_t>(pairs.size());
-  if (bits_.size() < BitGraph::matrix_words(count)) return Status::full;
-  if (!gate.usable()) return Status::out_of_range;
+  const std::size_t words = BitGraph::matrix_words(count);
+  if (bits_[ConsistencyGates::kCount - 1].size() < words) return Status::full;
+  if (!gates.usable()) return Status::out_of_range;
   const auto is_near = [](const PlaceCm& p) {
     const auto inside = [](std::int32_t cm) { return cm >= -kMostPlaceCm && cm <= kMostPlaceCm; };
     return inside(p.x) && inside(p.y) && inside(p.z);
@@ -80,19 +76,15 @@ Status ConsistencySweep::begin(const ConsistencyGate& gate, std::span<const Swep
   for (const SweptPair& p : pairs) {
     if (!is_near(p.segment) || !is_near(p.target)) return Status::out_of_range;
   }
-  gate_ = gate;
+  gates_ = gates;
   vertices_ = count;
-  words_ = BitGraph::words_of(vertices_);
-  const auto bits = bits_.first(BitGraph::matrix_words(vertices_));
-  std::fill(bits.begin(), bits.end(), BitGraph::Word{0});
-  graph_ = BitGraph(vertices_, bits);
+  words_ = BitGraph::words_of(count);
+  for (std::uint32_t g = 0; g < ConsistencyGates::kCount; ++g) {
+    std::fill(bits_[g].begin(), bits_[g].begin() + static_cast<std::ptrdiff_t>(words), BitGraph::Word{0});
+    graphs_[g] = BitGraph(count, bits_[g]);
+  }
   sort(pairs);
-  list_groups(pairs);
-  fill_columns(pairs);
-  measure(pairs);
-  step_ = vertices_ > 0 ? Step::rows : Step::done;
-  at_ = 0;
-  group_ = kNoGroup;
+  fill_columns();
   return Status::ok;
 }
 
@@ -101,212 +93,150 @@ void ConsistencySweep::sort(std::span<const SweptPair> pairs) {
     const SweptPair& p = pairs[i];
     keys_[i] = interleaved(tile_of(p.target.x), tile_of(p.target.y)) << 32 |
                std::uint64_t{p.pair.target} << 16 | p.pair.segment;
-    order_[i] = static_cast<std::uint16_t>(i);
+    number_[i] = static_cast<std::uint16_t>(i);
   }
-  std::sort(order_.begin(), order_.begin() + vertices_,
+  std::sort(number_.begin(), number_.begin() + vertices_,
             [&](std::uint16_t a, std::uint16_t b) { return keys_[a] < keys_[b]; });
-  std::uint32_t other = vertices_;
-  for (std::uint32_t v = vertices_; v-- > 0;) {
-    const SweptPair& p = pairs[order_[v]];
-    if (v + 1 < vertices_ && pairs[order_[v + 1]].pair.target != p.pair.target) other = v + 1;
-    vertex_[v] = {
-        {p.target.x, p.target.y, p.target.z, p.target.z - p.segment.z}, 0, static_cast<std::uint16_t>(other)};
-  }
+  for (std::uint32_t v = 0; v < vertices_; ++v) pairs_[v] = pairs[number_[v]];
 }
 
-/// Rows of one segment follow each other, so that its columns are made once.
-void ConsistencySweep::list_groups(std::span<const SweptPair> pairs) {
-  const auto segment = [&](std::uint16_t v) { return pairs[order_[v]].pair.segment; };
-  for (std::uint32_t v = 0; v < vertices_; ++v) rows_[v] = static_cast<std::uint16_t>(v);
-  std::sort(rows_.begin(), rows_.begin() + vertices_, [&](std::uint16_t a, std::uint16_t b) {
-    return segment(a) != segment(b) ? segment(a) < segment(b) : a < b;
-  });
-  std::uint16_t group = 0;
-  for (std::uint32_t i = 0; i < vertices_; ++i) {
-    if (i > 0 && segment(rows_[i]) != segment(rows_[i - 1])) ++group;
-    vertex_[rows_[i]].group = group;
-  }
-}
-
-void ConsistencySweep::fill_columns(std::span<const SweptPair> pairs) {
+void ConsistencySweep::fill_columns() {
+  if (vertices_ == 0) return;
+  const PlaceCm origin = pairs_[0].segment;
+  PlaceCm least = origin, most = origin;
   for (std::uint32_t w = 0; w < words_; ++w) {
     Columns& c = columns_[w];
     Box& box = boxes_[w];
-    const std::uint32_t lanes = std::min(kLanes, vertices_ - w * kLanes);
-    c = {};
+    const SweptPair& first = pairs_[w * kLanes];
+    for (int i = 0; i < 4; ++i) box.least[i] = box.most[i] = coordinate(first, i);
     for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const Vertex& vertex = vertex_[w * kLanes + std::min(k, lanes - 1)];
-      const PlaceCm& segment = pairs[order_[w * kLanes + std::min(k, lanes - 1)]].segment;
-      c.x[k] = low16(vertex.at[0]);
-      c.y[k] = low16(vertex.at[1]);
-      c.z[k] = low16(vertex.at[2]);
-      c.rise[k] = low16(vertex.at[3]);
-      c.segment[0][k] = segment.x;
-      c.segment[1][k] = segment.y;
-      c.segment[2][k] = segment.z;
-      c.group[k] = k < lanes ? vertex.group : -1;
+      const SweptPair& p = pairs_[std::min(w * kLanes + k, vertices_ - 1)];
+      const PlaceCm& s = p.segment;
+      c.local[0][k] = static_cast<float>(s.x - origin.x);
+      c.local[1][k] = static_cast<float>(s.y - origin.y);
+      c.local[2][k] = static_cast<float>(s.z - origin.z);
+      least = {std::min(least.x, s.x), std::min(least.y, s.y), std::min(least.z, s.z)};
+      most = {std::max(most.x, s.x), std::max(most.y, s.y), std::max(most.z, s.z)};
       for (int i = 0; i < 4; ++i) {
-        box.least[i] = k == 0 ? vertex.at[i] : std::min(box.least[i], vertex.at[i]);
-        box.most[i] = k == 0 ? vertex.at[i] : std::max(box.most[i], vertex.at[i]);
+        box.least[i] = std::min(box.least[i], coordinate(p, i));
+        box.most[i] = std::max(box.most[i], coordinate(p, i));
       }
     }
-  }
-}
-
-/// No consistent targets are further apart than the local map is wide, and eps.
-void ConsistencySweep::measure(std::span<const SweptPair> pairs) {
-  double square = 0.0;
-  const auto widen = [&](auto coordinate) {
-    double least = 0.0, most = 0.0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const double at = coordinate(pairs[i].segment);
-      least = i == 0 ? at : std::min(least, at);
-      most = i == 0 ? at : std::max(most, at);
-    }
-    square += (most - least) * (most - least);
-  };
-  widen([](const PlaceCm& p) { return double(p.x); });
-  widen([](const PlaceCm& p) { return double(p.y); });
-  if (!gate_.gravity) widen([](const PlaceCm& p) { return double(p.z); });
-  reach_cm_ = static_cast<std::int32_t>(std::min(std::sqrt(square), kMostPairCm)) + 1 + gate_.eps_cm;
-  wide_ = false;
-  for (int i = 0; i < 4; ++i) {
-    std::int32_t least = 0, most = 0;
-    for (std::uint32_t w = 0; w < words_; ++w) {
-      least = w == 0 ? boxes_[w].least[i] : std::min(least, boxes_[w].least[i]);
-      most = w == 0 ? boxes_[w].most[i] : std::max(most, boxes_[w].most[i]);
-    }
-    wide_ |= most - least > kMost16;
-  }
-}
-
-/// Makes the columns for the rows of a vertex's segment, from its word on: no row of it comes before.
-void ConsistencySweep::open_group(std::uint32_t first) {
-  const Columns& own = columns_[first / kLanes];
-  const std::uint32_t at = first % kLanes;
-  const double x = own.segment[0][at], y = own.segment[1][at], z = own.segment[2][at];
-  const std::int32_t group = vertex_[first].group;
-  for (std::uint32_t w = first / kLanes; w < words_; ++w) {
-    Columns& c = columns_[w];
-    double square[kLanes];
+    box.exact = true;
+    for (int i = 0; i < 4; ++i) box.exact &= std::int64_t{box.most[i]} - box.least[i] < kExactFloat;
     for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const double dx = c.segment[0][k] - x, dy = c.segment[1][k] - y, dz = c.segment[2][k] - z;
-      square[k] = dx * dx + dy * dy + (gate_.gravity ? 0.0 : dz * dz);
-    }
-    for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const bool none = c.group[k] == group || c.group[k] < 0;
-      const PairRange range = none ? PairRange{} : pair_range(gate_, square[k]);
-      // Shifted by half of all numbers: then one signed comparison tests both ends.
-      c.least[k] = range.least + 0x80000000u;
-      c.span[k] = static_cast<std::int32_t>(range.span + 0x80000000u);
-      c.rise_least[k] = low16(c.rise[k] + range.height_cm - kSigned);
-      c.rise_span[k] = low16(2 * range.height_cm - kSigned);
+      const SweptPair& p = pairs_[std::min(w * kLanes + k, vertices_ - 1)];
+      for (int i = 0; i < 3; ++i) c.known[i][k] = static_cast<float>(coordinate(p, i) - box.least[i]);
+      c.rise[k] = static_cast<float>(coordinate(p, 3) - box.least[3]);
     }
   }
+  const double x = double(most.x) - least.x, y = double(most.y) - least.y, z = double(most.z) - least.z;
+  exact_ = std::max({x, y, z}) < kExactFloat;
+  const double wide = std::sqrt(x * x + y * y + (gates_.gravity ? 0.0 : z * z));
+  reach_cm_ = static_cast<std::int32_t>(std::min(wide, kMostPairCm)) + 1 +
+              gates_.eps_cm[ConsistencyGates::kCount - 1];
 }
 
-/// Coordinates are taken modulo 2^16 cm: see without_far().
-BitGraph::Word ConsistencySweep::test(const Vertex& row, const Columns& c) const {
-  const std::int16_t x = low16(row.at[0]), y = low16(row.at[1]), z = low16(row.at[2]),
-                     rise = low16(row.at[3]);
-  std::uint32_t square[kLanes];
-  std::int16_t beyond[kLanes];
-  std::uint8_t bytes[kLanes];
-  for (std::uint32_t k = 0; k < kLanes; ++k) {
-    const auto dx = static_cast<std::int16_t>(c.x[k] - x), dy = static_cast<std::int16_t>(c.y[k] - y);
-    square[k] =
-        static_cast<std::uint32_t>(std::int32_t{dx} * dx) + static_cast<std::uint32_t>(std::int32_t{dy} * dy);
-  }
-  if (gate_.gravity) {
-    for (std::uint32_t k = 0; k < kLanes; ++k) {
-      beyond[k] = static_cast<std::int16_t>(c.rise_least[k] - rise) > c.rise_span[k] ? -1 : 0;
-    }
-  } else {
-    for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const auto dz = static_cast<std::int16_t>(c.z[k] - z);
-      square[k] += static_cast<std::uint32_t>(std::int32_t{dz} * dz);
-      beyond[k] = 0;
-    }
-  }
-  for (std::uint32_t k = 0; k < kLanes; ++k) {
-    const std::int16_t out = static_cast<std::int32_t>(square[k] - c.least[k]) > c.span[k] ? -1 : 0;
-    bytes[k] = static_cast<std::uint8_t>(1 + (out | beyond[k]));
-  }
-  return packed(bytes);
-}
-
-/// Takes out what is consistent modulo 2^16 cm alone.
-BitGraph::Word ConsistencySweep::without_far(const Vertex& row, std::uint32_t word,
-                                             BitGraph::Word bits) const {
-  for (BitGraph::Word rest = bits; rest != 0; rest &= rest - 1) {
-    const auto k = static_cast<std::uint32_t>(std::countr_zero(rest));
-    const Vertex& other = vertex_[word * kLanes + k];
-    for (const int i : {0, 1, gate_.gravity ? 3 : 2}) {
-      const std::int32_t apart = other.at[i] - row.at[i];
-      if (apart > kMost16 || apart < -kMost16) bits &= ~(BitGraph::Word{1} << k);
-    }
-  }
-  return bits;
-}
-
-/// Words whose targets may be near enough to a row's, behind all of its target.
-void ConsistencySweep::list_near(const Vertex& row) {
-  const std::int32_t left = row.at[0] - reach_cm_, right = row.at[0] + reach_cm_;
-  const std::int32_t below = row.at[1] - reach_cm_, above = row.at[1] + reach_cm_;
+/// Words behind the row's own vertex whose targets may be near enough to its.
+void ConsistencySweep::list_near(const SweptPair& row) {
+  const std::int32_t left = row.target.x - reach_cm_, right = row.target.x + reach_cm_;
+  const std::int32_t below = row.target.y - reach_cm_, above = row.target.y + reach_cm_;
   near_count_ = 0;
-  for (std::uint32_t w = row.other / kLanes; w < words_; ++w) {
+  for (std::uint32_t w = row_ / kLanes; w < words_; ++w) {
     const Box& box = boxes_[w];
     if (box.least[0] > right || box.most[0] < left || box.least[1] > above || box.most[1] < below) continue;
     near_[near_count_++] = static_cast<std::uint16_t>(w);
   }
 }
 
-void ConsistencySweep::test_row(std::uint32_t v) {
-  const Vertex& row = vertex_[v];
-  const std::span<BitGraph::Word> bits = graph_.row(v);
-  for (std::uint32_t i = 0; i < near_count_; ++i) {
-    const std::uint32_t w = near_[i];
-    BitGraph::Word found = test(row, columns_[w]);
-    if (w == row.other / kLanes) found &= ~BitGraph::Word{0} << row.other % kLanes;
-    if (wide_ && found != 0) found = without_far(row, w, found);
-    bits[w] = found;
+/// Those of 64 pairs that may be consistent by the widest gate. |sqrt a - sqrt b| <= eps, where a and b are
+/// squares of distances: S = a + b - eps^2 <= 0, or S^2 <= 4 a b. S is made smaller, and 4 a b larger, by
+/// more than rounding can have made of them.
+BitGraph::Word ConsistencySweep::test(const SweptPair& row, std::uint32_t word) const {
+  const Columns& c = columns_[word];
+  const Box& box = boxes_[word];
+  const PlaceCm &origin = pairs_[0].segment, &s = row.segment;
+  const float lx = static_cast<float>(s.x - origin.x), ly = static_cast<float>(s.y - origin.y),
+              lz = static_cast<float>(s.z - origin.z);
+  const float tx = static_cast<float>(row.target.x - box.least[0]),
+              ty = static_cast<float>(row.target.y - box.least[1]),
+              tz = static_cast<float>(row.target.z - box.least[2]);
+  const float rise = static_cast<float>(coordinate(row, 3) - box.least[3]);
+  const float eps = static_cast<float>(gates_.eps_cm[ConsistencyGates::kCount - 1]);
+  const float tilt = 1e-3f * static_cast<float>(gates_.tilt_permille);
+  const float square = eps * eps, room = eps + 1.01f, slope = tilt * tilt * (1.0f + 1e-5f);
+  constexpr float kLess = 1.0f - kRounding, kFour = 4.0f * (1.0f + kRounding);
+  float a[kLanes], b[kLanes], near[kLanes], margin[kLanes];
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    const float x = c.local[0][k] - lx, y = c.local[1][k] - ly;
+    a[k] = x * x + y * y;
   }
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    const float x = c.known[0][k] - tx, y = c.known[1][k] - ty;
+    b[k] = x * x + y * y;
+  }
+  if (gates_.gravity) {
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      const float differ = std::fabs(c.rise[k] - rise) * kLess - room, beyond = differ > 0.0f ? differ : 0.0f;
+      margin[k] = slope * a[k] - beyond * beyond;
+    }
+  } else {
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      const float l = c.local[2][k] - lz, t = c.known[2][k] - tz;
+      a[k] += l * l;
+      b[k] += t * t;
+      margin[k] = 0.0f;
+    }
+  }
+  for (std::uint32_t k = 0; k < kLanes; ++k) {
+    const float sum = (a[k] + b[k]) * kLess - square, over = sum > 0.0f ? sum : 0.0f;
+    near[k] = kFour * a[k] * b[k] - over * over;
+  }
+  // Less than nothing has its highest bit set; a difference of two that are equal is +0.
+  std::uint32_t signs[2][kLanes];
+  std::uint8_t bytes[kLanes];
+  std::memcpy(signs[0], near, sizeof near);
+  std::memcpy(signs[1], margin, sizeof margin);
+  for (std::uint32_t k = 0; k < kLanes; ++k)
+    bytes[k] = static_cast<std::uint8_t>(1 - ((signs[0][k] | signs[1][k]) >> 31));
+  return packed(bytes);
 }
 
-/// Copies 64 rows' bits to the columns' rows.
-void ConsistencySweep::mirror(std::uint32_t word) {
-  const std::uint32_t first = word * kLanes, rows = std::min(kLanes, vertices_ - first);
-  for (std::uint32_t w = word; w < words_; ++w) {
-    BitGraph::Word square[kLanes]{};
-    BitGraph::Word any = 0;
-    for (std::uint32_t k = 0; k < rows; ++k) any |= square[k] = graph_.row(first + k)[w];
-    if (any == 0) continue;
-    transpose(square);
-    const std::uint32_t columns = std::min(kLanes, vertices_ - w * kLanes);
-    for (std::uint32_t k = 0; k < columns; ++k) graph_.row(w * kLanes + k)[word] |= square[k];
+/// True: the word is done.
+bool ConsistencySweep::test_word(std::uint32_t row, std::uint32_t word, std::uint64_t& units) {
+  const SweptPair& own = pairs_[row];
+  if (!word_open_) {
+    if (!credit_.pay(8, units)) return false;
+    passed_ = exact_ && boxes_[word].exact ? test(own, word) : ~BitGraph::Word{0};
+    const std::uint32_t from = word == row / kLanes ? row % kLanes + 1 : 0;
+    const std::uint32_t lanes = std::min(kLanes, vertices_ - word * kLanes);
+    passed_ &= from < kLanes ? ~BitGraph::Word{0} << from : 0;
+    if (lanes < kLanes) passed_ &= (BitGraph::Word{1} << lanes) - 1;
+    word_open_ = true;
   }
+  for (; passed_ != 0; passed_ &= passed_ - 1) {
+    if (!credit_.pay(8, units)) return false;
+    const std::uint32_t other = word * kLanes + static_cast<std::uint32_t>(std::countr_zero(passed_));
+    const std::uint32_t gates = gates_passed(gates_, own, pairs_[other]);
+    for (std::uint32_t g = ConsistencyGates::kCount - gates; g < ConsistencyGates::kCount; ++g)
+      graphs_[g].connect(row, other);
+  }
+  word_open_ = false;
+  return true;
 }
 
 bool ConsistencySweep::run(std::uint64_t& units) {
-  while (step_ == Step::rows) {
-    const std::uint32_t row = rows_[at_];
-    if (vertex_[row].group != group_) {
-      if (!credit_.pay(16 * (words_ - row / kLanes), units)) return false;
-      group_ = vertex_[row].group;
-      open_group(row);
+  for (; row_ < vertices_; ++row_) {
+    if (!row_open_) {
+      if (!credit_.pay(1 + (words_ - row_ / kLanes) / 4, units)) return false;
+      list_near(pairs_[row_]);
+      near_at_ = 0;
+      row_open_ = true;
     }
-    list_near(vertex_[row]);
-    if (!credit_.pay(words_ / 4 + 16 * near_count_, units)) return false;
-    test_row(row);
-    if (++at_ == vertices_) {
-      step_ = Step::mirror;
-      at_ = 0;
+    for (; near_at_ < near_count_; ++near_at_) {
+      if (!test_word(row_, near_[near_at_], units)) return false;
     }
-  }
-  while (step_ == Step::mirror) {
-    if (!credit_.pay(32 * (words_ - at_), units)) return false;
-    mirror(at_);
-    if (++at_ == words_) step_ = Step::done;
+    row_open_ = false;
   }
   return true;
 }

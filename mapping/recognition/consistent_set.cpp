@@ -71,6 +71,7 @@ bool ConsistentSet::grow(std::uint64_t& units) {
       for (std::size_t w = 0; w < beside.size(); ++w) pool[w] &= beside[w];
     }
     if (size_ >= wanted()) keep();
+    if (is_full()) break;
   }
   return true;
 }
@@ -169,6 +170,7 @@ bool ConsistentSet::search(std::uint64_t& units) {
       if (!credit_.pay(std::uint64_t{count + 1} * words_, units)) return false;
       ++counts_.nodes;
       if (size_ >= wanted()) keep();
+      if (is_full()) return true;
       if (size_ + count < wanted()) {
         std::fill(open.begin(), open.end(), Word{0});
       } else {
@@ -214,7 +216,7 @@ bool ConsistentSet::run(std::uint64_t& units) {
   const auto order = order_.order();
   while (step_ == Step::open || step_ == Step::search) {
     if (step_ == Step::open) {
-      if (at_ == order.size() || is_over(order[order.size() - 1 - at_])) {
+      if (is_full() || at_ == order.size() || is_over(order[order.size() - 1 - at_])) {
         step_ = Step::done;
         break;
       }

@@ -44,7 +44,7 @@ class ConsistentSet {
 
   /// The largest set so far, vertices by number; empty as long as none of `least` was found.
   std::span<const std::uint16_t> found() const { return best_.first(best_size_); }
-  bool proved() const { return step_ == Step::done && !cut_; }
+  bool proved() const { return step_ == Step::done && !cut_ && !is_full(); }
   const ConsistentSetCounts& counts() const { return counts_; }
 
  private:
@@ -58,6 +58,8 @@ class ConsistentSet {
   }
   std::span<Word> inner(std::uint32_t i) { return inner_.subspan(std::size_t{i} * words_, words_); }
   bool is_over(std::uint32_t vertex) const { return order_.core(vertex) + 1u < wanted(); }
+  /// There is no room for a larger set, should there be one.
+  bool is_full() const { return best_size_ == best_.size(); }
   bool grow(std::uint64_t& units);
   bool open(std::uint64_t& units);
   bool search(std::uint64_t& units);

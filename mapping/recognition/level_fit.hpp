@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mapping/recognition/consistency_sweep.hpp"
+#include "mapping/recognition/consistency_gate.hpp"
 
 namespace sortie::mapping {
 

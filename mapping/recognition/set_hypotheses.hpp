@@ -55,13 +55,13 @@ struct SetHypothesis {
   SORTIE_FIELDS(fit, count, pairs)
 };
 
-/// Searches in steps. First all pairs are swept with twice eps, and what lies in no core of that graph goes.
-/// What is left is swept with half of eps, eps and twice that: the graphs are nested, and a set of one is the
-/// least that the next one's must exceed (after J. Zhang et al., G3Reg, 2024). The largest set's pose, then
-/// the same without what that pose explains: up to three. A pose is fitted to its set, then once more to
-/// every segment's nearest correspondence within eps of it. The same list gives the same answer in whatever
-/// order it comes, and a budget only says when. Memory: that of ConsistencySweep and ConsistentSet, and 50
-/// bytes a pair. No heap.
+/// Searches in steps. All pairs are swept with half of eps, eps and twice that: the graphs are nested, and a
+/// set of one is the least that the next one's must exceed (after Z. Qiao et al., G3Reg,
+/// 2024). Of what lies in no core of the widest graph nothing more is asked. The largest set gives a pose,
+/// which is fitted to it, then twice more to every segment's nearest correspondence within eps. Then the same
+/// without what that pose explains, for sets that come near the first one's size. refuse() goes on without
+/// the first. The same list gives the same answer in whatever order it comes, and a budget only says when.
+/// Memory: that of ConsistencySweep and ConsistentSet. No heap.
 class SetHypotheses {
  public:
   static constexpr std::uint32_t kMost = 3;
@@ -75,6 +75,9 @@ class SetHypotheses {
   bool run(std::uint64_t& units);
   /// No more units: what is not known by now is `undecided`.
   void stop();
+  /// The best pose is not the place, somebody who looked says: the next run() searches on without what speaks
+  /// for it. At most kMost - 1 times; then, and where there is none, the verdict is `inconsistent`.
+  void refuse();
 
   SetVerdict verdict() const { return verdict_; }
   /// Poses, the largest set first; those that are rigid alone, whatever their spread.
@@ -83,11 +86,10 @@ class SetHypotheses {
   bool proved() const { return proved_; }
 
  private:
-  enum class Step : std::uint8_t { done, sweep_all, peel, next, sweep, search };
-  static constexpr std::uint32_t kGates = 3;
+  enum class Step : std::uint8_t { done, sweep, peel, next, search };
   static constexpr std::uint32_t kMostRounds = 6;
 
-  ConsistencyGate gate(double of_eps) const;
+  std::uint32_t least() const;
   void keep_core();
   void begin_round();
   void take_set();
@@ -101,18 +103,15 @@ class SetHypotheses {
   ConsistentSet set_;
   CoreOrder core_;
   Step step_{Step::done};
-  std::uint32_t gate_{};   ///< of a round
-  std::uint32_t round_{};  ///< searches for a set, with those that no pose lays
+  std::uint32_t gate_{};     ///< of a round
+  std::uint32_t round_{};    ///< searches for a set, with those that no pose lays
+  std::uint32_t refused_{};  ///< poses
   bool bent_{};
   bool proved_{};
   SetVerdict verdict_{SetVerdict::none};
-  std::span<SweptPair> alive_;  ///< what no pose explains yet
-  std::uint32_t alive_count_{};
-  std::span<SweptPair> core_pairs_;  ///< all that lie in the core
-  std::span<std::uint16_t> core_number_;
-  std::uint32_t core_count_{};
-  std::span<BitGraph::Word> members_;
-  std::uint16_t round_set_[SetHypothesis::kMostPairs]{};  ///< in alive_
+  std::span<BitGraph::Word> in_core_;
+  std::span<BitGraph::Word> members_;  ///< of the core, what no pose explains yet
+  std::uint16_t round_set_[SetHypothesis::kMostPairs]{};
   std::uint32_t round_count_{};
   SetHypothesis found_[kMost];
   std::uint32_t found_count_{};

@@ -83,7 +83,7 @@ struct Owned {
   mapping::SetHypotheses sets;
 
   explicit Owned(std::uint32_t pairs)
-      : memory(std::size_t{pairs} * (pairs / 8 + 700) + 400'000), arena(memory), sets(pairs, arena) {}
+      : memory(std::size_t{pairs} * (pairs / 2 + 700) + 400'000), arena(memory), sets(pairs, arena) {}
 
   SetVerdict ask(const std::vector<SweptPair>& pairs, const SetConfig& config = {}) {
     REQUIRE(sets.begin(config, pairs) == Status::ok);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// sortie-bench-recognition: sets of correspondences that agree, beside PCL's grouping, CLIPPER and ROBIN.
+// Prints one JSON object; `sortie bench recognition` runs it and shows the tables.
+#include <iostream>
+#include <stdexcept>
+
+#include "tests/bench/recognition/recognition_parts.hpp"
+#include "tests/bench/report/arguments.hpp"
+
+namespace sortie::bench {
+namespace {
+
+struct RecognitionPart {
+  const char* name;
+  void (*measure)(const RecognitionSettings&, Report&);
+};
+constexpr RecognitionPart kRecognitionParts[] = {{"streets", measure_recognition_streets},
+                                                 {"outliers", measure_recognition_outliers},
+                                                 {"graphs", measure_recognition_graphs}};
+
+int run(int argc, char** argv) {
+  RecognitionSettings settings;
+  std::string only;
+  for (int i = 1; i < argc; i += 2) {
+    const std::string option = argv[i];
+    const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
+    if (option == "--cases")
+      settings.cases = static_cast<int>(number("--cases", value, 1, 1e6));
+    else if (option == "--seed")
+      settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
+    else if (option == "--only" && value != nullptr)
+      only = value;
+    else
+      throw std::invalid_argument("unknown option " + option);
+  }
+  Report report;
+  Json& root = report.root();
+  root["load_before"] = load_average();
+  for (const char* list : {"figures", "tables", "skipped", "notes", "pictures"}) root[list] = Json::array();
+  root["settings"] = {{"cases", settings.cases}, {"seed", settings.seed}, {"only", only}};
+  bool found = false;
+  for (const RecognitionPart& part : kRecognitionParts) {
+    if (!only.empty() && only != part.name) continue;
+    found = true;
+    std::cerr << "recognising: " << part.name << std::endl;
+    part.measure(settings, report);
+  }
+  if (!found) throw std::invalid_argument("--only takes streets, outliers or graphs");
+  root["load_after"] = load_average();
+  std::cout << root.dump() << std::endl;
+  return 0;
+}
+
+}  // namespace
+}  // namespace sortie::bench
+
+int main(int argc, char** argv) {
+  return sortie::bench::guarded_main("sortie-bench-recognition",
+                                     [argc, argv] { return sortie::bench::run(argc, argv); });
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of the recognition's benchmark; what each of them says goes into one report.
+#pragma once
+
+#include <cstdint>
+
+#include "tests/bench/report/figures.hpp"
+
+namespace sortie::bench {
+
+/// What a run is asked for.
+struct RecognitionSettings {
+  int cases{};  ///< 0: as many as the part takes by itself
+  std::uint64_t seed{1};
+  int cases_or(int usual) const { return cases > 0 ? cases : usual; }
+};
+
+/// Consistent sets beside PCL's grouping: correspondences of a drive through streets.
+void measure_recognition_streets(const RecognitionSettings& settings, Report& report);
+/// Consistent sets beside a dense cluster (CLIPPER) and the densest core (ROBIN), by share of wrong ones.
+void measure_recognition_outliers(const RecognitionSettings& settings, Report& report);
+/// Any graph: dense ones with a planted set, by units.
+void measure_recognition_graphs(const RecognitionSettings& settings, Report& report);
+
+}  // namespace sortie::bench
