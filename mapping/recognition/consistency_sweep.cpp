@@ -150,7 +150,7 @@ void ConsistencySweep::list_near(const SweptPair& row) {
 }
 
 /// Those of 64 pairs that may be consistent by the widest gate. |sqrt a - sqrt b| <= eps, where a and b are
-/// squares of distances: S = a + b - eps^2 <= 0, or S^2 <= 4 a b. S is made smaller, and 4 a b larger, by
+/// squares of distances: with S = a + b - eps^2, S |S| <= 4 a b. S is made smaller, and 4 a b larger, by
 /// more than rounding can have made of them.
 BitGraph::Word ConsistencySweep::test(const SweptPair& row, std::uint32_t word) const {
   const Columns& c = columns_[word];
@@ -166,39 +166,29 @@ BitGraph::Word ConsistencySweep::test(const SweptPair& row, std::uint32_t word) 
   const float tilt = 1e-3f * static_cast<float>(gates_.tilt_permille);
   const float square = eps * eps, room = eps + 1.01f, slope = tilt * tilt * (1.0f + 1e-5f);
   constexpr float kLess = 1.0f - kRounding, kFour = 4.0f * (1.0f + kRounding);
-  float a[kLanes], b[kLanes], near[kLanes], margin[kLanes];
-  for (std::uint32_t k = 0; k < kLanes; ++k) {
-    const float x = c.local[0][k] - lx, y = c.local[1][k] - ly;
-    a[k] = x * x + y * y;
-  }
-  for (std::uint32_t k = 0; k < kLanes; ++k) {
-    const float x = c.known[0][k] - tx, y = c.known[1][k] - ty;
-    b[k] = x * x + y * y;
-  }
+  // Less than nothing has its highest bit set; a difference of two that are equal is +0.
+  std::uint32_t signs[kLanes];
+  const auto miss = [&](float a, float b, float margin) {
+    const float sum = (a + b) * kLess - square;
+    const float near = kFour * a * b - sum * std::fabs(sum);
+    return std::bit_cast<std::uint32_t>(near) | std::bit_cast<std::uint32_t>(margin);
+  };
   if (gates_.gravity) {
     for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const float differ = std::fabs(c.rise[k] - rise) * kLess - room, beyond = differ > 0.0f ? differ : 0.0f;
-      margin[k] = slope * a[k] - beyond * beyond;
+      const float x = c.local[0][k] - lx, y = c.local[1][k] - ly, a = x * x + y * y;
+      const float u = c.known[0][k] - tx, v = c.known[1][k] - ty, b = u * u + v * v;
+      const float beyond = std::fabs(c.rise[k] - rise) * kLess - room;
+      signs[k] = miss(a, b, slope * a - beyond * std::fabs(beyond));
     }
   } else {
     for (std::uint32_t k = 0; k < kLanes; ++k) {
-      const float l = c.local[2][k] - lz, t = c.known[2][k] - tz;
-      a[k] += l * l;
-      b[k] += t * t;
-      margin[k] = 0.0f;
+      const float x = c.local[0][k] - lx, y = c.local[1][k] - ly, z = c.local[2][k] - lz;
+      const float u = c.known[0][k] - tx, v = c.known[1][k] - ty, w = c.known[2][k] - tz;
+      signs[k] = miss(x * x + y * y + z * z, u * u + v * v + w * w, 0.0f);
     }
   }
-  for (std::uint32_t k = 0; k < kLanes; ++k) {
-    const float sum = (a[k] + b[k]) * kLess - square, over = sum > 0.0f ? sum : 0.0f;
-    near[k] = kFour * a[k] * b[k] - over * over;
-  }
-  // Less than nothing has its highest bit set; a difference of two that are equal is +0.
-  std::uint32_t signs[2][kLanes];
   std::uint8_t bytes[kLanes];
-  std::memcpy(signs[0], near, sizeof near);
-  std::memcpy(signs[1], margin, sizeof margin);
-  for (std::uint32_t k = 0; k < kLanes; ++k)
-    bytes[k] = static_cast<std::uint8_t>(1 - ((signs[0][k] | signs[1][k]) >> 31));
+  for (std::uint32_t k = 0; k < kLanes; ++k) bytes[k] = static_cast<std::uint8_t>(1 - (signs[k] >> 31));
   return packed(bytes);
 }
 
