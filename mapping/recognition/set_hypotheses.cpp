@@ -138,13 +138,13 @@ void SetHypotheses::fit_round() {
   }
   remove(h);
   for (std::uint32_t i = 0; i < h.count; ++i) h.pairs[i] = sweep_.number(h.pairs[i]);
-  found_[found_count_++] = h;
+  std::uint32_t at = found_count_++;
+  for (; at > 0 && found_[at - 1].count < h.count; --at) found_[at] = found_[at - 1];
+  found_[at] = h;
 }
 
 void SetHypotheses::judge() {
   step_ = Step::done;
-  std::stable_sort(found_, found_ + found_count_,
-                   [](const SetHypothesis& a, const SetHypothesis& b) { return a.count > b.count; });
   if (found_count_ == 0) {
     verdict_ = bent_ ? SetVerdict::bent : SetVerdict::inconsistent;
     if (!proved_) verdict_ = SetVerdict::undecided;
