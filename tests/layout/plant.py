@@ -40,6 +40,8 @@ FAULTS = {
         ("mapping/box.hpp", "\n", "mapping/box.hpp:1: mapping has rooms"),
         ("mapping/grid/block.hpp", '#include "mapping/segments/segmenter.hpp"\n', "mapping/grid may not include mapping/segments"),
         ("mapping/segments/table.hpp", '#include "mapping/occupancy/view.hpp"\n', "mapping/segments may not include mapping/occupancy"),
+        ("mapping/registration/credit.hpp", '#include "mapping/recognition/store.hpp"\n', "mapping/registration may not include mapping/recognition"),
+        ("mapping/recognition/store.hpp", '#include "mapping/occupancy/view.hpp"\n', "mapping/recognition may not include mapping/occupancy"),
         ("toolchain/judge/errors.cpp", '#include "toolchain/import/text_file.hpp"\n', "toolchain/judge may not include toolchain/import"),
         ("toolchain/import/broad.cpp", '#include "toolchain/judge/errors.hpp"\n', "toolchain/import may not include toolchain/judge"),
         ("toolchain/export/ply.hpp", '#include "toolchain/report/svg.hpp"\n', "toolchain/export may not include toolchain/report"),
