@@ -70,7 +70,7 @@ std::shared_ptr<LogOptions> add_log_options(Command& command) {
   auto options = std::make_shared<LogOptions>();
   command.add_option("log", options->log, "LCM log from `run --record`")->required();
   add_scene_option(command, options->replay.scene);
-  add_map_option(command, options->replay.map);
+  add_map_options(command, options->replay.maps);
   add_span_options(command, options->replay, false);
   add_threads_option(command, options->replay);
   add_fault_option(command, options->replay);

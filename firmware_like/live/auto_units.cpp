@@ -18,9 +18,10 @@ std::uint32_t units_in_force(const Runtime& runtime, const std::string& task) {
 }  // namespace
 
 BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& scene,
-                           const std::vector<std::string>& overrides, bool times, const KeptMap* map) {
+                           const std::vector<std::string>& overrides, bool times,
+                           std::span<const KeptMap> maps) {
   RuntimeStart start;
-  start.map = map;
+  start.maps = maps;
   BootedRuntime booted;
   booted.runtime = std::make_unique<Runtime>(load_scene(scene, overrides), vehicles, start);
   if (times) booted.trial = booted.runtime->vehicle().try_units();

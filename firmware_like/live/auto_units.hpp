@@ -29,10 +29,10 @@ struct BootedRuntime {
 /// Loads the scene and builds its runtime. `times`: units are tried (Vehicle::try_units), and each "auto"
 /// becomes the number of them that takes kAutoShare of the task's budget here; without, as in simulated time,
 /// the task's default. The number stands in the profile from then on: the log's header holds it, and a replay
-/// has it from there. `map`: as of RuntimeStart. Throws ProfileError, InputError.
+/// has it from there. `maps`: as of RuntimeStart. Throws ProfileError, InputError.
 BootedRuntime boot_runtime(const VehicleRegistry& vehicles, const std::string& scene,
                            const std::vector<std::string>& overrides, bool times,
-                           const KeptMap* map = nullptr);
+                           std::span<const KeptMap> maps = {});
 
 /// Writes into a log what was chosen: events of kind "calibration", the task as subject, the units as value.
 void write_chosen_units(SampleSink& log, const std::vector<ChosenUnits>& chosen, double ns_per_unit,

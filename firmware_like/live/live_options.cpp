@@ -11,7 +11,10 @@ void add_live_options(Command& command, LiveRunOptions& options) {
   options.lcm_url = std::string(drivers::kDefaultLcmUrl);
   command.add_option("--scene", options.scene, "Scene by name, or a .toml file")->required();
   command.add_option("--set", options.overrides, "Override a key of the profile: key=value")->take_all();
-  command.add_option("--map", options.map, "Begin with this map of surfaces, of `export surfels`")
+  command.add_option("--map", options.maps.map, "Begin with this map of surfaces, of `export surfels`")
+      ->type_name("FILE");
+  command
+      .add_option("--targets", options.maps.targets, "Recognise what these targets are, of `export targets`")
       ->type_name("FILE");
   command.add_option("--seconds", options.seconds, "How long")->in_range(0.01, 1e7)->capture_default_str();
   command.add_flag("--virtual", options.virtual_time,

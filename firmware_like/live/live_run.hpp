@@ -12,6 +12,7 @@
 #include "firmware_like/log/contact_truth.hpp"
 #include "firmware_like/log/run_flight_ring.hpp"
 #include "firmware_like/log/timed_pose.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/input_error.hpp"
 
@@ -25,7 +26,7 @@ struct LiveRunOptions {
   bool virtual_time{};  ///< as fast as the processor allows; needs a simulated robot; same outputs every time
   bool realtime{true};  ///< ask for SCHED_FIFO and locked memory
   bool require_realtime{};    ///< a refusal of those is an error, not a warning
-  std::string map;            ///< map of surfaces to begin with (kept_map.hpp), or empty
+  KeptMapPaths maps;          ///< to begin with
   std::string record;         ///< LCM log to write, or empty
   bool record_fields{};       ///< with the outputs' fields
   std::string lcm_url;        ///< telemetry; "none": off

@@ -25,10 +25,9 @@ std::string what_is_outside(const LiveRunOptions& options) {
 }
 
 BootedRuntime boot(const VehicleRegistry& vehicles, const LiveRunOptions& options) {
-  if (options.map.empty())
-    return boot_runtime(vehicles, options.scene, options.overrides, !options.virtual_time);
-  const KeptMap map = read_kept_map(options.map);
-  return boot_runtime(vehicles, options.scene, map.overrides(options.overrides), !options.virtual_time, &map);
+  const std::vector<KeptMap> maps = read_kept_maps(options.maps);
+  return boot_runtime(vehicles, options.scene, overrides_of(maps, options.overrides), !options.virtual_time,
+                      maps);
 }
 
 bool takes_channel(const Runtime& runtime, std::string_view channel) {

@@ -190,13 +190,13 @@ std::unique_ptr<Runtime> make_replay_runtime(const LogFile& log, const VehicleRe
   };
   Profile profile = load(options.overrides);
   RuntimeStart start;
-  std::optional<KeptMap> map;
-  if (!options.map.empty()) {
-    map = read_kept_map(options.map);
-    start.map = &*map;
-    // A log that was recorded with a map says which; for others it is a what-if.
-    if (!profile.has(map->table + ".map_digest")) profile = load(map->overrides(options.overrides));
-  }
+  const std::vector<KeptMap> maps = read_kept_maps(options.maps);
+  start.maps = maps;
+  // A log that was recorded with a map says which; for others it is a what-if.
+  std::vector<KeptMap> others;
+  std::copy_if(maps.begin(), maps.end(), std::back_inserter(others),
+               [&profile](const KeptMap& map) { return !profile.has(map.table + ".map_digest"); });
+  if (!others.empty()) profile = load(overrides_of(others, options.overrides));
   start.epoch_ns = header.epoch_ns;
   start.has_initial = true;
   for (int i = 0; i < 3; ++i) start.initial.p_world_body_m[i] = header.initial_p[i];

@@ -14,6 +14,7 @@
 #include "firmware_like/log/log_feed.hpp"
 #include "firmware_like/log/log_file.hpp"
 #include "firmware_like/log/timed_pose.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/runtime.hpp"
 
 namespace sortie::firmware {
@@ -22,10 +23,10 @@ namespace sortie::firmware {
 struct ReplayOptions {
   std::string scene;                   ///< empty: the profile that stands in the log
   std::vector<std::string> overrides;  ///< key=value each: "what if"
-  std::string map;    ///< map of surfaces that the run begins with; a log that was recorded with one needs it
-  std::string truth;  ///< log of the plant, where it ran in a process of its own; empty: the log's own truth
-  bool threaded{};    ///< one worker a group instead of one thread: same outputs, for perturbation tests
-  std::string fault;  ///< "task@tick" or "task.byte@tick": flip a bit there; proves that a check can fail
+  KeptMapPaths maps;   ///< that the run begins with; a log that was recorded with one needs it
+  std::string truth;   ///< log of the plant, where it ran in a process of its own; empty: the log's own truth
+  bool threaded{};     ///< one worker a group instead of one thread: same outputs, for perturbation tests
+  std::string fault;   ///< "task@tick" or "task.byte@tick": flip a bit there; proves that a check can fail
   std::string record;  ///< write a log of this replay (outputs of a what-if), or empty
   /// Refuse with InputError (exit code 2), before anything is run, what could not be compared.
   bool must_compare{};

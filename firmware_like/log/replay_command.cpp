@@ -69,8 +69,9 @@ void add_span_options(Command& command, ReplayOptions& options, bool has_index) 
       ->type_name("FILE");
 }
 
-void add_map_option(Command& command, std::string& map) {
-  command.add_option("--map", map, "The kept map that the run began with")->type_name("FILE");
+void add_map_options(Command& command, KeptMapPaths& maps) {
+  command.add_option("--map", maps.map, "The kept map that the run began with")->type_name("FILE");
+  command.add_option("--targets", maps.targets, "The targets that the run began with")->type_name("FILE");
 }
 
 void add_threads_option(Command& command, ReplayOptions& options) {

@@ -85,6 +85,7 @@ class ChosenMap {
   /// Null without segments.
   const mapping::Labelling* labelling() const;
   const mapping::FragmentGraph* graph() const;
+  std::uint32_t most_segments() const { return config_.most_segments; }
   std::uint64_t fragment_capacity() const { return fragment_capacity_; }
   /// Chain over the changes of every scan so far: voxels and normals that changed, segments that came and
   /// went. Within a scan in no order.

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware_like/parts/kept_maps.hpp"
 
+#include <algorithm>
+
 #include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "mapping/recognition/target_file.hpp"
 #include "mapping/registration/cloud_file.hpp"
 
 namespace sortie::firmware {
@@ -17,23 +20,32 @@ using mapping::SurfelMapResult;
 const KeptMap* named_map(VehicleBuilder& builder, const std::string& table) {
   Profile& profile = builder.profile();
   const std::string key = table + ".map";
-  const std::string name = profile.text(key, "", "the map that the run begins with; --map FILE writes it");
-  const std::string digest = profile.text(key + "_digest", "", "its digest; --map FILE writes it");
+  const bool is_targets = table == "recognise";
+  const std::string what = is_targets ? "the targets" : "the map";
+  const std::string option = is_targets ? "--targets" : "--map";
+  const std::string name =
+      profile.text(key, "",
+                   is_targets ? "the targets that the run begins with; --targets FILE writes it"
+                              : "the map that the run begins with; --map FILE writes it");
+  const std::string digest =
+      profile.text(key + "_digest", "",
+                   is_targets ? "its digest; --targets FILE writes it" : "its digest; --map FILE writes it");
   const KeptMap* map = builder.kept_map(table);
+  const std::string wanted = "begins with " + what + " " + name + " (digest " + digest + ")";
   if (map == nullptr) {
-    if (!name.empty() || !digest.empty())
-      profile.fail(key, "begins with the map " + name + " (digest " + digest + "); give it with --map FILE");
+    if (!name.empty() || !digest.empty()) profile.fail(key, wanted + "; give it with " + option + " FILE");
     return nullptr;
   }
   if (map->digest != digest)
-    profile.fail(key, "begins with the map " + name + " (digest " + digest + "), and --map " + map->path +
-                          " is another one (digest " + map->digest + ")");
+    profile.fail(
+        key, wanted + ", and " + option + " " + map->path + " is another one (digest " + map->digest + ")");
   return map;
 }
 
 [[noreturn]] void refuse_bytes(const KeptMap& map, const std::string& why) {
-  throw InputError("--map " + map.path + ": " + why + "; make it again with `sortie export " +
-                       (map.table == "join" ? "cloud" : "surfels") + " LOG -o FILE`",
+  const std::string kind = map.table == "join" ? "cloud" : (map.table == "recognise" ? "targets" : "surfels");
+  throw InputError(map.option + " " + map.path + ": " + why + "; make it again with `sortie export " + kind +
+                       " LOG -o FILE`",
                    3);
 }
 
@@ -43,7 +55,7 @@ const KeptMap* named_map(VehicleBuilder& builder, const std::string& table) {
 
 // `cure`: a key of the scene and its value.
 [[noreturn]] void refuse_scene(const KeptMap& map, const std::string& why, const std::string& cure) {
-  throw InputError("--map " + map.path + ": " + why + "; cure: --set " + cure, 2);
+  throw InputError(map.option + " " + map.path + ": " + why + "; cure: --set " + cure, 2);
 }
 
 template <class T>
@@ -103,6 +115,28 @@ void load_kept_map(VehicleBuilder& builder, mapping::Locator& locator) {
   if (builder.arena().refused() != 0) return;  // its memory is still being measured
   const SurfelMapResult result = locator.load(map->bytes);
   if (result.fault != SurfelMapFault::none) refuse(*map, result, locator.registration().config());
+}
+
+std::unique_ptr<mapping::TargetStore> load_kept_targets(VehicleBuilder& builder,
+                                                        const mapping::TargetStoreConfig& config) {
+  const KeptMap* map = named_map(builder, "recognise");
+  if (map == nullptr) return nullptr;
+  mapping::TargetStoreConfig exact = config;
+  mapping::TargetFileResult result = mapping::read_target_head(map->bytes);
+  const auto check = [&] {
+    if (result.fault == mapping::TargetFileFault::none) return;
+    refuse_bytes(*map, "byte " + std::to_string(result.byte) + ": " + mapping::to_string(result.fault));
+  };
+  check();
+  exact.targets = std::max(result.head.targets, 1u);
+  exact.key_frames = std::max(result.needed, 1u);
+  auto store = std::make_unique<mapping::TargetStore>(exact, builder.arena());
+  if (builder.arena().refused() != 0) return store;  // its memory is still being measured
+  result = mapping::load_targets(map->bytes, *store);
+  check();
+  std::uint64_t all = ~std::uint64_t{0};
+  static_cast<void>(store->run(all));
+  return store;
 }
 
 KeptCloud load_kept_cloud(VehicleBuilder& builder) {

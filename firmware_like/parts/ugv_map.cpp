@@ -115,6 +115,7 @@ class UgvMap final : public Part {
     whole_ = !anytime_ && config.map.normals.solves == 0;
     sweeps_ = std::make_unique<LidarSweeps>(builder, group, config.sweeps);
     map_ = std::make_unique<ChosenMap>(config.map, builder.arena());
+    builder.offer(*map_);
     if (rt::kBuilt<"segment_lists"> && config.publish) {
       lists_ = builder.reports<rt::SegmentList>("segments", 4);
       builder.offer(*lists_);

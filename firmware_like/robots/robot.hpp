@@ -36,6 +36,7 @@ class Robot final : public Vehicle {
   }
   std::optional<mapping::OccupancyView> occupancy() const override { return first(&Part::occupancy); }
   const mapping::ScanRegistration* surfels() const override { return first(&Part::surfels); }
+  const mapping::TargetStore* targets() const override { return first(&Part::targets); }
   const mapping::SensedCloud* cloud() const override { return first(&Part::cloud); }
   UnitTrial try_units() const override { return first(&Part::try_units); }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map in a file, as a run begins with it: surfaces, or a cloud.
+// A map in a file, as a run begins with it: surfaces, a cloud, or targets.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,18 +11,28 @@ namespace sortie::firmware {
 
 /// The file's bytes, which nobody has looked at yet.
 struct KeptMap {
+  std::string option;  ///< it was given with: "--map" or "--targets"
   std::string path;
   std::string name;    ///< the path's last part, with letters, digits, '.', '_' and '-' alone
   std::string digest;  ///< of all bytes
-  std::string table;   ///< of the profile, whose part reads such a map: "locate", or "join" for a cloud
+  std::string
+      table;  ///< of the profile, whose part reads it: "locate", "join" (a cloud), "recognise" (targets)
   std::vector<std::uint8_t> bytes;
-
-  /// `more`, and this map's name and digest as a profile has them, so that they stand in the log's header.
-  std::vector<std::string> overrides(std::vector<std::string> more) const;
+  /// "map of surfaces", "cloud", "list of targets".
+  const char* kind() const;
 };
 
-/// Reads a file of `sortie export surfels` or `export cloud`. Throws InputError where it cannot be read or is
-/// longer than any map.
-KeptMap read_kept_map(const std::string& path);
+/// What a run may begin with. Empty paths: without.
+struct KeptMapPaths {
+  std::string map;      ///< of `sortie export surfels` or `export cloud`
+  std::string targets;  ///< of `sortie export targets`
+};
+
+/// Reads what is given. Throws InputError where a file cannot be read, is longer than any map, or is of
+/// another kind than its option says.
+std::vector<KeptMap> read_kept_maps(const KeptMapPaths& paths);
+
+/// `more`, and the maps' names and digests as a profile has them, so that they stand in the log's header.
+std::vector<std::string> overrides_of(std::span<const KeptMap> maps, std::vector<std::string> more);
 
 }  // namespace sortie::firmware

@@ -106,7 +106,7 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start) 
   arena_ = std::make_unique<rt::Arena>(std::span<std::byte>(mapping_, mapped_bytes_));
   executive_ =
       std::make_unique<rt::Executive>(*arena_, tick_us * rt::kNanosecondsPerMicrosecond, start.epoch_ns);
-  builder_ = std::make_unique<VehicleBuilder>(profile_, *executive_, initial, start.map);
+  builder_ = std::make_unique<VehicleBuilder>(profile_, *executive_, initial, start.maps);
   const auto factory = std::find_if(vehicles.begin(), vehicles.end(),
                                     [this](const auto& entry) { return entry.first == profile_.vehicle(); });
   if (factory == vehicles.end()) {
@@ -115,11 +115,10 @@ void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start) 
     profile_.fail("scene.vehicle", "unknown vehicle \"" + profile_.vehicle() + "\"; known: " + known);
   }
   vehicle_ = factory->second(*builder_);
-  if (!builder_->uses_kept_map())
-    throw ProfileError("--map " + start.map->path + ": scene " + profile_.name() +
-                       " has no part that uses a " +
-                       (start.map->table == "join" ? "cloud" : "map of surfaces") +
-                       "; leave out --map, or add --set tasks." + start.map->table + ".enabled=true");
+  if (const KeptMap* map = builder_->unused_kept_map(); map != nullptr)
+    throw ProfileError(map->option + " " + map->path + ": scene " + profile_.name() +
+                       " has no part that uses a " + map->kind() + "; leave out " + map->option +
+                       ", or add --set tasks." + map->table + ".enabled=true");
   read_parameter_keys();
   if (executive_->seal() != Status::ok) profile_.fail("scene", executive_->error());
   schedule_ = check_schedule(profile_, *executive_);

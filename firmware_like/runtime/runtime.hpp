@@ -10,6 +10,7 @@
 #include "firmware_like/result/results.hpp"
 #include "firmware_like/runtime/bus_check.hpp"
 #include "firmware_like/runtime/chain_declarations.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/schedule_check.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
 #include "firmware_like/scene/profile.hpp"
@@ -23,8 +24,9 @@ namespace sortie::firmware {
 struct RuntimeStart {
   rt::Nanoseconds epoch_ns{};  ///< run clock at tick 0
   InitialPose initial{};
-  bool has_initial{};    ///< the log's header gives the pose; otherwise [initial] of the profile does
-  const KeptMap* map{};  ///< that the run begins with (kept_map.hpp), or null; read by the constructor alone
+  bool has_initial{};  ///< the log's header gives the pose; otherwise [initial] of the profile does
+  std::span<const KeptMap>
+      maps{};  ///< that the run begins with (kept_map.hpp); read by the constructor alone
 };
 
 /// What a scene's runs may give to the outside. Neither changes what the tasks put out.

@@ -20,6 +20,7 @@ class SslPort;
 namespace sortie::mapping {
 class ScanRegistration;
 struct SensedCloud;
+class TargetStore;
 }  // namespace sortie::mapping
 
 namespace sortie::firmware {
@@ -88,6 +89,8 @@ class Vehicle {
   virtual std::optional<mapping::OccupancyView> occupancy() const { return {}; }
   /// The map of surfaces as it is when no job runs; null without one.
   virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
+  /// The segments to be recognised as they are when no job runs; null without any.
+  virtual const mapping::TargetStore* targets() const { return nullptr; }
   /// The cloud as it is when no job runs; null without one.
   virtual const mapping::SensedCloud* cloud() const { return nullptr; }
   /// At the boot of a live run: what a unit of an anytime task takes here; of no task where none is tried.

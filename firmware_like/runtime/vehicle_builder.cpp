@@ -19,9 +19,17 @@ void VehicleBuilder::check() const {
 }
 
 const KeptMap* VehicleBuilder::kept_map(const std::string& table) {
-  if (kept_map_ == nullptr || kept_map_->table != table) return nullptr;
-  map_asked_ = true;
-  return kept_map_;
+  maps_asked_.push_back(table);
+  const auto map = std::find_if(kept_maps_.begin(), kept_maps_.end(),
+                                [&table](const KeptMap& one) { return one.table == table; });
+  return map == kept_maps_.end() ? nullptr : &*map;
+}
+
+const KeptMap* VehicleBuilder::unused_kept_map() const {
+  for (const KeptMap& map : kept_maps_) {
+    if (std::find(maps_asked_.begin(), maps_asked_.end(), map.table) == maps_asked_.end()) return &map;
+  }
+  return nullptr;
 }
 
 bool VehicleBuilder::archive_memory(const rt::TaskBase& task, rt::Archive& archive) const {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "firmware_like/runtime/chain_declarations.hpp"
 #include "firmware_like/runtime/factories.hpp"
 #include "firmware_like/runtime/input_port.hpp"
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/parameters.hpp"
 #include "firmware_like/runtime/report_queue.hpp"
 #include "firmware_like/scene/profile.hpp"
@@ -20,8 +22,6 @@
 #include "rt/executive.hpp"
 
 namespace sortie::firmware {
-
-struct KeptMap;
 
 /// Pose of the body at the start of a run, from the profile or from a log's header.
 struct InitialPose {
@@ -50,8 +50,8 @@ struct TaskDefaults {
 class VehicleBuilder {
  public:
   VehicleBuilder(Profile& profile, rt::Executive& executive, const InitialPose& initial,
-                 const KeptMap* map = nullptr)
-      : profile_(profile), executive_(executive), initial_(initial), kept_map_(map) {}
+                 std::span<const KeptMap> maps = {})
+      : profile_(profile), executive_(executive), initial_(initial), kept_maps_(maps) {}
 
   Profile& profile() { return profile_; }
   rt::Arena& arena() { return executive_.arena(); }
@@ -59,8 +59,8 @@ class VehicleBuilder {
   /// The map that the run begins with, if it is one for `table` (KeptMap::table), or null; it lives while the
   /// vehicle is made. Whoever gets it uses it.
   const KeptMap* kept_map(const std::string& table);
-  /// False: a map was given, and nothing in the scene asked for one.
-  bool uses_kept_map() const { return kept_map_ == nullptr || map_asked_; }
+  /// A map that was given, and that nothing in the scene asked for; null: there is none.
+  const KeptMap* unused_kept_map() const;
 
   /// A group at the rate of [groups.NAME] rate_hz. Rates that are no whole number of base ticks are errors
   /// that name the nearest legal ones. A group that is there already is given again, at its own rate.
@@ -263,8 +263,8 @@ class VehicleBuilder {
   Profile& profile_;
   rt::Executive& executive_;
   InitialPose initial_;
-  const KeptMap* kept_map_{};
-  bool map_asked_{};
+  std::span<const KeptMap> kept_maps_;
+  std::vector<std::string> maps_asked_;  ///< tables
   std::vector<std::unique_ptr<std::string>> names_;
   std::vector<std::unique_ptr<InputPortBase>> ports_;
   std::vector<ChainSpec> chains_;

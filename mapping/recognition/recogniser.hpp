@@ -75,6 +75,8 @@ class Recogniser {
   SetVerdict verdict() const { return verdict_; }
   /// Poses of the local map in the store's, the largest set first.
   std::span<const SetHypothesis> found() const { return sets_.found(); }
+  /// Each of these sets is the largest that there is.
+  bool proved() const { return sets_.proved(); }
   /// What a hypothesis' pairs are numbers in.
   std::span<const SweptPair> pairs() const { return pairs_.first(pair_count_); }
   std::span<const SpeakingSegment> segments() const { return segments_.first(segment_count_); }

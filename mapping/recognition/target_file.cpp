@@ -66,20 +66,12 @@ class Loader {
   }
 
   bool is_good() {
+    result_ = read_target_head(bytes_);
+    if (result_.fault != TargetFileFault::none) return false;
+    result_.needed = 0;
     archive_.value(result_.head);
-    const TargetFileHead& head = result_.head;
-    const TargetFileHead own;
-    if (archive_.status() != Status::ok)
-      return refuse(head.magic == own.magic ? TargetFileFault::length : TargetFileFault::no_targets);
-    if (head.magic != own.magic) return refuse(TargetFileFault::no_targets);
-    if (head.version != own.version || head.steps != own.steps) return refuse(TargetFileFault::version);
-    if (bytes_of(head) != bytes_.size()) return refuse(TargetFileFault::length);
-    const std::size_t body = bytes_.size() - kCheckBytes;
-    rt::Archive tail = rt::Archive::reading(bytes_.subspan(body));
-    std::uint64_t check = 0;
-    tail.value(check);
-    if (check != rt::digest_bytes(bytes_.data(), body)) return refuse(TargetFileFault::checksum);
-    if (head.targets > store_.capacity()) return refuse(TargetFileFault::targets_room, head.targets);
+    if (result_.head.targets > store_.capacity())
+      return refuse(TargetFileFault::targets_room, result_.head.targets);
     return true;
   }
 
@@ -166,6 +158,36 @@ Status write_targets(const TargetStore& store, std::span<std::uint8_t> out) {
   std::uint64_t check = rt::digest_bytes(out.data(), static_cast<std::size_t>(archive.bytes()));
   archive.value(check);
   return archive.status();
+}
+
+TargetFileResult read_target_head(std::span<const std::uint8_t> bytes) {
+  TargetFileResult result;
+  rt::Archive archive = rt::Archive::reading(bytes);
+  archive.value(result.head);
+  const TargetFileHead& head = result.head;
+  const TargetFileHead own;
+  const auto refused = [&result](TargetFileFault fault) {
+    result.fault = fault;
+    return result;
+  };
+  if (archive.status() != Status::ok)
+    return refused(head.magic == own.magic ? TargetFileFault::length : TargetFileFault::no_targets);
+  if (head.magic != own.magic) return refused(TargetFileFault::no_targets);
+  if (head.version != own.version || head.steps != own.steps) return refused(TargetFileFault::version);
+  if (bytes_of(head) != bytes.size()) return refused(TargetFileFault::length);
+  const std::size_t body = bytes.size() - kCheckBytes;
+  rt::Archive tail = rt::Archive::reading(bytes.subspan(body));
+  std::uint64_t check = 0;
+  tail.value(check);
+  if (check != rt::digest_bytes(bytes.data(), body)) return refused(TargetFileFault::checksum);
+  if (head.key_frames == 0) return result;
+  // They rise: the last one says how many a store must have room for.
+  KeyFrameRecord last;
+  rt::Archive frame =
+      rt::Archive::reading(bytes.subspan(kHeadBytes + kFrameBytes * (head.key_frames - std::size_t{1})));
+  frame.value(last);
+  result.needed = last.number + 1u;
+  return result;
 }
 
 TargetFileResult load_targets(std::span<const std::uint8_t> bytes, TargetStore& store) {

@@ -69,7 +69,7 @@ const char* to_string(TargetFileFault fault);
 struct TargetFileResult {
   TargetFileFault fault{TargetFileFault::none};
   std::uint64_t byte{};    ///< where, of a key frame or a target
-  std::uint32_t needed{};  ///< by the two kinds of room
+  std::uint32_t needed{};  ///< by the two kinds of room; of read_target_head(): key frames
   TargetFileHead head;     ///< as far as it was read
 };
 
@@ -79,6 +79,8 @@ std::uint64_t target_file_bytes(const TargetStore& store);
 /// target_file_bytes(). The same targets in the same order, the same bytes.
 Status write_targets(const TargetStore& store, std::span<std::uint8_t> out);
 
+/// Whether bytes are a whole file of targets, and what it takes: `head.targets`, and `needed` key frames.
+TargetFileResult read_target_head(std::span<const std::uint8_t> bytes);
 /// Puts kept targets in the place of the store's, or leaves that empty and says why not. Nothing in the bytes
 /// is trusted. Uniqueness is what was kept until TargetStore::run() has told it anew. For set-up: each target
 /// is looked for among those before it. No heap.

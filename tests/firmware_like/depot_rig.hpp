@@ -96,7 +96,7 @@ inline void keep_ground_cloud(const std::string& path) {
 inline bool flies_by_cloud(const std::string& map, std::uint32_t seed) {
   INFO("seed " << seed);
   firmware::LiveRunOptions options = depot_options(300, displaced({"hil.seed=" + std::to_string(seed)}));
-  options.map = map;
+  options.maps.map = map;
   const firmware::LiveRunOutcome run = run_depot(options);
   const auto& counters = run.results.counters;
   CHECK(counters.at("bench_collisions") == 0);

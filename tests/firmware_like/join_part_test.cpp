@@ -23,7 +23,7 @@ std::string fault_of_map(const std::string& map, const std::vector<std::string>&
                          const std::string& scene = "uav_depot") {
   firmware::LiveRunOptions options = depot_options(0.1, overrides);
   options.scene = scene;
-  options.map = map;
+  options.maps.map = map;
   return message_of<std::runtime_error>([&] { static_cast<void>(run_depot(options)); });
 }
 
@@ -35,7 +35,7 @@ TEST_CASE("A vehicle that seeks its place flies straight up and down, and not to
   const std::string log = folder.file("seeks.lcm");
   static_cast<void>(keep_cloud(3, map));
   firmware::LiveRunOptions options = depot_options(10, in_a_hurry());
-  options.map = map;
+  options.maps.map = map;
   options.record = log;
   options.record_fields = true;
   const firmware::LiveRunOutcome run = run_depot(options);
@@ -112,7 +112,7 @@ TEST_CASE("A vehicle that nobody can place lands where it is", "[heavy]") {
   auto keys = in_a_hurry();
   keys.emplace_back("mission.look_rounds=1");
   firmware::LiveRunOptions options = depot_options(60, keys);
-  options.map = map;
+  options.maps.map = map;
   const firmware::LiveRunOutcome run = run_depot(options);
   CHECK(count_of(run, "join_placed") == 0);
   CHECK(count_of(run, "goals_reached") == 0);

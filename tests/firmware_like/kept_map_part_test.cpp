@@ -51,10 +51,10 @@ TEST_CASE("a run begins with the map of another, and its log replays with that m
     const std::string without = refusal_of(log, options);
     CHECK(mentions(without, "begins with the map hall.surfels (digest "));
     CHECK(mentions(without, "--map FILE"));
-    options.map = other;
+    options.maps.map = other;
     CHECK(mentions(refusal_of(log, options), "begins with the map hall.surfels (digest "));
     CHECK(mentions(refusal_of(log, options), "is another one"));
-    options.map = map;
+    options.maps.map = map;
     const firmware::ReplayOutcome again = replay_log(log, options);
     CHECK(complaint_of(again).empty());
     CHECK(again.comparable);
@@ -85,7 +85,7 @@ TEST_CASE("a robot that is told nothing finds its place on the map of another ru
   CHECK(error_of(run.results, "located_ate_max_m") < 0.05);
   if (rt::posix::kHeapTrapAvailable) CHECK(counted(run, "heap_calls") == 0);
   firmware::ReplayOptions options;
-  options.map = map;
+  options.maps.map = map;
   const firmware::ReplayOutcome again = replay_log(log, options);
   CHECK(complaint_of(again).empty());
   CHECK(again.results.digest == run.results.digest);

@@ -20,7 +20,7 @@ inline firmware::LiveRunOutcome run_virtually(const std::string& scene, std::vec
   options.seconds = seconds;
   options.virtual_time = true;
   options.record = log;
-  options.map = map;
+  options.maps.map = map;
   options.record_fields = true;
   options.lcm_url = "none";
   firmware::LiveRunOutcome run =

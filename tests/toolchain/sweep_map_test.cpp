@@ -19,7 +19,7 @@ TEST_CASE("each cell of a sweep begins with the kept map, and is judged by where
   const firmware::LogFile log(path);
   toolchain::SweepOptions options;
   options.knobs = toolchain::parse_knobs({"locate.returns=100,400"});
-  options.replay.map = map;
+  options.replay.maps.map = map;
   const toolchain::Sweep sweep = toolchain::run_sweep(log, firmware::own_vehicles(), options);
   CHECK(sweep.error == "located_ate_rmse_m");
   CHECK(sweep.tasks == std::vector<std::string>{"locate"});
@@ -31,7 +31,7 @@ TEST_CASE("each cell of a sweep begins with the kept map, and is judged by where
     CHECK(cell.errors.at("located_ate_max_m") < 0.1);
     CHECK(cell.errors.at("ate_rmse_m") == sweep.cells[0].errors.at("ate_rmse_m"));  // the odometry's
   }
-  options.replay.map.clear();
+  options.replay.maps.map.clear();
   const std::string refused = message_of<firmware::ProfileError>(
       [&] { static_cast<void>(toolchain::run_sweep(log, firmware::own_vehicles(), options)); });
   CHECK(mentions(refused, "begins with the map hall.surfels"));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/runtime/vehicle.hpp"
 #include "firmware_like/scene/input_error.hpp"
 
@@ -17,7 +18,7 @@ struct WcetOptions {
   std::string log;
   std::string scene;  ///< empty: the profile that stands in the log
   std::vector<std::string> overrides;
-  std::string map;    ///< that the replay begins with, or empty
+  firmware::KeptMapPaths maps;  ///< that the replay begins with
   std::string fault;  ///< "task@tick": 1000 turns of an empty loop there; proves that a gate can fail
 };
 

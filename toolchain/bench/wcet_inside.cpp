@@ -48,7 +48,7 @@ void replay_counted(const firmware::VehicleRegistry& vehicles, const WcetOptions
   firmware::ReplayOptions replaying;
   replaying.scene = options.scene;
   replaying.overrides = options.overrides;
-  replaying.map = options.map;
+  replaying.maps = options.maps;
   replaying.before_run = [&marks, &options](firmware::Runtime& runtime) {
     rt::Executive& executive = runtime.executive();
     if (!options.fault.empty()) {

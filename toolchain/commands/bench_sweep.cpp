@@ -95,7 +95,7 @@ std::vector<SimulatedDrive> take_drives(const CommandContext& context, SweepComm
   const std::string folder =
       command.temporary ? command.temporary->file("drives") : command.output.out + "/drives";
   command.drives.overrides.swap(request.overrides);
-  command.drives.map = request.map;
+  command.drives.maps = request.maps;
   std::vector<SimulatedDrive> drives = simulate_drives(context, command.drives, folder);
   for (const SimulatedDrive& drive : drives) request.logs.push_back(drive.log);
   return drives;
@@ -146,8 +146,9 @@ SweepFolderPlan make_plan(const CommandContext& context, SweepCommand& command,
   }
   plan.request = command.request;
   // Cells run in other folders: files are named from the root.
-  if (!plan.request.map.empty())
-    plan.request.map = fs::absolute(plan.request.map).lexically_normal().string();
+  for (std::string* const path : {&plan.request.maps.map, &plan.request.maps.targets}) {
+    if (!path->empty()) *path = fs::absolute(*path).lexically_normal().string();
+  }
   std::string& scene = plan.request.scene;
   if (scene.size() > 5 && scene.substr(scene.size() - 5) == ".toml") scene = fs::absolute(scene).string();
   write_plan(command.output.out, plan);
@@ -259,7 +260,7 @@ void add_bench_sweep(firmware::Command& bench, CommandContext& context) {
   bench.add_option("--seeds", options->drives.seeds, "Without a log: drives, each with another hil.seed")
       ->in_range(1, 1000)
       ->capture_default_str();
-  add_map_option(bench, request.map);
+  add_map_options(bench, request.maps);
   bench.add_option("--set", request.overrides, "Override a key in all cells: key=value")->take_all();
   bench.add_flag("--instructions", request.instructions,
                  "Count the instructions of every cell, too, under callgrind: slow, and the same each time");

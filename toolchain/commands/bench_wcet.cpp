@@ -30,7 +30,7 @@ void record_drive(const CommandContext& context, const WcetCommand& options, con
   firmware::LiveRunOptions run;
   run.scene = options.count.scene;
   run.overrides = options.count.overrides;
-  run.map = options.count.map;
+  run.maps = options.count.maps;
   run.seconds = options.seconds;
   run.virtual_time = true;
   run.lcm_url = "none";
@@ -99,7 +99,7 @@ void add_bench_wcet(firmware::Command& bench, CommandContext& context) {
       ->in_range(0.01, 1e5)
       ->excludes(log)
       ->capture_default_str();
-  add_map_option(*command, options->count.map);
+  add_map_options(*command, options->count.maps);
   command->add_option("--set", options->count.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command

@@ -63,7 +63,7 @@ void add_check(firmware::Command& app, CommandContext& context) {
   add_fault_option(*command, options->replay);
   command->add_flag("--threads", options->replay.threaded, "One worker a group");
   add_truth_option(*command, options->replay.truth);
-  add_map_option(*command, options->replay.map);
+  add_map_options(*command, options->replay.maps);
   add_span_options(*command, options->replay, true);
   add_alignment_option(*command, options->align);
   add_acceptance_options(*command, *options);

@@ -231,6 +231,7 @@ int run(const CommandContext& context, ExportOptions& options) {
     if (options.kind == "tum") export_tum(context, options, log, out);
     if (options.kind == "ply") export_ply(replayed(), log.path(), out);
     if (options.kind == "surfels") export_surfels(replayed(), log.path(), out);
+    if (options.kind == "targets") export_targets(replayed(), log.path(), out);
     if (options.kind == "cloud") export_cloud(replayed(), log.path(), out);
     if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
@@ -254,6 +255,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "Kinds: tum (evo), ply (MeshLab, CloudCompare), csv (PlotJuggler, pandas), candump (can-utils), trace "
       "(ui.perfetto.dev), latency (SVG), jobs (text),\n"
       "surfels (the map of surfaces of part locate, for `run --map`),\n"
+      "targets (the segments of part recognise, for `run --targets`),\n"
       "cloud (what part cloud saw, for `run --map` of another robot),\n"
       "flight_map (a scene with the map that the robot made, for a multirotor)\n"
       "trace, latency and jobs also read the flight ring of a run that died.\n"
@@ -263,6 +265,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "  sortie export csv hall.lcm --task attitude -o attitude.csv\n"
       "  sortie export csv pallet.lcm --task truth_contacts -o contacts.csv\n"
       "  sortie export surfels ugv.lcm -o hall.surfels\n"
+      "  sortie export targets ugv.lcm -o hall.targets\n"
       "  sortie export cloud ugv.lcm -o hall.cloud\n"
       "  sortie export flight_map ugv.lcm --for uav_rescue -o uav.toml\n"
       "  sortie export trace hall.lcm -o hall.trace.json\n"
@@ -270,8 +273,8 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
   command->add_option("kind", options->kind, "What to write")
       ->required()
-      ->one_of(
-          {"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "surfels", "cloud", "flight_map"});
+      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "surfels", "targets", "cloud",
+                "flight_map"});
   command->add_option("log", options->log, "LCM log, or a flight ring")->required();
   command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
   command->add_option("-o,--output", options->path, "File; - is standard output")
@@ -286,7 +289,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       ->type_name("SCENE");
   add_damage_option(*command, options->accept_damage);
   command->add_option("--scene", options->replay.scene, "Scene for imported logs");
-  add_map_option(*command, options->replay.map);
+  add_map_options(*command, options->replay.maps);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile: key=value")
       ->take_all();
   command->callback(context.choose([&context, options] { return run(context, *options); }));

@@ -2,6 +2,7 @@
 #include "toolchain/commands/export_maps.hpp"
 
 #include "firmware_like/scene/input_error.hpp"
+#include "mapping/recognition/target_file.hpp"
 #include "mapping/registration/cloud_file.hpp"
 #include "mapping/registration/cloud_match.hpp"
 #include "mapping/registration/surfel_map.hpp"
@@ -28,6 +29,20 @@ void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& l
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::surfel_map_bytes(*map)));
   if (mapping::write_surfel_map(*map, bytes) != Status::ok)
     throw InputError(log + ": its map of surfaces cannot be written", 3);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void export_targets(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out) {
+  const mapping::TargetStore* targets = outcome.runtime->vehicle().targets();
+  if (targets == nullptr)
+    throw InputError(
+        log +
+            ": this scene makes no targets; add --set tasks.recognise.enabled=true to one with a map of "
+            "segments",
+        2);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::target_file_bytes(*targets)));
+  if (mapping::write_targets(*targets, bytes) != Status::ok)
+    throw InputError(log + ": its targets cannot be written", 3);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 

@@ -15,6 +15,9 @@ void export_ply(const firmware::ReplayOutcome& outcome, const std::string& log, 
 /// The map of surfaces of part locate, for `run --map`. Throws InputError where the scene makes none.
 void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
 
+/// The targets of part recognise, for `run --targets`. Throws InputError where the scene makes none.
+void export_targets(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
+
 /// The cloud of part cloud, for `run --map` of another robot. Throws InputError where the scene makes none.
 void export_cloud(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
 

@@ -117,7 +117,7 @@ void add_index(firmware::Command& app, CommandContext& context) {
       ->in_range(1e-4, 1e6)
       ->capture_default_str();
   add_scene_option(*command, options->replay.scene);
-  add_map_option(*command, options->replay.map);
+  add_map_options(*command, options->replay.maps);
   command->add_option("--set", options->replay.overrides, "Override a key of the profile, key=value")
       ->take_all();
   command->add_flag("--list", options->list, "Show the keyframes that are there, and compare their hashes");

@@ -31,7 +31,7 @@ void add_replay_report_options(firmware::Command& command, ReplayReportOptions& 
   command.add_option("--set", options.replay.overrides, "What if: override a key of the profile, key=value")
       ->take_all();
   add_truth_option(command, options.replay.truth);
-  add_map_option(command, options.replay.map);
+  add_map_options(command, options.replay.maps);
   add_span_options(command, options.replay, true);
   add_alignment_option(command, options.align);
   add_calibration_option(command, options.evaluation.calibrate_s);

@@ -15,21 +15,24 @@ std::vector<SimulatedDrive> simulate_drives(const CommandContext& context, const
                                             const std::string& folder) {
   std::filesystem::create_directories(folder);
   const std::string program = digest_of_file(own_program_path());
-  const std::string map = request.map.empty() ? "" : digest_of_file(request.map) + " ";
+  std::string maps;
+  for (const std::string& path : {request.maps.map, request.maps.targets}) {
+    if (!path.empty()) maps += digest_of_file(path) + " ";
+  }
   std::vector<SimulatedDrive> drives;
   for (const std::string& scene : request.scenes) {
     for (std::uint32_t seed = 1; seed <= request.seeds; ++seed) {
       firmware::LiveRunOptions run;
       run.scene = scene;
       run.overrides = request.overrides;
-      run.map = request.map;
+      run.maps = request.maps;
       if (request.seeds > 1) run.overrides.push_back("hil.seed=" + std::to_string(seed));
       run.seconds = request.seconds;
       run.virtual_time = true;
       run.lcm_url = "none";
       const firmware::Profile profile = firmware::load_scene(run.scene, run.overrides);
       const std::string identity = hex_digest(program + " " + firmware::format_exact(request.seconds) + " " +
-                                              map + profile.canonical());
+                                              maps + profile.canonical());
       const std::string name = folder + "/" + profile.name() +
                                (request.seeds > 1 ? "-seed" + std::to_string(seed) : "") + "-" + identity +
                                ".lcm";

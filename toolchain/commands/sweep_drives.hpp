@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_like/runtime/kept_map.hpp"
 #include "toolchain/commands/commands.hpp"
 
 namespace sortie::toolchain {
@@ -13,7 +14,7 @@ namespace sortie::toolchain {
 struct DriveRequest {
   std::vector<std::string> scenes;
   std::vector<std::string> overrides;
-  std::string map;  ///< that they begin with, or empty
+  firmware::KeptMapPaths maps;  ///< that they begin with
   double seconds{10};
   std::uint32_t seeds{1};  ///< drives of each scene; more than one: with hil.seed = 1, 2, ...
 };

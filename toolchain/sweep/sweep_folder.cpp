@@ -58,7 +58,7 @@ PlannedLog log_from_json(const firmware::Json& json) {
 SweepOptions sweep_options(const SweepRequest& request) {
   SweepOptions options;
   options.replay.scene = request.scene;
-  options.replay.map = request.map;
+  options.replay.maps = request.maps;
   options.replay.overrides = request.overrides;
   options.evaluation.align = parse_alignment(request.align);
   options.evaluation.calibrate_s = request.calibrate_s;

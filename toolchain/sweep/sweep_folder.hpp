@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "firmware_like/runtime/kept_map.hpp"
 #include "toolchain/judge/map_volume.hpp"
 #include "toolchain/sweep/sweep_plan.hpp"
 
@@ -19,7 +20,7 @@ namespace sortie::toolchain {
 struct SweepRequest {
   std::vector<std::string> logs;
   std::string scene;
-  std::string map;  ///< that each cell begins with, or empty
+  firmware::KeptMapPaths maps;  ///< that each cell begins with
   std::vector<std::string> overrides;
   std::vector<std::string> knobs;  ///< "key=v1,v2" each, or "knobs" alone: each knob of a scene alone
   std::vector<std::string> tasks;
@@ -33,7 +34,8 @@ struct SweepRequest {
   static void fields(Self& self, Visitor&& visit) {
     visit("logs", self.logs);
     visit("scene", self.scene);
-    visit("map", self.map);
+    visit("map", self.maps.map);
+    visit("targets", self.maps.targets);
     visit("set", self.overrides);
     visit("sweep", self.knobs);
     visit("tasks", self.tasks);

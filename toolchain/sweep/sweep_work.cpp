@@ -54,7 +54,7 @@ double SweepWork::replay_once(const firmware::LogFile& log, const firmware::Vehi
 void SweepWork::count_instructions(const firmware::LogFile& log, const firmware::ReplayOptions& options,
                                    double duration_s, SweepCell& cell) const {
   std::uint64_t sum = 0;
-  for (const WcetTask& task : measure_wcet({log.path(), options.scene, overrides_, options.map, ""}).tasks) {
+  for (const WcetTask& task : measure_wcet({log.path(), options.scene, overrides_, options.maps, ""}).tasks) {
     if (std::find(tasks_.begin(), tasks_.end(), task.name) == tasks_.end()) continue;
     for (const CountedJob& job : task.jobs) sum += job.instructions;
   }
