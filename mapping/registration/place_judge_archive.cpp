@@ -1,33 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/kept_pose.hpp"
-#include "mapping/registration/relocaliser.hpp"
+#include "mapping/registration/place_judge.hpp"
 
 namespace sortie::mapping {
 
-void Relocaliser::archive(rt::Archive& archive) {
-  // The map's bits follow from its surfaces. Nobody asks for them where nothing is searched, and a map that
-  // has grown is no kept map.
-  rt::Members(archive, *this, "relocaliser")
-      .fixed(config_, registration_, map_)
+void PlaceJudge::archive(rt::Archive& archive) {
+  rt::Members(archive, *this, "place_judge")
+      .fixed(config_, registration_)
       .scratch(bits_, cubes_, weights_, weight_)
-      .by_hand(search_, sample_)
-      .state(size_, q_level_sensor_, step_, at_, count_, places_, credit_, result_);
+      .by_hand(sample_)
+      .state(size_, q_level_sensor_, step_, at_, count_, places_, credit_, units_);
   if (archive.is_reading()) {
     bool fits = step_ <= Step::verdict && size_ <= sample_.size() &&
-                count_ <= PlaceSearchConfig::kMostCandidates && at_ <= count_ &&
-                result_.verdict <= RelocateVerdict::few_returns;
+                count_ <= PlaceSearchConfig::kMostCandidates && at_ <= count_;
     for (const Place& place : places_) fits = fits && place.slot < PlaceSearchConfig::kMostCandidates;
     if (!fits) {
-      archive.fail(Status::malformed, "a search of a place that cannot be");
+      archive.fail(Status::malformed, "places to judge that cannot be");
       size_ = at_ = count_ = 0;
       step_ = Step::idle;
     }
     check_pose(archive, {{}, q_level_sensor_});
     for (const Place& place : places_) check_pose(archive, place.pose);
-    if (step_ != Step::idle && !take_map()) archive.fail(Status::malformed, "a search without a map");
   }
   if (step_ == Step::idle) return;
-  archive.value(search_);
   for (SamplePoint& point : sample_.first(size_)) {
     archive.value(point.x_m);
     archive.value(point.y_m);

@@ -4,8 +4,8 @@
 #include <bit>
 
 #include "mapping/registration/match_covariance.hpp"
+#include "mapping/registration/place_judge.hpp"
 #include "mapping/registration/place_rays.hpp"
-#include "mapping/registration/relocaliser.hpp"
 
 namespace sortie::mapping {
 namespace {
@@ -32,7 +32,7 @@ bool is_seen(const SurfelLayer& coarse, const rt::Vector3& p) {
 }
 }  // namespace
 
-void Relocaliser::explain(Place& place) {
+void PlaceJudge::explain(Place& place) {
   const SurfelLayer& fine = registration_->layer(0);
   const SurfelLayer& coarse = registration_->layer(kSurfelLayers - 1);
   const double sigma_m = registration_->config().sigma_m;
@@ -57,7 +57,7 @@ void Relocaliser::explain(Place& place) {
 
 /// After explain(): one ray in two for what it went through, each return that is not explained for what lies
 /// behind it.
-void Relocaliser::look_along_rays(Place& place) {
+void PlaceJudge::look_along_rays(Place& place) {
   const SurfelLayer& fine = registration_->layer(0);
   const std::uint64_t* const explained = explained_bits(place);
   std::uint64_t* const known = known_bits(place);
@@ -75,7 +75,7 @@ void Relocaliser::look_along_rays(Place& place) {
 
 /// What `here` explains and the other place does not speaks for it where the map knows that place, or the
 /// rays of the other one went through surfaces; where that place has a gap in the map, a part of it.
-Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there) const {
+PlaceJudge::Compared PlaceJudge::compare(const Place& here, const Place& there) const {
   struct Sums {
     std::uint64_t here{}, denied{}, there{};
   };
@@ -113,7 +113,7 @@ Relocaliser::Compared Relocaliser::compare(const Place& here, const Place& there
 
 /// Of the returns, the surfaces and the things, and rays that the place cannot explain. What the map has not
 /// seen does not count.
-void Relocaliser::unexplained(const Place& place, double (&out)[kWeighed + 1]) const {
+void PlaceJudge::unexplained(const Place& place, double (&out)[kWeighed + 1]) const {
   std::uint64_t explained[kWeighed]{};
   for (std::uint32_t i = 0; i < size_; ++i) {
     if ((explained_bits(place)[i / 64] >> (i % 64) & 1) == 0) continue;
@@ -133,13 +133,13 @@ void Relocaliser::unexplained(const Place& place, double (&out)[kWeighed + 1]) c
 /// explain, walls of a room that looks the same from both ends, says nothing. A place that the map does not
 /// know, in another building that looks alike but for a few things, cannot be compared with: against it
 /// speaks only what this place leaves unexplained: where that is little, it is sure.
-bool Relocaliser::leads(const Place& best) {
+bool PlaceJudge::leads(const Place& best, JudgedPlace& judged) const {
   double without[kWeighed + 1];
   unexplained(best, without);
   bool leads = true;
-  result_.lead = 1.0;
-  result_.unexplained = *std::max_element(std::begin(without), std::end(without));
-  result_.sure = result_.lead >= config_.least_lead + config_.surely_over_unexplained * result_.unexplained;
+  judged.lead = 1.0;
+  judged.unexplained = *std::max_element(std::begin(without), std::end(without));
+  judged.sure = judged.lead >= config_.least_lead + config_.surely_over_unexplained * judged.unexplained;
   for (std::uint32_t i = 0; i < count_; ++i) {
     if (places_[i].slot == best.slot) continue;
     const Compared compared = compare(best, places_[i]);
@@ -148,38 +148,37 @@ bool Relocaliser::leads(const Place& best) {
       const double lead = evidence.speaks_for - evidence.against;
       leads = leads && evidence.speaks_for >= config_.over_rival * evidence.against &&
               lead >= config_.least_lead + config_.over_unexplained * without[by];
-      result_.sure =
-          result_.sure && lead >= config_.least_lead + config_.surely_over_unexplained * without[by];
-      if (lead >= result_.lead) continue;
-      result_.lead = lead;
-      result_.denied = evidence.speaks_for;
-      result_.rival = evidence.against;
+      judged.sure = judged.sure && lead >= config_.least_lead + config_.surely_over_unexplained * without[by];
+      if (lead >= judged.lead) continue;
+      judged.lead = lead;
+      judged.denied = evidence.speaks_for;
+      judged.rival = evidence.against;
     }
   }
   return leads;
 }
 
-RelocateVerdict Relocaliser::judge() {
+RelocateVerdict PlaceJudge::judge(JudgedPlace& judged) {
   if (count_ == 0) return RelocateVerdict::nothing_fits;
   Place& best = places_[0];
   registration_->take_sample(sample());
   const Match match = look_about(best, prior_at(best.pose, kFreeTilt));
   look_along_rays(best);
-  result_.T_map_sensor = best.pose;
-  result_.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
-  result_.seen = best.seen / static_cast<double>(size_);
-  result_.crossed = best.through / rays();
-  const bool lead = leads(best);
-  if (result_.share < config_.least_share || result_.seen < config_.least_seen ||
-      result_.crossed > config_.most_crossed)
+  judged.T_map_sensor = best.pose;
+  judged.share = best.seen > 0 ? best.explained / static_cast<double>(best.seen) : 0.0;
+  judged.seen = best.seen / static_cast<double>(size_);
+  judged.crossed = best.through / rays();
+  const bool lead = leads(best, judged);
+  if (judged.share < config_.least_share || judged.seen < config_.least_seen ||
+      judged.crossed > config_.most_crossed)
     return RelocateVerdict::nothing_fits;
   if (!lead || best.weak) return RelocateVerdict::ambiguous;
   double covariance[6][6]{};
   if (!match_covariance(match.equations, match.weak, prior_at(best.pose, 10.0), match.spread, covariance))
     return RelocateVerdict::ambiguous;
-  pose_covariance(covariance, best.pose.q, result_.covariance);
+  pose_covariance(covariance, best.pose.q, judged.covariance);
   const auto trace = [&](int at) {
-    return result_.covariance[7 * at] + result_.covariance[7 * at + 7] + result_.covariance[7 * at + 14];
+    return judged.covariance[7 * at] + judged.covariance[7 * at + 7] + judged.covariance[7 * at + 14];
   };
   if (trace(0) > kMostMove * kMostMove || trace(3) > kMostTurn * kMostTurn) return RelocateVerdict::ambiguous;
   return RelocateVerdict::placed;

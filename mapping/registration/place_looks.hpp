@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "mapping/registration/kept_pose.hpp"
+#include "mapping/registration/place_judge.hpp"
 #include "mapping/registration/pose_algebra.hpp"
-#include "mapping/registration/relocaliser.hpp"
 #include "rt/archive.hpp"
 #include "rt/describe.hpp"
 #include "rt/keys.hpp"
@@ -44,7 +44,7 @@ class PlaceLooks {
   /// Takes what a search found that placed the robot, and the odometry's pose of its scan. True: a search
   /// before agrees; the looks begin anew. Without odometry nobody knows how far two searches are apart: the
   /// caller has to do with one.
-  bool take(const Relocated& found, const RigidPose& T_odom_sensor) {
+  bool take(const JudgedPlace& found, const RigidPose& T_odom_sensor) {
     if (config_.second_look_m <= 0.0) return true;
     const RigidPose T_map_odom = after(found.T_map_sensor, inverse(T_odom_sensor));
     const RigidPose apart = after(inverse(T_map_odom_), T_map_odom);

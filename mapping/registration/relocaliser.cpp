@@ -1,231 +1,51 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping/registration/relocaliser.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include "mapping/registration/level_pose.hpp"
 #include "mapping/registration/place_returns.hpp"
-#include "mapping/registration/pose_algebra.hpp"
-#include "rt/math.hpp"
 
 namespace sortie::mapping {
-namespace {
-constexpr std::size_t kLeastSample = 100;  ///< of a sample
-constexpr double kPlaceMove = 0.5;         ///< m and rad: two places are two
-constexpr double kPlaceTurn = 0.17;
-/// The search takes places that are as good as each other half a metre up or down from where the robot is.
-constexpr double kRises_m[] = {0.0, -0.25, 0.25, -0.5, 0.5};
-/// What the attitude is worth, rad, against a scan's returns, which err together: while a place is found it
-/// is what it is said to be, then it is known to half a degree.
-constexpr double kHeldTilt = 0.0002;
-}  // namespace
-
-PosePrior Relocaliser::prior_at(const RigidPose& pose, double tilt_rad) const {
-  PosePrior prior;
-  prior.at = {pose.p,
-              rt::normalised(upright_turn(pose.q * rt::conjugate(q_level_sensor_)) * q_level_sensor_)};
-  for (int i = 0; i < 6; ++i) prior.information[i][i] = 0.01;
-  prior.information[0][0] = prior.information[1][1] = 1.0 / (tilt_rad * tilt_rad);
-  return prior;
-}
-
-const char* to_string(RelocateVerdict verdict) {
-  constexpr const char* kNames[] = {"none",      "searching",    "placed",
-                                    "ambiguous", "nothing fits", "few returns"};
-  const auto at = static_cast<std::size_t>(verdict);
-  return at < std::size(kNames) ? kNames[at] : "unknown";
-}
 
 Relocaliser::Relocaliser(const RelocateConfig& config, const PlaceSearchConfig& search,
                          const RegistrationMemory& memory, ScanRegistration& registration, rt::Arena& arena)
-    : config_(config),
-      registration_(&registration),
+    : registration_(&registration),
       map_(memory, search.tops, arena),
       search_(search, map_, arena),
-      sample_(arena.make_array<SamplePoint>("relocate_sample", registration.config().returns)),
-      bits_(arena.make_array<std::uint64_t>(
-          "relocate_bits",
-          std::size_t{3} * PlaceSearchConfig::kMostCandidates * ((sample_.size() + 63) / 64))),
-      cubes_(arena.make_array<std::uint64_t>("relocate_cubes", sample_.size())),
-      weights_(arena.make_array<Weights>("relocate_weights", sample_.size())) {}
+      judge_(config, registration, arena) {}
 
 void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternion& q_level_sensor) {
-  size_ = static_cast<std::uint32_t>(std::min(sample.size(), sample_.size()));
-  std::copy_n(sample.begin(), size_, sample_.begin());
-  q_level_sensor_ = rt::normalised(q_level_sensor);
-  weigh_returns();
-  at_ = count_ = 0;
-  credit_.clear();
   const RelocateCounts counts = result_.counts;
   result_ = {};
   result_.verdict = RelocateVerdict::searching;
   result_.counts = counts;
   ++result_.counts.begun;
+  const bool enough = judge_.begin(sample, q_level_sensor);
   rt::Vector3 returns_m[PlaceSearchConfig::kMostReturns];
   const std::span<rt::Vector3> wanted{returns_m, search_.config().returns};
   const std::size_t few =
-      choose_place_returns(this->sample(), q_level_sensor_, search_.config().reach_m, wanted);
+      choose_place_returns(judge_.sample(), q_level_sensor, search_.config().reach_m, wanted);
   result_.searched = static_cast<std::uint32_t>(few);
-  if (size_ < kLeastSample || few < PlaceSearchConfig::kLeastReturns)
-    return conclude(RelocateVerdict::few_returns);
+  if (!enough || few < PlaceSearchConfig::kLeastReturns) return conclude(RelocateVerdict::few_returns);
   search_.begin(wanted.first(few));
-  step_ = Step::search;
-}
-
-bool Relocaliser::pay(std::uint64_t cost, std::uint64_t& units) {
-  if (!credit_.pay(cost, units)) return false;
-  result_.units += cost;
-  return true;
+  searched_ = false;
 }
 
 bool Relocaliser::run(std::uint64_t& units) {
-  if (step_ == Step::search) {
+  if (!is_searching()) return true;
+  if (!searched_) {
     if (!search_.run(units)) return false;
-    result_.units += search_.counts().units;
+    searched_ = true;
     const std::span<const PlaceCandidate> found = search_.found();
-    count_ = result_.candidates = static_cast<std::uint32_t>(found.size());
-    if (count_ > 0) result_.hits = found[0].hits;
-    step_ = Step::tries;
-  }
-  if (step_ == Step::tries) {
-    if (!run_tries(units)) return false;
-    order();
-    count_ = std::min(count_, kTried);
-    at_ = 0;
-    step_ = Step::retries;
-  }
-  if (step_ == Step::retries) {
-    if (!run_retries(units)) return false;
-    order();
-    at_ = 0;
-    step_ = Step::verdict;
-  }
-  if (step_ == Step::verdict) {
-    if (!pay_looks(3 * std::size_t{size_}, units)) return false;
-    conclude(judge());
-  }
-  return true;
-}
-
-/// Its steps, and looking at what it explains.
-bool Relocaliser::pay_match(std::size_t returns, std::uint64_t& units) {
-  return pay((registration_->config().steps + 8) * std::uint64_t{kMatchUnits} * returns, units);
-}
-
-/// A match, and what all rays say of where it ended.
-bool Relocaliser::pay_looks(std::size_t matched, std::uint64_t& units) {
-  return pay((registration_->config().steps + 8) * std::uint64_t{kMatchUnits} * matched +
-                 std::uint64_t{kRayUnits} * size_,
-             units);
-}
-
-/// Each candidate from where the search found it, with some of the returns.
-bool Relocaliser::run_tries(std::uint64_t& units) {
-  const std::size_t returns = std::min<std::size_t>(size_, config_.first_returns);
-  for (; at_ < count_; ++at_) {
-    if (!pay_match(std::size(kRises_m) * returns, units)) return false;
-    const PlaceCell& cell = search_.found()[at_].cell;
-    Place& place = places_[at_];
-    place = {};
-    place.slot = at_;
-    place.pose.p = map_.position_m(cell);
-    place.pose.q =
-        rt::normalised(rt::exp_rotation({0, 0, PlaceSearch::turn_rad(cell.turn)}) * q_level_sensor_);
-    registration_->take_sample(sample());
-    Match best;
-    for (const double rise_m : kRises_m) {
-      const RigidPose start{place.pose.p + rt::Vector3{0, 0, rise_m}, place.pose.q};
-      const Match match = registration_->match_from(start, prior_at(start, kHeldTilt), returns);
-      if (rise_m == 0.0 || match.score.value > best.score.value) best = match;
+    result_.candidates = static_cast<std::uint32_t>(found.size());
+    if (!found.empty()) result_.hits = found[0].hits;
+    for (const PlaceCandidate& candidate : found) {
+      const rt::Quaternion turn = rt::exp_rotation({0, 0, PlaceSearch::turn_rad(candidate.cell.turn)});
+      judge_.add({map_.position_m(candidate.cell), rt::normalised(turn * judge_.q_level_sensor())});
     }
-    keep(best, place);
   }
-  return true;
-}
-
-/// Those that did well, with more returns, then with all; what does no better than it did before is left as
-/// it was.
-bool Relocaliser::run_retries(std::uint64_t& units) {
-  const std::size_t returns = std::min<std::size_t>(size_, config_.tried_returns);
-  for (; at_ < count_; ++at_) {
-    if (!pay_looks(3 * returns, units)) return false;
-    Place& place = places_[at_];
-    Place best = place;
-    const auto take = [&] {
-      if (place.explained >= best.explained) best = place;
-      place = best;
-    };
-    match_place(place, returns);
-    take();
-    look_about(place, prior_at(place.pose, kFreeTilt));
-    take();
-    explain(place);
-    look_along_rays(place);
-  }
-  return true;
-}
-
-/// From starts about where a place ended: a rival that was caught beside its place would be no rival.
-Match Relocaliser::look_about(Place& place, const PosePrior& prior) {
-  Match match = registration_->match_from(place.pose, prior, size_);
-  registration_->match_about(match, prior);
-  keep(match, place);
-  return match;
-}
-
-void Relocaliser::match_place(Place& place, std::size_t returns) {
-  registration_->take_sample(sample());
-  keep(registration_->match_from(place.pose, prior_at(place.pose, kHeldTilt), returns), place);
-}
-
-void Relocaliser::keep(const Match& match, Place& place) {
-  place.pose = match.pose;
-  place.weak = match.weak.moves + match.weak.turns > 0 || match.equations.rows < 6;
-  explain(place);
-}
-
-/// Returns in one cube share one weight: of a surface in a cube as wide as the map's cells, in a level frame,
-/// or of a thing in one four times as wide. What stands near the sensor has many returns.
-void Relocaliser::weigh_returns() {
-  constexpr double kFarCubes = 30'000.0;
-  constexpr std::uint32_t kWhole = 1 << 16;
-  const rt::RotationMatrix r = rt::to_matrix(q_level_sensor_);
-  for (std::size_t by = 0; by < kWeighed; ++by) {
-    const double per_cube = 1.0 / (registration_->config().cell_m * (by == 0 ? 1.0 : 4.0));
-    const auto cube = [&](double along_m) {
-      const double at = std::clamp(per_cube * along_m, -kFarCubes, kFarCubes);
-      return static_cast<std::uint64_t>(static_cast<std::uint16_t>(static_cast<std::int32_t>(rt::floor(at))));
-    };
-    for (std::uint32_t i = 0; i < size_; ++i) {
-      const rt::Vector3 p = r * sample_[i].at();
-      cubes_[i] = cube(p.x) << 48 | cube(p.y) << 32 | cube(p.z) << 16 | i;
-    }
-    std::sort(cubes_.data(), cubes_.data() + size_);
-    std::uint64_t sum = 0;
-    for (std::uint32_t from = 0, to = 0; from < size_; from = to) {
-      while (to < size_ && cubes_[to] >> 16 == cubes_[from] >> 16) ++to;
-      const std::uint32_t weight = kWhole / (to - from);
-      for (std::uint32_t i = from; i < to; ++i) weights_[cubes_[i] & 0xffff].of[by] = weight;
-      sum += std::uint64_t{to - from} * weight;
-    }
-    weight_[by] = static_cast<double>(sum);
-  }
-}
-
-/// By explained returns, most first; one that ended where a better one did is left out.
-void Relocaliser::order() {
-  std::sort(places_, places_ + count_, [](const Place& a, const Place& b) {
-    return a.explained != b.explained ? a.explained > b.explained : a.slot < b.slot;
-  });
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    bool other = true;
-    for (std::uint32_t k = 0; k < kept; ++k)
-      other = other && are_apart(places_[i].pose, places_[k].pose, kPlaceMove, kPlaceTurn);
-    if (other) places_[kept++] = places_[i];
-  }
-  count_ = kept;
+  const bool done = judge_.run(units, result_);
+  result_.units = search_.counts().units + judge_.units();
+  if (done) conclude(result_.verdict);
+  return done;
 }
 
 void Relocaliser::conclude(RelocateVerdict verdict) {
@@ -235,7 +55,21 @@ void Relocaliser::conclude(RelocateVerdict verdict) {
   if (verdict == RelocateVerdict::nothing_fits) ++counts.nothing_fits;
   if (verdict == RelocateVerdict::few_returns) ++counts.few_returns;
   result_.verdict = verdict;
-  step_ = Step::idle;
+}
+
+void Relocaliser::archive(rt::Archive& archive) {
+  // The map's bits follow from its surfaces. Nobody asks for them where nothing is searched, and a map that
+  // has grown is no kept map.
+  rt::Members(archive, *this, "relocaliser")
+      .fixed(registration_, map_)
+      .by_hand(search_, judge_)
+      .state(searched_, result_);
+  if (archive.is_reading() && result_.verdict > RelocateVerdict::few_returns)
+    archive.fail(Status::malformed, "a search of a place that cannot be");
+  if (!is_searching()) return;
+  if (archive.is_reading() && !take_map()) archive.fail(Status::malformed, "a search without a map");
+  archive.value(search_);
+  archive.value(judge_);
 }
 
 }  // namespace sortie::mapping

@@ -7,16 +7,16 @@
 
 namespace {
 using namespace sortie;
+using mapping::JudgedPlace;
 using mapping::PlaceLooks;
 using mapping::PlaceLooksConfig;
-using mapping::Relocated;
 using mapping::RigidPose;
 
 const RigidPose kTMapOdom{{30, -4, 2}, rt::exp_rotation({0, 0, 1.2})};
 
 /// A search that finds the odometry where `T_map_odom` says.
-Relocated found_at(const RigidPose& T_odom_sensor, bool sure, const RigidPose& T_map_odom = kTMapOdom) {
-  Relocated found;
+JudgedPlace found_at(const RigidPose& T_odom_sensor, bool sure, const RigidPose& T_map_odom = kTMapOdom) {
+  JudgedPlace found;
   found.verdict = mapping::RelocateVerdict::placed;
   found.T_map_sensor = mapping::after(T_map_odom, T_odom_sensor);
   found.sure = sure;
@@ -53,7 +53,7 @@ TEST_CASE("A look that finds another place is the first look of that one") {
     PlaceLooks looks{{}};
     CHECK_FALSE(looks.take(found_at(at(100), true), at(100)));
     // Moved and turned at the robot, a hundred metres from the odometry's origin.
-    Relocated found = found_at(at(108), true);
+    JudgedPlace found = found_at(at(108), true);
     found.T_map_sensor.p = found.T_map_sensor.p + rt::Vector3{move_m, 0, 0};
     found.T_map_sensor.q = rt::exp_rotation({0, 0, turn_rad}) * found.T_map_sensor.q;
     const bool believed = looks.take(found, at(108));
