@@ -16,7 +16,8 @@ struct RecognitionPart {
 };
 constexpr RecognitionPart kRecognitionParts[] = {{"streets", measure_recognition_streets},
                                                  {"outliers", measure_recognition_outliers},
-                                                 {"graphs", measure_recognition_graphs}};
+                                                 {"graphs", measure_recognition_graphs},
+                                                 {"descriptors", measure_recognition_descriptors}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;
@@ -45,7 +46,7 @@ int run(int argc, char** argv) {
     std::cerr << "recognising: " << part.name << std::endl;
     part.measure(settings, report);
   }
-  if (!found) throw std::invalid_argument("--only takes streets, outliers or graphs");
+  if (!found) throw std::invalid_argument("--only takes streets, outliers, graphs or descriptors");
   root["load_after"] = load_average();
   std::cout << root.dump() << std::endl;
   return 0;

@@ -21,5 +21,7 @@ void measure_recognition_streets(const RecognitionSettings& settings, Report& re
 void measure_recognition_outliers(const RecognitionSettings& settings, Report& report);
 /// Any graph: dense ones with a planted set, by units.
 void measure_recognition_graphs(const RecognitionSettings& settings, Report& report);
+/// What segments of two visits of made-up halls are told apart by: the 24 bytes beside the seven features.
+void measure_recognition_descriptors(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench
