@@ -7,10 +7,13 @@
 #include "firmware_like/parts/kept_maps.hpp"
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/part_access.hpp"
+#include "firmware_like/parts/recognise_output.hpp"
 #include "mapping/recognition/local_segments.hpp"
 #include "mapping/recognition/recogniser.hpp"
+#include "mapping/recognition/target_keeper.hpp"
+#include "mapping/registration/kept_pose.hpp"
+#include "mapping/registration/place_judge.hpp"
 #include "mapping/registration/pose_algebra.hpp"
-#include "rt/math.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -23,43 +26,19 @@ struct RecognisePartConfig {
   rt::Nanoseconds period_ns{rt::kNanosecondsPerSecond};
   std::uint32_t units{1'000'000};
   std::uint32_t described{64};
-  std::uint32_t robot{0};
-  double key_frame_m{5.0};
 
   SORTIE_KEYS(c, key) {
     key("period_s", c.period_ns, {0.1, 60, rt::kSInNs, "between two searches, at least"});
     key("units", c.units, {1'000, 1e9, "units", "of work a job, of some 2 ns each", rt::kKnob});
     key("limits.described", c.described, {1, 1024, "segments", "that are described at a time; 280 B each"});
-    key("robot", c.robot, {0, 255, "", "number of this robot in its targets"});
-    key("key_frame_m", c.key_frame_m, {0.5, 100, "m", "of way between two key frames that targets hang on"});
   }
-};
-
-struct RecogniseOutput {
-  rt::Nanoseconds stamp_ns{};  ///< when the segments of the newest answer were looked at
-  std::uint8_t verdict{};      ///< mapping::SetVerdict of the newest answer
-  double p_known_odom_m[3]{};  ///< best pose: the odometry's world on the known map
-  double q_known_odom[4]{1, 0, 0, 0};
-  double covariance[16]{};   ///< of it: x, y, z, yaw, by rows, m and rad
-  std::uint32_t speaking{};  ///< segments that were asked for
-  std::uint32_t pairs{};     ///< correspondences
-  std::uint32_t agree{};     ///< of them, in the best set
-  std::uint32_t rival{};     ///< in the next one
-  double rms_m{};            ///< of the best pose
-  double spread_m{};         ///< of its segments, where it is least
-  bool proved{};             ///< no larger set
-  std::uint64_t units{};     ///< of work so far
-  std::uint32_t targets{};   ///< that this run has made
-  std::uint32_t key_frames{};
-  mapping::RecogniserCounts counts;
-  SORTIE_FIELDS(stamp_ns, verdict, p_known_odom_m, q_known_odom, covariance, speaking, pairs, agree, rival,
-                rms_m, spread_m, proved, units, targets, key_frames, counts)
 };
 
 /// Group `mapping`, task `recognise`, behind map and `locate`. Once a period the segments are watched and
 /// described; those that are new become targets, and with known targets a search begins that goes on over as
-/// many jobs as its units need. Targets lie on the map of `locate` where the scene has that part, else in the
-/// odometry's world.
+/// many jobs as its units need. Where the run began with a kept map, too (of the same run as the targets), a
+/// scan is held against it at each place that is found, and a robot that is lost is placed there. Targets lie
+/// on the map of `locate` where the scene has that part, else in the odometry's world.
 class RecognisePart final : public Part {
  public:
   explicit RecognisePart(VehicleBuilder& builder)
@@ -77,51 +56,71 @@ class RecognisePart final : public Part {
     profile.read("recognise", recogniser);
     local_ = std::make_unique<mapping::LocalSegments>(watch, map_->most_segments(), config_.described,
                                                       builder.arena());
-    store_ = std::make_unique<mapping::TargetStore>(store, builder.arena());
+    mapping::TargetKeeperConfig keeper;
+    profile.read("recognise", keeper);
+    keeper_ = std::make_unique<mapping::TargetKeeper>(keeper, store, builder.arena());
     known_ = load_kept_targets(builder, store);
     if (known_ != nullptr) {
       recogniser_ = std::make_unique<mapping::Recogniser>(recogniser, builder.arena());
+      if (access_ != nullptr && builder.kept_map("locate") != nullptr) {
+        mapping::RelocateConfig judge;
+        builder.profile().read("recognise", judge);
+        judge_ = std::make_unique<mapping::PlaceJudge>(judge, access_->locator->registration_to_match(),
+                                                       builder.arena());
+      }
       speaking_ = builder.arena().make_array<mapping::SpeakingSegment>("recognition speaking", watch.watched);
     }
     task_ = builder.task<RecogniseOutput>(builder.group("mapping", 10), "recognise",
-                                          TaskDefaults{50'000, rt::Criticality::b},
+                                          TaskDefaults{10'000, rt::Criticality::b},
                                           [this](rt::JobContext& context, RecogniseOutput& output) {
                                             work(context);
                                             output = output_;
                                           });
     builder.remembers(task_, *this);
     builder.counters("recognise_", output_.counts);
+    builder.counters("recognise_searches_", output_.searches);
     builder.counters("recognise_segments_", local_->counts());
-    builder.counters("recognise_targets_", store_->counts());
-    builder.pool("targets", [this] {
-      return PoolLevel{store_->capacity(), store_->kept(), store_->counts().evicted};
+    builder.counters("recognise_targets_", targets()->counts());
+    builder.pool("targets", [store = targets()] {
+      return PoolLevel{store->capacity(), store->kept(), store->counts().evicted};
     });
   }
 
-  const mapping::TargetStore* targets() const override { return store_.get(); }
+  const mapping::TargetStore* targets() const override { return &keeper_->store(); }
 
   void archive(rt::Archive& archive) {
     rt::Members(archive, *this, "recognise")
         .base<Part>()
         .fixed(config_, map_, access_, task_, speaking_)
-        .by_hand(local_, store_, known_, recogniser_)
-        .state(next_ns_, frame_, output_);
+        .by_hand(local_, keeper_, known_, recogniser_, judge_)
+        .state(next_ns_, step_, T_odom_judged_, has_odometry_, sigma_move_m_, sigma_turn_rad_, output_);
+    if (archive.is_reading() && step_ > Step::judge) {
+      archive.fail(Status::malformed, "a step that cannot be");
+      step_ = Step::rest;
+    }
+    mapping::check_pose(archive, T_odom_judged_);
     archive.value(*local_);
-    archive.value(*store_);
+    archive.value(*keeper_);
     if (recogniser_ != nullptr) recogniser_->archive(archive, *known_);
+    if (judge_ != nullptr) archive.value(*judge_);
   }
 
  private:
+  enum class Step : std::uint8_t { rest, search, wait, judge };
+
   void work(rt::JobContext& context) {
     local_->note(*map_->labelling());
     const auto now_ns = static_cast<rt::Nanoseconds>(context.job) * context.period_ns;
-    if (now_ns >= next_ns_ && map_->done() && (recogniser_ == nullptr || !recogniser_->is_searching())) {
+    if (now_ns >= next_ns_ && map_->done() && step_ == Step::rest) {
       next_ns_ = now_ns + config_.period_ns;
       round(context, now_ns);
     }
     std::uint64_t units = config_.units;
-    static_cast<void>(store_->run(units));
-    if (recogniser_ != nullptr && recogniser_->is_searching() && recogniser_->run(*known_, units)) answer();
+    keeper_->run(units);
+    if (step_ == Step::search && recogniser_->run(*known_, units)) answer();
+    if (step_ == Step::wait && access_->scans > 0) begin_judging();
+    mapping::JudgedPlace judged;
+    if (step_ == Step::judge && judge_->run(units, judged)) take(judged);
     const auto used = static_cast<std::uint32_t>(config_.units - units);
     context.add_units(used);
     output_.units += used;
@@ -137,65 +136,16 @@ class RecognisePart final : public Part {
   }
 
   PlaceCm in_world(const PlaceCm& of_grid) const {
-    return to_cm(map_->grid().to_world({0.01 * of_grid.x, 0.01 * of_grid.y, 0.01 * of_grid.z}));
-  }
-  static PlaceCm to_cm(const rt::Vector3& m) {
-    const auto whole = [](double v) {
-      return static_cast<std::int32_t>(rt::floor(100.0 * std::clamp(v, -4e6, 4e6) + 0.5));
-    };
-    return {whole(m.x), whole(m.y), whole(m.z)};
+    return mapping::to_cm(map_->grid().to_world({0.01 * of_grid.x, 0.01 * of_grid.y, 0.01 * of_grid.z}));
   }
 
-  /// T_map_odom, or none where the place on the map is not known.
-  bool find_tie(RigidPose& tie) const {
-    tie = {};
-    if (access_ == nullptr) return true;
-    tie = access_->locator->located().T_map_odom;
-    return access_->locator->has_begun();
-  }
-
-  /// A key frame where the middle of the local map is, when that is far from the one before.
-  bool find_key_frame(const RigidPose& tie) {
-    const mapping::RollingGrid& grid = map_->grid();
-    const double edge_m = 4.0 * grid.config().voxel_size_m;
-    const mapping::BlockAt& at = grid.centre();
-    const rt::Vector3 middle = grid.to_world({edge_m * at.x, edge_m * at.y, edge_m * at.z});
-    mapping::KeyFramePose pose;
-    pose.place = to_cm(tie.p + rt::rotate(tie.q, middle));
-    const rt::Vector3 ahead = rt::rotate(tie.q, {1, 0, 0});
-    if (!mapping::heading_of(ahead.x, ahead.y, pose.heading)) return false;
-    const double least_cm = 100.0 * config_.key_frame_m;
-    const bool has_one = output_.key_frames > 0;
-    if (has_one && static_cast<double>(mapping::square_apart(frame_.place, pose.place)) < least_cm * least_cm)
-      return true;
-    if (output_.key_frames == store_->config().key_frames) return has_one;  // the last one takes what comes
-    if (store_->set_key_frame(static_cast<std::uint16_t>(output_.key_frames), pose) != Status::ok)
-      return has_one;
-    frame_ = pose;
-    ++output_.key_frames;
-    return true;
-  }
-
-  /// Segments with a version of this round become targets.
+  /// On the map where the robot's place on it is known; without `locate` in the odometry's world.
   void keep_new(rt::Nanoseconds now_ns) {
-    RigidPose tie;
-    if (!find_tie(tie) || !find_key_frame(tie)) return;
-    for (const mapping::WatchedSegment& segment : local_->segments()) {
-      if (!segment.speaks || segment.version_at_ns != now_ns) continue;
-      mapping::TargetSighting sighting;
-      sighting.id = segment.id;
-      sighting.stamp_ms = static_cast<std::uint32_t>(now_ns / 1'000'000);
-      sighting.voxels = segment.described.voxels;
-      sighting.key_frame = static_cast<std::uint16_t>(output_.key_frames - 1);
-      sighting.version = static_cast<std::uint16_t>(segment.version);
-      sighting.robot = static_cast<std::uint8_t>(config_.robot);
-      const PlaceCm odom = in_world(segment.place);
-      const rt::Vector3 on_map = tie.p + rt::rotate(tie.q, {0.01 * odom.x, 0.01 * odom.y, 0.01 * odom.z});
-      sighting.offset = mapping::offset_of(frame_, to_cm(on_map));
-      sighting.descriptor = segment.descriptor;
-      static_cast<void>(store_->put(sighting));  // what is refused is counted
-    }
-    output_.targets = store_->kept();
+    if (access_ != nullptr && !access_->locator->has_begun()) return;
+    const RigidPose tie = access_ != nullptr ? access_->locator->located().T_map_odom : RigidPose{};
+    keeper_->keep(local_->segments(), map_->grid(), tie, now_ns);
+    output_.targets = keeper_->store().kept();
+    output_.key_frames = keeper_->key_frames();
   }
 
   void begin(rt::JobContext& context) {
@@ -205,9 +155,7 @@ class RecognisePart final : public Part {
       speaking_[count++] = {segment.id, segment.version, in_world(segment.place), segment.descriptor};
     }
     // The nearest ones, should there be more than take part.
-    const mapping::BlockAt& at = map_->grid().centre();
-    const double edge_m = 4.0 * map_->grid().config().voxel_size_m;
-    const PlaceCm middle = to_cm(map_->grid().to_world({edge_m * at.x, edge_m * at.y, edge_m * at.z}));
+    const PlaceCm middle = mapping::to_cm(mapping::middle_of(map_->grid()));
     std::sort(speaking_.begin(), speaking_.begin() + count, [&](const auto& a, const auto& b) {
       const std::int64_t x = mapping::square_apart(a.place, middle),
                          y = mapping::square_apart(b.place, middle);
@@ -217,44 +165,107 @@ class RecognisePart final : public Part {
     output_.stamp_ns = context.release_ns;
     output_.speaking = count;
     recogniser_->begin(speaking_.first(count), {});
+    step_ = Step::search;
   }
 
+  /// The search came to an end.
   void answer() {
-    output_.verdict = static_cast<std::uint8_t>(recogniser_->verdict());
-    output_.counts = recogniser_->counts();
+    step_ = Step::rest;
+    output_.verdict = verdict_of(recogniser_->verdict());
+    output_.searches = recogniser_->counts();
     output_.pairs = static_cast<std::uint32_t>(recogniser_->pairs().size());
+    output_.share = output_.crossed = 0.0;
     const auto found = recogniser_->found();
     output_.agree = found.empty() ? 0 : found[0].count;
     output_.rival = found.size() < 2 ? 0 : found[1].count;
     if (found.empty()) return;
     const mapping::LevelFit& fit = found[0].fit;
-    const mapping::LevelPlace& place = fit.place;
-    output_.p_known_odom_m[0] = place.x_m;
-    output_.p_known_odom_m[1] = place.y_m;
-    output_.p_known_odom_m[2] = place.z_m;
-    // Half the turn, from its cosine and sine.
-    const double half_cosine = std::sqrt(std::max(0.5 * (1.0 + place.cosine), 0.0));
-    const double half_sine = std::sqrt(std::max(0.5 * (1.0 - place.cosine), 0.0));
-    output_.q_known_odom[0] = half_cosine;
-    output_.q_known_odom[3] = place.sine < 0.0 ? -half_sine : half_sine;
+    put(pose_of(fit.place));
     const auto covariance = mapping::level_covariance(fit, std::max(fit.rms_m, 0.05));
     std::copy(covariance.begin(), covariance.end(), output_.covariance);
     output_.rms_m = fit.rms_m;
     output_.spread_m = fit.spread_m;
     output_.proved = recogniser_->proved();
+    if (recogniser_->verdict() != SetVerdict::found) return;
+    if (judge_ != nullptr) {
+      step_ = Step::wait;
+    } else {
+      ++output_.counts.unverified;
+    }
   }
+
+  /// T_known_odom; half the turn from its cosine and sine.
+  static RigidPose pose_of(const mapping::LevelPlace& place) {
+    const double cosine = std::sqrt(std::max(0.5 * (1.0 + place.cosine), 0.0));
+    const double sine = std::sqrt(std::max(0.5 * (1.0 - place.cosine), 0.0));
+    return {{place.x_m, place.y_m, place.z_m},
+            rt::normalised({cosine, 0, 0, place.sine < 0.0 ? -sine : sine})};
+  }
+  void put(const RigidPose& T_known_odom) {
+    rt::store(T_known_odom.p, output_.p_known_odom_m);
+    rt::store(T_known_odom.q, output_.q_known_odom);
+  }
+
+  /// The newest scan is held against the known map at the place that was found.
+  void begin_judging() {
+    T_odom_judged_ = access_->hint.T_odom_sensor;
+    has_odometry_ = access_->has_odometry;
+    sigma_move_m_ = access_->hint.sigma_move_m;
+    sigma_turn_rad_ = access_->hint.sigma_turn_rad;
+    const RigidPose tie = pose_of(recogniser_->found()[0].fit.place);
+    step_ = Step::judge;
+    if (!judge_->begin(access_->locator->registration().sample(), access_->q_level_sensor)) {
+      step_ = Step::wait;  // too few returns: the next scan
+      return;
+    }
+    judge_->add(mapping::after(tie, T_odom_judged_));
+  }
+
+  void take(const mapping::JudgedPlace& judged) {
+    output_.share = judged.share;
+    output_.crossed = judged.crossed;
+    if (judged.verdict != mapping::RelocateVerdict::placed) {
+      output_.verdict = rt::RecognisedPlace::kRefused;
+      ++output_.counts.refused;
+      recogniser_->refuse();
+      step_ = recogniser_->is_searching() ? Step::search : Step::rest;
+      return;
+    }
+    step_ = Step::rest;
+    output_.verdict = rt::RecognisedPlace::kRecognised;
+    ++output_.counts.recognised;
+    put(mapping::after(judged.T_map_sensor, mapping::inverse(T_odom_judged_)));
+    mapping::Locator& locator = *access_->locator;
+    if (!locator.is_unplaced()) return;
+    double covariance[36];
+    for (int i = 0; i < 36; ++i) covariance[i] = judged.covariance[i];
+    for (int i = 0; i < 3; ++i) {
+      covariance[7 * i] += kLeastMove * kLeastMove;
+      covariance[7 * (i + 3)] += kLeastTurn * kLeastTurn;
+    }
+    const mapping::OdometryHint hint{has_odometry_, T_odom_judged_, sigma_move_m_, sigma_turn_rad_};
+    static_cast<void>(locator.place(judged.T_map_sensor, covariance, hint));  // its next scan decides
+  }
+
+  static constexpr double kLeastMove = 0.1;   ///< m: what the locator is told at least that a place is off
+  static constexpr double kLeastTurn = 0.03;  ///< rad
 
   RecognisePartConfig config_;
   ChosenMap* map_;
   LocateAccess* access_;
   std::unique_ptr<mapping::LocalSegments> local_;
-  std::unique_ptr<mapping::TargetStore> store_;      ///< what this run has seen
+  std::unique_ptr<mapping::TargetKeeper> keeper_;    ///< what this run has seen
   std::unique_ptr<mapping::TargetStore> known_;      ///< what it began with, or null
   std::unique_ptr<mapping::Recogniser> recogniser_;  ///< null without known targets
+  std::unique_ptr<mapping::PlaceJudge> judge_;       ///< null without a map that they lie on
   std::span<mapping::SpeakingSegment> speaking_;
+  Step step_{Step::rest};
+  RigidPose T_odom_judged_;  ///< of the scan that is judged
+  bool has_odometry_{};
+  double sigma_move_m_{0.05};
+  double sigma_turn_rad_{0.02};
   const rt::Task<RecogniseOutput>* task_{};
   rt::Nanoseconds next_ns_{};
-  mapping::KeyFramePose frame_;  ///< the newest
   RecogniseOutput output_;
 };
 

@@ -24,7 +24,7 @@ struct TargetStoreConfig {
   std::uint32_t targets{4'096};     ///< at most kMostTargets
   std::uint32_t key_frames{1'024};  ///< at most kMostKeyFrames
   std::int32_t same_cm{200};     ///< a segment with a new id so near a target that looks alike is that target
-  std::uint32_t same_steps{48};  ///< most distance of descriptors that look alike
+  std::uint32_t same_steps{120};  ///< most distance of descriptors that look alike
   std::int32_t apart_cm{500};    ///< uniqueness is told from targets that are farther away
 
   SORTIE_KEYS(c, key) {
@@ -32,7 +32,7 @@ struct TargetStoreConfig {
     key("limits.key_frames", c.key_frames, {1, kMostKeyFrames, "frames", "that targets hang on"});
     key("same_cm", c.same_cm,
         {0, 10'000, "cm", "a segment with a new id so near one that looks alike is that"});
-    key("same_steps", c.same_steps, {0, 6'120, "steps", "most difference of descriptors that look alike"});
+    key("same_steps", c.same_steps, {0, 9'690, "steps", "most difference of descriptors that look alike"});
     key("apart_cm", c.apart_cm, {0, 100'000, "cm", "uniqueness is told from targets that are farther away"});
   }
 };

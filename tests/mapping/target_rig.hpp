@@ -114,7 +114,7 @@ inline void happens(mapping::TargetStore& store, const TargetEvent& event) {
 /// Steps by which two looks differ.
 inline int steps_between(const mapping::SegmentDescriptor& a, const mapping::SegmentDescriptor& b) {
   int sum = 0;
-  for (int i = 0; i < 24; ++i) sum += std::abs(int{a.step[i]} - int{b.step[i]});
+  for (int i = 0; i < 24; ++i) sum += (i < 2 ? 8 : 1) * std::abs(int{a.step[i]} - int{b.step[i]});
   return sum;
 }
 

@@ -174,7 +174,7 @@ class Measurement {
     if (options_.instructions) {
       std::uint64_t sum = 0;
       for (const WcetTask& task :
-           measure_wcet({log_, replay_options.scene, replay_options.overrides, "", ""}).tasks) {
+           measure_wcet({log_, replay_options.scene, replay_options.overrides, {}, ""}).tasks) {
         for (const CountedJob& job : task.jobs) sum += job.instructions;
       }
       cost.instructions_per_tick =

@@ -17,7 +17,7 @@ std::unique_ptr<firmware::Runtime> build(const firmware::LogFile& log,
                                          const std::vector<std::string>& overrides) {
   firmware::ReplayOptions replay;
   replay.scene = options.replay.scene;
-  replay.map = options.replay.map;
+  replay.maps = options.replay.maps;
   replay.overrides = overrides;
   try {
     return firmware::make_replay_runtime(log, vehicles, replay);

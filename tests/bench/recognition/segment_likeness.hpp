@@ -16,14 +16,13 @@ namespace sortie::bench {
 
 /// The ways, in the order of the tables.
 enum class Likeness {
-  gated,     ///< as candidates are found: what is not within the gate is infinitely far
-  steps,     ///< without the gate
-  weighted,  ///< a proposal: with the gate, the two longer sizes count eight times. Chosen on other halls
-             ///< (seeds from 9000 on), in other worlds and on recorded scans
+  gated,  ///< as candidates are found: what is not within the gate is infinitely far
+  steps,  ///< without the gate
+  alike,  ///< with the gate, all steps count once
   features,
   features_and_sizes,
 };
-inline constexpr Likeness kLikenesses[] = {Likeness::gated, Likeness::steps, Likeness::weighted,
+inline constexpr Likeness kLikenesses[] = {Likeness::gated, Likeness::steps, Likeness::alike,
                                            Likeness::features, Likeness::features_and_sizes};
 inline std::string name_of(Likeness likeness) {
   switch (likeness) {
@@ -31,8 +30,8 @@ inline std::string name_of(Likeness likeness) {
       return "24 bytes, gate of sizes";
     case Likeness::steps:
       return "24 bytes";
-    case Likeness::weighted:
-      return "24 bytes, longer sizes eightfold, gate";
+    case Likeness::alike:
+      return "24 bytes, each once, gate";
     case Likeness::features:
       return "seven features";
     default:
@@ -70,10 +69,10 @@ class SegmentLikeness {
     if (by != Likeness::steps && !mapping::same_sizes(a.descriptor, b.descriptor, steps))
       return std::numeric_limits<double>::infinity();
     const double apart = mapping::difference(a.descriptor, b.descriptor);
-    if (by != Likeness::weighted) return apart;
+    if (by != Likeness::alike) return apart;
     constexpr unsigned k = mapping::SegmentDescriptor::kSize;
     const std::uint8_t(&s)[24] = a.descriptor.step, (&t)[24] = b.descriptor.step;
-    return apart + 7 * (std::abs(s[k] - t[k]) + std::abs(s[k + 1] - t[k + 1]));
+    return apart - (mapping::kSizeWeight - 1) * (std::abs(s[k] - t[k]) + std::abs(s[k + 1] - t[k + 1]));
   }
 
  private:
