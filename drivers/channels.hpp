@@ -36,6 +36,7 @@ inline constexpr std::string_view kChannelSensorTruth = "TRUTH_SENSORS";  ///< c
 inline constexpr std::string_view kChannelContacts = "TRUTH_CONTACTS";    ///< contacts_t
 inline constexpr std::string_view kChannelSegments = "SEGMENTS";          ///< segments_t, telemetry
 inline constexpr std::string_view kChannelLocated = "LOCATED";            ///< located_t, telemetry
+inline constexpr std::string_view kChannelRecognised = "RECOGNISED";      ///< recognised_t, telemetry
 inline constexpr std::string_view kChannelCan = "CAN";                    ///< can_t
 inline constexpr std::string_view kChannelPose = "POSE_BODY";             ///< pose_t = bot_core.pose_t
 
@@ -51,6 +52,7 @@ inline constexpr std::uint64_t kFingerprintTruth = 0x857761effb268982u;
 inline constexpr std::uint64_t kFingerprintContacts = 0x3f28f37d16151ad3u;
 inline constexpr std::uint64_t kFingerprintSegments = 0xcc25a32af3b44fcu;
 inline constexpr std::uint64_t kFingerprintLocated = 0xa7339cd26dfa1f9u;
+inline constexpr std::uint64_t kFingerprintRecognised = 0x478cdc5658dba481u;
 inline constexpr std::uint64_t kFingerprintCan = 0x8bde5d53a3a8adc6u;
 inline constexpr std::uint64_t kFingerprintHeader = 0xf5b99c7f3ae545a9u;
 inline constexpr std::uint64_t kFingerprintTick = 0xf51359f53a9d9736u;
@@ -79,7 +81,7 @@ struct MessageType {
 };
 
 /// Every message type. Order is the order in which tables show them.
-inline constexpr std::array<MessageType, 26> kMessageTypes{{
+inline constexpr std::array<MessageType, 27> kMessageTypes{{
     {"header_t", kFingerprintHeader, kChannelHeader},
     {"tick_t", kFingerprintTick, kChannelTick},
     {"timing_t", kFingerprintTiming, kChannelTiming},
@@ -94,6 +96,7 @@ inline constexpr std::array<MessageType, 26> kMessageTypes{{
     {"contacts_t", kFingerprintContacts, kChannelContacts},
     {"segments_t", kFingerprintSegments, kChannelSegments},
     {"located_t", kFingerprintLocated, kChannelLocated},
+    {"recognised_t", kFingerprintRecognised, kChannelRecognised},
     {"can_t", kFingerprintCan, kChannelCan},
     {"custom_t", kFingerprintCustom, kChannelCustom},
     {"fields_t", kFingerprintFields, kChannelFields},

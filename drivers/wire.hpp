@@ -7,6 +7,7 @@
 #include "drivers/channels.hpp"
 #include "drivers/wire_fields.hpp"
 #include "rt/located_pose.hpp"
+#include "rt/recognised_place.hpp"
 #include "rt/samples.hpp"
 
 namespace sortie::drivers {
@@ -32,6 +33,8 @@ template <>
 struct WireRules<rt::LocatedPose> : WireNumbered {
   static bool taken(const rt::LocatedPose& pose) { return pose.weak_moves <= 3 && pose.weak_turns <= 3; }
 };
+template <>
+struct WireRules<rt::RecognisedPlace> : WireNumbered {};
 /// What stands before the points.
 template <>
 struct WireRules<rt::ScanHeader> : WireNumbered {
@@ -65,6 +68,7 @@ inline constexpr std::size_t kTrackBytes = kLeastBytes<rt::TrackSample>;
 inline constexpr std::size_t kTruthBytes = kLeastBytes<rt::TruthSample>;
 inline constexpr std::size_t kCanBytes = kLeastBytes<CanFrame>;
 inline constexpr std::size_t kLocatedBytes = kLeastBytes<rt::LocatedPose>;
+inline constexpr std::size_t kRecognisedBytes = kLeastBytes<rt::RecognisedPlace>;
 inline constexpr std::size_t kScanHeadBytes = kLeastBytes<rt::PointScan>;
 inline constexpr std::size_t kScanPointBytes = 16;
 

@@ -19,6 +19,7 @@ static_assert(kFingerprintOf<rt::TruthSample> == kFingerprintTruth);
 static_assert(kFingerprintOf<rt::ContactTruth> == kFingerprintContacts);
 static_assert(kFingerprintOf<rt::SegmentList> == kFingerprintSegments);
 static_assert(kFingerprintOf<rt::LocatedPose> == kFingerprintLocated);
+static_assert(kFingerprintOf<rt::RecognisedPlace> == kFingerprintRecognised);
 static_assert(kFingerprintOf<CanFrame> == kFingerprintCan);
 static_assert(kFingerprintOf<LogHeader> == kFingerprintHeader);
 static_assert(kFingerprintOf<rt::JobRecord> == kFingerprintTick);

@@ -195,6 +195,8 @@ void Telemetry::start() {
       publish_reports<rt::SegmentList>(drivers::kChannelSegments, segments_seq_);
       if constexpr (rt::kBuilt<"locate">)
         publish_reports<rt::LocatedPose>(drivers::kChannelLocated, located_seq_);
+      if constexpr (rt::kBuilt<"recognise">)
+        publish_reports<rt::RecognisedPlace>(drivers::kChannelRecognised, recognised_seq_);
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -84,6 +84,7 @@ class Telemetry {
   std::int64_t parameters_asked_{};  // counter of the newest change that was asked for
   std::int64_t segments_seq_{};
   std::int64_t located_seq_{};
+  std::int64_t recognised_seq_{};
   std::atomic<rt::Nanoseconds> cpu_ns_{};
   std::atomic<bool> stop_{false};
   std::thread thread_;

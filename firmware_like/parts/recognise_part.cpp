@@ -77,6 +77,8 @@ class RecognisePart final : public Part {
                                             output = output_;
                                           });
     builder.remembers(task_, *this);
+    answers_ = builder.reports<rt::RecognisedPlace>("recognised", 8);
+    builder.offer(*answers_);
     builder.counters("recognise_", output_.counts);
     builder.counters("recognise_searches_", output_.searches);
     builder.counters("recognise_segments_", local_->counts());
@@ -91,7 +93,7 @@ class RecognisePart final : public Part {
   void archive(rt::Archive& archive) {
     rt::Members(archive, *this, "recognise")
         .base<Part>()
-        .fixed(config_, map_, access_, task_, speaking_)
+        .fixed(config_, map_, access_, task_, answers_, speaking_)
         .by_hand(local_, keeper_, known_, recogniser_, judge_)
         .state(next_ns_, step_, T_odom_judged_, has_odometry_, sigma_move_m_, sigma_turn_rad_, output_);
     if (archive.is_reading() && step_ > Step::judge) {
@@ -170,28 +172,33 @@ class RecognisePart final : public Part {
 
   /// The search came to an end.
   void answer() {
-    step_ = Step::rest;
     output_.verdict = verdict_of(recogniser_->verdict());
     output_.searches = recogniser_->counts();
     output_.pairs = static_cast<std::uint32_t>(recogniser_->pairs().size());
     output_.share = output_.crossed = 0.0;
     const auto found = recogniser_->found();
+    const mapping::LevelFit fit = found.empty() ? mapping::LevelFit{} : found[0].fit;
     output_.agree = found.empty() ? 0 : found[0].count;
     output_.rival = found.size() < 2 ? 0 : found[1].count;
-    if (found.empty()) return;
-    const mapping::LevelFit& fit = found[0].fit;
     put(pose_of(fit.place));
-    const auto covariance = mapping::level_covariance(fit, std::max(fit.rms_m, 0.05));
+    const auto covariance = mapping::level_covariance(fit, std::max(fit.rms_m, kLeastSigma));
     std::copy(covariance.begin(), covariance.end(), output_.covariance);
     output_.rms_m = fit.rms_m;
     output_.spread_m = fit.spread_m;
     output_.proved = recogniser_->proved();
-    if (recogniser_->verdict() != SetVerdict::found) return;
-    if (judge_ != nullptr) {
-      step_ = Step::wait;
-    } else {
-      ++output_.counts.unverified;
-    }
+    const bool is_found = recogniser_->verdict() == SetVerdict::found;
+    step_ = is_found && judge_ != nullptr ? Step::wait : Step::rest;
+    if (step_ == Step::wait) return;
+    if (is_found) ++output_.counts.unverified;
+    tell();
+  }
+
+  /// An answer is whole: out with it.
+  void tell() {
+    rt::RecognisedPlace* const report = answers_->claim();
+    if (report == nullptr) return;
+    *report = output_;
+    answers_->publish();
   }
 
   /// T_known_odom; half the turn from its cosine and sine.
@@ -227,6 +234,7 @@ class RecognisePart final : public Part {
     if (judged.verdict != mapping::RelocateVerdict::placed) {
       output_.verdict = rt::RecognisedPlace::kRefused;
       ++output_.counts.refused;
+      tell();
       recogniser_->refuse();
       step_ = recogniser_->is_searching() ? Step::search : Step::rest;
       return;
@@ -235,6 +243,7 @@ class RecognisePart final : public Part {
     output_.verdict = rt::RecognisedPlace::kRecognised;
     ++output_.counts.recognised;
     put(mapping::after(judged.T_map_sensor, mapping::inverse(T_odom_judged_)));
+    tell();
     mapping::Locator& locator = *access_->locator;
     if (!locator.is_unplaced()) return;
     double covariance[36];
@@ -247,8 +256,9 @@ class RecognisePart final : public Part {
     static_cast<void>(locator.place(judged.T_map_sensor, covariance, hint));  // its next scan decides
   }
 
-  static constexpr double kLeastMove = 0.1;   ///< m: what the locator is told at least that a place is off
-  static constexpr double kLeastTurn = 0.03;  ///< rad
+  static constexpr double kLeastSigma = 0.05;  ///< m: of a target's place
+  static constexpr double kLeastMove = 0.1;    ///< m: what the locator is told at least that a place is off
+  static constexpr double kLeastTurn = 0.03;   ///< rad
 
   RecognisePartConfig config_;
   ChosenMap* map_;
@@ -265,6 +275,7 @@ class RecognisePart final : public Part {
   double sigma_move_m_{0.05};
   double sigma_turn_rad_{0.02};
   const rt::Task<RecogniseOutput>* task_{};
+  std::unique_ptr<ReportQueue<rt::RecognisedPlace>> answers_;  ///< for telemetry; full: the next one tells
   rt::Nanoseconds next_ns_{};
   RecogniseOutput output_;
 };

@@ -19,6 +19,7 @@
 #include "sortie/header_t.hpp"
 #include "sortie/imu_t.hpp"
 #include "sortie/located_t.hpp"
+#include "sortie/recognised_t.hpp"
 #include "sortie/parameter_t.hpp"
 #include "sortie/parameters_t.hpp"
 #include "sortie/pool_stats_t.hpp"
@@ -78,6 +79,7 @@ TEST_CASE("the table of fingerprints is what lcm-gen computes from the .lcm file
       {kFingerprintContacts, contacts_t::getHash()},
       {kFingerprintSegments, segments_t::getHash()},
       {kFingerprintLocated, located_t::getHash()},
+      {kFingerprintRecognised, recognised_t::getHash()},
       {kFingerprintCan, can_t::getHash()},
       {kFingerprintHeader, header_t::getHash()},
       {kFingerprintTick, tick_t::getHash()},

@@ -157,6 +157,7 @@ TEST_CASE("the type of every message follows from its struct, member for member 
       {"contacts_t", is_committed<rt::ContactTruth>("contacts_t")},
       {"segments_t", is_committed<rt::SegmentList>("segments_t")},
       {"located_t", is_committed<rt::LocatedPose>("located_t")},
+      {"recognised_t", is_committed<rt::RecognisedPlace>("recognised_t")},
       {"can_t", is_committed<CanFrame>("can_t")},
       {"custom_t", is_committed<CustomView>("custom_t")},
       {"fields_t", is_committed<FieldsView>("fields_t") && is_committed<FieldsMessage>("fields_t")},

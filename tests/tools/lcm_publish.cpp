@@ -153,6 +153,11 @@ void send_log_records(LcmPublisher& publisher, const Circle& robot, std::int64_t
   located.stamp_ns = robot.stamp_ns;
   located.verdict = rt::LocatedPose::kAccepted;
   send(publisher, kChannelLocated, [&](auto out, auto& size) { return encode(located, step, out, size); });
+  rt::RecognisedPlace recognised;
+  recognised.stamp_ns = robot.stamp_ns;
+  recognised.verdict = rt::RecognisedPlace::kRecognised;
+  send(publisher, kChannelRecognised,
+       [&](auto out, auto& size) { return encode(recognised, step, out, size); });
   send(publisher, kChannelCan, [&](auto out, auto& size) { return encode(frame, out, size); });
 }
 

@@ -248,6 +248,7 @@ constexpr Reader kReaders[] = {
     {drivers::kFingerprintContacts, read_contacts},
     {drivers::kFingerprintSegments, read_segments},
     {drivers::kFingerprintLocated, read_numbered<rt::LocatedPose>},
+    {drivers::kFingerprintRecognised, read_numbered<rt::RecognisedPlace>},
     {drivers::kFingerprintCan, read_plain<drivers::CanFrame>},
     {drivers::kFingerprintScan, read_scan},
     {drivers::kFingerprintSslCommand, read_ssl<rt::SslCommand>},
