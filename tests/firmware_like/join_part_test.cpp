@@ -58,7 +58,7 @@ TEST_CASE("A vehicle that seeks its place flies straight up and down, and not to
   CHECK(mentions(message_of<firmware::ProfileError>([&] { static_cast<void>(replay_log(log, {})); }),
                  "begins with the map depot.cloud"));
   firmware::ReplayOptions again;
-  again.map = map;
+  again.maps.map = map;
   const Indexed indexed =
       replay_and_keep(log, firmware::own_vehicles(), again, 700, firmware::keyframe_path(log));
   CHECK(indexed.outcome.results.digest == run.results.digest);

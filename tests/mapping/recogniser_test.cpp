@@ -105,7 +105,7 @@ bool same_answer(const mapping::Recogniser& a, const mapping::Recogniser& b) {
   return true;
 }
 
-constexpr std::uint64_t kAll = ~std::uint64_t{0};
+constexpr std::uint64_t kEnough = ~std::uint64_t{0};
 }  // namespace
 
 TEST_CASE("A local map is found on a known one by its segments, whatever their order and the budgets") {
@@ -117,7 +117,7 @@ TEST_CASE("A local map is found on a known one by its segments, whatever their o
     INFO("run " << run);
     Hall hall(14, draws);
     once.part.begin(hall.segments, {});
-    std::uint64_t all = kAll;
+    std::uint64_t all = kEnough;
     const std::uint64_t before = rt::posix::heap_trap_thread_calls();
     rt::posix::heap_trap_arm();
     const bool found = once.part.run(hall.store, all);
@@ -144,7 +144,7 @@ TEST_CASE("A local map is found on a known one by its segments, whatever their o
       spent += given - units;
     }
     CHECK(same_answer(once.part, step.part));
-    CHECK(spent == kAll - all);
+    CHECK(spent == kEnough - all);
   }
 }
 
@@ -157,7 +157,7 @@ TEST_CASE("Strangers are told from a known map, and nothing from nothing") {
   for (int run = 0; run < 60; ++run) {
     Hall hall(run % 2 == 0 ? 0 : 3, draws);
     owned.part.begin(hall.segments, {});
-    std::uint64_t all = kAll;
+    std::uint64_t all = kEnough;
     REQUIRE(owned.part.run(hall.store, all));
     found += owned.part.verdict() == SetVerdict::found ? 1 : 0;
   }
@@ -165,7 +165,7 @@ TEST_CASE("Strangers are told from a known map, and nothing from nothing") {
   Hall hall(14, draws);
   const std::uint64_t few = owned.part.counts().few;
   owned.part.begin({}, {});
-  std::uint64_t all = kAll;
+  std::uint64_t all = kEnough;
   CHECK(owned.part.run(hall.store, all));
   CHECK(owned.part.verdict() == SetVerdict::few);
   CHECK(owned.part.counts().few == few + 1);
@@ -173,10 +173,10 @@ TEST_CASE("Strangers are told from a known map, and nothing from nothing") {
   tight.most_units = 10'000;
   Owned bounded(tight);
   bounded.part.begin(hall.segments, {});
-  all = kAll;
+  all = kEnough;
   CHECK(bounded.part.run(hall.store, all));
   CHECK(bounded.part.verdict() == SetVerdict::undecided);
-  CHECK(kAll - all == 10'000);
+  CHECK(kEnough - all == 10'000);
   // Of more segments than there is room for, those with the lowest ids.
   mapping::RecogniserConfig small;
   small.segments = 10;

@@ -30,7 +30,7 @@ Bytes written(const mapping::TargetStore& store) {
   return bytes;
 }
 
-void run_to_the_end(mapping::TargetStore& store) {
+void finish_work(mapping::TargetStore& store) {
   std::uint64_t units = ~0ull / 2;
   REQUIRE(store.run(units));
 }
@@ -66,12 +66,12 @@ TEST_CASE("Targets come back from their file as they were kept") {
       testing::happens(one.store, event);
     for (const TargetEvent& event : draws.stream(one.store.config(), 50))
       testing::happens(other.store, event);
-    run_to_the_end(one.store);
+    finish_work(one.store);
     const Bytes bytes = written(one.store);
     REQUIRE(mapping::load_targets(bytes, other.store).fault == TargetFileFault::none);
     REQUIRE((written(other.store) == bytes));
     REQUIRE(other.store.kept() == one.store.kept());
-    run_to_the_end(other.store);
+    finish_work(other.store);
     REQUIRE((written(other.store) == bytes));  // what is told anew is what was kept
     std::size_t at = 0;
     for (std::size_t i = 0; i < one.store.records().size(); ++i) {
@@ -112,7 +112,7 @@ TEST_CASE("Damaged files of targets are refused and leave the store empty") {
       bytes[static_cast<std::size_t>(draws.whole(24, static_cast<std::int32_t>(good.size()) - 1))] =
           draws.byte(0, 255);
     if (mapping::load_targets(sealed(bytes), other.store).fault != TargetFileFault::none) REQUIRE(is_empty());
-    run_to_the_end(other.store);
+    finish_work(other.store);
   }
 }
 
