@@ -23,9 +23,9 @@ struct TargetStoreConfig {
 
   std::uint32_t targets{4'096};     ///< at most kMostTargets
   std::uint32_t key_frames{1'024};  ///< at most kMostKeyFrames
-  std::int32_t same_cm{200};     ///< a segment with a new id so near a target that looks alike is that target
+  std::int32_t same_cm{200};  ///< a segment with a new id so near a target that looks alike is that target
   std::uint32_t same_steps{120};  ///< most distance of descriptors that look alike
-  std::int32_t apart_cm{500};    ///< uniqueness is told from targets that are farther away
+  std::int32_t apart_cm{500};     ///< uniqueness is told from targets that are farther away
 
   SORTIE_KEYS(c, key) {
     key("limits.targets", c.targets, {1, kMostTargets, "targets", "segments that are kept to be recognised"});
