@@ -34,7 +34,7 @@ inline constexpr std::uint32_t kMaxFieldBytes = 2048;
 /// Buckets of a latency histogram per doubling, as a power of two: steps of 1.6 %, 15.9 kB.
 inline constexpr std::uint32_t kHistogramSubBits = 6;
 /// Named allocations that an arena and its report can hold; more are refused.
-inline constexpr std::uint32_t kMaxArenaPools = 128;
+inline constexpr std::uint32_t kMaxArenaPools = 192;
 #endif
 
 /// Distance that keeps two threads off each other's cache line. 64 bytes on x86-64 and Cortex-A.
