@@ -205,7 +205,7 @@ TEST_CASE("A search that was kept goes on as it would have, refusals and all") {
         auto measure = rt::Archive::measuring();
         write(measure);
         REQUIRE(measure.status() == Status::ok);
-        bytes.resize(measure.bytes());
+        bytes.resize(static_cast<std::size_t>(measure.bytes()));
         auto writer = rt::Archive::writing(bytes);
         write(writer);
         REQUIRE(writer.status() == Status::ok);

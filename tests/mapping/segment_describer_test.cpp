@@ -253,7 +253,7 @@ TEST_CASE("A segment is described without the heap, and what was begun is not ke
   rt::Archive size = rt::Archive::measuring();
   owned.part.archive(size);
   REQUIRE(size.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(size.bytes());
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size.bytes()));
   rt::Archive out = rt::Archive::writing(bytes);
   owned.part.archive(out);
   OwnedDescriber other;

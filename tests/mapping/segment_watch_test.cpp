@@ -287,7 +287,7 @@ TEST_CASE("A watch goes on from its bytes, and damaged ones lead nowhere") {
   rt::Archive size = rt::Archive::measuring();
   owned.watch.archive(size);
   REQUIRE(size.status() == Status::ok);
-  std::vector<std::uint8_t> bytes(size.bytes());
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size.bytes()));
   rt::Archive out = rt::Archive::writing(bytes);
   owned.watch.archive(out);
   REQUIRE(out.status() == Status::ok);
