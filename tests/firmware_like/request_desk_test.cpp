@@ -123,6 +123,22 @@ TEST_CASE("a full desk keeps the newest request, and a halt before all others") 
   CHECK(status_of(answer_to(desk, 6)) == Status::ok);
 }
 
+TEST_CASE("a pilot that is put back knows what it held back") {
+  LonePilot robot, again;
+  put(robot.lone.desk, numbered(LonePilot::move(), 1, 0), taken(0, 0));
+  robot.job(60 * kSecond);
+  REQUIRE(robot.pilot->output().requests.held_back == 1);
+  rt::Archive measure = rt::Archive::measuring();
+  robot.pilot->archive(measure);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(measure.bytes()));
+  rt::Archive out = rt::Archive::writing(bytes);
+  robot.pilot->archive(out);
+  rt::Archive in = rt::Archive::reading(bytes);
+  again.pilot->archive(in);
+  REQUIRE(in.status() == Status::ok);
+  CHECK(again.pilot->output().requests.held_back == 1);
+}
+
 TEST_CASE("a request that finds room only when it is old is not handed in") {
   LoneDrive robot;
   DriveRequestDesk& desk = robot.lone.desk;

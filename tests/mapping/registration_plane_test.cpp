@@ -97,10 +97,14 @@ double squared_deviations(const mapping::Located& l, const RigidPose& truth) {
   const Eigen::Vector3d off(l.T_map_sensor.p.x - truth.p.x, l.T_map_sensor.p.y - truth.p.y, turned.z);
   return off.dot(testing::solved(c, off));
 }
+
 /// What 80 scans of a walk came to: the most that a pose was off, and how many were not placed.
 struct Walked {
   double most_m = 0.0, most_rad = 0.0;
   int refused = 0;
+
+  /// Of the way of 6.4 m at most 1 %.
+  bool held() const { return most_m < 0.06 && most_rad < 0.015; }
 };
 
 Walked walk_through(const testing::RegistrationWorld& world, double lean, testing::Draws& draws) {
@@ -132,24 +136,33 @@ Walked walk_through(const testing::RegistrationWorld& world, double lean, testin
 }
 }  // namespace
 
-// A map that is made on the way drifts: of 2,000 such walks of 6.4 m (seeds 1 to 1,000), 5 were off by more
-// than 1 % of the way (6 cm) or 15 mrad, the worst by 6.4 cm and 15.7 mrad. So 3 of 16 would be another
-// program.
 TEST_CASE("A lidar of one row is followed through a storey, and its height and tilt are the odometry's") {
-  const auto seed = std::random_device{}();
-  INFO("seed " << seed);
-  testing::Draws draws(seed);
-  int far_off = 0;
-  for (int run = 0; run < 8; ++run) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    INFO("seed " << seed);
+    testing::Draws draws(seed);
     for (const double lean : {0.0, 0.05}) {
       const Walked walked = walk_through(storey(draws), lean, draws);
       CHECK(walked.refused <= 2);
-      CHECK(walked.most_m < 0.1);
-      CHECK(walked.most_rad < 0.025);
-      if (!(walked.most_m < 0.06 && walked.most_rad < 0.015)) ++far_off;
+      CHECK(walked.held());
     }
   }
-  CHECK(far_off <= 2);
+}
+
+// A map that is made on the way drifts: of 2,000 such walks (seeds 1 to 1,000, two each) 4 were not held, the
+// worst was off by 6.4 cm and 15.7 mrad. That three of eight are not is a chance of one in two million.
+TEST_CASE("In storeys drawn at random a lidar of one row is followed almost always") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  int lost = 0;
+  for (int walk = 0; walk < 8; ++walk) {
+    const Walked walked = walk_through(storey(draws), walk % 2 == 0 ? 0.0 : 0.05, draws);
+    CHECK(walked.refused <= 2);
+    CHECK(walked.most_m < 0.1);
+    CHECK(walked.most_rad < 0.025);
+    if (!walked.held()) ++lost;
+  }
+  CHECK(lost <= 2);
 }
 
 TEST_CASE("Along a corridor a lidar of one row holds nothing, and says so") {

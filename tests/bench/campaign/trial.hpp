@@ -106,7 +106,7 @@ struct CampaignClock {
 inline std::uint32_t whole_of(double value, std::uint32_t n) {
   const double size = std::fabs(value);
   if (!(size < 1e9)) return n - 1;
-  return static_cast<std::uint32_t>(size * 1024.0) % n;
+  return static_cast<std::uint32_t>(static_cast<std::uint64_t>(size * 1024.0)) % n;
 }
 
 }  // namespace sortie::bench
