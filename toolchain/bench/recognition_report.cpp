@@ -18,18 +18,21 @@ PeerFront recognition_front() {
   PeerFront front;
   front.name = "recognition";
   front.file = "bench-recognition";
-  front.about = "Sets of correspondences that agree, beside PCL, CLIPPER and ROBIN: run time, what is chosen";
+  front.about =
+      "Segments that look alike, beside seven features; sets that agree, beside PCL, CLIPPER and ROBIN";
   front.footer =
-      "Thread CPU time on drawn correspondences and graphs. docs/recognition.md tells what is searched.\n"
+      "Thread CPU time on drawn correspondences, graphs and halls. docs/recognition.md tells what is\n"
+      "searched.\n"
       "Examples:\n"
       "  sortie bench recognition --out out/recognition\n"
       "  sortie bench recognition --only outliers --cases 200\n"
       "  sortie bench recognition --only graphs --json";
-  front.options = {{"--cases", std::optional<std::uint64_t>{},
-                    "Cases a row, if not as many as each part takes by itself", 1, 1000000},
-                   {"--seed", std::uint64_t{1}, "Of streets, correspondences and graphs", 0, 1000000000},
-                   choice("--only", "One part alone", {"streets", "outliers", "graphs"})};
-  front.title = "Sets of correspondences that agree";
+  front.options = {
+      {"--cases", std::optional<std::uint64_t>{}, "Cases a row, if not as many as each part takes by itself",
+       1, 1000000},
+      {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs and halls", 0, 1000000000},
+      choice("--only", "One part alone", {"streets", "outliers", "graphs", "descriptors"})};
+  front.title = "Recognition of places";
   front.intro =
       "Times are of the thread's processor: **take the ratios, not the milliseconds**. Tables and pictures "
       "are of the first pass. CLIPPER's dense cluster and ROBIN's densest core are made again from their "
@@ -37,7 +40,8 @@ PeerFront recognition_front() {
   front.conditions = recognition_conditions;
   front.headings = {{"streets", "Beside PCL's grouping: a drive through streets"},
                     {"outliers", "Beside a dense cluster and the densest core: most are wrong"},
-                    {"graphs", "Any graph: what a budget finds"}};
+                    {"graphs", "Any graph: what a budget finds"},
+                    {"descriptors", "Segments of two visits: how well they are told apart"}};
   front.pictures = drawn_pictures;
   return front;
 }
