@@ -62,10 +62,7 @@ bool ConsistentSet::grow(std::uint64_t& units) {
         any = true;
       });
       if (!any || size_ + rest < wanted()) break;
-      if (size_ == hand_.size()) {
-        cut_ = true;
-        break;
-      }
+      if (size_ == hand_.size()) break;
       hand_[size_++] = static_cast<std::uint16_t>(next);
       const auto beside = graph_.row(next);
       for (std::size_t w = 0; w < beside.size(); ++w) pool[w] &= beside[w];
@@ -187,12 +184,7 @@ bool ConsistentSet::search(std::uint64_t& units) {
       continue;
     }
     const auto v = w * 64 + static_cast<std::uint32_t>(std::countr_zero(open[w]));
-    BitGraph::take(open, v);
-    if (size_ == hand_.size()) {
-      cut_ = true;
-      BitGraph::put(rest, v);
-      continue;
-    }
+    BitGraph::take(open, v);  // there is room: a set that fills it is wanted, and ended the search
     const auto next = left(level_ + 1);
     const auto row = inner(v);
     for (std::uint32_t k = 0; k < words_; ++k) next[k] = rest[k] & row[k];
@@ -216,7 +208,9 @@ bool ConsistentSet::run(std::uint64_t& units) {
   const auto order = order_.order();
   while (step_ == Step::open || step_ == Step::search) {
     if (step_ == Step::open) {
-      if (is_full() || at_ == order.size() || is_over(order[order.size() - 1 - at_])) {
+      const bool over = is_full() || at_ == order.size() || is_over(order[order.size() - 1 - at_]);
+      if (over || wanted() > hand_.size()) {
+        cut_ = cut_ || !over;  // there may be a set, and there is no room for it
         step_ = Step::done;
         break;
       }

@@ -36,8 +36,8 @@ class ConsistentSet {
  public:
   ConsistentSet(const ConsistentSetRoom& room, rt::Arena& arena);
 
-  /// Begins with the subgraph of `members`, for a set of at least `least`. Both outlive the work. A graph
-  /// that there is no room for has no sets, and that is not proved.
+  /// Begins with the subgraph of `members`, for a set of at least `least`. Both outlive the work. A graph,
+  /// or a set, that there is no room for: none is found, and that is not proved.
   void begin(const BitGraph& graph, std::span<const BitGraph::Word> members, std::uint32_t least);
   /// Goes on for at most `units` and a step, takes what it used off. True: it is done.
   bool run(std::uint64_t& units);

@@ -187,6 +187,30 @@ TEST_CASE("Strangers are told from a known map, and nothing from nothing") {
   for (std::uint32_t i = 0; i < 10; ++i) CHECK(less.part.segments()[i].id == 100 + 3 * i);
 }
 
+TEST_CASE("A place that somebody refused is not found again") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  Owned owned;
+  for (int run = 0; run < 20; ++run) {
+    INFO("run " << run);
+    Hall hall(14, draws);
+    owned.part.begin(hall.segments, {});
+    std::uint64_t all = kEnough;
+    REQUIRE(owned.part.run(hall.store, all));
+    REQUIRE(owned.part.verdict() == SetVerdict::found);
+    const mapping::LevelPlace refused = owned.part.found()[0].fit.place;
+    owned.part.refuse();
+    CHECK(owned.part.is_searching());
+    REQUIRE(owned.part.run(hall.store, all));
+    CHECK(owned.part.verdict() != SetVerdict::found);
+    for (const mapping::SetHypothesis& other : owned.part.found()) {
+      CHECK(std::hypot(other.fit.place.x_m - refused.x_m, other.fit.place.y_m - refused.y_m,
+                       other.fit.place.cosine - refused.cosine) > 0.1);
+    }
+  }
+}
+
 TEST_CASE("A search that was kept goes on as it would have, refusals and all") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);

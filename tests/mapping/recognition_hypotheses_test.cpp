@@ -197,6 +197,27 @@ TEST_CASE("What no pose lays is refused, with its reason") {
   CHECK((verdict == SetVerdict::inconsistent || verdict == SetVerdict::bent));
 }
 
+TEST_CASE("A set that fills its room is a pose, but nobody knows whether it is the largest") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  Owned owned(600);
+  constexpr std::size_t kMost = mapping::SetHypothesis::kMostPairs;
+  for (const std::size_t size : {kMost - 1, kMost + 12}) {
+    const Pose truth = any_pose(draws);
+    Scene scene;
+    scene.segments = scattered(static_cast<int>(size), 15, draws);
+    for (std::size_t i = 0; i < size; ++i) {
+      scene.targets.push_back(truth(scene.segments[i]));
+      scene.pair(i, i);
+    }
+    CHECK(owned.ask(scene.pairs) == (size < kMost ? SetVerdict::found : SetVerdict::undecided));
+    REQUIRE(owned.sets.found().size() == 1);
+    CHECK(owned.sets.found()[0].count == std::min(size, kMost));
+    CHECK(miss_m(owned.sets.found()[0].fit.place, truth, {5, 5, 1}) < 0.05);
+  }
+}
+
 TEST_CASE("An answer depends neither on the order of the correspondences nor on the budgets") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
