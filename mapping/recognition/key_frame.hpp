@@ -42,7 +42,8 @@ inline bool heading_of(double x, double y, Heading& heading) {
 
 /// A key frame in the map: level, so three numbers for its place and a turn are all of it.
 struct KeyFramePose {
-  static constexpr std::int32_t kFarthestCm = 1 << 29;  ///< 5,368 km
+  /// 4,970 km: what hangs on it is not beyond ConsistencySweep::kMostPlaceCm, where no search goes on.
+  static constexpr std::int32_t kFarthestCm = 497'000'000;
   PlaceCm place;
   Heading heading;
   bool operator==(const KeyFramePose&) const = default;

@@ -14,8 +14,10 @@ LocalSegments::LocalSegments(const SegmentWatchConfig& config, std::uint32_t mos
       chosen_(arena.make_array<std::uint16_t>("recognition wanted", most_segments)) {}
 
 void LocalSegments::note(const Labelling& labelling) {
-  if (labelling.counts().labellings == labellings_) return;
-  labellings_ = labelling.counts().labellings;
+  const std::uint64_t finished = labelling.counts().labellings;
+  if (finished == labellings_) return;
+  events_lost_ += finished > labellings_ ? finished - labellings_ - 1 : 0;
+  labellings_ = finished;
   for (const SegmentEvent& event : labelling.events()) {
     if (event_count_ == events_.size()) {
       ++events_lost_;
@@ -54,7 +56,8 @@ Status LocalSegments::round(const RollingGrid& grid, const FragmentGraph& graph,
   const auto slots = labelling.slots();
   for (std::uint32_t s = 0; s < slots.size(); ++s) {
     const auto slot = static_cast<std::uint16_t>(s);
-    const std::uint32_t voxels = slots[s].voxels[labelling.shown()];
+    // Not the labelling's number: voxels may have left since, and the place is that of the rest.
+    const auto voxels = static_cast<std::uint32_t>(describer_.moments(slot).count);
     if (slots[s].id == kNoSegment || voxels == 0) continue;
     watch_.see({slots[s].id, voxels, describer_.place(slot), describer_.is_inside(slot)});
   }

@@ -24,7 +24,7 @@ class LocalSegments {
   /// The events of a labelling, if it is another one than at the call before.
   void note(const Labelling& labelling);
   /// Watches and describes what is shown now. Status as of SegmentWatch::begin() and
-  /// SegmentDescriber::begin(); then nothing has changed. Gives the voxels that were visited in `units`.
+  /// SegmentDescriber::begin(); then no segment has changed. Gives the voxels that were visited in `units`.
   [[nodiscard]] Status round(const RollingGrid& grid, const FragmentGraph& graph, const Labelling& labelling,
                              rt::Nanoseconds now_ns, std::uint32_t& units);
 
@@ -32,8 +32,8 @@ class LocalSegments {
   std::span<const WatchedSegment> segments() const { return watch_.segments(); }
   const SegmentWatchCounts& counts() const { return watch_.counts(); }
   const DescribeCounts& described() const { return describer_.counts(); }
-  /// Events for which there was no room. Segments that were joined or cut may have gone on speaking until
-  /// they were described anew.
+  /// Events for which there was no room, and labellings that no call of note() saw, one each. Segments that
+  /// were joined or cut may have gone on speaking until they were described anew.
   std::uint64_t events_lost() const { return events_lost_; }
   void archive(rt::Archive& archive);
 

@@ -25,7 +25,8 @@ SegmentDescriber::SegmentDescriber(std::uint32_t segments, std::uint32_t chosen,
 Status SegmentDescriber::begin(const RollingGrid& grid, const Labelling& labelling) {
   if (labelling.slots().size() > std::min({moments_.size(), outside_.size(), chosen_of_.size()}))
     return Status::out_of_range;
-  if (stage_ != DescribeStage::idle && stage_ != DescribeStage::described) drop();
+  const bool asks = stage_ == DescribeStage::summed || stage_ == DescribeStage::described;
+  if (stage_ != DescribeStage::idle && !asks) drop();
   ++counts_.begun;
   slots_ = static_cast<std::uint32_t>(labelling.slots().size());
   std::fill_n(moments_.begin(), slots_, SegmentMoments{});
@@ -34,9 +35,8 @@ Status SegmentDescriber::begin(const RollingGrid& grid, const Labelling& labelli
   labelling_ = labelling.counts().labellings;
   voxel_size_m_ = grid.config().voxel_size_m;
   anchor_ = grid.centre();
-  // The sensor is somewhere in the anchor, returns of d blocks lie up to 4 (d + sqrt 2) cells from it, or 4
-  // (d
-  // + 1) upwards; and what goes on outside does so within the growing radius, at most 4 cells.
+  // The sensor is somewhere in the anchor. Voxels of a block d blocks off lie up to 4 (d + sqrt 2) cells from
+  // it, or 4 (d + 1) upwards; what goes on outside does so within the growing radius, at most 4 cells.
   const double inside = grid.config().radius_m / voxel_size_m_ / 4.0 - 2.4142135623730951;
   inside2_ = inside < 0.0 ? -1 : static_cast<std::int64_t>(rt::floor(inside * inside));
   inside_z_ = whole(grid.config().half_height_m / voxel_size_m_ / 4.0 - 2.0);

@@ -30,7 +30,7 @@ enum class DescribeStage : std::uint8_t {
 /// Counters since start.
 struct DescribeCounts {
   std::uint64_t begun{};
-  std::uint64_t dropped{};    ///< another labelling was shown, or another begin() came, before they were done
+  std::uint64_t dropped{};    ///< another labelling was shown before they were done, or begin() amid a visit
   std::uint64_t described{};  ///< segments
   std::uint64_t disturbed{};  ///< segments whose voxels were not as many in the second visit as in the first
   SORTIE_FIELDS(begun, dropped, described, disturbed)

@@ -2,6 +2,7 @@
 #include "mapping/recognition/segment_watch.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace sortie::mapping {
 namespace {
@@ -12,6 +13,13 @@ bool is_near(const PlaceCm& a, const PlaceCm& b, std::uint32_t within_cm) {
   // Squares of what is far do not fit.
   if (std::max({x, y, z}) > most || std::min({x, y, z}) < -most) return false;
   return x * x + y * y + z * z < most * most;
+}
+
+/// Whether that much time has passed. Stored bytes may say any time that is not to come; the difference has
+/// no sign, so that it never overflows.
+bool has_passed(rt::Nanoseconds wanted_ns, rt::Nanoseconds since_ns, rt::Nanoseconds now_ns) {
+  const auto age_ns = static_cast<std::uint64_t>(now_ns) - static_cast<std::uint64_t>(since_ns);
+  return std::cmp_greater_equal(age_ns, wanted_ns);
 }
 
 bool by_id(const WatchedSegment& a, const WatchedSegment& b) { return a.id < b.id; }
@@ -94,10 +102,11 @@ bool SegmentWatch::is_wanted(const WatchedSegment& segment) {
   };
   if (now.voxels < config_.min_voxels) return no(counts_.small);
   if (!now.whole) return no(counts_.cut_off);
-  if (now_ns_ - segment.rest_since_ns < config_.rest_ns) return no(counts_.restless);
+  if (!has_passed(config_.rest_ns, segment.rest_since_ns, now_ns_)) return no(counts_.restless);
   if (segment.speaks && now.voxels == segment.described.voxels && now.place == segment.described.place)
     return no(counts_.known);
-  if (segment.version > 0 && now_ns_ - segment.version_at_ns < config_.version_ns) return no(counts_.early);
+  if (segment.version > 0 && !has_passed(config_.version_ns, segment.version_at_ns, now_ns_))
+    return no(counts_.early);
   return true;
 }
 
@@ -138,9 +147,13 @@ void SegmentWatch::archive(rt::Archive& archive) {
       .fixed(config_);
   archive.bounded(count_, segments_.size());
   for (std::uint32_t i = 0; i < count_; ++i) {
-    archive.value(segments_[i]);
-    if (archive.is_reading() && i > 0 && segments_[i].id <= segments_[i - 1].id)
+    WatchedSegment& segment = segments_[i];
+    archive.value(segment);
+    if (!archive.is_reading()) continue;
+    if (i > 0 && segment.id <= segments_[i - 1].id)
       archive.fail(Status::malformed, "ids of watched segments do not rise");
+    if (segment.rest_since_ns > now_ns_ || (segment.version > 0 && segment.version_at_ns > now_ns_))
+      archive.fail(Status::malformed, "a watched segment rests since a time to come");
   }
   if (archive.is_reading()) {
     if (archive.status() != Status::ok) count_ = 0;

@@ -114,8 +114,8 @@ class SegmentWatch {
   const SegmentWatchCounts& counts() const { return counts_; }
   const SegmentWatchConfig& config() const { return config_; }
 
-  /// The whole table to bytes and back, between two rounds. Ids that do not rise are malformed and leave an
-  /// empty table.
+  /// The whole table to bytes and back, between two rounds. Ids that do not rise, and times to come, are
+  /// malformed and leave an empty table.
   void archive(rt::Archive& archive);
 
  private:

@@ -12,7 +12,8 @@ constexpr double kMost_m = 40'000.0;
 
 PlaceCm to_cm(const rt::Vector3& place_m) {
   const auto whole = [](double m) {
-    return static_cast<std::int32_t>(rt::floor(100.0 * std::clamp(m, -kMost_m, kMost_m) + 0.5));
+    const double near = m > -kMost_m ? std::min(m, kMost_m) : -kMost_m;  // of what is no number, too
+    return static_cast<std::int32_t>(rt::floor(100.0 * near + 0.5));
   };
   return {whole(place_m.x), whole(place_m.y), whole(place_m.z)};
 }
@@ -34,11 +35,10 @@ bool TargetKeeper::find_key_frame(const RollingGrid& grid, const RigidPose& T_ma
   const bool has_one = key_frames_ > 0;
   if (!heading_of(ahead.x, ahead.y, pose.heading)) return has_one;
   const double least_cm = 100.0 * config_.key_frame_m;
-  const auto apart = static_cast<double>(square_apart(frame_.place, pose.place));
-  if (has_one && apart < least_cm * least_cm) return true;
+  if (has_one && static_cast<double>(square_apart(newest().place, pose.place)) < least_cm * least_cm)
+    return true;
   if (key_frames_ == store_.config().key_frames) return has_one;
   if (store_.set_key_frame(static_cast<std::uint16_t>(key_frames_), pose) != Status::ok) return has_one;
-  frame_ = pose;
   ++key_frames_;
   return true;
 }
@@ -57,16 +57,18 @@ void TargetKeeper::keep(std::span<const WatchedSegment> segments, const RollingG
     sighting.key_frame = static_cast<std::uint16_t>(key_frames_ - 1);
     sighting.version = static_cast<std::uint16_t>(segment.version);
     sighting.robot = static_cast<std::uint8_t>(config_.robot);
-    sighting.offset = offset_of(frame_, to_cm(T_map_world.p + rt::rotate(T_map_world.q, in_world)));
+    sighting.offset = offset_of(newest(), to_cm(T_map_world.p + rt::rotate(T_map_world.q, in_world)));
     sighting.descriptor = segment.descriptor;
     static_cast<void>(store_.put(sighting));
   }
 }
 
 void TargetKeeper::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "target keeper").fixed(config_).state(store_, key_frames_, frame_);
-  if (archive.is_reading() && key_frames_ > store_.config().key_frames) {
-    archive.fail(Status::malformed, "more key frames than there is room for");
+  rt::Members(archive, *this, "target keeper").fixed(config_).state(store_, key_frames_);
+  if (!archive.is_reading() || key_frames_ == 0) return;
+  if (key_frames_ > store_.key_frames().key_frames() ||
+      !store_.key_frames().knows(static_cast<std::uint16_t>(key_frames_ - 1))) {
+    archive.fail(Status::malformed, "a key frame that is not there");
     key_frames_ = 0;
   }
 }

@@ -12,7 +12,8 @@
 
 namespace sortie::mapping {
 
-/// A place in whole centimetres, at most 40 km from the origin along each axis.
+/// A place in whole centimetres, at most 40 km from the origin along each axis; what is farther, or no
+/// number, is taken as that far.
 PlaceCm to_cm(const rt::Vector3& place_m);
 /// Where the middle of a grid's window is, in the grid's world, m.
 rt::Vector3 middle_of(const RollingGrid& grid);
@@ -45,12 +46,15 @@ class TargetKeeper {
   void archive(rt::Archive& archive);
 
  private:
+  /// The newest key frame; there is one.
+  const KeyFramePose& newest() const {
+    return store_.key_frames().latest(static_cast<std::uint16_t>(key_frames_ - 1));
+  }
   bool find_key_frame(const RollingGrid& grid, const RigidPose& T_map_world);
 
   TargetKeeperConfig config_;
   TargetStore store_;
   std::uint32_t key_frames_{};
-  KeyFramePose frame_;  ///< the newest
 };
 
 }  // namespace sortie::mapping

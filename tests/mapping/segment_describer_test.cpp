@@ -91,6 +91,7 @@ TEST_CASE("In slices of any size, every segment of random worlds is described as
   for (int trial = 0; trial < 8; ++trial) {
     tests::RandomWorld world(random);
     world.grid.radius_m = random.between(1.5, 3.0);
+    if (trial % 2 == 0) world.grid.min_points = 1;
     EuclideanMap map(world.grid, world.segmenter, tests::MapSizes{});
     OwnedDescriber owned;
     for (std::uint32_t tick = 0; tick < 12; ++tick) {
@@ -137,8 +138,8 @@ TEST_CASE("In slices of any size, every segment of random worlds is described as
     CHECK(owned.part.counts().dropped == 0);
     CHECK(owned.part.counts().disturbed == 0);
   }
-  // About 15 a scan that are told apart, most of them small and in the middle; a tenth of that is enough to
-  // go by.
+  // Where one point makes a voxel, as in every other world, about 40 a scan are told apart, most of them
+  // small and in the middle. Of 1,200 seeds the poorest gave 975 and 139.
   CHECK(segments > 100);
   CHECK(inside > 10);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <map>
 #include <random>
 #include <vector>
@@ -310,5 +311,11 @@ TEST_CASE("A watch goes on from its bytes, and damaged ones lead nowhere") {
     third.watch.archive(reading);
     CHECK((reading.status() == Status::ok || third.watch.segments().empty()));
     CHECK(third.watch.segments().size() <= 2);
+    // Whatever the times, all are at rest at the end of them but for what is another place.
+    constexpr rt::Nanoseconds kEnd = std::numeric_limits<rt::Nanoseconds>::max();
+    const std::uint64_t restless = third.watch.counts().restless;
+    round(third.watch, kEnd, {sighting(4, 301, {1, 2, 3}), sighting(1)});
+    const auto moved = std::ranges::count(third.watch.segments(), kEnd, &WatchedSegment::rest_since_ns);
+    CHECK(third.watch.counts().restless - restless == static_cast<std::uint64_t>(moved));
   }
 }

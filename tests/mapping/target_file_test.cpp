@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "mapping/recognition/consistency_sweep.hpp"
 #include "mapping/recognition/target_file.hpp"
 #include "rt/digest.hpp"
 #include "tests/mapping/target_rig.hpp"
@@ -15,6 +16,10 @@ using mapping::TargetFileFault;
 using testing::TargetEvent;
 
 using Bytes = std::vector<std::uint8_t>;
+
+// One target that is farther would end every search that comes upon it.
+static_assert(mapping::KeyFramePose::kFarthestCm + 2 * mapping::kFarthestOffsetCm <=
+              mapping::ConsistencySweep::kMostPlaceCm);
 
 mapping::TargetStoreConfig file_config() {
   mapping::TargetStoreConfig config;
