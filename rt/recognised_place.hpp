@@ -12,12 +12,11 @@ namespace sortie::rt {
 /// What a search for known segments came to. Frames: known, that of the known map; odom, the odometry's
 /// world.
 struct RecognisedPlace {
-  // Verdicts. Each but the first says why there is no place.
-  static constexpr std::uint8_t kNone = 0;  ///< nothing was searched yet
-  static constexpr std::uint8_t kRecognised =
-      1;  ///< segments agree, a scan fits there, nothing speaks against it
-  static constexpr std::uint8_t kUnverified = 2;  ///< segments agree; there is no map to hold a scan against
-  static constexpr std::uint8_t kFew = 3;         ///< too few segments, or too few targets like them
+  // Verdicts. Each from kFew on says why there is no place.
+  static constexpr std::uint8_t kNone = 0;          ///< nothing was searched yet
+  static constexpr std::uint8_t kRecognised = 1;    ///< segments agree, and a scan fits there
+  static constexpr std::uint8_t kUnverified = 2;    ///< segments agree; no map, or no scan to hold against it
+  static constexpr std::uint8_t kFew = 3;           ///< too few segments, or too few targets like them
   static constexpr std::uint8_t kInconsistent = 4;  ///< no set of segments that agree
   static constexpr std::uint8_t kBent = 5;          ///< sets that no pose lays: a mirror image, or chance
   static constexpr std::uint8_t kNarrow = 6;        ///< all of them in a row

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Segments of the local map become targets that may be recognised, and are recognised on a known map.
 #include <algorithm>
-#include <cmath>
 
 #include "firmware_like/parts/chosen_map.hpp"
 #include "firmware_like/parts/kept_maps.hpp"
+#include "firmware_like/parts/lost_robot.hpp"
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/part_access.hpp"
 #include "firmware_like/parts/recognise_output.hpp"
@@ -26,19 +26,24 @@ struct RecognisePartConfig {
   rt::Nanoseconds period_ns{rt::kNanosecondsPerSecond};
   std::uint32_t units{1'000'000};
   std::uint32_t described{64};
+  double second_look_m{6.0};
 
   SORTIE_KEYS(c, key) {
     key("period_s", c.period_ns, {0.1, 60, rt::kSInNs, "between two searches, at least"});
     key("units", c.units, {1'000, 1e9, "units", "of work a job, of some 2 ns each", rt::kKnob});
     key("limits.described", c.described, {1, 1024, "segments", "that are described at a time; 280 B each"});
+    key("second_look_m", c.second_look_m,
+        {0, 100, "m",
+         "of way between two places that have to agree before a lost robot is placed; 0: one is enough"});
   }
 };
 
 /// Group `mapping`, task `recognise`, behind map and `locate`. Once a period the segments are watched and
 /// described; those that are new become targets, and with known targets a search begins that goes on over as
 /// many jobs as its units need. Where the run began with a kept map, too (of the same run as the targets), a
-/// scan is held against it at each place that is found, and a robot that is lost is placed there. Targets lie
-/// on the map of `locate` where the scene has that part, else in the odometry's world.
+/// scan is held against it at each place that is found, and a robot that is lost is placed where two such
+/// places agree. Targets lie on the map of `locate` where the scene has that part, else in the odometry's
+/// world.
 class RecognisePart final : public Part {
  public:
   explicit RecognisePart(VehicleBuilder& builder)
@@ -63,13 +68,18 @@ class RecognisePart final : public Part {
     if (known_ != nullptr) {
       recogniser_ = std::make_unique<mapping::Recogniser>(recogniser, builder.arena());
       if (access_ != nullptr && builder.kept_map("locate") != nullptr) {
+        if (access_->locator->registration().config().planar)
+          profile.fail("tasks.recognise.enabled",
+                       "a lidar of one row (locate.planar) sees too little to be held against a map: leave "
+                       "out --map or --targets");
         mapping::RelocateConfig judge;
-        builder.profile().read("recognise", judge);
+        profile.read("recognise", judge);
         judge_ = std::make_unique<mapping::PlaceJudge>(judge, access_->locator->registration_to_match(),
                                                        builder.arena());
       }
       speaking_ = builder.arena().make_array<mapping::SpeakingSegment>("recognition speaking", watch.watched);
     }
+    lost_ = LostRobot(config_.second_look_m);
     task_ = builder.task<RecogniseOutput>(builder.group("mapping", 10), "recognise",
                                           TaskDefaults{10'000, rt::Criticality::b},
                                           [this](rt::JobContext& context, RecogniseOutput& output) {
@@ -95,22 +105,29 @@ class RecognisePart final : public Part {
         .base<Part>()
         .fixed(config_, map_, access_, task_, answers_, speaking_)
         .by_hand(local_, keeper_, known_, recogniser_, judge_)
-        .state(next_ns_, step_, T_odom_judged_, has_odometry_, sigma_move_m_, sigma_turn_rad_, output_);
-    if (archive.is_reading() && step_ > Step::judge) {
-      archive.fail(Status::malformed, "a step that cannot be");
-      step_ = Step::rest;
-    }
+        .state(next_ns_, searched_ns_, step_, T_odom_judged_, lost_, output_);
     mapping::check_pose(archive, T_odom_judged_);
     archive.value(*local_);
     archive.value(*keeper_);
     if (recogniser_ != nullptr) recogniser_->archive(archive, *known_);
     if (judge_ != nullptr) archive.value(*judge_);
+    if (archive.is_reading() && !can_be(step_)) {
+      archive.fail(Status::malformed, "a step that cannot be");
+      step_ = Step::rest;
+    }
   }
 
  private:
   enum class Step : std::uint8_t { rest, search, wait, judge };
 
+  bool can_be(Step step) const {
+    if (step == Step::rest) return true;
+    if (step == Step::search) return recogniser_ != nullptr;
+    return step <= Step::judge && judge_ != nullptr && !recogniser_->found().empty();
+  }
+
   void work(rt::JobContext& context) {
+    if (judge_ != nullptr && lost_.wait(*access_->locator, access_->scans)) ++output_.counts.not_confirmed;
     local_->note(*map_->labelling());
     const auto now_ns = static_cast<rt::Nanoseconds>(context.job) * context.period_ns;
     if (now_ns >= next_ns_ && map_->done() && step_ == Step::rest) {
@@ -120,7 +137,8 @@ class RecognisePart final : public Part {
     std::uint64_t units = config_.units;
     keeper_->run(units);
     if (step_ == Step::search && recogniser_->run(*known_, units)) answer();
-    if (step_ == Step::wait && access_->scans > 0) begin_judging();
+    if (step_ == Step::wait && access_->scans > 0 && access_->locator->registration().is_taken())
+      begin_judging();
     mapping::JudgedPlace judged;
     if (step_ == Step::judge && judge_->run(units, judged)) take(judged);
     const auto used = static_cast<std::uint32_t>(config_.units - units);
@@ -164,32 +182,19 @@ class RecognisePart final : public Part {
       return x != y ? x < y : a.id < b.id;
     });
     count = std::min(count, recogniser_->config().segments);
-    output_.stamp_ns = context.release_ns;
-    output_.speaking = count;
+    searched_ns_ = context.release_ns;
     recogniser_->begin(speaking_.first(count), {});
     step_ = Step::search;
   }
 
   /// The search came to an end.
   void answer() {
-    output_.verdict = verdict_of(recogniser_->verdict());
     output_.searches = recogniser_->counts();
-    output_.pairs = static_cast<std::uint32_t>(recogniser_->pairs().size());
-    output_.share = output_.crossed = 0.0;
-    const auto found = recogniser_->found();
-    const mapping::LevelFit fit = found.empty() ? mapping::LevelFit{} : found[0].fit;
-    output_.agree = found.empty() ? 0 : found[0].count;
-    output_.rival = found.size() < 2 ? 0 : found[1].count;
-    put(pose_of(fit.place));
-    const auto covariance = mapping::level_covariance(fit, std::max(fit.rms_m, kLeastSigma));
-    std::copy(covariance.begin(), covariance.end(), output_.covariance);
-    output_.rms_m = fit.rms_m;
-    output_.spread_m = fit.spread_m;
-    output_.proved = recogniser_->proved();
     const bool is_found = recogniser_->verdict() == SetVerdict::found;
     step_ = is_found && judge_ != nullptr ? Step::wait : Step::rest;
     if (step_ == Step::wait) return;
     if (is_found) ++output_.counts.unverified;
+    put_answer(output_, *recogniser_, searched_ns_);
     tell();
   }
 
@@ -201,37 +206,33 @@ class RecognisePart final : public Part {
     answers_->publish();
   }
 
-  /// T_known_odom; half the turn from its cosine and sine.
-  static RigidPose pose_of(const mapping::LevelPlace& place) {
-    const double cosine = std::sqrt(std::max(0.5 * (1.0 + place.cosine), 0.0));
-    const double sine = std::sqrt(std::max(0.5 * (1.0 - place.cosine), 0.0));
-    return {{place.x_m, place.y_m, place.z_m},
-            rt::normalised({cosine, 0, 0, place.sine < 0.0 ? -sine : sine})};
-  }
-  void put(const RigidPose& T_known_odom) {
-    rt::store(T_known_odom.p, output_.p_known_odom_m);
-    rt::store(T_known_odom.q, output_.q_known_odom);
-  }
-
-  /// The newest scan is held against the known map at the place that was found.
+  /// The newest scan is held against the known map at the place that was found. What else segments speak for,
+  /// if less, it is compared with.
   void begin_judging() {
     T_odom_judged_ = access_->hint.T_odom_sensor;
-    has_odometry_ = access_->has_odometry;
-    sigma_move_m_ = access_->hint.sigma_move_m;
-    sigma_turn_rad_ = access_->hint.sigma_turn_rad;
-    const RigidPose tie = pose_of(recogniser_->found()[0].fit.place);
-    step_ = Step::judge;
-    if (!judge_->begin(access_->locator->registration().sample(), access_->q_level_sensor)) {
-      step_ = Step::wait;  // too few returns: the next scan
+    const bool can_be_judged =
+        access_->has_odometry && mapping::is_pose(T_odom_judged_) &&
+        judge_->begin(access_->locator->registration().sample(), access_->q_level_sensor);
+    step_ = can_be_judged ? Step::judge : Step::rest;
+    if (can_be_judged) {
+      for (const mapping::SetHypothesis& place : recogniser_->found()) judge_->add(judged_at(place));
       return;
     }
-    judge_->add(mapping::after(tie, T_odom_judged_));
+    ++output_.counts.unverified;
+    put_answer(output_, *recogniser_, searched_ns_);
+    tell();
+  }
+  /// T_known_sensor of the scan that is judged.
+  RigidPose judged_at(const mapping::SetHypothesis& place) const {
+    return mapping::after(pose_of(place.fit.place), T_odom_judged_);
   }
 
   void take(const mapping::JudgedPlace& judged) {
+    put_answer(output_, *recogniser_, searched_ns_);
     output_.share = judged.share;
     output_.crossed = judged.crossed;
-    if (judged.verdict != mapping::RelocateVerdict::placed) {
+    if (judged.verdict != mapping::RelocateVerdict::placed ||
+        mapping::are_apart(judged.T_map_sensor, judged_at(recogniser_->found()[0]), kSameMove, kSameTurn)) {
       output_.verdict = rt::RecognisedPlace::kRefused;
       ++output_.counts.refused;
       tell();
@@ -242,23 +243,15 @@ class RecognisePart final : public Part {
     step_ = Step::rest;
     output_.verdict = rt::RecognisedPlace::kRecognised;
     ++output_.counts.recognised;
-    put(mapping::after(judged.T_map_sensor, mapping::inverse(T_odom_judged_)));
+    const RigidPose tie = mapping::after(judged.T_map_sensor, mapping::inverse(T_odom_judged_));
+    rt::store(tie.p, output_.p_known_odom_m);
+    rt::store(tie.q, output_.q_known_odom);
     tell();
-    mapping::Locator& locator = *access_->locator;
-    if (!locator.is_unplaced()) return;
-    double covariance[36];
-    for (int i = 0; i < 36; ++i) covariance[i] = judged.covariance[i];
-    for (int i = 0; i < 3; ++i) {
-      covariance[7 * i] += kLeastMove * kLeastMove;
-      covariance[7 * (i + 3)] += kLeastTurn * kLeastTurn;
-    }
-    const mapping::OdometryHint hint{has_odometry_, T_odom_judged_, sigma_move_m_, sigma_turn_rad_};
-    static_cast<void>(locator.place(judged.T_map_sensor, covariance, hint));  // its next scan decides
+    if (lost_.look(*access_->locator, judged, T_odom_judged_)) ++output_.counts.placed;
   }
 
-  static constexpr double kLeastSigma = 0.05;  ///< m: of a target's place
-  static constexpr double kLeastMove = 0.1;    ///< m: what the locator is told at least that a place is off
-  static constexpr double kLeastTurn = 0.03;   ///< rad
+  static constexpr double kSameMove = 1.0;  ///< m: where a scan fits is where segments say
+  static constexpr double kSameTurn = 0.2;  ///< rad
 
   RecognisePartConfig config_;
   ChosenMap* map_;
@@ -271,12 +264,11 @@ class RecognisePart final : public Part {
   std::span<mapping::SpeakingSegment> speaking_;
   Step step_{Step::rest};
   RigidPose T_odom_judged_;  ///< of the scan that is judged
-  bool has_odometry_{};
-  double sigma_move_m_{0.05};
-  double sigma_turn_rad_{0.02};
+  LostRobot lost_{0.0};
   const rt::Task<RecogniseOutput>* task_{};
   std::unique_ptr<ReportQueue<rt::RecognisedPlace>> answers_;  ///< for telemetry; full: the next one tells
   rt::Nanoseconds next_ns_{};
+  rt::Nanoseconds searched_ns_{};  ///< release of the job that began the search
   RecogniseOutput output_;
 };
 

@@ -122,6 +122,8 @@ class Locator {
   /// again. `covariance`: of (position in map, rotation in sensor), row-major, m^2 and rad^2. not_finite,
   /// out_of_range: no pose, or no covariance; nothing is changed. No map was loaded: not_supported.
   Status place(const RigidPose& T_map_sensor, const double (&covariance)[36], const OdometryHint& odometry);
+  /// Takes back what place() said, as long as no scan has said so: `unplaced` again.
+  void take_back();
   const ScanRegistration& registration() const { return registration_; }
   /// The same, for who matches scans to the map between two calls of locate().
   ScanRegistration& registration_to_match() { return registration_; }

@@ -45,6 +45,13 @@ Status Locator::place(const RigidPose& T_map_sensor, const double (&covariance)[
   return Status::ok;
 }
 
+void Locator::take_back() {
+  if (anchor_ != Anchor::told) return;
+  anchor_ = Anchor::unplaced;
+  tied_ = false;
+  newest_ = before_ = located_.T_map_sensor = located_.T_map_odom = {};
+}
+
 void Locator::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "locator")
       .fixed(config_)

@@ -172,7 +172,8 @@ void PlaceJudge::weigh_returns() {
   for (std::size_t by = 0; by < kWeighed; ++by) {
     const double per_cube = 1.0 / (registration_->config().cell_m * (by == 0 ? 1.0 : 4.0));
     const auto cube = [&](double along_m) {
-      const double at = std::clamp(per_cube * along_m, -kFarCubes, kFarCubes);
+      const double at =
+          std::max(-kFarCubes, std::min(kFarCubes, per_cube * along_m));  // what is no number, too
       return static_cast<std::uint64_t>(static_cast<std::uint16_t>(static_cast<std::int32_t>(rt::floor(at))));
     };
     for (std::uint32_t i = 0; i < size_; ++i) {

@@ -56,7 +56,8 @@ class PlaceJudge {
   /// means nothing. False: too few returns to tell anything; there is nothing to run.
   [[nodiscard]] bool begin(std::span<const SamplePoint> sample, const rt::Quaternion& q_level_sensor);
   /// Adds a place, before the first run(). Its tilt is the attitude's. What is more than
-  /// PlaceSearchConfig::kMostCandidates is left out.
+  /// PlaceSearchConfig::kMostCandidates is left out. Places are compared with each other: of one that is
+  /// alone `placed` says that the scan fits there, and not that it fits nowhere else.
   void add(const RigidPose& T_map_sensor);
   /// Works on for at most `units`, and takes what it used off. True: `judged` is the answer. It uses the
   /// registration's sample.
@@ -65,7 +66,6 @@ class PlaceJudge {
   std::uint64_t units() const { return units_; }
   std::span<const SamplePoint> sample() const { return sample_.first(size_); }
   const rt::Quaternion& q_level_sensor() const { return q_level_sensor_; }
-  /// The map is the same: the registration is archived before.
   void archive(rt::Archive& archive);
 
  private:

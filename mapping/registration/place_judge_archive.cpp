@@ -7,8 +7,8 @@ namespace sortie::mapping {
 void PlaceJudge::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "place_judge")
       .fixed(config_, registration_)
-      .scratch(bits_, cubes_, weights_, weight_)
-      .by_hand(sample_)
+      .scratch(cubes_, weights_, weight_)
+      .by_hand(sample_, bits_)
       .state(size_, q_level_sensor_, step_, at_, count_, places_, credit_, units_);
   if (archive.is_reading()) {
     bool fits = step_ <= Step::verdict && size_ <= sample_.size() &&
@@ -28,12 +28,12 @@ void PlaceJudge::archive(rt::Archive& archive) {
     archive.value(point.y_m);
     archive.value(point.z_m);
   }
-  if (!archive.is_reading()) return;
-  weigh_returns();
-  for (Place& place : std::span<Place>{places_}.first(step_ == Step::tries ? at_ : count_)) explain(place);
-  if (step_ == Step::tries) return;
-  for (Place& place : std::span<Place>{places_}.first(step_ == Step::retries ? at_ : count_))
-    look_along_rays(place);
+  // What a place explains was counted on the map as it was then: with what a robot that is placed has added
+  // to it since, it would be more.
+  for (const Place& place : std::span<const Place>{places_}.first(step_ == Step::tries ? at_ : count_)) {
+    for (std::size_t i = 0; i < 3 * words(); ++i) archive.value(explained_bits(place)[i]);
+  }
+  if (archive.is_reading()) weigh_returns();
 }
 
 }  // namespace sortie::mapping

@@ -22,7 +22,7 @@ void Relocaliser::begin(std::span<const SamplePoint> sample, const rt::Quaternio
   rt::Vector3 returns_m[PlaceSearchConfig::kMostReturns];
   const std::span<rt::Vector3> wanted{returns_m, search_.config().returns};
   const std::size_t few =
-      choose_place_returns(judge_.sample(), q_level_sensor, search_.config().reach_m, wanted);
+      choose_place_returns(judge_.sample(), judge_.q_level_sensor(), search_.config().reach_m, wanted);
   result_.searched = static_cast<std::uint32_t>(few);
   if (!enough || few < PlaceSearchConfig::kLeastReturns) return conclude(RelocateVerdict::few_returns);
   search_.begin(wanted.first(few));

@@ -53,6 +53,7 @@ ScanRegistration::ScanRegistration(const RegistrationConfig& config, rt::Arena& 
 
 std::size_t ScanRegistration::take(std::span<const rt::ScanPoint> scan) {
   chosen_ = chooser_.choose(scan, sample_, counts_);
+  taken_ = true;
   size_ = std::min<std::size_t>(chosen_, config_.returns);
   return size_;
 }
@@ -65,6 +66,7 @@ void ScanRegistration::lay_flat(const rt::Quaternion& tilt) {
 }
 
 std::size_t ScanRegistration::take_sample(std::span<const SamplePoint> sample) {
+  taken_ = false;
   chosen_ = std::min(sample.size(), sample_.size());
   std::copy_n(sample.begin(), chosen_, sample_.begin());
   size_ = std::min<std::size_t>(chosen_, config_.returns);
@@ -218,7 +220,7 @@ void ScanRegistration::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "scan registration")
       .fixed(config_)
       .by_hand(layers_)
-      .scratch(step_, chooser_, sample_, points_, cells_, chosen_, size_)
+      .scratch(step_, chooser_, sample_, points_, cells_, chosen_, size_, taken_)
       .state(scans_, counts_);
   for (SurfelLayer& layer : layers_) archive.value(layer);
 }

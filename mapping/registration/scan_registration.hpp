@@ -64,6 +64,8 @@ class ScanRegistration {
   std::span<const SamplePoint> sample() const { return sample_.first(size_); }
   /// All that was chosen of the scan, the sample first.
   std::span<const SamplePoint> chosen() const { return sample_.first(chosen_); }
+  /// It is of the scan that was taken last, and of no sample that somebody took since.
+  bool is_taken() const { return taken_; }
   const ScanSampleCounts& counts() const { return counts_; }
   /// The map; what was taken of a scan is no part of it.
   void archive(rt::Archive& archive);
@@ -91,6 +93,7 @@ class ScanRegistration {
   std::span<std::uint64_t> cells_;
   std::size_t chosen_{};  ///< of the scan
   std::size_t size_{};  ///< of them that are matched; the order is by chance, so the first are as good as any
+  bool taken_{};
   std::uint32_t scans_{};
   ScanSampleCounts counts_;
 };

@@ -48,29 +48,51 @@ void write(const std::string& path, const std::vector<std::uint8_t>& bytes) {
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
+/// A drive of a minute through the hall, what it saw, and the way round for another one; made once.
+struct SeenHall {
+  TempFolder folder;
+  std::string log = folder.file("first.lcm");
+  firmware::KeptMapPaths kept{folder.file("hall.surfels"), folder.file("hall.targets")};
+  firmware::LiveRunOutcome run = run_recognising(60, log, {}, {});
+  std::vector<std::uint8_t> bytes = target_bytes(*run.runtime);
+  SeenHall() {
+    write(kept.targets, bytes);
+    write(kept.map, map_bytes(*run.runtime));
+  }
+};
+const SeenHall& seen_hall() {
+  static const SeenHall seen;
+  return seen;
+}
+
+/// A robot that is lost there, from the other side.
+firmware::LiveRunOutcome run_lost(double seconds, const std::string& log, std::vector<std::string> more) {
+  more.insert(
+      more.end(),
+      {"locate.window_cells=256",
+       "mission.waypoints=[[0.0,-4.0],[9.3,-4.0],[14.0,-4.0],[14.0,4.0],[9.3,4.0],[9.3,0.0],[0.0,0.0]]"});
+  return run_recognising(seconds, log, seen_hall().kept, more);
+}
+
 }  // namespace
 
 TEST_CASE("A lost robot recognises a hall that it drives through the other way round, and replays to the bit",
           "[heavy]") {
   const TempFolder folder;
-  const firmware::KeptMapPaths seen{folder.file("hall.surfels"), folder.file("hall.targets")};
-  const std::string first_log = folder.file("first.lcm"), log = folder.file("again.lcm");
-  const firmware::LiveRunOutcome first = run_recognising(60, first_log, {}, {});
+  const firmware::LiveRunOutcome& first = seen_hall().run;
+  const firmware::KeptMapPaths& seen = seen_hall().kept;
+  const std::string log = folder.file("again.lcm");
   CHECK(first.failures.empty());
   CHECK(counted(first, "recognise_targets_added") > 20);
   CHECK(counted(first, "recognise_searches_begun") == 0);  // nothing is known
-  const std::vector<std::uint8_t> bytes = target_bytes(*first.runtime);
-  CHECK((target_bytes(*replay_log(first_log, {}).runtime) == bytes));
-  write(seen.targets, bytes);
-  write(seen.map, map_bytes(*first.runtime));
+  CHECK((target_bytes(*replay_log(seen_hall().log, {}).runtime) == seen_hall().bytes));
 
-  const std::vector<std::string> round = {
-      "locate.window_cells=256",
-      "mission.waypoints=[[0.0,-4.0],[9.3,-4.0],[14.0,-4.0],[14.0,4.0],[9.3,4.0],[9.3,0.0],[0.0,0.0]]"};
-  const firmware::LiveRunOutcome run = run_recognising(40, log, seen, round);
+  const firmware::LiveRunOutcome run = run_lost(40, log, {});
   CHECK(run.failures.empty());
   CHECK(counted(run, "recognise_recognised") >= 3);
   CHECK(counted(run, "recognise_refused") == 0);
+  CHECK(counted(run, "recognise_placed") == 1);
+  CHECK(counted(run, "recognise_not_confirmed") == 0);
   CHECK(counted(run, "locate_unplaced_on_map") > 20);
   CHECK(counted(run, "locate_accepted") > 100);
   CHECK(error_of(run.results, "located_ate_max_m") < 0.15);
@@ -93,6 +115,24 @@ TEST_CASE("A lost robot recognises a hall that it drives through the other way r
     CHECK(complaint_of(part).empty());
     CHECK(part.results.digest == run.results.digest);
   }
+}
+
+TEST_CASE("A place that no scan confirms is taken back, and a lost robot is placed again", "[heavy]") {
+  // The judge finds that scans fit; the locator is told that none does.
+  const firmware::LiveRunOutcome run =
+      run_lost(25, "", {"locate.least_share=1", "recognise.second_look_m=0"});
+  const std::uint64_t placed = counted(run, "recognise_placed");
+  CHECK(placed >= 2);
+  CHECK(counted(run, "recognise_not_confirmed") + 1 >= placed);
+  CHECK(counted(run, "locate_accepted") == 0);
+  CHECK(counted(run, "locate_unplaced_on_map") + 6 * placed > counted(run, "locate_in"));
+}
+
+TEST_CASE("A place that no scan can be held against is not verified, and the next search begins", "[heavy]") {
+  const firmware::LiveRunOutcome run = run_lost(25, "", {"locate.max_range_m=1"});
+  CHECK(counted(run, "recognise_unverified") >= 2);
+  CHECK(counted(run, "recognise_recognised") + counted(run, "recognise_refused") == 0);
+  CHECK(counted(run, "recognise_searches_begun") > 10);
 }
 
 TEST_CASE("targets that cannot be used are refused with their cure") {

@@ -100,6 +100,55 @@ TEST_CASE("Without a place nothing fits, with few returns there is nothing to ju
   CHECK(lost.run().verdict == RelocateVerdict::none);
 }
 
+TEST_CASE("The wrong end of a hall that looks the same from both is believed alone, and not beside the other",
+          "[heavy]") {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    CAPTURE(seed);
+    JudgeInHall hall(seed);
+    hall.world = testing::symmetric(hall.world);
+    hall.rig.make_map(hall.world, hall.draws, 1.7);
+    hall.robot = testing::LostRobot(hall.world, hall.draws);
+    hall.scan = testing::place_scan({32, 512}, hall.world, hall.robot.pose.p, hall.robot.pose.q, hall.draws);
+    const rt::Vector3 here = hall.robot.pose.p;
+    const rt::Vector3 across{hall.world.wide - 2 * here.x, hall.world.deep - 2 * here.y, 0};
+    REQUIRE(hall.begin());
+    hall.judge.add(hall.place(across, M_PI));
+    CHECK(hall.run().verdict == RelocateVerdict::placed);
+    REQUIRE(hall.begin());
+    hall.judge.add(hall.place(across, M_PI));
+    hall.judge.add(hall.place({}, 0.0));
+    CHECK(hall.run().verdict == RelocateVerdict::ambiguous);
+  }
+}
+
+TEST_CASE("Places that are judged while the map grows are the same bytes when they were written and read",
+          "[heavy]") {
+  JudgeInHall lost(100), other(100);
+  lost.begin_with_four();
+  JudgedPlace judged;
+  const auto bytes_of = [](JudgeInHall& one) {
+    std::vector<std::uint8_t> bytes(std::size_t{16} << 20);
+    rt::Archive writing = rt::Archive::writing(bytes);
+    writing.value(one.rig.registration);
+    writing.value(one.judge);
+    REQUIRE(writing.status() == Status::ok);
+    return bytes;
+  };
+  int written = 0;
+  for (std::uint64_t units = 300'000; !lost.judge.run(units, judged); units = 300'000, ++written) {
+    const testing::LostRobot robot(lost.world, lost.draws);
+    lost.rig.add(testing::place_scan({32, 512}, lost.world, robot.pose.p, robot.pose.q, lost.draws),
+                 robot.pose);
+    const std::vector<std::uint8_t> bytes = bytes_of(lost);
+    rt::Archive reading = rt::Archive::reading(bytes);
+    reading.value(other.rig.registration);
+    reading.value(other.judge);
+    REQUIRE(reading.status() == Status::ok);
+    REQUIRE((bytes_of(other) == bytes));
+  }
+  CHECK(written >= 6);
+}
+
 TEST_CASE("Places that are being judged are written and read back to the same bits", "[heavy]") {
   JudgeInHall lost(100);
   lost.begin_with_four();

@@ -235,6 +235,12 @@ TEST_CASE("On a kept map a robot is unplaced until it is told where it is, and a
   CHECK(!mapping::is_placed(locator.locate(room.scan(3), hint(3)).verdict));
   CHECK((map_of(locator.registration()) == bytes));
   CHECK(!locator.has_begun());
+  // What was told is taken back.
+  locator.take_back();
+  CHECK(locator.is_unplaced());
+  CHECK(distance_m(locator.located().T_map_odom, {}) == 0.0);
+  CHECK(locator.locate(room.scan(3), hint(3)).verdict == LocateVerdict::unplaced);
+  CHECK((map_of(locator.registration()) == bytes));
   // Told about right.
   REQUIRE(locator.place(near, covariance, hint(2)) == Status::ok);
   CHECK(distance_m(locator.located().T_map_sensor, near) < 1e-9);
@@ -249,6 +255,8 @@ TEST_CASE("On a kept map a robot is unplaced until it is told where it is, and a
   CHECK(locator.has_begun());
   CHECK(locator.located().counts.first == 0);
   CHECK(locator.place(near, covariance, hint(2)) == Status::not_supported);  // scans hold it now
+  locator.take_back();
+  CHECK(locator.locate(room.scan(9), hint(9)).verdict == LocateVerdict::accepted);
 }
 
 TEST_CASE("A state on a kept map goes on from stored bytes, whether the robot is placed or not") {

@@ -215,6 +215,21 @@ TEST_CASE("A search that was written and read back goes on to the same bits", "[
   CHECK(digest(half.rig.part.result()) == whole);
 }
 
+TEST_CASE("An attitude of twice its length is the same attitude", "[heavy]") {
+  LostInHall lost(100);
+  const mapping::Relocated once = lost.rig.find(lost.scan, lost.robot.q_level_sensor);
+  CHECK_FALSE(lost.rig.registration.is_taken());  // the sample is the search's
+  const rt::Quaternion& q = lost.robot.q_level_sensor;
+  lost.rig.registration.take(lost.scan);
+  CHECK(lost.rig.registration.is_taken());
+  lost.rig.part.begin(lost.rig.registration.sample(), {2 * q.w, 2 * q.x, 2 * q.y, 2 * q.z});
+  std::uint64_t units = ~std::uint64_t{0} >> 1;
+  REQUIRE(lost.rig.part.run(units));
+  mapping::Relocated twice = lost.rig.part.result();
+  twice.counts = once.counts;
+  CHECK(digest(twice) == digest(once));
+}
+
 TEST_CASE("A search makes no heap call") {
   if (!rt::posix::kHeapTrapAvailable) {
     WARN("skipped: no heap trap under a sanitizer");
