@@ -30,8 +30,17 @@ bool CandidateSearch::is_wanted(const TargetRecord& record, const PlaceCm& place
   if (query_.leaves_out && record.robot == query_.robot &&
       record.last_seen_ms - query_.since_ms < std::uint32_t{1} << 31)
     return false;
+  if (!query_.has_prior) return true;
   const std::int64_t radius = query_.radius_cm;
-  return !query_.has_prior || square_apart(place, query_.prior) <= radius * radius;
+  const std::int64_t apart[] = {std::int64_t{place.x} - query_.prior.x,
+                                std::int64_t{place.y} - query_.prior.y,
+                                std::int64_t{place.z} - query_.prior.z};
+  std::uint64_t square = 0;  // three of 2^62 at most
+  for (const std::int64_t d : apart) {
+    if (d > radius || d < -radius) return false;
+    square += static_cast<std::uint64_t>(d * d);
+  }
+  return square <= static_cast<std::uint64_t>(radius * radius);
 }
 
 void CandidateSearch::look(const TargetStore& store, std::uint32_t first) {

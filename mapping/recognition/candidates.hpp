@@ -31,7 +31,7 @@ struct CandidateQuery {
   SegmentDescriptor descriptor;
   bool has_prior{};          ///< only targets near `prior`
   PlaceCm prior{};           ///< in the map
-  std::int32_t radius_cm{};  ///< of a ball around it; of its surface, too
+  std::int32_t radius_cm{};  ///< of a ball around it, its surface too; below 0 there is nothing in it
   bool leaves_out{};         ///< not what `robot` itself saw after or at `since_ms`
   std::uint8_t robot{};
   std::uint32_t since_ms{};  ///< stamps wrap: what is up to 24 days newer is after it

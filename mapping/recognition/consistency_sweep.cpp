@@ -8,8 +8,8 @@
 namespace sortie::mapping {
 namespace {
 constexpr std::uint32_t kLanes = BitGraph::kWordBits;
-/// Whole numbers up to here have a float each.
-constexpr std::int64_t kExactFloat = 1 << 24;
+/// Whole numbers up to 2^24 have a float each; a row's target may be beside a box by what it reaches.
+constexpr std::int64_t kExactFloat = (1 << 24) - (1 << 15);
 /// More than single precision loses of a sum of squares (2^-24 each of five roundings).
 constexpr float kRounding = 1e-6f;
 
@@ -69,10 +69,6 @@ Status ConsistencySweep::begin(const ConsistencyGates& gates, std::span<const Sw
   const std::size_t words = BitGraph::matrix_words(count);
   if (bits_[ConsistencyGates::kCount - 1].size() < words) return Status::full;
   if (!gates.usable()) return Status::out_of_range;
-  const auto is_near = [](const PlaceCm& p) {
-    const auto inside = [](std::int32_t cm) { return cm >= -kMostPlaceCm && cm <= kMostPlaceCm; };
-    return inside(p.x) && inside(p.y) && inside(p.z);
-  };
   for (const SweptPair& p : pairs) {
     if (!is_near(p.segment) || !is_near(p.target)) return Status::out_of_range;
   }

@@ -17,19 +17,25 @@ namespace sortie::mapping {
 /// loops that a compiler turns into vectors, by bounds wide enough for its rounding; what passes is tested
 /// exactly (gates_passed). Where 64 targets are all further from a row's than the local map is wide they are
 /// left out. So the result is that of testing each pair exactly, whatever the budgets. Cost: 8 units for 64
-/// pairs, 8 for one that passes; a unit is about what a search for sets takes for 64 vertices. Memory: 170
+/// pairs, 8 for one that passes; a unit is about what a search for sets takes for 64 vertices. Memory: 67
 /// bytes and three bits for each other one a correspondence. No heap.
 class ConsistencySweep {
  public:
   static constexpr std::uint32_t kMostVertices = 8'192;
   static constexpr std::int32_t kMostPlaceCm = 500'000'000;  ///< along x, y or z from the frame's origin
 
+  /// Whether a place lies within kMostPlaceCm.
+  static bool is_near(const PlaceCm& place) {
+    const auto inside = [](std::int32_t cm) { return cm >= -kMostPlaceCm && cm <= kMostPlaceCm; };
+    return inside(place.x) && inside(place.y) && inside(place.z);
+  }
+
   /// Room for `most` correspondences, at most kMostVertices.
   ConsistencySweep(std::uint32_t most, rt::Arena& arena);
 
   /// Begins; nothing of `pairs` is read later. Each correspondence comes once, all of one segment with one
   /// place, all of one target, too. out_of_range: gates that are not usable(), a place beyond kMostPlaceCm;
-  /// full: more pairs than there is room for. Then the graphs are empty.
+  /// full: more pairs than there is room for. Then the graphs are empty. Costs no units, and sorts the pairs.
   [[nodiscard]] Status begin(const ConsistencyGates& gates, std::span<const SweptPair> pairs);
   /// Goes on for at most `units` and one row's words, takes what it used off. True: the graphs are whole.
   bool run(std::uint64_t& units);

@@ -26,6 +26,7 @@ void ConsistentSet::begin(const BitGraph& graph, std::span<const Word> members, 
   at_ = 0;
   counts_ = {};
   credit_.clear();
+  listed_ = false;
   cut_ = graph.vertices() > index_.size() || branches_.empty();
   step_ = cut_ || graph.vertices() == 0 ? Step::done : Step::peel;
   if (step_ == Step::done) return;
@@ -75,6 +76,8 @@ bool ConsistentSet::grow(std::uint64_t& units) {
 
 /// Lists the neighbours that come behind the vertex in the core order, and makes their graph.
 bool ConsistentSet::open(std::uint64_t& units) {
+  if (!listed_ && !credit_.pay(graph_.words(), units)) return false;
+  listed_ = true;
   const auto order = order_.order();
   const std::uint16_t start = order[order.size() - 1 - at_];
   const auto pool = pool_.first(graph_.words());
@@ -97,7 +100,7 @@ bool ConsistentSet::open(std::uint64_t& units) {
   // Few neighbours are tested one by one, many by whole rows.
   const bool few = count < 2 * graph_.words();
   const std::uint64_t cost = few ? count * (count + 1) / 2 : count * graph_.words();
-  if (!credit_.pay(cost + graph_.words(), units)) return false;
+  if (!credit_.pay(cost, units)) return false;
   ++counts_.opened;
   words_ = BitGraph::words_of(count);
   std::uint32_t listed = 0;
@@ -215,6 +218,7 @@ bool ConsistentSet::run(std::uint64_t& units) {
         break;
       }
       if (!open(units)) return false;
+      listed_ = false;
       step_ = Step::search;
       if (size_ == 0) {
         ++at_;

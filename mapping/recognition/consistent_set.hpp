@@ -73,7 +73,8 @@ class ConsistentSet {
   std::uint32_t at_{};     ///< in the core order, from its end
   std::uint32_t level_{};
   bool coloured_{};
-  bool cut_{};  ///< something was left out for want of room
+  bool listed_{};  ///< the vertex that is opened is paid for
+  bool cut_{};     ///< something was left out for want of room
   Step step_{Step::done};
   std::uint32_t size_{};  ///< of the set in hand
   std::uint32_t best_size_{};

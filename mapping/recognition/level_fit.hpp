@@ -35,9 +35,10 @@ struct LevelFit {
 /// How far a pair's target is from where `place` lays its segment, squared, m^2.
 double squared_miss(const LevelPlace& place, const SweptPair& pair);
 
-/// Least squares over pairs[members[...]], at most 1,024: closed form in the plane, the mean in height. Sums
-/// are whole numbers, exact where the pairs lie within 200 m of each other, so their order does not matter.
-/// False where the turn is not to be had: fewer than two pairs, or all segments in one place.
+/// Least squares over pairs[members[...]]: closed form in the plane, the mean in height. Sums are whole
+/// numbers, and exact, so their order does not matter. False where the turn is not to be had: fewer than two
+/// pairs, or all segments in one place; and of more than 1,024, or where one lies more than 300 m from the
+/// first along x or y.
 [[nodiscard]] bool fit_level(std::span<const SweptPair> pairs, std::span<const std::uint16_t> members,
                              LevelFit& fit);
 

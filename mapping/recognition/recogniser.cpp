@@ -36,6 +36,7 @@ void Recogniser::begin(std::span<const SpeakingSegment> segments, const Candidat
 }
 
 void Recogniser::begin_search() {
+  static_cast<void>(sets_.begin(config_.set, {}));  // nothing of the search before
   pair_count_ = 0;
   at_ = 0;
   asking_ = false;
@@ -44,9 +45,11 @@ void Recogniser::begin_search() {
   step_ = Step::ask;
 }
 
-/// Each segment's candidates, as long as there is room for correspondences.
+/// Each segment's candidates, as long as there is room for correspondences; one that is too far away to be
+/// compared has none.
 bool Recogniser::ask(const TargetStore& store, std::uint64_t& units) {
   for (; at_ < segment_count_; ++at_) {
+    if (!ConsistencySweep::is_near(segments_[at_].place)) continue;
     if (!asking_) {
       CandidateQuery query = where_;
       query.descriptor = segments_[at_].descriptor;
@@ -68,7 +71,7 @@ bool Recogniser::work(const TargetStore& store, std::uint64_t& units) {
   if (step_ == Step::ask) {
     if (!ask(store, units)) return false;
     if (sets_.begin(config_.set, pairs()) != Status::ok) {
-      conclude(SetVerdict::inconsistent);  // a place that is out of range
+      conclude(SetVerdict::inconsistent);  // gates that are not usable
       return true;
     }
     step_ = Step::search;
@@ -153,8 +156,8 @@ void Recogniser::archive(rt::Archive& archive, const TargetStore& store) {
   refused_ = 0;
   step_ = Step::done;
   verdict_ = SetVerdict::none;
-  if (counts.begun == 0) return;
   begin_search();
+  if (counts.begun == 0) step_ = Step::done;
   while (refused_ < refusals && run(store, again) && !sets_.found().empty()) refuse();
   if (ran) (void)run(store, again);
   counts_ = counts;

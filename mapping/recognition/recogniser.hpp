@@ -24,7 +24,7 @@ struct RecogniserConfig {
   SORTIE_KEYS(c, key) {
     key("limits.speaking", c.segments, {3, kMostSegments, "segments", "of the local map that take part"});
     key("limits.correspondences", c.pairs,
-        {16, 8192, "pairs", "of segments and targets; 170 B and a half of a bit for each other one"});
+        {16, 8192, "pairs", "of segments and targets; 150 B each and half a byte for each other one"});
     key("most_units", c.most_units,
         {10'000, 1e9, "units", "of one search, what is not known then is undecided"});
     CandidateConfig::keys(c.candidates, key);
@@ -56,7 +56,8 @@ struct RecogniserCounts {
 
 /// Asks the store for each segment's candidates and searches for sets of them that agree, a budget at a time.
 /// Segments and places are copied as they are asked for; the same segments in any order, the same store and
-/// any budgets give the same answer. Memory: that of SetHypotheses, and 44 bytes a segment. No heap.
+/// any budgets give the same answer. Memory: that of SetHypotheses, 44 bytes a segment and 28 a
+/// correspondence. No heap.
 class Recogniser {
  public:
   Recogniser(const RecogniserConfig& config, rt::Arena& arena);

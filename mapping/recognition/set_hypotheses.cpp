@@ -31,10 +31,9 @@ SetHypotheses::SetHypotheses(std::uint32_t pairs, rt::Arena& arena)
 Status SetHypotheses::begin(const SetConfig& config, std::span<const SweptPair> pairs) {
   config_ = config;
   step_ = Step::done;
-  round_ = 0;
+  bent_ = 0;
   refused_ = 0;
   found_count_ = 0;
-  bent_ = false;
   proved_ = true;
   verdict_ = SetVerdict::none;
   if (members_.size() < BitGraph::words_of(static_cast<std::uint32_t>(pairs.size()))) return Status::full;
@@ -88,28 +87,31 @@ void SetHypotheses::refine(SetHypothesis& h) const {
   };
   Near near[SetHypothesis::kMostPairs];
   std::uint32_t count = 0;
+  const auto pair = [&](const Near& one) { return sweep_.pairs()[one.vertex].pair; };
   const double most = config_.eps_m * config_.eps_m;
   BitGraph::each(in_core_, [&](std::uint32_t v) {
-    const double miss = squared_miss(h.fit.place, sweep_.pairs()[v]);
-    if (miss > most) return;
-    const Correspondence& pair = sweep_.pairs()[v].pair;
-    bool is_nearest = true;
-    for (std::uint32_t k = 0; k < count;) {
-      const Correspondence& other = sweep_.pairs()[near[k].vertex].pair;
-      const bool same = other.segment == pair.segment || other.target == pair.target;
-      if (same && near[k].miss <= miss) is_nearest = false;
-      if (same && near[k].miss > miss) {
-        near[k] = near[--count];
-      } else {
-        ++k;
-      }
+    const Near one{squared_miss(h.fit.place, sweep_.pairs()[v]), static_cast<std::uint16_t>(v)};
+    if (one.miss > most) return;
+    std::uint32_t k = 0;
+    while (k < count && pair(near[k]).segment != pair(one).segment) ++k;
+    if (k == SetHypothesis::kMostPairs || (k < count && near[k].miss <= one.miss)) return;
+    near[k] = one;
+    count = std::max(count, k + 1);
+  });
+  const auto is_nearer = [&](const Near& a, const Near& b) {
+    return a.miss != b.miss ? a.miss < b.miss : pair(a) < pair(b);
+  };
+  for (std::uint32_t k = 0; k < count;) {
+    const bool is_nearest = std::none_of(near, near + count, [&](const Near& other) {
+      return pair(other).target == pair(near[k]).target && is_nearer(other, near[k]);
+    });
+    if (is_nearest) {
+      ++k;
+    } else {
+      near[k] = near[--count];
     }
-    if (is_nearest && count < SetHypothesis::kMostPairs)
-      near[count++] = {miss, static_cast<std::uint16_t>(v)};
-  });
-  std::sort(near, near + count, [&](const Near& a, const Near& b) {
-    return sweep_.pairs()[a.vertex].pair < sweep_.pairs()[b.vertex].pair;
-  });
+  }
+  std::sort(near, near + count, [&](const Near& a, const Near& b) { return pair(a) < pair(b); });
   h.count = count;
   for (std::uint32_t i = 0; i < count; ++i) h.pairs[i] = near[i].vertex;
 }
@@ -122,23 +124,45 @@ void SetHypotheses::remove(const SetHypothesis& h) {
   });
 }
 
-/// The round's set becomes a pose, or goes.
-void SetHypotheses::fit_round() {
-  ++round_;
-  SetHypothesis h;
-  bool rigid = fit_level(sweep_.pairs(), {round_set_, round_count_}, h.fit) && h.fit.rms_m <= config_.eps_m;
-  for (int again = 0; rigid && again < 2; ++again) {
+/// Without those that it lays worst, as long as the pose does not lay the others: a set may hold the whole of
+/// a place, and some more that agree with it two by two.
+bool SetHypotheses::lay(SetHypothesis& h) const {
+  const auto pairs = sweep_.pairs();
+  const auto fits = [&] { return h.count >= config_.least && fit_level(pairs, {h.pairs, h.count}, h.fit); };
+  if (!fits()) return false;
+  while (h.fit.rms_m > config_.eps_m) {
+    std::uint16_t* const end = h.pairs + h.count;
+    std::uint16_t* const worst = std::max_element(h.pairs, end, [&](std::uint16_t a, std::uint16_t b) {
+      return squared_miss(h.fit.place, pairs[a]) < squared_miss(h.fit.place, pairs[b]);
+    });
+    std::copy(worst + 1, end, worst);
+    --h.count;
+    if (!fits()) return false;
+  }
+  for (int again = 0; again < 2; ++again) {
     refine(h);
-    rigid = h.count >= config_.least && fit_level(sweep_.pairs(), {h.pairs, h.count}, h.fit);
+    if (!fits()) return false;
+  }
+  return true;
+}
+
+/// The round's set becomes a pose, or goes; both where the pose comes near no other one.
+void SetHypotheses::fit_round() {
+  SetHypothesis h;
+  h.count = round_count_;
+  std::copy(round_set_, round_set_ + round_count_, h.pairs);
+  const bool rigid = lay(h);
+  if (!rigid || h.count < least()) {
+    for (std::uint32_t i = 0; i < round_count_; ++i) BitGraph::take(members_, round_set_[i]);
   }
   if (!rigid) {
-    bent_ = true;
-    for (std::uint32_t i = 0; i < round_count_; ++i) BitGraph::take(members_, round_set_[i]);
+    ++bent_;
     return;
   }
   remove(h);
   for (std::uint32_t i = 0; i < h.count; ++i) h.pairs[i] = sweep_.number(h.pairs[i]);
-  std::uint32_t at = found_count_++;
+  if (is_full() && found_[kMost - 1].count >= h.count) return;
+  std::uint32_t at = is_full() ? kMost - 1 : found_count_++;
   for (; at > 0 && found_[at - 1].count < h.count; --at) found_[at] = found_[at - 1];
   found_[at] = h;
 }
@@ -146,7 +170,7 @@ void SetHypotheses::fit_round() {
 void SetHypotheses::judge() {
   step_ = Step::done;
   if (found_count_ == 0) {
-    verdict_ = bent_ ? SetVerdict::bent : SetVerdict::inconsistent;
+    verdict_ = bent_ > 0 ? SetVerdict::bent : SetVerdict::inconsistent;
     if (!proved_) verdict_ = SetVerdict::undecided;
   } else if (found_count_ > 1 && found_[1].count > config_.of_rival * found_[0].count) {
     verdict_ = SetVerdict::ambiguous;
@@ -158,8 +182,10 @@ void SetHypotheses::judge() {
 }
 
 void SetHypotheses::stop() {
-  if (step_ != Step::done) verdict_ = SetVerdict::undecided;
+  if (step_ == Step::done) return;
   step_ = Step::done;
+  proved_ = false;
+  verdict_ = SetVerdict::undecided;
 }
 
 void SetHypotheses::refuse() {
@@ -167,8 +193,11 @@ void SetHypotheses::refuse() {
   std::copy(found_ + 1, found_ + found_count_, found_);
   --found_count_;
   verdict_ = SetVerdict::inconsistent;
-  if (++refused_ == kMost) return;
-  round_ = 0;
+  if (++refused_ == kMost) {
+    found_count_ = 0;
+    return;
+  }
+  bent_ = std::min(bent_, 1u);
   begin_round();
 }
 
@@ -187,7 +216,8 @@ bool SetHypotheses::run(std::uint64_t& units) {
         begin_round();
         break;
       case Step::next:
-        if (found_count_ == kMost || round_ == kMostRounds || BitGraph::count(members_) < least()) {
+        if ((is_full() && found_[kMost - 1].count >= least()) || (found_count_ == 0 && bent_ >= kMostBent) ||
+            BitGraph::count(members_) < least()) {
           judge();
           break;
         }

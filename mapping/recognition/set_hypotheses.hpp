@@ -23,7 +23,7 @@ struct SetConfig {
 
   SORTIE_KEYS(c, key) {
     key("eps_m", c.eps_m,
-        {0.02, 10, "m", "most that distances of two segments and of their targets may differ"});
+        {0.02, 2.5, "m", "most that distances of two segments and of their targets may differ"});
     key("tilt_deg", c.tilt_deg, {0, 10, "deg", "that the map may be off the upright"});
     key("gravity", c.gravity, {"compare horizontal distances and heights apart, false: distances in space"});
     key("least", c.least, {3, 64, "segments", "in a consistent set"});
@@ -58,13 +58,16 @@ struct SetHypothesis {
 /// Searches in steps. All pairs are swept with half of eps, eps and twice that: the graphs are nested, and a
 /// set of one is the least that the next one's must exceed (after Z. Qiao et al., G3Reg,
 /// 2024). Of what lies in no core of the widest graph nothing more is asked. The largest set gives a pose,
-/// which is fitted to it, then twice more to every segment's nearest correspondence within eps. Then the same
-/// without what that pose explains, for sets that come near the first one's size. refuse() goes on without
-/// the first. The same list gives the same answer in whatever order it comes, and a budget only says when.
-/// Memory: that of ConsistencySweep and ConsistentSet. No heap.
+/// which is fitted to it, without those that it lays worst where it does not lay all, then twice more to
+/// every segment's nearest correspondence within eps. Then the same without what that pose explains, for sets
+/// that come near the first one's size, until there is none; where no pose lays any of kMostBent sets, no
+/// more are asked for. refuse() goes on without the first. The same list gives the same answer in whatever
+/// order it comes, and a budget only says when. Memory: that of ConsistencySweep and ConsistentSet. No heap.
 class SetHypotheses {
  public:
   static constexpr std::uint32_t kMost = 3;
+  /// Sets that no pose lays, where there is none that one does.
+  static constexpr std::uint32_t kMostBent = 6;
 
   /// Room for `pairs` correspondences.
   SetHypotheses(std::uint32_t pairs, rt::Arena& arena);
@@ -76,24 +79,25 @@ class SetHypotheses {
   /// No more units: what is not known by now is `undecided`.
   void stop();
   /// The best pose is not the place, somebody who looked says: the next run() searches on without what speaks
-  /// for it. At most kMost - 1 times; then, and where there is none, the verdict is `inconsistent`.
+  /// for it. At most kMost - 1 times; then there is none any more, and the verdict is `inconsistent`.
   void refuse();
 
   SetVerdict verdict() const { return verdict_; }
   /// Poses, the largest set first; those that are rigid alone, whatever their spread.
   std::span<const SetHypothesis> found() const { return {found_, found_count_}; }
-  /// Each of these sets is the largest that there is.
+  /// Each of these sets is the largest that there is, and the search for them was not stopped.
   bool proved() const { return proved_; }
 
  private:
   enum class Step : std::uint8_t { done, sweep, peel, next, search };
-  static constexpr std::uint32_t kMostRounds = 6;
 
   std::uint32_t least() const;
+  bool is_full() const { return found_count_ == kMost; }
   void keep_core();
   void begin_round();
   void take_set();
   void fit_round();
+  bool lay(SetHypothesis& hypothesis) const;
   void refine(SetHypothesis& hypothesis) const;
   void remove(const SetHypothesis& hypothesis);
   void judge();
@@ -104,9 +108,8 @@ class SetHypotheses {
   CoreOrder core_;
   Step step_{Step::done};
   std::uint32_t gate_{};     ///< of a round
-  std::uint32_t round_{};    ///< searches for a set, with those that no pose lays
   std::uint32_t refused_{};  ///< poses
-  bool bent_{};
+  std::uint32_t bent_{};     ///< sets that no pose lays
   bool proved_{};
   SetVerdict verdict_{SetVerdict::none};
   std::span<BitGraph::Word> in_core_;

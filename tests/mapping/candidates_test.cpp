@@ -146,6 +146,41 @@ TEST_CASE("Sizes at the ends of their range are within their gate, and no furthe
   }
 }
 
+TEST_CASE("Targets near a place at the ends of its range are those near it") {
+  mapping::TargetStoreConfig config;
+  config.key_frames = 2;
+  testing::OwnedTargets owned(config);
+  constexpr std::int32_t kFar = mapping::KeyFramePose::kFarthestCm, kEnd = 2'147'483'647;
+  mapping::TargetSighting seen;
+  for (const std::int32_t at : {kFar, -kFar}) {
+    seen.key_frame = static_cast<std::uint16_t>(at > 0);
+    REQUIRE(owned.store.set_key_frame(seen.key_frame, {{at, at, at}, {}}) == Status::ok);
+    REQUIRE(owned.store.put(seen).status == Status::ok);
+    ++seen.id;
+  }
+  mapping::CandidateSearch search({});
+  const auto near = [&](std::int32_t at, std::int32_t radius) {
+    mapping::CandidateQuery query;
+    query.has_prior = true;
+    query.prior = {at, at, at};
+    query.radius_cm = radius;
+    search.begin(query);
+    std::uint64_t units = 1'000;
+    REQUIRE(search.run(owned.store, units));
+    return search.size();
+  };
+  CHECK(near(kFar, 0) == 1);
+  CHECK(near(kFar, -1) == 0);
+  const auto corner = static_cast<std::int32_t>(std::sqrt(3.0) * kFar);
+  CHECK(near(0, corner) == 0);
+  CHECK(near(0, corner + 1) == 2);
+  for (const std::int32_t end : {kEnd, -kEnd - 1}) {
+    CHECK(near(end, 100'000) == 0);
+    CHECK(near(end, kEnd) == 0);  // further away than that, across
+    CHECK(near(end / 2, kEnd) == 1);
+  }
+}
+
 TEST_CASE("A search of candidates in an empty store is done at once and finds none") {
   testing::OwnedTargets owned({});
   REQUIRE(owned.arena.refused() == 0);

@@ -198,6 +198,36 @@ TEST_CASE("Places far away, and all in one place, are swept alike") {
   CHECK(edges > 0);
 }
 
+TEST_CASE("A target beside others that are as far apart as single precision goes is swept as the rule says") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  OwnedSweep owned(200);
+  const auto about = [&](double least, double most) {
+    return static_cast<std::int32_t>(std::floor(draws.uniform(least, most)));
+  };
+  constexpr std::int32_t kEdge = 1 << 24;
+  int edges = 0;
+  for (int run = 0; run < 30; ++run) {
+    std::vector<SweptPair> pairs;
+    for (std::uint16_t i = 0; i < 128; ++i) {
+      // In the order of tiles the first 64 come before the others, of which the last one stands far away.
+      PlaceCm target{kEdge + about(1, 400), kEdge - about(1, 500), about(0, 300)};
+      if (i >= 64) target = {kEdge - about(1, 300), kEdge + about(0, 500), about(0, 300)};
+      if (i == 127) target = {3, kEdge + 10, 0};
+      PlaceCm segment{target.x - kEdge + about(-45, 46), target.y - kEdge + about(-45, 46),
+                      target.z + about(-30, 31)};
+      if (i == 127) segment = {};
+      pairs.push_back({{i, i}, segment, target});
+    }
+    const ConsistencyGates gates{{10, 20, 40}, 9, run % 2 == 0};
+    REQUIRE(owned.sweep.begin(gates, pairs) == Status::ok);
+    REQUIRE(run_whole(owned.sweep));
+    CHECK(disagreements(owned.sweep, gates, pairs, edges) == 0);
+  }
+  CHECK(edges > 0);
+}
+
 TEST_CASE("A sweep in small budgets is the same sweep, and what it cannot take it refuses") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);

@@ -39,17 +39,21 @@ Pose any_pose(testing::Draws& draws) {
   return {draws.uniform(-3, 3), draws.uniform(-80, 80), draws.uniform(-80, 80), draws.uniform(-3, 9)};
 }
 
-std::vector<Point> scattered(int count, double wide_m, testing::Draws& draws) {
+/// At least 1 m from each other and from `others`: none is nearer to another one's target than that one.
+std::vector<Point> scattered(int count, double wide_m, testing::Draws& draws,
+                             const std::vector<Point>& others = {}) {
   std::vector<Point> points;
-  for (int i = 0; i < count; ++i) {
-    points.push_back(
-        {draws.uniform(-wide_m, wide_m), draws.uniform(-wide_m, wide_m), draws.uniform(-0.5, 3)});
+  while (static_cast<int>(points.size()) < count) {
+    const Point p{draws.uniform(-wide_m, wide_m), draws.uniform(-wide_m, wide_m), draws.uniform(-0.5, 3)};
+    const auto is_near = [&](const Point& o) { return std::hypot(p.x - o.x, p.y - o.y, p.z - o.z) < 1.0; };
+    if (std::any_of(points.begin(), points.end(), is_near)) continue;
+    if (std::any_of(others.begin(), others.end(), is_near)) continue;
+    points.push_back(p);
   }
   return points;
 }
 
-/// Correspondences of a local map: each segment with its own target, off by up to `noise_m` along each axis,
-/// and with `wrong` others.
+/// Correspondences of a local map.
 struct Scene {
   std::vector<Point> segments, targets;
   std::vector<SweptPair> pairs;
@@ -68,7 +72,7 @@ struct Scene {
     }
   }
   void add_targets(int count, testing::Draws& draws) {
-    for (const Point& p : scattered(count, 100, draws)) targets.push_back(p);
+    for (const Point& p : scattered(count, 100, draws, targets)) targets.push_back(p);
   }
 };
 
