@@ -16,7 +16,7 @@ using mapping::PlaceCm;
 using mapping::RigidPose;
 using tests::EuclideanMap;
 
-constexpr rt::Nanoseconds kS = rt::kNanosecondsPerSecond;
+constexpr rt::Nanoseconds kSecondNs = rt::kNanosecondsPerSecond;
 constexpr std::uint32_t kSlots = 512;
 
 /// Two walls, the one at x = 2 m `columns` half cells wide.
@@ -81,8 +81,8 @@ TEST_CASE("Local segments go on from stored bytes with the same next bytes") {
     INFO("round " << r);
     map.see(r < 8 ? 30 : 60, static_cast<rt::Tick>(r));
     REQUIRE(testing::restore(other.part, testing::stored(one.part)) == Status::ok);
-    REQUIRE(one.round(map, r * kS / 2) == Status::ok);
-    REQUIRE(other.round(map, r * kS / 2) == Status::ok);
+    REQUIRE(one.round(map, r * kSecondNs / 2) == Status::ok);
+    REQUIRE(other.round(map, r * kSecondNs / 2) == Status::ok);
     REQUIRE((testing::stored(one.part) == testing::stored(other.part)));
   }
   REQUIRE(one.part.segments().size() == 2);
@@ -100,7 +100,7 @@ TEST_CASE("What left the map since its labelling is not taken for a segment at i
   REQUIRE(local.part.segments().size() == 2);
   (void)map.map.insert(tests::scan_over({}), {{3.0, 0, 0}, {}}, 2);
   (void)map.map.insert(tests::scan_over({}), {{19.0, 0, 0}, {}}, 3);  // the wall at -2 m is now 21 m away
-  REQUIRE(local.round(map, kS) == Status::ok);
+  REQUIRE(local.round(map, kSecondNs) == Status::ok);
   REQUIRE(local.part.segments().size() == 1);
   CHECK(local.part.segments()[0].now.place.x > 150);
 }
@@ -119,7 +119,7 @@ TEST_CASE("A keeper of targets goes on from damaged bytes only with places that 
   WallMap map;
   map.see(60, 1);
   OwnedKeeper one;
-  one.keep(map, {100, 200, 30}, kS);
+  one.keep(map, {100, 200, 30}, kSecondNs);
   REQUIRE(one.part.store().kept() == 1);
   REQUIRE(one.part.key_frames() == 1);
   const std::vector<std::uint8_t> good = testing::stored(one.part);
@@ -136,7 +136,7 @@ TEST_CASE("A keeper of targets goes on from damaged bytes only with places that 
     }
     REQUIRE(other.part.key_frames() <= 1);
     const PlaceCm place{150, -250, 35};
-    other.keep(map, place, 2 * kS);
+    other.keep(map, place, 2 * kSecondNs);
     const mapping::TargetStore& store = other.part.store();
     for (const mapping::TargetRecord& record : store.records()) {
       if (record.state == mapping::TargetState::free || record.last_seen_ms != 2000) continue;
