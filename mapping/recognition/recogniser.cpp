@@ -93,7 +93,7 @@ bool Recogniser::run(const TargetStore& store, std::uint64_t& units) {
   units -= given - allowed;
   if (!done && spent_ == config_.most_units) {
     sets_.stop();
-    conclude(SetVerdict::undecided);
+    conclude(step_ == Step::search ? sets_.verdict() : SetVerdict::undecided);
     return true;
   }
   return done;

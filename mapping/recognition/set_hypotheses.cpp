@@ -10,6 +10,11 @@ constexpr std::uint32_t kGates = ConsistencyGates::kCount;
 constexpr double kGateShare[kGates] = {0.5, 1.0, 2.0};  // of eps
 /// What a pose explains: all that lies within so many eps of where it is laid.
 constexpr double kExplained = 2.0;
+/// What a place is compared with: poses that so many segments speak for, and more than that part of the best
+/// one's; by one gate.
+constexpr std::uint32_t kLeastOther = 3;
+constexpr double kOfOther = 0.3;
+constexpr std::uint32_t kOthersGate = 1;
 
 ConsistencyGates gates_of(const SetConfig& config) {
   ConsistencyGates gates;
@@ -34,6 +39,7 @@ Status SetHypotheses::begin(const SetConfig& config, std::span<const SweptPair> 
   bent_ = 0;
   refused_ = 0;
   found_count_ = 0;
+  others_ = false;
   proved_ = true;
   verdict_ = SetVerdict::none;
   if (members_.size() < BitGraph::words_of(static_cast<std::uint32_t>(pairs.size()))) return Status::full;
@@ -47,19 +53,21 @@ Status SetHypotheses::begin(const SetConfig& config, std::span<const SweptPair> 
   return Status::ok;
 }
 
-/// Segments that a set must have to be of interest: behind the best one only such as come near it.
+/// Segments that a set must have to be of interest: behind the best one only such as come near it; of others
+/// to compare with fewer.
 std::uint32_t SetHypotheses::least() const {
   if (found_count_ == 0) return config_.least;
   std::uint32_t most = 0;
   for (std::uint32_t i = 0; i < found_count_; ++i) most = std::max(most, found_[i].count);
-  return std::max(config_.least, static_cast<std::uint32_t>(config_.of_rival * most) + 1);
+  const double share = others_ ? kOfOther : config_.of_rival;
+  return std::max(others_ ? kLeastOther : config_.least, static_cast<std::uint32_t>(share * most) + 1);
 }
 
-/// A set of `least` lies within the core of least - 1.
-void SetHypotheses::keep_core() {
+/// A set of `size` lies within the core of size - 1.
+void SetHypotheses::keep_core(std::uint32_t size) {
   std::fill(in_core_.begin(), in_core_.end(), BitGraph::Word{0});
   for (const std::uint16_t v : core_.order()) {
-    if (core_.core(v) + 1u >= config_.least) BitGraph::put(in_core_, v);
+    if (core_.core(v) + 1u >= size) BitGraph::put(in_core_, v);
   }
   std::copy(in_core_.begin(), in_core_.end(), members_.begin());
 }
@@ -73,7 +81,7 @@ void SetHypotheses::begin_round() {
 /// The gate's set, where it is larger than those of narrower gates.
 void SetHypotheses::take_set() {
   const auto set = set_.found();
-  proved_ = proved_ && set_.proved();
+  proved_ = proved_ && (others_ || set_.proved());
   if (set.empty()) return;
   round_count_ = static_cast<std::uint32_t>(set.size());
   std::copy(set.begin(), set.end(), round_set_);
@@ -128,7 +136,8 @@ void SetHypotheses::remove(const SetHypothesis& h) {
 /// a place, and some more that agree with it two by two.
 bool SetHypotheses::lay(SetHypothesis& h) const {
   const auto pairs = sweep_.pairs();
-  const auto fits = [&] { return h.count >= config_.least && fit_level(pairs, {h.pairs, h.count}, h.fit); };
+  const std::uint32_t fewest = others_ ? kLeastOther : config_.least;
+  const auto fits = [&] { return h.count >= fewest && fit_level(pairs, {h.pairs, h.count}, h.fit); };
   if (!fits()) return false;
   while (h.fit.rms_m > config_.eps_m) {
     std::uint16_t* const end = h.pairs + h.count;
@@ -156,34 +165,65 @@ void SetHypotheses::fit_round() {
     for (std::uint32_t i = 0; i < round_count_; ++i) BitGraph::take(members_, round_set_[i]);
   }
   if (!rigid) {
-    ++bent_;
+    bent_ += others_ ? 0 : 1;
     return;
   }
   remove(h);
   for (std::uint32_t i = 0; i < h.count; ++i) h.pairs[i] = sweep_.number(h.pairs[i]);
   if (is_full() && found_[kMost - 1].count >= h.count) return;
   std::uint32_t at = is_full() ? kMost - 1 : found_count_++;
-  for (; at > 0 && found_[at - 1].count < h.count; --at) found_[at] = found_[at - 1];
+  const std::uint32_t first = others_ ? 1 : 0;
+  for (; at > first && found_[at - 1].count < h.count; --at) found_[at] = found_[at - 1];
   found_[at] = h;
+}
+
+/// There is one place: what else segments speak for, if fewer of them.
+void SetHypotheses::begin_others() {
+  others_ = true;
+  keep_core(kLeastOther);
+  for (std::uint32_t i = 0; i < found_count_; ++i) remove(found_[i]);
+  begin_round();
 }
 
 void SetHypotheses::judge() {
   step_ = Step::done;
+  if (found_count_ > 0 && found_[0].count < config_.least)
+    found_count_ = 0;  // what another was compared with
+  const auto is_rival = [&](const SetHypothesis& other) {
+    return other.count >= config_.least && other.count > config_.of_rival * found_[0].count;
+  };
   if (found_count_ == 0) {
     verdict_ = bent_ > 0 ? SetVerdict::bent : SetVerdict::inconsistent;
     if (!proved_) verdict_ = SetVerdict::undecided;
-  } else if (found_count_ > 1 && found_[1].count > config_.of_rival * found_[0].count) {
+  } else if (found_count_ > 1 && is_rival(found_[1])) {
     verdict_ = SetVerdict::ambiguous;
   } else if (found_[0].fit.spread_m < config_.spread_m) {
     verdict_ = SetVerdict::narrow;
   } else {
     verdict_ = proved_ ? SetVerdict::found : SetVerdict::undecided;
+    if (proved_) begin_others();
+  }
+}
+
+/// No more sets are asked for.
+bool SetHypotheses::has_enough() const {
+  if (others_) return is_full();
+  if (found_count_ == 0) return bent_ >= kMostBent;
+  return found_count_ >= kMostRivals && found_[kMostRivals - 1].count >= least();
+}
+
+void SetHypotheses::conclude() {
+  if (others_) {
+    step_ = Step::done;
+  } else {
+    judge();
   }
 }
 
 void SetHypotheses::stop() {
   if (step_ == Step::done) return;
   step_ = Step::done;
+  if (others_) return;
   proved_ = false;
   verdict_ = SetVerdict::undecided;
 }
@@ -198,6 +238,7 @@ void SetHypotheses::refuse() {
     return;
   }
   bent_ = std::min(bent_, 1u);
+  others_ = false;
   begin_round();
 }
 
@@ -212,25 +253,25 @@ bool SetHypotheses::run(std::uint64_t& units) {
         break;
       case Step::peel:
         if (!core_.run(units)) return false;
-        keep_core();
+        keep_core(config_.least);
         begin_round();
         break;
       case Step::next:
-        if ((is_full() && found_[kMost - 1].count >= least()) || (found_count_ == 0 && bent_ >= kMostBent) ||
-            BitGraph::count(members_) < least()) {
-          judge();
+        if (has_enough() || BitGraph::count(members_) < least()) {
+          conclude();
           break;
         }
-        set_.begin(sweep_.graph(gate_), members_, std::max(least(), round_count_ + 1));
+        set_.begin(sweep_.graph(others_ ? kOthersGate : gate_), members_,
+                   std::max(least(), round_count_ + 1));
         step_ = Step::search;
         break;
       case Step::search:
         if (!set_.run(units)) return false;
         take_set();
         step_ = Step::next;
-        if (++gate_ < kGates) break;
+        if (!others_ && ++gate_ < kGates) break;
         if (round_count_ == 0) {
-          judge();
+          conclude();
         } else {
           fit_round();
           begin_round();

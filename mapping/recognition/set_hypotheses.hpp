@@ -61,11 +61,14 @@ struct SetHypothesis {
 /// which is fitted to it, without those that it lays worst where it does not lay all, then twice more to
 /// every segment's nearest correspondence within eps. Then the same without what that pose explains, for sets
 /// that come near the first one's size, until there is none; where no pose lays any of kMostBent sets, no
-/// more are asked for. refuse() goes on without the first. The same list gives the same answer in whatever
-/// order it comes, and a budget only says when. Memory: that of ConsistencySweep and ConsistentSet. No heap.
+/// more are asked for. Where that leaves one place, sets of three segments and more than 0.3 of its own are
+/// sought, too: they do not make it ambiguous, but whoever holds a scan against it has to compare it with
+/// them. refuse() goes on without the first. The same list gives the same answer in whatever order it comes,
+/// and a budget only says when. Memory: that of ConsistencySweep and ConsistentSet. No heap.
 class SetHypotheses {
  public:
-  static constexpr std::uint32_t kMost = 3;
+  static constexpr std::uint32_t kMost = 8;
+  static constexpr std::uint32_t kMostRivals = 3;  ///< poses, after which a place is ambiguous enough
   /// Sets that no pose lays, where there is none that one does.
   static constexpr std::uint32_t kMostBent = 6;
 
@@ -76,16 +79,18 @@ class SetHypotheses {
   [[nodiscard]] Status begin(const SetConfig& config, std::span<const SweptPair> pairs);
   /// Goes on for at most `units` and a step, takes what it used off. True: the verdict is there.
   bool run(std::uint64_t& units);
-  /// No more units: what is not known by now is `undecided`.
+  /// No more units: what is not known by now is `undecided`; a place that is found has fewer to compare with.
   void stop();
   /// The best pose is not the place, somebody who looked says: the next run() searches on without what speaks
   /// for it. At most kMost - 1 times; then there is none any more, and the verdict is `inconsistent`.
   void refuse();
 
   SetVerdict verdict() const { return verdict_; }
-  /// Poses, the largest set first; those that are rigid alone, whatever their spread.
+  /// Poses, the largest set first; those that are rigid alone, whatever their spread. Behind a place that is
+  /// `found` those that it has to be compared with.
   std::span<const SetHypothesis> found() const { return {found_, found_count_}; }
-  /// Each of these sets is the largest that there is, and the search for them was not stopped.
+  /// Each of these sets, but for what is compared with, is the largest that there is, and the search for them
+  /// was not stopped.
   bool proved() const { return proved_; }
 
  private:
@@ -93,14 +98,17 @@ class SetHypotheses {
 
   std::uint32_t least() const;
   bool is_full() const { return found_count_ == kMost; }
-  void keep_core();
+  bool has_enough() const;
+  void keep_core(std::uint32_t size);
   void begin_round();
   void take_set();
   void fit_round();
   bool lay(SetHypothesis& hypothesis) const;
   void refine(SetHypothesis& hypothesis) const;
   void remove(const SetHypothesis& hypothesis);
+  void begin_others();
   void judge();
+  void conclude();
 
   SetConfig config_;
   ConsistencySweep sweep_;
@@ -110,6 +118,7 @@ class SetHypotheses {
   std::uint32_t gate_{};     ///< of a round
   std::uint32_t refused_{};  ///< poses
   std::uint32_t bent_{};     ///< sets that no pose lays
+  bool others_{};            ///< the verdict is known, what it is compared with is not
   bool proved_{};
   SetVerdict verdict_{SetVerdict::none};
   std::span<BitGraph::Word> in_core_;

@@ -222,6 +222,33 @@ TEST_CASE("A set that fills its room is a pose, but nobody knows whether it is t
   }
 }
 
+TEST_CASE("What fewer segments speak for makes no place ambiguous, but is told to whoever looks") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  testing::Draws draws(seed);
+  Owned owned(600);
+  const Pose truth = any_pose(draws);
+  const Pose other{truth.yaw + 2.0, truth.x + 300.0, truth.y, truth.z};  // farther off than all else is wide
+  Scene scene;
+  scene.segments = scattered(10, 15, draws);
+  for (const std::size_t count : {std::size_t{10}, std::size_t{4}}) {
+    for (std::size_t i = 0; i < count; ++i) {
+      scene.targets.push_back((count == 10 ? truth : other)(scene.segments[i]));
+      scene.pair(i, scene.targets.size() - 1);
+    }
+  }
+  CHECK(owned.ask(scene.pairs) == SetVerdict::found);
+  REQUIRE(owned.sets.found().size() == 2);
+  CHECK(owned.sets.found()[0].count == 10);
+  CHECK(owned.sets.found()[1].count == 4);
+  CHECK(miss_m(owned.sets.found()[1].fit.place, other, scene.segments[0]) < 0.1);
+  owned.sets.refuse();
+  std::uint64_t units = ~std::uint64_t{0};
+  REQUIRE(owned.sets.run(units));
+  CHECK(owned.sets.verdict() == SetVerdict::inconsistent);
+  CHECK(owned.sets.found().empty());
+}
+
 TEST_CASE("An answer depends neither on the order of the correspondences nor on the budgets") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
