@@ -87,9 +87,12 @@ void try_gates(Message bytes) {
     // The first row's bits say how old it is, and whether a stop needs its counter.
     const rt::Nanoseconds now_ns = (bytes[row] & 2) != 0 ? 1001 : 1000;
     const auto order = (bytes[row] & 4) != 0 ? planner::StopOrder::any : planner::StopOrder::rising;
-    if (planner::stop_rank(request) != 0) {  // nothing but its mode counts, and it is never refused
-      require(drive.take(request, rules, now_ns) == Status::ok);
-      require(drive.newest >= newest);
+    if (const std::uint32_t rank = planner::stop_rank(request); rank != 0) {
+      // Nothing but its mode counts, and it is refused behind a more final one alone, where it has to rise.
+      const bool in_turn = request.counter > newest && request.counter - newest <= planner::kMostCounterStep;
+      const bool taken = drive.rank <= rank || in_turn;
+      require((drive.take(request, rules, now_ns) == Status::ok) == taken);
+      require(drive.newest == (in_turn ? request.counter : newest));
     } else if (drive.take(request, rules, now_ns) == Status::ok) {
       require(request.counter > newest && request.counter - newest <= planner::kMostCounterStep);
       require(drive.newest == request.counter && now_ns == 1000);
