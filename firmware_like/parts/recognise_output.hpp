@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "mapping/grid/rolling_grid_config.hpp"
 #include "mapping/recognition/recogniser.hpp"
 #include "rt/describe.hpp"
 #include "rt/recognised_place.hpp"

@@ -15,26 +15,27 @@ using namespace sortie;
 using mapping::SetVerdict;
 using mapping::SweptPair;
 
-struct Point {
+struct SpiralPoint {
   double x, y, z;
 };
 
-mapping::PlaceCm rounded(const Point& p) {
+mapping::PlaceCm rounded_point(const SpiralPoint& p) {
   const auto whole = [](double m) { return static_cast<std::int32_t>(std::floor(100.0 * m + 0.5)); };
   return {whole(p.x), whole(p.y), whole(p.z)};
 }
 
 /// Segments, and targets that each belong to one of them; places are far from each other.
-struct Scene {
-  std::vector<Point> segments;
+struct RivalScene {
+  std::vector<SpiralPoint> segments;
   std::vector<SweptPair> pairs;
 
-  void put(std::size_t segment, const Point& at, double yaw, int place) {
+  void put(std::size_t segment, const SpiralPoint& at, double yaw, int place) {
     const double c = std::cos(yaw), s = std::sin(yaw);
-    const Point there{c * at.x - s * at.y + 200.0 * place, s * at.x + c * at.y, at.z};
+    const SpiralPoint there{c * at.x - s * at.y + 200.0 * place, s * at.x + c * at.y, at.z};
     const auto target = static_cast<std::uint16_t>(pairs.size());
-    pairs.push_back(
-        {{static_cast<std::uint16_t>(segment), target}, rounded(segments[segment]), rounded(there)});
+    pairs.push_back({{static_cast<std::uint16_t>(segment), target},
+                     rounded_point(segments[segment]),
+                     rounded_point(there)});
   }
   /// The first so many segments as they are, at a place.
   void place(std::size_t count, double yaw, int place) {
@@ -48,8 +49,8 @@ struct Scene {
 
 /// Points on a spiral about the middle, 1.5 m apart and more, shaken by up to 0.3 m: nearly nothing of them
 /// agrees with its mirror image.
-std::vector<Point> spiral(int count, testing::Draws& draws) {
-  std::vector<Point> points;
+std::vector<SpiralPoint> spiral(int count, testing::Draws& draws) {
+  std::vector<SpiralPoint> points;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.4 * i, radius = 2.0 * std::sqrt(1.0 + i);
     points.push_back({radius * std::cos(angle) + draws.uniform(-0.3, 0.3),
@@ -58,18 +59,18 @@ std::vector<Point> spiral(int count, testing::Draws& draws) {
   return points;
 }
 
-struct Owned {
+struct RivalSearch {
   std::vector<std::byte> memory = std::vector<std::byte>(1 << 20);
   rt::Arena arena{memory};
   mapping::SetHypotheses sets{400, arena};
 
-  Owned() { REQUIRE(arena.refused() == 0); }
+  RivalSearch() { REQUIRE(arena.refused() == 0); }
   SetVerdict run() {
     std::uint64_t units = ~std::uint64_t{0};
     REQUIRE(sets.run(units));
     return sets.verdict();
   }
-  SetVerdict ask(const Scene& scene) {
+  SetVerdict ask(const RivalScene& scene) {
     REQUIRE(sets.begin({}, scene.pairs) == Status::ok);
     return run();
   }
@@ -80,16 +81,16 @@ TEST_CASE("Another place is seen behind as many mirror images of it as there are
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned;
+  RivalSearch owned;
   for (int run = 0; run < 40; ++run) {
     INFO("run " << run);
-    Scene scene;
+    RivalScene scene;
     scene.segments = spiral(12, draws);
     scene.place(12, draws.uniform(-3, 3), 0);
     for (int mirror = 1; mirror <= 9; ++mirror) {
       const double yaw = draws.uniform(-3, 3);
       for (std::size_t i = 0; i < 11; ++i) {
-        const Point& p = scene.segments[i];
+        const SpiralPoint& p = scene.segments[i];
         scene.put(i, {p.x, -p.y, p.z}, yaw, mirror);
       }
     }
@@ -104,20 +105,20 @@ TEST_CASE("Another place is seen in a set that agrees two by two, but is not lai
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned;
+  RivalSearch owned;
   for (int run = 0; run < 100; ++run) {
     INFO("run " << run);
-    Scene scene;
+    RivalScene scene;
     for (int i = 0; i < 9; ++i)
       scene.segments.push_back({draws.uniform(-2, 2), draws.uniform(-2, 2), draws.uniform(0, 2)});
-    for (const Point& far : {Point{30, 0.3, 1}, {-30, -0.3, 1}, {31, 2, 0}, {-31, 1, 0}})
+    for (const SpiralPoint& far : {SpiralPoint{30, 0.3, 1}, {-30, -0.3, 1}, {31, 2, 0}, {-31, 1, 0}})
       scene.segments.push_back(far);
     scene.place(10, draws.uniform(-3, 3), 0);
     // At the second place what is far away stands 1.6 m beside, square to where it is seen: the distances are
     // the same to 0.2 m.
     const double yaw = draws.uniform(-3, 3);
     for (std::size_t i = 0; i < 13; ++i) {
-      Point p = scene.segments[i];
+      SpiralPoint p = scene.segments[i];
       if (i >= 9) p.y += 1.6;
       scene.put(i, p, yaw, 1);
     }
@@ -130,17 +131,17 @@ TEST_CASE("Another place is seen behind sets of which a pose lays little") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned;
+  RivalSearch owned;
   for (int run = 0; run < 100; ++run) {
     INFO("run " << run);
-    Scene scene;
+    RivalScene scene;
     scene.segments = spiral(10, draws);
     scene.place(10, draws.uniform(-3, 3), 0);
     for (const int place : {1, 2}) {
       const double yaw = draws.uniform(-3, 3);
       // Six as they are and three higher: the pose between them lays those six alone.
       for (std::size_t i = 0; i < 9; ++i) {
-        Point p = scene.segments[i];
+        SpiralPoint p = scene.segments[i];
         if (i % 3 == 2) p.z += 0.75;
         scene.put(i, p, yaw, place);
       }
@@ -154,10 +155,10 @@ TEST_CASE("Another place is seen behind sets of which a pose lays little") {
 
 TEST_CASE(
     "Of two segments side by side each lies on the target that is nearest to it, whatever their numbers") {
-  Owned owned;
+  RivalSearch owned;
   for (const bool targets_turned : {false, true}) {
     for (const bool segments_turned : {false, true}) {
-      Scene scene;
+      RivalScene scene;
       testing::Draws draws(3);
       scene.segments = spiral(8, draws);
       scene.place(8, 0, 0);
@@ -177,8 +178,8 @@ TEST_CASE("Places are refused twice and no more, and a search that was stopped p
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned;
-  Scene scene;
+  RivalSearch owned;
+  RivalScene scene;
   scene.segments = spiral(10, draws);
   for (int place = 0; place < 8; ++place) scene.place(10, draws.uniform(-3, 3), place);
   CHECK(owned.ask(scene) == SetVerdict::ambiguous);
