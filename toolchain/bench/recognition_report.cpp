@@ -30,8 +30,9 @@ PeerFront recognition_front() {
   front.options = {
       {"--cases", std::optional<std::uint64_t>{}, "Cases a row, if not as many as each part takes by itself",
        1, 1000000},
-      {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs and halls", 0, 1000000000},
-      choice("--only", "One part alone", {"streets", "outliers", "graphs", "descriptors"})};
+      {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
+      choice("--only", "One part alone",
+             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits"})};
   front.title = "Recognition of places";
   front.intro =
       "Times are of the thread's processor: **take the ratios, not the milliseconds**. Tables and pictures "
@@ -41,7 +42,9 @@ PeerFront recognition_front() {
   front.headings = {{"streets", "Beside PCL's grouping: a drive through streets"},
                     {"outliers", "Beside a dense cluster and the densest core: most are wrong"},
                     {"graphs", "Any graph: what a budget finds"},
-                    {"descriptors", "Segments of two visits: how well they are told apart"}};
+                    {"descriptors", "Segments of two visits: how well they are told apart"},
+                    {"deceive", "Worlds that are built to deceive"},
+                    {"revisits", "Halls that are visited twice: what is recognised"}};
   front.pictures = drawn_pictures;
   return front;
 }

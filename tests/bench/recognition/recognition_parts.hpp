@@ -23,5 +23,11 @@ void measure_recognition_outliers(const RecognitionSettings& settings, Report& r
 void measure_recognition_graphs(const RecognitionSettings& settings, Report& report);
 /// What segments of two visits of made-up halls are told apart by: the 24 bytes beside the seven features.
 void measure_recognition_descriptors(const RecognitionSettings& settings, Report& report);
+/// Worlds that are built to deceive: how many places are told that are none.
+void measure_recognition_deceive(const RecognitionSettings& settings, Report& report);
+/// Halls that are visited twice: how many are recognised, after which way, by the size of the local map.
+void measure_recognition_revisits(const RecognitionSettings& settings, Report& report);
+/// Places without segments that are visited twice: what images of heights find.
+void measure_recognition_images(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench
