@@ -69,6 +69,8 @@ std::vector<SweptPair> correspondences(testing::Draws& draws, int segments, int 
   for (int i = 0; i < segments; ++i) {
     local.push_back({whole(draws.uniform(-wide_cm, wide_cm)), whole(draws.uniform(-wide_cm, wide_cm)),
                      whole(draws.uniform(-150, 400))});
+    // Two stand in one place, and look like one target.
+    if (i == 1) local[1] = {local[0].x + 3, local[0].y, local[0].z};
     const PlaceCm& p = local.back();
     targets.push_back({whole(at_x + c * p.x - s * p.y + draws.uniform(-30, 30)),
                        whole(at_y + s * p.x + c * p.y + draws.uniform(-30, 30)),
@@ -82,7 +84,8 @@ std::vector<SweptPair> correspondences(testing::Draws& draws, int segments, int 
   for (int i = 0; i < segments; ++i) {
     for (int k = 0; k < each; ++k) {
       const auto n = static_cast<double>(targets.size());
-      const auto t = k == 0 ? static_cast<std::uint16_t>(i) : static_cast<std::uint16_t>(draws.uniform(0, n));
+      auto t = static_cast<std::uint16_t>(i);
+      if (k > 0) t = i == 1 && k == 1 ? std::uint16_t{0} : static_cast<std::uint16_t>(draws.uniform(0, n));
       const mapping::Correspondence pair{static_cast<std::uint16_t>(i), t};
       const auto is_there = [&](const SweptPair& p) { return p.pair == pair; };
       if (std::any_of(pairs.begin(), pairs.end(), is_there)) continue;

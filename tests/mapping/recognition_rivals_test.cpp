@@ -174,20 +174,21 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("Places are refused twice and no more, and a search that was stopped proves nothing") {
+TEST_CASE("Places are refused seven times and no more, and a search that was stopped proves nothing") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
   RivalSearch owned;
   RivalScene scene;
   scene.segments = spiral(10, draws);
-  for (int place = 0; place < 8; ++place) scene.place(10, draws.uniform(-3, 3), place);
+  constexpr int kMost = mapping::SetHypotheses::kMost, kRivals = mapping::SetHypotheses::kMostRivals;
+  for (int place = 0; place < kMost - 1 + kRivals; ++place) scene.place(10, draws.uniform(-3, 3), place);
   CHECK(owned.ask(scene) == SetVerdict::ambiguous);
   CHECK(owned.sets.proved());
-  for (int refusal = 0; refusal < 2; ++refusal) {
+  for (int refusal = 0; refusal < kMost - 1; ++refusal) {
     owned.sets.refuse();
     CHECK(owned.run() == SetVerdict::ambiguous);
-    CHECK(owned.sets.found().size() == mapping::SetHypotheses::kMost);
+    CHECK(owned.sets.found().size() == kRivals);
   }
   for (int refusal = 0; refusal < 3; ++refusal) {
     owned.sets.refuse();
