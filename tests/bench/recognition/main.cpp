@@ -18,8 +18,7 @@ struct RecognitionPart {
 constexpr RecognitionPart kRecognitionParts[] = {
     {"streets", measure_recognition_streets}, {"outliers", measure_recognition_outliers},
     {"graphs", measure_recognition_graphs},   {"descriptors", measure_recognition_descriptors},
-    {"deceive", measure_recognition_deceive}, {"revisits", measure_recognition_revisits},
-    {"images", measure_recognition_images}};
+    {"deceive", measure_recognition_deceive}, {"revisits", measure_recognition_revisits}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;
@@ -49,8 +48,7 @@ int run(int argc, char** argv) {
     part.measure(settings, report);
   }
   if (!found)
-    throw std::invalid_argument(
-        "--only takes streets, outliers, graphs, descriptors, deceive, revisits or images");
+    throw std::invalid_argument("--only takes streets, outliers, graphs, descriptors, deceive or revisits");
   root["load_after"] = load_average();
   std::cout << root.dump() << std::endl;
   return 0;

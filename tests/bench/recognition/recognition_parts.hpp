@@ -27,7 +27,5 @@ void measure_recognition_descriptors(const RecognitionSettings& settings, Report
 void measure_recognition_deceive(const RecognitionSettings& settings, Report& report);
 /// Halls that are visited twice: how many are recognised, after which way, by the size of the local map.
 void measure_recognition_revisits(const RecognitionSettings& settings, Report& report);
-/// Places without segments that are visited twice: what images of heights find.
-void measure_recognition_images(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench
