@@ -71,14 +71,4 @@ Candidate CandidateSearch::operator[](std::uint32_t i) const {
           static_cast<std::uint8_t>(255 - (rank >> 16 & 255))};
 }
 
-void CandidateSearch::archive(rt::Archive& archive) {
-  rt::Members(archive, *this, "candidates")
-      .fixed(config_)
-      .state(query_, ranks_, found_, compared_, at_, credit_);
-  if (!archive.is_reading()) return;
-  const bool fits = found_ <= config_.most && at_ % TargetSizes::kBlock == 0;
-  if (!fits) archive.fail(Status::malformed, "a search of candidates that cannot be");
-  if (archive.status() != Status::ok) begin({});
-}
-
 }  // namespace sortie::mapping

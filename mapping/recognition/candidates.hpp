@@ -6,7 +6,6 @@
 
 #include "mapping/recognition/target_store.hpp"
 #include "mapping/registration/unit_credit.hpp"
-#include "rt/archive.hpp"
 #include "rt/describe.hpp"
 #include "rt/keys.hpp"
 
@@ -68,8 +67,6 @@ class CandidateSearch {
   /// Targets that passed all gates in this search, and were compared.
   std::uint32_t compared() const { return compared_; }
   const CandidateConfig& config() const { return config_; }
-
-  void archive(rt::Archive& archive);
 
  private:
   bool is_wanted(const TargetRecord& record, const PlaceCm& place) const;

@@ -121,33 +121,3 @@ TEST_CASE("Bytes that are no store's of targets leave it empty, or are a state t
   }
   CHECK(refused > 100);
 }
-
-TEST_CASE("A search of candidates goes on from stored bytes, and from no hostile ones") {
-  const std::uint32_t seed = std::random_device{}();
-  INFO("seed " << seed);
-  testing::TargetDraws draws(seed);
-  mapping::TargetStoreConfig config = stored_config();
-  config.targets = 500;
-  testing::OwnedTargets owned(config);
-  for (const TargetEvent& event : draws.stream(config, 900)) testing::happens(owned.store, event);
-  mapping::CandidateSearch one({10, 255}), other({10, 255});
-  for (int round = 0; round < 200; ++round) {
-    one.begin({draws.look()});
-    std::uint64_t units = static_cast<std::uint64_t>(draws.whole(0, 900));
-    one.run(owned.store, units);
-    const std::vector<std::uint8_t> bytes = stored(one);
-    std::vector<std::uint8_t> bad = bytes;
-    bad[static_cast<std::size_t>(draws.whole(0, static_cast<std::int32_t>(bad.size()) - 1))] =
-        draws.byte(0, 255);
-    (void)restore(other, bad);
-    units = ~0ull / 2;
-    REQUIRE(other.run(owned.store, units));
-    REQUIRE(other.size() <= 10);
-    REQUIRE(restore(other, bytes) == Status::ok);
-    for (mapping::CandidateSearch* search : {&one, &other}) {
-      units = ~0ull / 2;
-      REQUIRE(search->run(owned.store, units));
-    }
-    REQUIRE((stored(one) == stored(other)));
-  }
-}
