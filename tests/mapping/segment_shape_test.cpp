@@ -251,7 +251,8 @@ TEST_CASE("Up is not down") {
   CHECK(difference(testing::describe(pole), testing::describe(fallen)) <= 2);
 }
 
-TEST_CASE("Bodies that are mapped anew, turned and moved, look like themselves and not like others") {
+TEST_CASE("Bodies that are mapped anew, turned and moved, look like themselves and not like others",
+          "[heavy]") {
   // No random numbers: what holds of these 120 views holds always. A wall along the grid has up to 1.41 times
   // fewer voxels than one across, 4 steps of fill; edges and a top in one layer of cells or in two add to
   // that.
