@@ -2,23 +2,20 @@
 // sortie-bench-recognition: sets of correspondences that agree, beside PCL's grouping, CLIPPER and ROBIN;
 // descriptors beside seven features; places that are told where there is none, and those that are.
 // Prints one JSON object; `sortie bench recognition` runs it and shows the tables.
-#include <iostream>
 #include <stdexcept>
 
 #include "tests/bench/recognition/recognition_parts.hpp"
 #include "tests/bench/report/arguments.hpp"
+#include "tests/bench/report/parts.hpp"
 
 namespace sortie::bench {
 namespace {
 
-struct RecognitionPart {
-  const char* name;
-  void (*measure)(const RecognitionSettings&, Report&);
-};
-constexpr RecognitionPart kRecognitionParts[] = {
-    {"streets", measure_recognition_streets}, {"outliers", measure_recognition_outliers},
-    {"graphs", measure_recognition_graphs},   {"descriptors", measure_recognition_descriptors},
-    {"deceive", measure_recognition_deceive}, {"revisits", measure_recognition_revisits}};
+constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
+    {"streets", measure_recognition_streets},  {"outliers", measure_recognition_outliers},
+    {"graphs", measure_recognition_graphs},    {"descriptors", measure_recognition_descriptors},
+    {"deceive", measure_recognition_deceive},  {"revisits", measure_recognition_revisits},
+    {"evidence", measure_recognition_evidence}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;
@@ -35,22 +32,8 @@ int run(int argc, char** argv) {
     else
       throw std::invalid_argument("unknown option " + option);
   }
-  Report report;
-  Json& root = report.root();
-  root["load_before"] = load_average();
-  for (const char* list : {"figures", "tables", "skipped", "notes", "pictures"}) root[list] = Json::array();
-  root["settings"] = {{"cases", settings.cases}, {"seed", settings.seed}, {"only", only}};
-  bool found = false;
-  for (const RecognitionPart& part : kRecognitionParts) {
-    if (!only.empty() && only != part.name) continue;
-    found = true;
-    std::cerr << "recognising: " << part.name << std::endl;
-    part.measure(settings, report);
-  }
-  if (!found)
-    throw std::invalid_argument("--only takes streets, outliers, graphs, descriptors, deceive or revisits");
-  root["load_after"] = load_average();
-  std::cout << root.dump() << std::endl;
+  print_parts<RecognitionSettings>(kRecognitionParts, settings, only,
+                                   {{"cases", settings.cases}, {"seed", settings.seed}});
   return 0;
 }
 

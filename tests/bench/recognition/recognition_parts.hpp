@@ -27,5 +27,7 @@ void measure_recognition_descriptors(const RecognitionSettings& settings, Report
 void measure_recognition_deceive(const RecognitionSettings& settings, Report& report);
 /// Halls that are visited twice: how many are recognised, after which way, by the size of the local map.
 void measure_recognition_revisits(const RecognitionSettings& settings, Report& report);
+/// What a scan has to say before it is believed: false places and right ones, by `over_unexplained`.
+void measure_recognition_evidence(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench

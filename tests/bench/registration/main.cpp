@@ -2,20 +2,16 @@
 // sortie-bench-registration: the registration of scans, planes and clouds beside PCL's, its error over run
 // time, its basin, and what it says of places that are false. Prints one JSON object; `sortie bench
 // registration` runs it and shows the tables.
-#include <iostream>
 #include <stdexcept>
 
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/report/arguments.hpp"
+#include "tests/bench/report/parts.hpp"
 
 namespace sortie::bench {
 namespace {
 
-struct RegistrationPart {
-  const char* name;
-  void (*measure)(const RegistrationSettings&, Report&);
-};
-constexpr RegistrationPart kRegistrationParts[] = {
+constexpr BenchPart<RegistrationSettings> kRegistrationParts[] = {
     {"peers", measure_registration_peers},       {"sweep", measure_registration_sweep},
     {"fields", measure_registration_fields},     {"counts", measure_registration_counts},
     {"basin", measure_registration_basin},       {"places", measure_registration_places},
@@ -43,23 +39,8 @@ int run(int argc, char** argv) {
     else
       throw std::invalid_argument("unknown option " + option);
   }
-  Report report;
-  Json& root = report.root();
-  root["load_before"] = load_average();
-  for (const char* list : {"figures", "tables", "skipped", "notes", "pictures"}) root[list] = Json::array();
-  root["settings"] = {{"cases", settings.cases}, {"seed", settings.seed}, {"only", only}};
-  bool found = false;
-  for (const RegistrationPart& part : kRegistrationParts) {
-    if (!only.empty() && only != part.name) continue;
-    found = true;
-    std::cerr << "registering: " << part.name << std::endl;
-    part.measure(settings, report);
-  }
-  if (!found)
-    throw std::invalid_argument(
-        "--only takes peers, sweep, fields, counts, basin, places, walk, lost, corridor, planes or clouds");
-  root["load_after"] = load_average();
-  std::cout << root.dump() << std::endl;
+  print_parts<RegistrationSettings>(kRegistrationParts, settings, only,
+                                    {{"cases", settings.cases}, {"seed", settings.seed}});
   return 0;
 }
 

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-uav: flies simulated multirotors with the state controller and its peers and prints one JSON
 // object.
-#include <iostream>
 #include <stdexcept>
 
 #include "tests/bench/report/arguments.hpp"
+#include "tests/bench/report/parts.hpp"
 #include "tests/bench/uav/uav_parts.hpp"
 #include "toolchain/bench/child_process.hpp"
 
 namespace sortie::bench {
 namespace {
 
-struct UavPart {
-  const char* name;
-  void (*measure)(const UavSettings&, Report&);
-};
-constexpr UavPart kUavParts[] = {
+constexpr BenchPart<UavSettings> kUavParts[] = {
     {"peers", measure_uav_peers},       {"stress", measure_uav_stress}, {"estimated", measure_uav_estimated},
     {"orders", measure_uav_orders},     {"rates", measure_uav_sweep},   {"plant", measure_uav_steps},
     {"pictures", measure_uav_pictures}, {"paths", measure_uav_paths},   {"count", measure_uav_count}};
@@ -38,23 +34,7 @@ int run_uav(int argc, char** argv) {
       throw std::invalid_argument("unknown option " + option);
   }
   settings.program = toolchain::own_program_path();
-  Report report;
-  Json& root = report.root();
-  root["load_before"] = load_average();
-  for (const char* list : {"figures", "tables", "skipped", "notes", "pictures"}) root[list] = Json::array();
-  root["settings"] = {{"seeds", settings.seeds}, {"fleet", settings.fleet}, {"only", only}};
-  bool found = false;
-  for (const UavPart& part : kUavParts) {
-    if (!only.empty() && only != part.name) continue;
-    found = true;
-    std::cerr << "flying: " << part.name << std::endl;
-    part.measure(settings, report);
-  }
-  if (!found)
-    throw std::invalid_argument(
-        "--only takes peers, stress, estimated, orders, rates, plant, pictures, paths or count");
-  root["load_after"] = load_average();
-  std::cout << root.dump() << std::endl;
+  print_parts<UavSettings>(kUavParts, settings, only, {{"seeds", settings.seeds}, {"fleet", settings.fleet}});
   return 0;
 }
 
