@@ -8,7 +8,7 @@
 #include "mapping/recognition/set_hypotheses.hpp"
 #include "mapping/registration/weak_directions.hpp"
 #include "tests/bench/stability/cases.hpp"
-#include "tests/mapping/registration_world.hpp"
+#include "tests/mapping/level_places.hpp"
 
 namespace sortie::bench {
 
@@ -17,35 +17,10 @@ namespace {
 using mapping::PlaceCm;
 using mapping::SweptPair;
 using rt::Vector3;
-
-/// A turn about the upright and a move, cm.
-struct LevelMove {
-  double cosine, sine, x, y, z;
-
-  explicit LevelMove(testing::Draws& draws) {
-    const double yaw = draws.uniform(-3, 3);
-    cosine = std::cos(yaw), sine = std::sin(yaw);
-    x = draws.uniform(-9'000, 9'000), y = draws.uniform(-9'000, 9'000), z = draws.uniform(-300, 900);
-  }
-  Vector3 operator()(const Vector3& p) const {
-    return {cosine * p.x - sine * p.y + x, sine * p.x + cosine * p.y + y, p.z + z};
-  }
-};
-
-PlaceCm rounded(const Vector3& p) {
-  const auto whole = [](double v) { return static_cast<std::int32_t>(std::floor(v + 0.5)); };
-  return {whole(p.x), whole(p.y), whole(p.z)};
-}
-
-std::vector<Vector3> scattered(int count, testing::Draws& draws) {
-  std::vector<Vector3> points;
-  while (static_cast<int>(points.size()) < count) {
-    const Vector3 p{draws.uniform(-1'200, 1'200), draws.uniform(-1'200, 1'200), draws.uniform(-50, 300)};
-    const auto is_near = [&p](const Vector3& o) { return std::hypot(p.x - o.x, p.y - o.y) < 150; };
-    if (std::none_of(points.begin(), points.end(), is_near)) points.push_back(p);
-  }
-  return points;
-}
+using testing::any_level_pose;
+using testing::LevelPose;
+using testing::rounded;
+using testing::scattered;
 
 void pair(std::vector<SweptPair>& pairs, std::size_t segment, const Vector3& at, const Vector3& target) {
   const auto number = static_cast<std::uint16_t>(pairs.size());
@@ -159,16 +134,16 @@ void diagonalise(double (&a)[6][6], double (&v)[6][6]) {
 
 StabilityFigures mirrored_place() {
   return taken_of([](testing::Draws& draws, std::vector<SweptPair>& pairs) {
-    const LevelMove there(draws);
-    for (const Vector3& p : scattered(12, draws)) pair(pairs, pairs.size(), p, there({p.x, -p.y, p.z}));
+    const LevelPose there = any_level_pose(draws);
+    for (const Vector3& p : scattered(12, 12, draws)) pair(pairs, pairs.size(), p, there({p.x, -p.y, p.z}));
   });
 }
 
 StabilityFigures rooms_alike() {
   return taken_of([](testing::Draws& draws, std::vector<SweptPair>& pairs) {
-    const std::vector<Vector3> room = scattered(12, draws);
-    const LevelMove one(draws), other(draws);
-    for (const LevelMove& there : {one, other}) {
+    const std::vector<Vector3> room = scattered(12, 12, draws);
+    const LevelPose one = any_level_pose(draws), other = any_level_pose(draws);
+    for (const LevelPose& there : {one, other}) {
       for (std::size_t i = 0; i < room.size(); ++i) pair(pairs, i, room[i], there(room[i]));
     }
   });
@@ -179,19 +154,19 @@ StabilityFigures things_in_a_row() {
   Search search;
   StabilityFigures worst;
   for (int run = 0; run < kTries; ++run) {
-    const LevelMove there(draws);
+    const LevelPose there = any_level_pose(draws);
     std::vector<SweptPair> pairs;
     std::vector<std::uint16_t> all;
     // A stack: above each other, and each seen off by 15 cm.
     for (std::size_t i = 0; i < 8; ++i) {
-      const Vector3 p{700, 300, 40.0 * static_cast<double>(i)};
-      const auto off = [&draws] { return draws.uniform(-15, 15); };
+      const Vector3 p{7, 3, 0.4 * static_cast<double>(i)};
+      const auto off = [&draws] { return draws.uniform(-0.15, 0.15); };
       pair(pairs, i, p + Vector3{off(), off(), 0}, there(p) + Vector3{off(), off(), 0});
       all.push_back(static_cast<std::uint16_t>(i));
     }
-    const auto turned = [&there](const mapping::LevelPlace& p) {
-      return std::fabs(std::atan2(p.sine * there.cosine - p.cosine * there.sine,
-                                  p.cosine * there.cosine + p.sine * there.sine));
+    const double c = std::cos(there.yaw), sine = std::sin(there.yaw);
+    const auto turned = [c, sine](const mapping::LevelPlace& p) {
+      return std::fabs(std::atan2(p.sine * c - p.cosine * sine, p.cosine * c + p.sine * sine));
     };
     mapping::LevelFit fit;
     if (mapping::fit_level(pairs, all, fit)) keep_worst(worst.naive, turned(fit.place));
@@ -206,13 +181,13 @@ StabilityFigures earth_centred_places() {
   StabilityFigures missed;
   for (int run = 0; run < 1'000; ++run) {
     // Somewhere in Europe, metres from the earth's centre; both maps are the same.
+    const Vector3 origin{4.02e6, 5.8e5, 4.93e6};
     const auto place = [&draws] {
-      return Vector3{402'000'000 + draws.uniform(-2'000, 2'000), 58'000'000 + draws.uniform(-2'000, 2'000),
-                     493'000'000 + draws.uniform(-100, 100)};
+      return Vector3{draws.uniform(-20, 20), draws.uniform(-20, 20), draws.uniform(-1, 1)};
     };
     const Vector3 a = place(), b = place();
-    const SweptPair one{{0, 0}, rounded(a - Vector3{402e6, 58e6, 493e6}), rounded(a)};
-    const SweptPair two{{1, 1}, rounded(b - Vector3{402e6, 58e6, 493e6}), rounded(b)};
+    const SweptPair one{{0, 0}, rounded(a), rounded(a + origin)};
+    const SweptPair two{{1, 1}, rounded(b), rounded(b + origin)};
     // By 20 cm, the narrow one of the three gates.
     missed.ours += mapping::gates_passed(gates, one, two) == 3 ? 0 : 1;
     const auto in_float = [](const PlaceCm& p, const PlaceCm& q) {
