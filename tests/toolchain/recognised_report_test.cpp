@@ -172,8 +172,8 @@ TEST_CASE("A picture of a place joins each segment with its target, and lays the
   CHECK_FALSE(laid->dashed);
   const std::string svg = toolchain::render(plot);
   CHECK(xml_fault(svg).empty());
-  CHECK(svg.find("After 12.3 s, recognised") != std::string::npos);
-  CHECK(svg.find("97 % of its returns") != std::string::npos);
+  CHECK(svg.find("After 12.3 s recognised") != std::string::npos);
+  CHECK(svg.find("97 % on surfaces") != std::string::npos);
   CHECK(svg.find("> m</text>") == std::string::npos);
   CHECK(svg.find(" m</text>") != std::string::npos);  // the scale bar
 
@@ -196,7 +196,7 @@ TEST_CASE("A refused place is shown in another colour with its reason, one that 
     REQUIRE(series_with(plot, "agree") != nullptr);
     CHECK(series_with(plot, "agree")->colour == colour);
     CHECK(plot.title.find(words) != std::string::npos);
-    CHECK((plot.title.find("% of its returns") != std::string::npos) ==
+    CHECK((plot.title.find("% on surfaces") != std::string::npos) ==
           (verdict == RecognisedPlace::kRefused));
   }
 }

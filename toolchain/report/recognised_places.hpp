@@ -75,7 +75,8 @@ int verdict_colour(std::uint8_t verdict);
 
 /// From above, side by side or one above the other: on one side what the robot saw and its way up to then, as
 /// its odometry has them, on the other one the known map with that way where the answer lays it; a line joins
-/// each segment with its target. Targets are as large as they have voxels.
+/// each segment with its target. Targets are as large as they have voxels. Of the local map what stands on
+/// the floor is shown, up to 2 m; a few far voxels and targets are left out.
 Plot plot_recognised(const RecognisedLook& look, const KnownPlaces& known,
                      std::span<const firmware::TimedPose> path);
 

@@ -15,9 +15,9 @@ namespace {
 using firmware::format_fixed;
 using rt::RecognisedPlace;
 
-constexpr double kCells = 280;    // across the picture
-constexpr double kGap_m = 2.0;    // between the two maps
-constexpr double kLeast_m = 0.3;  // over the floor, up to kMost_m: what stands on it
+constexpr double kCellsAcross = 280;  // across the picture
+constexpr double kGap_m = 2.0;        // between the two maps
+constexpr double kLeast_m = 0.3;      // over the floor, up to kMost_m: what stands on it
 constexpr double kMost_m = 2.0;
 constexpr double kRobot_m = 1.0;  // of the arrow
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -33,6 +33,9 @@ struct Panel {
     x.take(x_m);
     y.take(y_m);
   }
+  void take(const mapping::PlaceCm& place) { take(0.01 * place.x, 0.01 * place.y); }
+  bool holds(double x_m, double y_m) const { return x.holds(x_m) && y.holds(y_m); }
+  bool holds(const mapping::PlaceCm& place) const { return holds(0.01 * place.x, 0.01 * place.y); }
   void put(double x_m, double y_m, Series& series) const { series.add(x_m + move_x_m, y_m + move_y_m); }
   void put(const mapping::PlaceCm& place, Series& series) const {
     put(0.01 * place.x, 0.01 * place.y, series);
@@ -93,10 +96,10 @@ double radius_px(std::uint32_t voxels) { return std::min(2.0 + 0.06 * std::sqrt(
 
 std::string title_of(const RecognisedAnswer& answer) {
   const RecognisedPlace& place = answer.place;
-  std::string title = "After " + format_fixed(answer.time_s, 1) + " s, " + verdict_words(place.verdict);
+  std::string title = "After " + format_fixed(answer.time_s, 1) + " s " + verdict_words(place.verdict);
   if (place.verdict == RecognisedPlace::kRecognised || place.verdict == RecognisedPlace::kRefused)
-    title += " (" + format_fixed(100.0 * place.share, 0) + " % of its returns on surfaces, " +
-             format_fixed(100.0 * place.crossed, 1) + " % of its rays through one)";
+    title += " (" + format_fixed(100.0 * place.share, 0) + " % on surfaces, " +
+             format_fixed(100.0 * place.crossed, 1) + " % through)";
   return title;
 }
 
@@ -111,12 +114,19 @@ Plot plot_recognised(const RecognisedLook& look, const KnownPlaces& known,
   const std::vector<MapPoint> seen = standing(look.seen);
 
   Panel left, right;
-  for (const MapPoint& point : seen) left.take(point.x_m, point.y_m);
-  for (const mapping::SweptPair& pair : look.matched) left.take(0.01 * pair.segment.x, 0.01 * pair.segment.y);
-  for (const mapping::PlaceCm& other : look.others) left.take(0.01 * other.x, 0.01 * other.y);
-  for (const firmware::TimedPose& pose : way) left.take(pose.p[0], pose.p[1]);
+  if (!seen.empty()) {
+    left.x = bulk_of(seen, &MapPoint::x_m);
+    left.y = bulk_of(seen, &MapPoint::y_m);
+  }
   for (const auto& line : known.surfaces_m) right.take(line[0], line[1]);
-  for (const mapping::PlaceCm& target : known.targets) right.take(0.01 * target.x, 0.01 * target.y);
+  for (const mapping::PlaceCm& target : known.targets) {
+    if (known.surfaces_m.empty()) right.take(target);
+  }
+  for (const mapping::SweptPair& pair : look.matched) {
+    left.take(pair.segment);
+    right.take(pair.target);
+  }
+  for (const firmware::TimedPose& pose : way) left.take(pose.p[0], pose.p[1]);
   for (const firmware::TimedPose& pose : laid) right.take(pose.p[0], pose.p[1]);
   // The known map stays where it is; beside it is what the robot saw, or over it where both are long.
   const double wide = std::max(left.x.size(), right.x.size()), high = std::max(left.y.size(), right.y.size());
@@ -134,23 +144,28 @@ Plot plot_recognised(const RecognisedLook& look, const KnownPlaces& known,
   Extent x = right.x, y = right.y;
   for (const double end : {left.x.low, left.x.high}) x.take(end + left.move_x_m);
   for (const double end : {left.y.low, left.y.high}) y.take(end + left.move_y_m);
-  const MapRaster raster({x.low - 0.5, x.high + 0.5}, {y.low - 0.5, y.high + 2.0}, kCells, plot);
+  const MapRaster raster({x.low - 0.5, x.high + 0.5}, {y.low - 0.5, y.high + 1.5}, kCellsAcross, plot);
 
   Series walls{"surfaces of the known map", Mark::line, kGrey, 1.6};
   for (const auto& line : known.surfaces_m) right.put_line(line, walls);
   Series voxels{"local map", Mark::dots, kGrey, 0.9};
   std::set<MapRaster::Cell> cells;
-  for (const MapPoint& point : seen)
+  for (const MapPoint& point : seen) {
+    if (!left.holds(point.x_m, point.y_m)) continue;
     cells.insert(raster.cell(point.x_m + left.move_x_m, point.y_m + left.move_y_m));
+  }
   for (const MapRaster::Cell& cell : cells) raster.put(cell, voxels);
   Series targets{"targets of the known map, by size", Mark::dots, kSky, 1.6};
   for (std::size_t i = 0; i < known.targets.size(); ++i) {
+    if (!right.holds(known.targets[i])) continue;
     right.put(known.targets[i], targets);
     targets.sizes.push_back(radius_px(known.voxels[i]));
   }
   Series others{"segments that match none of them", Mark::dots, kBlue, 1.8};
-  for (const mapping::PlaceCm& other : look.others) left.put(other, others);
-  Series lines{std::to_string(look.matched.size()) + " segments that agree", Mark::line, colour, 1.1};
+  for (const mapping::PlaceCm& other : look.others) {
+    if (left.holds(other)) left.put(other, others);
+  }
+  Series lines{std::to_string(look.matched.size()) + " segments that agree", Mark::line, colour, 1.6};
   Series ends{"", Mark::dots, colour, 2.2};
   for (const mapping::SweptPair& pair : look.matched) {
     left.put(pair.segment, lines);
@@ -164,10 +179,12 @@ Plot plot_recognised(const RecognisedLook& look, const KnownPlaces& known,
   Series laid_way{"", Mark::line, kBlack, 2.0};
   laid_way.dashed = place.verdict != RecognisedPlace::kRecognised;
   put_way(laid, right, laid_way);
-  Series names{"", Mark::line, kBlack};
-  left.put(left.x.low, left.y.high + 0.8, names);
-  right.put(right.x.low, right.y.high + 0.8, names);
-  names.labels = {"what the robot sees, in the frame of its odometry", "what was kept by another run"};
+  Series names{"", Mark::dots, kBlack, 0.0};
+  const double above_left = (is_beside ? y.high - left.move_y_m : left.y.high) + 0.7;
+  const double above_right = (is_beside ? y.high : right.y.high) + 0.7;
+  left.put(left.x.low, above_left, names);
+  right.put(right.x.low, above_right, names);
+  names.labels = {"what the robot sees, as its odometry has it", "what another run kept"};
   for (Series* series : {&walls, &voxels, &targets, &others, &lines, &ends, &driven, &laid_way, &names}) {
     if (!series->x.empty()) plot.series.push_back(std::move(*series));
   }
