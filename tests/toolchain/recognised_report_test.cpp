@@ -91,7 +91,7 @@ struct AnswerFields {
 bool read_answer(const rt::JobRecord& record, firmware::Runtime& runtime, AnswerFields& answer) {
   std::uint32_t offset = 0;
   for (const rt::TaskBase* task : runtime.executive().group(record.group).tasks) {
-    if (task->name() == "recognise" && offset + task->output_bytes() <= record.field_bytes) {
+    if (std::string("recognise") == task->name() && offset + task->output_bytes() <= record.field_bytes) {
       task->describe(record.fields + offset, {&answer, [](void* self, const char* name, int, double value,
                                                           std::uint64_t, std::uint32_t) {
                                                 auto& into = *static_cast<AnswerFields*>(self);
@@ -196,8 +196,7 @@ TEST_CASE("A refused place is shown in another colour with its reason, one that 
     REQUIRE(series_with(plot, "agree") != nullptr);
     CHECK(series_with(plot, "agree")->colour == colour);
     CHECK(plot.title.find(words) != std::string::npos);
-    CHECK((plot.title.find("% on surfaces") != std::string::npos) ==
-          (verdict == RecognisedPlace::kRefused));
+    CHECK((plot.title.find("% on surfaces") != std::string::npos) == (verdict == RecognisedPlace::kRefused));
   }
 }
 
