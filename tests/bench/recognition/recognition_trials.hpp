@@ -2,26 +2,16 @@
 // A robot that keeps what it saw, and another one that is to be recognised on it: as they do on board.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "mapping/recognition/local_segments.hpp"
-#include "mapping/recognition/recogniser.hpp"
 #include "mapping/recognition/target_keeper.hpp"
 #include "mapping/registration/place_judge.hpp"
 #include "mapping/registration/place_looks.hpp"
 #include "tests/bench/recognition/deceptive_worlds.hpp"
+#include "tests/bench/recognition/local_run.hpp"
 
 namespace sortie::bench {
-
-/// How far a pose is off.
-struct PoseError {
-  double move_m{};
-  double turn_deg{};
-  /// Farther off is another place.
-  bool is_right() const { return move_m <= 1.0 && turn_deg <= 5.0; }
-};
 
 /// One search and what came of it.
 struct RecognitionLook {
@@ -62,5 +52,10 @@ struct TrialConfig {
 /// scan refuses is left out, and the search goes on. Throws std::runtime_error where a hall does not fit.
 RecognitionTrial try_recognition(const RecognitionWorld& world, const TrialConfig& config,
                                  testing::Draws& draws);
+
+/// The same with scans, poses in the world that was kept, half a second between two: `kept` first, then
+/// `now` as another robot, from an origin that is anywhere. The lidar of `config` is not asked for.
+RecognitionTrial try_scans(const std::vector<HallScan>& kept, const std::vector<HallScan>& now,
+                           const TrialConfig& config, testing::Draws& draws);
 
 }  // namespace sortie::bench
