@@ -2,6 +2,7 @@
 #include "tests/bench/recognition/recognition_trials.hpp"
 
 #include <cmath>
+#include <set>
 
 #include "mapping/registration/pose_algebra.hpp"
 #include "tests/bench/recognition/scan_check.hpp"
@@ -36,12 +37,11 @@ class Recognition {
    public:
     explicit Keeping(Recognition& own) : own_(own), run_(own.config_.radius_m) {}
     void take(const std::vector<HallScan>& scans, const RigidPose& T_world_hall) {
-      bool even = false;
+      int at = 0;
       for (const HallScan& scan : scans) {
         const RigidPose pose = after(T_world_hall, scan.pose);
         if (run_.scan(scan.points, pose)) own_.keeper_.keep(run_.segments(), run_.grid(), {}, run_.now_ns());
-        even = !even;
-        if (!even) continue;
+        if (at++ % own_.config_.every != 0) continue;
         own_.surfaces_.registration.take(scan.points);
         own_.surfaces_.registration.insert(pose);
       }
@@ -89,6 +89,7 @@ class Recognition {
     look.speaking = static_cast<std::uint32_t>(speaking.size());
     recogniser_.begin(speaking, {});
     go_on();
+    count_right(speaking, after(truth, inverse(odom)), look);
     look.segments = recogniser_.verdict();
     const auto found = recogniser_.found();
     if (!found.empty()) look.agree = found[0].count;
@@ -96,6 +97,29 @@ class Recognition {
     if (look.segments == SetVerdict::found)
       look.found = error_of(after(pose_of(found[0].fit.place), odom), truth);
     return look;
+  }
+
+  /// What could be found: before any place is refused.
+  void count_right(const std::vector<SpeakingSegment>& speaking, const RigidPose& T_known_odom,
+                   RecognitionLook& look) const {
+    const auto is_same = [&](const PlaceCm& segment, const PlaceCm& target) {
+      const rt::Vector3 at{0.01 * segment.x, 0.01 * segment.y, 0.01 * segment.z};
+      const PlaceCm known = to_cm(T_known_odom.p + rt::rotate(T_known_odom.q, at));
+      return static_cast<double>(square_apart(known, target)) <= 1e4 * kSamePlace_m * kSamePlace_m;
+    };
+    const TargetStore& store = keeper_.store();
+    std::set<std::uint16_t> asked;
+    for (const SweptPair& pair : recogniser_.pairs()) {
+      if (is_same(pair.segment, pair.target)) asked.insert(pair.pair.segment);
+    }
+    look.asked_right = static_cast<std::uint32_t>(asked.size());
+    for (const SpeakingSegment& one : speaking) {
+      for (std::size_t t = 0; t < store.records().size(); ++t) {
+        if (store.records()[t].state == TargetState::free || !is_same(one.place, store.places()[t])) continue;
+        ++look.kept;
+        break;
+      }
+    }
   }
 
   void judge(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, const RigidPose& truth,

@@ -13,14 +13,19 @@
 
 namespace sortie::bench {
 
+/// A segment and its target are the same thing, as far as places tell.
+inline constexpr double kSamePlace_m = 0.4;
+
 /// One search and what came of it.
 struct RecognitionLook {
-  double way_m{};                   ///< since the second visit began
-  std::uint32_t speaking{};         ///< segments that took part
-  mapping::SetVerdict segments{};   ///< before any place was refused
-  std::optional<PoseError> found;   ///< where `segments` is found: what a robot without a map tells
-  std::uint32_t agree{};            ///< segments of the first place
-  std::uint32_t rival{};            ///< of the second one
+  double way_m{};                  ///< since the second visit began
+  std::uint32_t speaking{};        ///< segments that took part
+  std::uint32_t kept{};            ///< of these: where a target lies within kSamePlace_m, as the truth has it
+  std::uint32_t asked_right{};     ///< of these: that target is among the candidates
+  mapping::SetVerdict segments{};  ///< before any place was refused
+  std::optional<PoseError> found;  ///< where `segments` is found: what a robot without a map tells
+  std::uint32_t agree{};           ///< segments of the first place
+  std::uint32_t rival{};           ///< of the second one
   mapping::RelocateVerdict scan{};  ///< of the last place that a scan was held against, or none
   std::optional<PoseError> placed;  ///< where `scan` is placed
   mapping::JudgedPlace judged;      ///< by that
@@ -38,6 +43,7 @@ struct RecognitionTrial {
 /// Settings of a robot.
 struct TrialConfig {
   double radius_m{20.0};      ///< of the local maps
+  int every{2};               ///< one in so many scans goes into the map of surfaces
   bool sparse{true};          ///< lidars of few rays, sparse_lidar(); else those of hall_lidar()
   double look_m{1.0};         ///< of way between two searches
   double most_way_m{1e9};     ///< after which no more are made
@@ -48,7 +54,7 @@ struct TrialConfig {
 
 /// Drives through a world, both times with smooth segments in voxels of 0.1 m, true odometry from an origin
 /// that is anywhere, attitude known to a third of a degree; 0.4 m and half a second between two scans. Of a
-/// world that was kept every other scan is in the map. Searches and judges as part `recognise` does: what the
+/// world that was kept one scan in two is in the map. Searches and judges as part `recognise` does: what the
 /// scan refuses is left out, and the search goes on. Throws std::runtime_error where a hall does not fit.
 RecognitionTrial try_recognition(const RecognitionWorld& world, const TrialConfig& config,
                                  testing::Draws& draws);

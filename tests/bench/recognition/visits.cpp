@@ -37,7 +37,7 @@ double way_of(const Scans& scans) {
 struct LookTally {
   int looks{}, found_right{}, found_wrong{}, placed_right{}, placed_wrong{}, confirmed{}, confirmed_wrong{};
   int by[static_cast<int>(SetVerdict::undecided) + 1]{};
-  Rounds speaking, agree, found_m, found_deg, placed_m, placed_deg, first_found_m, first_placed_m;
+  Rounds speaking, kept, asked_right, found_m, found_deg, placed_m, placed_deg, first_found_m, first_placed_m;
 
   void add(const RecognitionTrial& trial) {
     bool has_found = false, has_placed = false;
@@ -45,8 +45,9 @@ struct LookTally {
       ++looks;
       ++by[static_cast<int>(look.segments)];
       speaking.add(look.speaking);
+      kept.add(look.kept);
+      asked_right.add(look.asked_right);
       if (look.found) {
-        agree.add(look.agree);
         ++(look.found->is_right() ? found_right : found_wrong);
         if (look.found->is_right()) {
           if (!has_found) first_found_m.add(look.way_m);
@@ -75,14 +76,16 @@ Json row(const std::string& kept, const std::string& now, double way_m, Json tar
           std::round(10 * way_m) / 10,
           std::move(targets),
           median(tally.speaking),
+          median(tally.kept),
+          median(tally.asked_right),
           tally.looks,
           tally.found_right,
           tally.found_wrong,
           tally.verdicts(SetVerdict::few),
           tally.verdicts(SetVerdict::inconsistent),
           tally.verdicts(SetVerdict::ambiguous),
-          tally.verdicts(SetVerdict::bent) + tally.verdicts(SetVerdict::narrow) +
-              tally.verdicts(SetVerdict::undecided),
+          tally.verdicts(SetVerdict::bent),
+          tally.verdicts(SetVerdict::narrow),
           median(tally.first_found_m),
           tally.placed_right,
           tally.placed_wrong,
@@ -107,6 +110,7 @@ void measure_recognition_visits(const RecognitionSettings& settings, Report& rep
   testing::Draws draws(settings.seed);
   TrialConfig config;
   config.look_m = kLook_m;
+  config.every = 1;  // two a second are few enough
   double way_m = 0.0;
   for (int c = 0; c < cuts; ++c) {
     // Between a third and three quarters: it stood still at first.
