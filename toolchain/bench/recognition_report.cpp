@@ -32,8 +32,8 @@ PeerFront recognition_front() {
        1, 1000000},
       {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
       choice("--only", "One part alone",
-             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence",
-              "visits", "loops"}),
+             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "visits",
+              "loops"}),
       {"--data", std::string(), "Folder of the recorded data", 0, 0, {}, "DIR"}};
   front.title = "Recognition of places";
   front.intro =
