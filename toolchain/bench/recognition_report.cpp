@@ -32,7 +32,9 @@ PeerFront recognition_front() {
        1, 1000000},
       {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
       choice("--only", "One part alone",
-             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence"})};
+             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "visits",
+              "loops"}),
+      {"--data", std::string(), "Folder of the recorded data", 0, 0, {}, "DIR"}};
   front.title = "Recognition of places";
   front.intro =
       "Times are of the thread's processor: **take the ratios, not the milliseconds**. Tables and pictures "
@@ -45,7 +47,9 @@ PeerFront recognition_front() {
                     {"descriptors", "Segments of two visits: how well they are told apart"},
                     {"deceive", "Worlds that are built to deceive"},
                     {"revisits", "Halls that are visited twice: what is recognised"},
-                    {"evidence", "What a scan has to say before it is believed"}};
+                    {"evidence", "What a scan has to say before it is believed"},
+                    {"visits", "A recorded lidar, cut into two visits"},
+                    {"loops", "Long recorded drives through made-up towns"}};
   front.pictures = drawn_pictures;
   return front;
 }

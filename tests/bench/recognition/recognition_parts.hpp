@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "tests/bench/report/figures.hpp"
 
@@ -12,6 +13,7 @@ namespace sortie::bench {
 struct RecognitionSettings {
   int cases{};  ///< 0: as many as the part takes by itself
   std::uint64_t seed{1};
+  std::string data;  ///< folder of the recorded data
   int cases_or(int usual) const { return cases > 0 ? cases : usual; }
 };
 
@@ -29,5 +31,9 @@ void measure_recognition_deceive(const RecognitionSettings& settings, Report& re
 void measure_recognition_revisits(const RecognitionSettings& settings, Report& report);
 /// What a scan has to say before it is believed: false places and right ones, by `over_unexplained`.
 void measure_recognition_evidence(const RecognitionSettings& settings, Report& report);
+/// A recorded lidar, cut into two visits: what the second one recognises of the first.
+void measure_recognition_visits(const RecognitionSettings& settings, Report& report);
+/// Long recorded drives through made-up towns: precision and recall where the way comes back.
+void measure_recognition_loops(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench

@@ -1,155 +1,71 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/bench/recognition/recognition_trials.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <set>
 
 #include "mapping/registration/pose_algebra.hpp"
-#include "tests/mapping/owned_map.hpp"
+#include "tests/bench/recognition/scan_check.hpp"
 
 namespace sortie::bench {
 namespace {
 using namespace mapping;
 using testing::Draws;
 
-constexpr rt::Nanoseconds kScan_ns = 500'000'000;
-constexpr double kSameMove = 1.0;  ///< m and rad: a scan fits where the segments say
-constexpr double kSameTurn = 0.2;
 constexpr std::uint64_t kAll = ~std::uint64_t{0} >> 1;
-const tests::MapSizes kSizes{65'534, 262'136, 65'534, 16'384, 2048, 4096};
-constexpr RegistrationMemory kSurfaces{65'536, 256, 64};
 
-RollingGridConfig grid_config(double radius_m) {
-  RollingGridConfig config;
-  config.max_range_m = 25.0;
-  config.radius_m = radius_m;
-  return config;
+/// Where a robot's odometry begins: anywhere.
+RigidPose draw_frame(Draws& draws) {
+  return {{draws.uniform(-20, 20), draws.uniform(-20, 20), draws.uniform(-1, 1)},
+          rt::from_yaw_pitch_roll(draws.uniform(-M_PI, M_PI), 0, 0)};
 }
-
-/// T_known_odom.
-RigidPose pose_of(const LevelPlace& place) {
-  return {{place.x_m, place.y_m, place.z_m},
-          rt::from_yaw_pitch_roll(std::atan2(place.sine, place.cosine), 0, 0)};
-}
-
-PoseError error_of(const RigidPose& told, const RigidPose& truth) {
-  const double turn = rt::norm(rt::log_rotation(told.q * rt::conjugate(truth.q)));
-  return {rt::norm(told.p - truth.p), turn * 180.0 / M_PI};
-}
-
-struct Memory {
-  std::unique_ptr<std::byte[]> bytes;
-  rt::Arena arena;
-  explicit Memory(std::size_t mb) : bytes(new std::byte[mb << 20]), arena({bytes.get(), mb << 20}) {}
-  void check() const {
-    if (arena.refused() != 0) throw std::runtime_error("recognition: no room for a trial");
-  }
-};
-
-/// A local map and its segments that may speak.
-class LocalRun {
- public:
-  explicit LocalRun(double radius_m)
-      : memory_(2),
-        map_(grid_config(radius_m), SegmenterConfig{}, kSizes),
-        segments_(watch_config(), kSizes.slots, 256, memory_.arena) {
-    memory_.check();
-  }
-
-  /// True: a round was due, and the segments are new.
-  bool scan(const std::vector<rt::ScanPoint>& points, const RigidPose& T_odom_sensor) {
-    rt::PointScan view;
-    view.header.points = static_cast<std::uint32_t>(points.size());
-    view.points = points.data();
-    (void)map_.map.update(view, T_odom_sensor, ++tick_);
-    now_ns_ += kScan_ns;
-    segments_.note(map_.segmenter().labelling());
-    if (now_ns_ - round_ns_ < rt::kNanosecondsPerSecond) return false;
-    round_ns_ = now_ns_;
-    std::uint32_t units = 0;
-    const Status status =
-        segments_.round(map_.grid(), map_.segmenter().graph(), map_.segmenter().labelling(), now_ns_, units);
-    if (status != Status::ok || map_.grid().output().points.pool_full + segments_.events_lost() > 0)
-      throw std::runtime_error("recognition: a hall that does not fit the map");
-    return true;
-  }
-  const RollingGrid& grid() const { return map_.grid(); }
-  std::span<const WatchedSegment> segments() const { return segments_.segments(); }
-  rt::Nanoseconds now_ns() const { return now_ns_; }
-
-  /// Those that speak, the nearest `most` of them.
-  std::vector<SpeakingSegment> speaking(std::uint32_t most) const {
-    std::vector<SpeakingSegment> list;
-    for (const WatchedSegment& one : segments_.segments()) {
-      if (!one.speaks) continue;
-      const rt::Vector3 at = grid().to_world({0.01 * one.place.x, 0.01 * one.place.y, 0.01 * one.place.z});
-      list.push_back({one.id, one.version, to_cm(at), one.descriptor});
-    }
-    const PlaceCm middle = to_cm(middle_of(grid()));
-    std::sort(list.begin(), list.end(), [&](const SpeakingSegment& a, const SpeakingSegment& b) {
-      const std::int64_t x = square_apart(a.place, middle), y = square_apart(b.place, middle);
-      return x != y ? x < y : a.id < b.id;
-    });
-    if (list.size() > most) list.resize(most);
-    return list;
-  }
-
- private:
-  static SegmentWatchConfig watch_config() {
-    SegmentWatchConfig config;
-    config.watched = 1024;
-    return config;
-  }
-  Memory memory_;
-  tests::SmoothMap map_;
-  LocalSegments segments_;
-  rt::Nanoseconds now_ns_{}, round_ns_{};
-  rt::Tick tick_{};
-};
 
 /// What was kept, and who recognises on it.
 class Recognition {
  public:
   explicit Recognition(const TrialConfig& config)
-      : memory_(80),
+      : memory_(16),
         config_(config),
         keeper_({}, {}, memory_.arena),
-        registration_({}, memory_.arena, kSurfaces),
         recogniser_(config.recogniser, memory_.arena),
-        judge_(config.judge, registration_, memory_.arena) {
+        surfaces_(config.judge) {
     memory_.check();
   }
 
-  void keep(const std::vector<HallAt>& places, const HallLidar& lidar, Draws& draws) {
-    LocalRun run(config_.radius_m);
-    for (const HallAt& place : places) {
-      bool even = false;
-      for (const HallScan& scan : visit_scans(place.hall, 0, lidar, draws)) {
-        const RigidPose pose = after(place.T_world_hall, scan.pose);
-        if (run.scan(scan.points, pose)) keeper_.keep(run.segments(), run.grid(), {}, run.now_ns());
-        even = !even;
-        if (!even) continue;
-        registration_.take(scan.points);
-        registration_.insert(pose);
+  /// Maps scans anew, and keeps what speaks in the world's frame.
+  class Keeping {
+   public:
+    explicit Keeping(Recognition& own) : own_(own), run_(own.config_.radius_m) {}
+    void take(const std::vector<HallScan>& scans, const RigidPose& T_world_hall) {
+      int at = 0;
+      for (const HallScan& scan : scans) {
+        const RigidPose pose = after(T_world_hall, scan.pose);
+        if (run_.scan(scan.points, pose)) own_.keeper_.keep(run_.segments(), run_.grid(), {}, run_.now_ns());
+        if (at++ % own_.config_.every != 0) continue;
+        own_.surfaces_.registration.take(scan.points);
+        own_.surfaces_.registration.insert(pose);
       }
     }
-    std::uint64_t units = kAll;
-    keeper_.run(units);
-  }
+    void end() {
+      std::uint64_t units = kAll;
+      own_.keeper_.run(units);
+    }
 
-  RecognitionTrial recognise(const HallAt& place, const HallLidar& lidar, Draws& draws) {
+   private:
+    Recognition& own_;
+    LocalRun run_;
+  };
+
+  RecognitionTrial recognise(const std::vector<HallScan>& scans, const RigidPose& T_world_hall,
+                             const RigidPose& T_odom_world, Draws& draws) {
     RecognitionTrial trial;
     trial.targets = keeper_.store().kept();
     LocalRun run(config_.radius_m);
     PlaceLooks looks{{config_.second_look_m, config_.second_look_m}};
-    const RigidPose T_odom_world{{draws.uniform(-20, 20), draws.uniform(-20, 20), draws.uniform(-1, 1)},
-                                 rt::from_yaw_pitch_roll(draws.uniform(-M_PI, M_PI), 0, 0)};
     double way_m = 0.0, looked_m = 0.0;
-    const std::vector<HallScan> scans = visit_scans(place.hall, 1, lidar, draws);
     for (std::size_t i = 0; i < scans.size(); ++i) {
       if (i > 0) way_m += rt::norm(scans[i].pose.p - scans[i - 1].pose.p);
-      const RigidPose truth = after(place.T_world_hall, scans[i].pose);
+      const RigidPose truth = after(T_world_hall, scans[i].pose);
       const RigidPose odom = after(T_odom_world, truth);
       const bool round = run.scan(scans[i].points, odom);
       if (way_m > config_.most_way_m) break;
@@ -173,6 +89,7 @@ class Recognition {
     look.speaking = static_cast<std::uint32_t>(speaking.size());
     recogniser_.begin(speaking, {});
     go_on();
+    count_right(speaking, after(truth, inverse(odom)), look);
     look.segments = recogniser_.verdict();
     const auto found = recogniser_.found();
     if (!found.empty()) look.agree = found[0].count;
@@ -182,27 +99,40 @@ class Recognition {
     return look;
   }
 
-  void judge(const std::vector<rt::ScanPoint>& scan, const RigidPose& odom, const RigidPose& truth,
+  /// What could be found: before any place is refused.
+  void count_right(const std::vector<SpeakingSegment>& speaking, const RigidPose& T_known_odom,
+                   RecognitionLook& look) const {
+    const auto is_same = [&](const PlaceCm& segment, const PlaceCm& target) {
+      const rt::Vector3 at{0.01 * segment.x, 0.01 * segment.y, 0.01 * segment.z};
+      const PlaceCm known = to_cm(T_known_odom.p + rt::rotate(T_known_odom.q, at));
+      return static_cast<double>(square_apart(known, target)) <= 1e4 * kSamePlace_m * kSamePlace_m;
+    };
+    const TargetStore& store = keeper_.store();
+    std::set<std::uint16_t> asked;
+    for (const SweptPair& pair : recogniser_.pairs()) {
+      if (is_same(pair.segment, pair.target)) asked.insert(pair.pair.segment);
+    }
+    look.asked_right = static_cast<std::uint32_t>(asked.size());
+    for (const SpeakingSegment& one : speaking) {
+      for (std::size_t t = 0; t < store.records().size(); ++t) {
+        if (store.records()[t].state == TargetState::free || !is_same(one.place, store.places()[t])) continue;
+        ++look.kept;
+        break;
+      }
+    }
+  }
+
+  void judge(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, const RigidPose& truth,
              Draws& draws, RecognitionLook& look) {
     const rt::Quaternion error = rt::exp_rotation({0.006 * draws.normal(), 0.006 * draws.normal(), 0});
-    registration_.take(scan);
-    const std::vector<SamplePoint> sample(registration_.sample().begin(), registration_.sample().end());
-    while (recogniser_.verdict() == SetVerdict::found) {
-      if (!judge_.begin(sample, rt::normalised(error * odom.q))) return;
-      for (const SetHypothesis& place : recogniser_.found())
-        judge_.add(after(pose_of(place.fit.place), odom));
-      std::uint64_t units = kAll;
-      (void)judge_.run(units, look.judged);
-      look.scan = look.judged.verdict;
-      const RigidPose told = after(pose_of(recogniser_.found()[0].fit.place), odom);
-      if (look.scan == RelocateVerdict::placed &&
-          !are_apart(look.judged.T_map_sensor, told, kSameMove, kSameTurn)) {
-        look.placed = error_of(look.judged.T_map_sensor, truth);
-        return;
-      }
-      recogniser_.refuse();
-      go_on();
-    }
+    surfaces_.registration.take(points);
+    const auto taken = surfaces_.registration.sample();
+    const std::vector<SamplePoint> sample(taken.begin(), taken.end());
+    const CheckedScan scan{sample, odom, rt::normalised(error * odom.q)};
+    const bool placed = place_by_scan(
+        scan, recogniser_, keeper_.store(), [this]() -> PlaceJudge& { return surfaces_.judge; }, look.judged);
+    look.scan = look.judged.verdict;
+    if (placed) look.placed = error_of(look.judged.T_map_sensor, truth);
   }
 
   void go_on() {
@@ -210,12 +140,11 @@ class Recognition {
     (void)recogniser_.run(keeper_.store(), units);
   }
 
-  Memory memory_;
+  TrialMemory memory_;
   TrialConfig config_;
   TargetKeeper keeper_;
-  ScanRegistration registration_;
   Recogniser recogniser_;
-  PlaceJudge judge_;
+  SurfaceMap surfaces_;
 };
 
 }  // namespace
@@ -224,10 +153,27 @@ RecognitionTrial try_recognition(const RecognitionWorld& world, const TrialConfi
   Recognition recognition(config);
   const auto lidar = [&] { return config.sparse ? sparse_lidar(draws) : hall_lidar(draws); };
   const HallLidar first = lidar(), second = lidar();
-  recognition.keep(world.kept, first, draws);
-  RecognitionTrial trial = recognition.recognise(world.now, second, draws);
+  Recognition::Keeping keeping(recognition);
+  for (const HallAt& place : world.kept)
+    keeping.take(visit_scans(place.hall, 0, first, draws), place.T_world_hall);
+  keeping.end();
+  const RigidPose T_odom_world = draw_frame(draws);
+  const std::vector<HallScan> scans = visit_scans(world.now.hall, 1, second, draws);
+  RecognitionTrial trial = recognition.recognise(scans, world.now.T_world_hall, T_odom_world, draws);
   trial.is_kept = world.is_kept;
   trial.moved = world.moved;
+  return trial;
+}
+
+RecognitionTrial try_scans(const std::vector<HallScan>& kept, const std::vector<HallScan>& now,
+                           const TrialConfig& config, Draws& draws) {
+  Recognition recognition(config);
+  Recognition::Keeping keeping(recognition);
+  keeping.take(kept, {});
+  keeping.end();
+  const RigidPose T_odom_world = draw_frame(draws);
+  RecognitionTrial trial = recognition.recognise(now, {}, T_odom_world, draws);
+  trial.is_kept = true;
   return trial;
 }
 

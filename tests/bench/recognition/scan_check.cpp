@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/bench/recognition/scan_check.hpp"
+
+#include "mapping/registration/pose_algebra.hpp"
+
+namespace sortie::bench {
+namespace {
+using namespace mapping;
+
+constexpr double kSameMove = 1.0;  ///< m and rad: a scan fits where the segments say
+constexpr double kSameTurn = 0.2;
+constexpr std::uint64_t kAll = ~std::uint64_t{0} >> 1;
+constexpr RegistrationMemory kSurfaces{65'536, 256, 64};
+
+}  // namespace
+
+SurfaceMap::SurfaceMap(const RelocateConfig& config)
+    : memory(80), registration({}, memory.arena, kSurfaces), judge(config, registration, memory.arena) {
+  memory.check();
+}
+
+bool place_by_scan(const CheckedScan& scan, Recogniser& recogniser, const TargetStore& store,
+                   const std::function<PlaceJudge&()>& surfaces, JudgedPlace& judged) {
+  while (recogniser.verdict() == SetVerdict::found) {
+    PlaceJudge& judge = surfaces();
+    if (!judge.begin(scan.sample, scan.q_level_sensor)) return false;
+    for (const SetHypothesis& place : recogniser.found())
+      judge.add(after(pose_of(place.fit.place), scan.T_odom_sensor));
+    std::uint64_t units = kAll;
+    (void)judge.run(units, judged);
+    const RigidPose told = after(pose_of(recogniser.found()[0].fit.place), scan.T_odom_sensor);
+    if (judged.verdict == RelocateVerdict::placed &&
+        !are_apart(judged.T_map_sensor, told, kSameMove, kSameTurn))
+      return true;
+    recogniser.refuse();
+    (void)recogniser.run(store, units = kAll);
+  }
+  return false;
+}
+
+}  // namespace sortie::bench
