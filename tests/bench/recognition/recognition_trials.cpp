@@ -1,112 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/bench/recognition/recognition_trials.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 #include "mapping/registration/pose_algebra.hpp"
-#include "tests/mapping/owned_map.hpp"
 
 namespace sortie::bench {
 namespace {
 using namespace mapping;
 using testing::Draws;
 
-constexpr rt::Nanoseconds kScan_ns = 500'000'000;
 constexpr double kSameMove = 1.0;  ///< m and rad: a scan fits where the segments say
 constexpr double kSameTurn = 0.2;
 constexpr std::uint64_t kAll = ~std::uint64_t{0} >> 1;
-const tests::MapSizes kSizes{65'534, 262'136, 65'534, 16'384, 2048, 4096};
 constexpr RegistrationMemory kSurfaces{65'536, 256, 64};
-
-RollingGridConfig grid_config(double radius_m) {
-  RollingGridConfig config;
-  config.max_range_m = 25.0;
-  config.radius_m = radius_m;
-  return config;
-}
-
-/// T_known_odom.
-RigidPose pose_of(const LevelPlace& place) {
-  return {{place.x_m, place.y_m, place.z_m},
-          rt::from_yaw_pitch_roll(std::atan2(place.sine, place.cosine), 0, 0)};
-}
-
-PoseError error_of(const RigidPose& told, const RigidPose& truth) {
-  const double turn = rt::norm(rt::log_rotation(told.q * rt::conjugate(truth.q)));
-  return {rt::norm(told.p - truth.p), turn * 180.0 / M_PI};
-}
-
-struct Memory {
-  std::unique_ptr<std::byte[]> bytes;
-  rt::Arena arena;
-  explicit Memory(std::size_t mb) : bytes(new std::byte[mb << 20]), arena({bytes.get(), mb << 20}) {}
-  void check() const {
-    if (arena.refused() != 0) throw std::runtime_error("recognition: no room for a trial");
-  }
-};
-
-/// A local map and its segments that may speak.
-class LocalRun {
- public:
-  explicit LocalRun(double radius_m)
-      : memory_(2),
-        map_(grid_config(radius_m), SegmenterConfig{}, kSizes),
-        segments_(watch_config(), kSizes.slots, 256, memory_.arena) {
-    memory_.check();
-  }
-
-  /// True: a round was due, and the segments are new.
-  bool scan(const std::vector<rt::ScanPoint>& points, const RigidPose& T_odom_sensor) {
-    rt::PointScan view;
-    view.header.points = static_cast<std::uint32_t>(points.size());
-    view.points = points.data();
-    (void)map_.map.update(view, T_odom_sensor, ++tick_);
-    now_ns_ += kScan_ns;
-    segments_.note(map_.segmenter().labelling());
-    if (now_ns_ - round_ns_ < rt::kNanosecondsPerSecond) return false;
-    round_ns_ = now_ns_;
-    std::uint32_t units = 0;
-    const Status status =
-        segments_.round(map_.grid(), map_.segmenter().graph(), map_.segmenter().labelling(), now_ns_, units);
-    if (status != Status::ok || map_.grid().output().points.pool_full + segments_.events_lost() > 0)
-      throw std::runtime_error("recognition: a hall that does not fit the map");
-    return true;
-  }
-  const RollingGrid& grid() const { return map_.grid(); }
-  std::span<const WatchedSegment> segments() const { return segments_.segments(); }
-  rt::Nanoseconds now_ns() const { return now_ns_; }
-
-  /// Those that speak, the nearest `most` of them.
-  std::vector<SpeakingSegment> speaking(std::uint32_t most) const {
-    std::vector<SpeakingSegment> list;
-    for (const WatchedSegment& one : segments_.segments()) {
-      if (!one.speaks) continue;
-      const rt::Vector3 at = grid().to_world({0.01 * one.place.x, 0.01 * one.place.y, 0.01 * one.place.z});
-      list.push_back({one.id, one.version, to_cm(at), one.descriptor});
-    }
-    const PlaceCm middle = to_cm(middle_of(grid()));
-    std::sort(list.begin(), list.end(), [&](const SpeakingSegment& a, const SpeakingSegment& b) {
-      const std::int64_t x = square_apart(a.place, middle), y = square_apart(b.place, middle);
-      return x != y ? x < y : a.id < b.id;
-    });
-    if (list.size() > most) list.resize(most);
-    return list;
-  }
-
- private:
-  static SegmentWatchConfig watch_config() {
-    SegmentWatchConfig config;
-    config.watched = 1024;
-    return config;
-  }
-  Memory memory_;
-  tests::SmoothMap map_;
-  LocalSegments segments_;
-  rt::Nanoseconds now_ns_{}, round_ns_{};
-  rt::Tick tick_{};
-};
 
 /// What was kept, and who recognises on it.
 class Recognition {
@@ -210,7 +115,7 @@ class Recognition {
     (void)recogniser_.run(keeper_.store(), units);
   }
 
-  Memory memory_;
+  TrialMemory memory_;
   TrialConfig config_;
   TargetKeeper keeper_;
   ScanRegistration registration_;

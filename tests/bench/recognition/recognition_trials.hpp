@@ -2,26 +2,17 @@
 // A robot that keeps what it saw, and another one that is to be recognised on it: as they do on board.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "mapping/recognition/local_segments.hpp"
 #include "mapping/recognition/recogniser.hpp"
 #include "mapping/recognition/target_keeper.hpp"
 #include "mapping/registration/place_judge.hpp"
 #include "mapping/registration/place_looks.hpp"
 #include "tests/bench/recognition/deceptive_worlds.hpp"
+#include "tests/bench/recognition/local_run.hpp"
 
 namespace sortie::bench {
-
-/// How far a pose is off.
-struct PoseError {
-  double move_m{};
-  double turn_deg{};
-  /// Farther off is another place.
-  bool is_right() const { return move_m <= 1.0 && turn_deg <= 5.0; }
-};
 
 /// One search and what came of it.
 struct RecognitionLook {
