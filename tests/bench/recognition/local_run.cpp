@@ -83,4 +83,22 @@ std::vector<SpeakingSegment> LocalRun::speaking(std::uint32_t most) const {
   return list;
 }
 
+std::vector<rt::Vector3> LocalRun::voxels() const {
+  const double voxel_m = grid().config().voxel_size_m;
+  std::vector<rt::Vector3> places;
+  for (const Block& block : grid().blocks()) {
+    if (!block.in_use()) continue;
+    const BlockAt at = BlockAt::from_key(block.key);
+    for (std::uint64_t rest = block.active; rest != 0; rest = without_lowest(rest)) {
+      const unsigned cell = lowest(rest);
+      const Centroid& c = grid().voxel(block, cell);
+      const rt::Vector3 cells{4.0 * at.x + (cell & 3) + c.x / 65536.0,
+                              4.0 * at.y + (cell >> 2 & 3) + c.y / 65536.0,
+                              4.0 * at.z + (cell >> 4) + c.z / 65536.0};
+      places.push_back(grid().to_world(voxel_m * cells));
+    }
+  }
+  return places;
+}
+
 }  // namespace sortie::bench

@@ -2,7 +2,9 @@
 // A robot's local map and the segments in it that may speak, scan after scan, as they run on board.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "mapping/recognition/local_segments.hpp"
@@ -44,8 +46,10 @@ class LocalRun {
   std::span<const mapping::WatchedSegment> segments() const { return segments_.segments(); }
   const mapping::SegmentWatchCounts& counts() const { return segments_.counts(); }
   rt::Nanoseconds now_ns() const { return now_ns_; }
-  /// Those that speak, the nearest `most` of them.
+  /// Those that speak, the nearest `most` of them; places in the odometry's frame.
   std::vector<mapping::SpeakingSegment> speaking(std::uint32_t most) const;
+  /// The map's voxels, in the odometry's frame, m.
+  std::vector<rt::Vector3> voxels() const;
 
  private:
   TrialMemory memory_;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-recognition: sets of correspondences that agree, beside PCL's grouping, CLIPPER and ROBIN;
-// descriptors beside seven features; places that are told where there is none, and those that are, on
-// recorded ways, too. Prints one JSON object; `sortie bench recognition` runs it and shows the tables.
+// descriptors beside seven features; places beside SOLiD and density images; places that are told where there
+// is none, and those that are, on recorded ways, too. Prints one JSON object; `sortie bench recognition` runs
+// it and shows the tables.
 #include <stdexcept>
 
 #include "tests/bench/recognition/recognition_parts.hpp"
@@ -12,11 +13,18 @@ namespace sortie::bench {
 namespace {
 
 constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
-    {"streets", measure_recognition_streets},   {"outliers", measure_recognition_outliers},
-    {"graphs", measure_recognition_graphs},     {"descriptors", measure_recognition_descriptors},
-    {"deceive", measure_recognition_deceive},   {"revisits", measure_recognition_revisits},
-    {"evidence", measure_recognition_evidence}, {"visits", measure_recognition_visits},
-    {"loops", measure_recognition_loops}};
+    constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
+        {"streets", measure_recognition_streets},
+        {"outliers", measure_recognition_outliers},
+        {"graphs", measure_recognition_graphs},
+        {"descriptors", measure_recognition_descriptors},
+        {"deceive", measure_recognition_deceive},
+        {"revisits", measure_recognition_revisits},
+        {"places", measure_recognition_places},
+        {"sweep", measure_recognition_sweep},
+        {"evidence", measure_recognition_evidence},
+        {"visits", measure_recognition_visits},
+        {"loops", measure_recognition_loops}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;

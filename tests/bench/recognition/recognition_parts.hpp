@@ -25,6 +25,8 @@ void measure_recognition_outliers(const RecognitionSettings& settings, Report& r
 void measure_recognition_graphs(const RecognitionSettings& settings, Report& report);
 /// What segments of two visits of made-up halls are told apart by: the 24 bytes beside the seven features.
 void measure_recognition_descriptors(const RecognitionSettings& settings, Report& report);
+/// What places of two visits are told apart by: segments that agree, beside SOLiD and density images.
+void measure_recognition_places(const RecognitionSettings& settings, Report& report);
 /// Worlds that are built to deceive: how many places are told that are none.
 void measure_recognition_deceive(const RecognitionSettings& settings, Report& report);
 /// Halls that are visited twice: how many are recognised, after which way, by the size of the local map.
@@ -35,5 +37,7 @@ void measure_recognition_evidence(const RecognitionSettings& settings, Report& r
 void measure_recognition_visits(const RecognitionSettings& settings, Report& report);
 /// Long recorded drives through made-up towns: precision and recall where the way comes back.
 void measure_recognition_loops(const RecognitionSettings& settings, Report& report);
+/// Recall and false places over run time: units, candidates, targets, gravity and others, one at a time.
+void measure_recognition_sweep(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench
