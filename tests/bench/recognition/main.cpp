@@ -13,18 +13,12 @@ namespace sortie::bench {
 namespace {
 
 constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
-    constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
-        {"streets", measure_recognition_streets},
-        {"outliers", measure_recognition_outliers},
-        {"graphs", measure_recognition_graphs},
-        {"descriptors", measure_recognition_descriptors},
-        {"deceive", measure_recognition_deceive},
-        {"revisits", measure_recognition_revisits},
-        {"places", measure_recognition_places},
-        {"sweep", measure_recognition_sweep},
-        {"evidence", measure_recognition_evidence},
-        {"visits", measure_recognition_visits},
-        {"loops", measure_recognition_loops}};
+    {"streets", measure_recognition_streets},   {"outliers", measure_recognition_outliers},
+    {"graphs", measure_recognition_graphs},     {"descriptors", measure_recognition_descriptors},
+    {"deceive", measure_recognition_deceive},   {"revisits", measure_recognition_revisits},
+    {"places", measure_recognition_places},     {"sweep", measure_recognition_sweep},
+    {"evidence", measure_recognition_evidence}, {"visits", measure_recognition_visits},
+    {"loops", measure_recognition_loops}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;
