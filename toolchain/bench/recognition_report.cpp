@@ -32,8 +32,8 @@ PeerFront recognition_front() {
        1, 1000000},
       {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
       choice("--only", "One part alone",
-             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "places",
-              "sweep", "visits", "loops"}),
+             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "rest",
+              "places", "sweep", "visits", "loops"}),
       {"--data", std::string(), "Folder of the recorded data", 0, 0, {}, "DIR"}};
   front.title = "Recognition of places";
   front.intro =
@@ -49,6 +49,7 @@ PeerFront recognition_front() {
                     {"deceive", "Worlds that are built to deceive"},
                     {"revisits", "Halls that are visited twice: what is recognised"},
                     {"evidence", "What a scan has to say before it is believed"},
+                    {"rest", "How long a segment must be at rest before it speaks"},
                     {"places", "Places of two visits: beside SOLiD and density images"},
                     {"sweep", "Error over run time: one knob at a time"},
                     {"visits", "A recorded lidar, cut into two visits"},

@@ -21,8 +21,9 @@ RollingGridConfig grid_config(double radius_m) {
   return config;
 }
 
-SegmentWatchConfig watch_config() {
+SegmentWatchConfig watch_config(rt::Nanoseconds rest_ns) {
   SegmentWatchConfig config;
+  config.rest_ns = rest_ns;
   config.watched = 1024;
   return config;
 }
@@ -43,10 +44,10 @@ void TrialMemory::check() const {
   if (arena.refused() != 0) throw std::runtime_error("recognition: no room for a trial");
 }
 
-LocalRun::LocalRun(double radius_m)
+LocalRun::LocalRun(double radius_m, rt::Nanoseconds rest_ns)
     : memory_(2),
       map_(grid_config(radius_m), SegmenterConfig{}, kSizes),
-      segments_(watch_config(), kSizes.slots, 256, memory_.arena) {
+      segments_(watch_config(rest_ns), kSizes.slots, 256, memory_.arena) {
   memory_.check();
 }
 

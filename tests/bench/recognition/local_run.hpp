@@ -37,7 +37,8 @@ struct TrialMemory {
 /// Smooth segments in voxels of 0.1 m, returns up to 25 m; a scan each half second, a round each second.
 class LocalRun {
  public:
-  explicit LocalRun(double radius_m);
+  /// `rest_ns`: SegmentWatchConfig has it.
+  explicit LocalRun(double radius_m, rt::Nanoseconds rest_ns = mapping::SegmentWatchConfig{}.rest_ns);
 
   /// True: a round was due, and the segments are new. Throws std::runtime_error where a world does not fit.
   bool scan(const std::vector<rt::ScanPoint>& points, const mapping::RigidPose& T_odom_sensor);

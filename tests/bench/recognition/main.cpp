@@ -17,8 +17,8 @@ constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
     {"graphs", measure_recognition_graphs},     {"descriptors", measure_recognition_descriptors},
     {"deceive", measure_recognition_deceive},   {"revisits", measure_recognition_revisits},
     {"places", measure_recognition_places},     {"sweep", measure_recognition_sweep},
-    {"evidence", measure_recognition_evidence}, {"visits", measure_recognition_visits},
-    {"loops", measure_recognition_loops}};
+    {"evidence", measure_recognition_evidence}, {"rest", measure_recognition_rest},
+    {"visits", measure_recognition_visits},     {"loops", measure_recognition_loops}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;

@@ -31,6 +31,8 @@ void measure_recognition_places(const RecognitionSettings& settings, Report& rep
 void measure_recognition_deceive(const RecognitionSettings& settings, Report& report);
 /// Halls that are visited twice: how many are recognised, after which way, by the size of the local map.
 void measure_recognition_revisits(const RecognitionSettings& settings, Report& report);
+/// How long a segment must be at rest before it speaks: halls that are recognised, and false places.
+void measure_recognition_rest(const RecognitionSettings& settings, Report& report);
 /// What a scan has to say before it is believed: false places and right ones, by `over_unexplained`.
 void measure_recognition_evidence(const RecognitionSettings& settings, Report& report);
 /// A recorded lidar, cut into two visits: what the second one recognises of the first.

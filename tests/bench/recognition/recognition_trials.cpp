@@ -35,7 +35,7 @@ class Recognition {
   /// Maps scans anew, and keeps what speaks in the world's frame.
   class Keeping {
    public:
-    explicit Keeping(Recognition& own) : own_(own), run_(own.config_.radius_m) {}
+    explicit Keeping(Recognition& own) : own_(own), run_(own.config_.radius_m, own.config_.rest_ns) {}
     void take(const std::vector<HallScan>& scans, const RigidPose& T_world_hall) {
       int at = 0;
       for (const HallScan& scan : scans) {
@@ -60,7 +60,7 @@ class Recognition {
                              const RigidPose& T_odom_world, Draws& draws) {
     RecognitionTrial trial;
     trial.targets = keeper_.store().kept();
-    LocalRun run(config_.radius_m);
+    LocalRun run(config_.radius_m, config_.rest_ns);
     PlaceLooks looks{{config_.second_look_m, config_.second_look_m}};
     double way_m = 0.0, looked_m = 0.0;
     for (std::size_t i = 0; i < scans.size(); ++i) {

@@ -2,6 +2,7 @@
 // Whole worlds: those that are built to deceive, and halls that are visited twice.
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "tests/bench/recognition/look_figures.hpp"
 #include "tests/bench/recognition/recognition_parts.hpp"
@@ -155,6 +156,53 @@ void measure_recognition_revisits(const RecognitionSettings& settings, Report& r
                               std::to_string(settings.seed + static_cast<std::uint64_t>(halls) - 1) +
                               " of each row; 15 m of way. Errors are RMS, in the first look that placed "
                               "the robot rightly.");
+}
+
+void measure_recognition_rest(const RecognitionSettings& settings, Report& report) {
+  struct Choice {
+    double rest_s, over;
+  };
+  const int worlds = settings.cases_or(kEvidenceWorlds), halls = std::max(worlds / 4, 1);
+  Json rows = Json::array();
+  for (const Choice& choice : {Choice{2.0, 1.0}, {1.0, 1.0}, {0.0, 1.0}, {0.0, 1.5}, {0.0, 2.0}}) {
+    TrialTally revisited, deceived;
+    TrialConfig config;
+    config.rest_ns = static_cast<rt::Nanoseconds>(1e9 * choice.rest_s);
+    config.judge.over_unexplained = choice.over;
+    for (const Deception kind : kDeceptions) {
+      for (int i = 0; i < worlds; ++i) {
+        const std::uint64_t seed = settings.seed + static_cast<std::uint64_t>(i);
+        testing::Draws draws(seed);
+        const RecognitionWorld world = deceptive_world(kind, draws);
+        deceived.add(try_recognition(world, config, draws), seed);
+      }
+    }
+    config.sparse = false;
+    config.most_way_m = 15.0;
+    for (const auto& [way, moved] :
+         {std::pair{SecondWay::along, 0.0}, {SecondWay::against, 0.0}, {SecondWay::along, 0.3}}) {
+      for (int i = 0; i < halls; ++i) {
+        const std::uint64_t seed = settings.seed + static_cast<std::uint64_t>(i);
+        testing::Draws draws(seed);
+        const RecognitionWorld world = revisited_hall(way, moved, draws);
+        revisited.add(try_recognition(world, config, draws), seed);
+      }
+    }
+    rows.push_back({choice.rest_s, choice.over, revisited.worlds, revisited.placed.right,
+                    revisited.placed.wrong, revisited.within(3.0), revisited.within(6.0),
+                    median(revisited.way_m), revisited.confirmed.right, revisited.confirmed.wrong,
+                    deceived.worlds, deceived.placed.wrong, deceived.confirmed.wrong});
+  }
+  report.add_table(
+      "rest",
+      {"rest_s", "over_unexplained", "halls", "placed by one look", "wrongly", "within 3 m", "6 m",
+       "way, m (median)", "by two looks", "wrongly", "worlds that deceive", "one look wrongly", "two looks"},
+      rows);
+  report.note("rest",
+              "Halls: visited again in the same direction, from the other end, and in the same direction "
+              "with 30 % of the things moved, local map 20 m, 15 m of way. Worlds: all five kinds. Seeds "
+              "from " +
+                  std::to_string(settings.seed) + ".");
 }
 
 void measure_recognition_evidence(const RecognitionSettings& settings, Report& report) {
