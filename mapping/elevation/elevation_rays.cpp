@@ -12,6 +12,7 @@ namespace sortie::mapping {
 namespace {
 
 constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
+constexpr std::int64_t kFarthest = 1 << 29;  // cells of a window that is read, and metres of its level
 constexpr double kHeightParts = 65536.0;  // of a height unit, while a ray is followed
 
 // One axis of a ray. Lengths are half units, so that the way to a return, which lies in the middle of a unit,
@@ -120,6 +121,13 @@ void ElevationMap::archive(rt::Archive& archive) {
       .fixed(config_, rule_, cell_units_, bound_reach_, usable_)
       .by_hand(cells_, bounds_)
       .state(output_, variance_, variance_rest_, ray_phase_, centred_);
+  if (archive.is_reading()) {
+    for (std::int64_t* const number : {&output_.low_x, &output_.low_y, &output_.level_m}) {
+      if (*number >= -kFarthest && *number <= kFarthest) continue;
+      archive.fail(Status::malformed, "a window farther off than any map reaches");
+      *number = 0;
+    }
+  }
   archive.expect(cells_.size(), "the map has another size");
   for (ElevationCell& cell : cells_) archive.value(cell);
   for (std::int32_t& bound : bounds_) archive.value(bound);

@@ -58,12 +58,10 @@ GroundSpan ElevationView::ground(std::int64_t x, std::int64_t y, double asker_m,
   span.state = (cell.flags[last] & kFelt) != 0 ? GroundState::felt : GroundState::measured;
   span.low_m = height_m(first);
   span.high_m = height_m(last);
-  std::uint16_t weight = UINT16_MAX;
-  for (const std::uint32_t i : {first, last}) {
-    const std::uint16_t now = aged_weight(cell.weight[i], variance - cell.variance);
-    if (now < weight) weight = now;
-  }
-  span.sigma_m = sigma_of(weight);
+  const std::uint32_t parts = variance - cell.variance;
+  const std::uint16_t low = aged_weight(cell.weight[first], parts);
+  const std::uint16_t high = aged_weight(cell.weight[last], parts);
+  span.sigma_m = sigma_of(low < high ? low : high);
   return span;
 }
 
