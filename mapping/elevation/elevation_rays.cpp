@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
 constexpr std::int64_t kFarthest = 1 << 29;  // cells of a window that is read, and metres of its level
-constexpr double kHeightParts = 65536.0;  // of a height unit, while a ray is followed
+constexpr double kHeightParts = 65536.0;     // of a height unit, while a ray is followed
 
 // One axis of a ray. Lengths are half units, so that the way to a return, which lies in the middle of a unit,
 // is whole and never zero: no ray runs along a border, and a mirrored ray passes the mirrored cells.
