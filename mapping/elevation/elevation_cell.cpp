@@ -46,10 +46,11 @@ Surface united(const Surface& low, const Surface& high, std::uint16_t most_weigh
   return one;
 }
 
-bool joins(std::int64_t apart, std::int64_t weight, const SurfaceRule& rule) {
+// The variance of a difference is the sum of both: its inverse is the product of the weights over their sum.
+bool joins(std::int64_t apart, std::int64_t weight, std::int64_t of_return, const SurfaceRule& rule) {
   if (apart <= rule.join) return true;
   if (apart > rule.most_join) return false;
-  return apart * apart * weight <= kNineVariances;
+  return apart * apart * (weight * of_return / (weight + of_return)) <= kNineVariances;
 }
 
 void remove(ElevationCell& cell, std::uint32_t i) {
@@ -102,9 +103,8 @@ void unite_five(ElevationCell& cell, const Surface (&five)[ElevationCell::kSurfa
 }  // namespace
 
 void age(ElevationCell& cell, std::uint32_t variance) {
-  const std::uint32_t parts = variance - cell.variance;
-  if (parts == 0) return;
-  for (std::uint16_t& weight : cell.weight) weight = aged_weight(weight, parts);
+  if (variance == cell.variance) return;
+  for (std::uint16_t& weight : cell.weight) weight = aged_weight(weight, cell.variance, variance);
   cell.variance = variance;
 }
 
@@ -123,7 +123,7 @@ SurfaceChange take_height(ElevationCell& cell, std::int32_t height, std::uint16_
     nearest = i;
   }
   const Surface fresh{height, std::min(weight, rule.most_weight), flags};
-  if (n > 0 && joins(least, cell.weight[nearest], rule)) {
+  if (n > 0 && joins(least, cell.weight[nearest], fresh.weight, rule)) {
     put(cell, nearest, mean(surface_of(cell, nearest), fresh, rule.most_weight));
     return unite_close(cell, nearest, rule) ? SurfaceChange::merged : SurfaceChange::joined;
   }

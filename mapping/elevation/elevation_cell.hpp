@@ -34,11 +34,16 @@ struct ElevationCell {
 };
 static_assert(sizeof(ElevationCell) == 32);
 
-/// A weight after motion has added `parts` of variance (kVarianceParts): at least 1.
-constexpr std::uint16_t aged_weight(std::uint16_t weight, std::uint32_t parts) {
+/// A weight as of the variance `since`, after motion has brought that to `now` (kVarianceParts, modulo 2^32):
+/// at least 1. It is rounded up or down by what `now` holds, as often as it must be to be right on average:
+/// many small steps add up to what one large step is.
+constexpr std::uint16_t aged_weight(std::uint16_t weight, std::uint32_t since, std::uint32_t now) {
+  const std::uint32_t parts = now - since;
   if (parts == 0 || weight == 0) return weight;
-  const std::uint64_t aged =
-      (std::uint64_t{weight} << 16) / (65536 + std::uint64_t{weight} * std::uint64_t{parts});
+  if (parts > (1u << 28)) return 1;
+  const std::uint64_t share = (std::uint64_t{1} << 24) + std::uint64_t{weight} * parts;
+  const std::uint64_t dither = share * ((now * 0x9e3779b1u) >> 16) >> 16;
+  const std::uint64_t aged = ((std::uint64_t{weight} << 24) + dither) / share;
   return aged > 0 ? static_cast<std::uint16_t>(aged) : std::uint16_t{1};
 }
 
@@ -55,11 +60,11 @@ enum class SurfaceChange : std::uint8_t { joined, added, merged };
 /// Brings the weights of a cell up to `variance`, the sum of all that motion has added.
 void age(ElevationCell& cell, std::uint32_t variance);
 
-/// Takes a height with its weight (1..4095) into an aged cell. It joins the nearest surface if it lies within
-/// `join`, or within three standard deviations of what motion left of it: a Kalman step in whole numbers.
-/// Otherwise it is a surface of its own. Two surfaces that came closer than half of `join` become one. Where
-/// a fifth comes, the closest two of one kind become one; the lowest and the highest stay as long as others
-/// can. Cost: about 10 ns; no memory.
+/// Takes a height with its weight (1 or more) into an aged cell. It joins the nearest surface if it lies
+/// within `join`, or within three standard deviations of both: a Kalman step in whole numbers. Otherwise it
+/// is a surface of its own. Two surfaces that came closer than half of `join` become one. Where a fifth
+/// comes, the closest two of one kind become one; the lowest and the highest stay as long as others can.
+/// Cost: about 10 ns; no memory.
 SurfaceChange take_height(ElevationCell& cell, std::int32_t height, std::uint16_t weight, std::uint8_t flags,
                           const SurfaceRule& rule);
 

@@ -14,7 +14,7 @@ namespace sortie::mapping {
 namespace {
 
 constexpr double kFarthestCell = 268435456.0;  // 2^28
-constexpr double kMostVariance_m2 = 100.0;
+constexpr double kMostVariance_m2 = 50.0;
 // Odd, so that no two histories that differ in one cell come together again.
 constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
 
@@ -24,8 +24,8 @@ bool is_good(const ElevationConfig& c) {
   return c.size >= 16 && c.size <= 2048 && std::has_single_bit(static_cast<std::uint32_t>(c.size)) &&
          c.cell_mm >= 10 && c.cell_mm <= 1000 && within(c.min_range_m, 0.0, 1000.0) &&
          within(c.max_range_m, c.min_range_m, 1000.0) && within(c.noise_m, 1e-4, 1.0) &&
-         within(c.noise_per_m, 0.0, 1.0) && within(c.least_sigma_m, 1e-3, 0.16) &&
-         within(c.felt_sigma_m, 1e-3, 0.16) && within(c.join_m, 0.001, 1.0) &&
+         within(c.noise_per_m, 0.0, 1.0) && within(c.least_sigma_m, 0.0025, 0.64) &&
+         within(c.felt_sigma_m, 0.0025, 0.64) && within(c.join_m, 0.001, 1.0) &&
          within(c.most_join_m, c.join_m, 2.0) && within(c.ray_short_m, 0.0, 100.0) &&
          within(c.bound_reach_m, 0.01, 100.0);
 }

@@ -26,7 +26,7 @@ struct ElevationConfig {
   double noise_per_m{0.002};    ///< and what it grows by with the range: pointing and attitude
   double least_sigma_m{0.003};  ///< no height gets surer: what a surface forgets by
   double felt_sigma_m{0.01};    ///< of a height that was felt
-  double join_m{0.05};          ///< returns this close to a surface belong to it
+  double join_m{0.03};          ///< returns this close to a surface belong to it
   double most_join_m{0.5};      ///< the same where a height is hardly known any more
   std::uint32_t ray_stride{1};  ///< every so many returns a ray is followed over the cells; 0: none
   double ray_short_m{0.1};      ///< a ray ends so far before its return, along the ground

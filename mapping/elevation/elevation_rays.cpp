@@ -43,8 +43,9 @@ RayAxis make_axis(std::int32_t from, std::int32_t way, double share, std::int64_
     axis.way = -to;
     axis.step = -1;
   }
-  const auto end = static_cast<std::int64_t>(share * static_cast<double>(axis.way));
-  axis.crossed = end > axis.first ? (end - axis.first - 1) / edge + 1 : 0;
+  const double before = share * static_cast<double>(axis.way) - static_cast<double>(axis.first);
+  const double borders = before / static_cast<double>(edge);
+  axis.crossed = before > 0.0 ? static_cast<std::int64_t>(borders) + 1 : 0;
   return axis;
 }
 

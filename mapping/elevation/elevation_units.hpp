@@ -15,10 +15,10 @@ inline constexpr double kGroundUnits = 16000.0;
 inline constexpr double kHeightUnits = 1048576.0;
 /// Heights of a map reach this far above and below its level.
 inline constexpr double kHeightRange_m = 1000.0;
-/// A weight of 1 is a standard deviation of 0.16 m; weights are inverse variances.
-inline constexpr double kUnitWeightVariance_m2 = 0.0256;
-/// Variance that motion adds is counted in these parts of the unit weight's.
-inline constexpr double kVarianceParts = 65536.0;
+/// A weight of 1 is a standard deviation of 0.64 m; weights are inverse variances, 65535 is 2.5 mm.
+inline constexpr double kUnitWeightVariance_m2 = 0.4096;
+/// Variance that motion adds is counted in these parts of the unit weight's: 2.4e-8 m^2.
+inline constexpr double kVarianceParts = 16777216.0;
 
 /// Nearest whole number, halves away from zero: of -x it is the negative. |x| below 2^62.
 inline std::int64_t nearest_unit(double x) { return static_cast<std::int64_t>(x < 0.0 ? x - 0.5 : x + 0.5); }

@@ -58,9 +58,8 @@ GroundSpan ElevationView::ground(std::int64_t x, std::int64_t y, double asker_m,
   span.state = (cell.flags[last] & kFelt) != 0 ? GroundState::felt : GroundState::measured;
   span.low_m = height_m(first);
   span.high_m = height_m(last);
-  const std::uint32_t parts = variance - cell.variance;
-  const std::uint16_t of_low = aged_weight(cell.weight[first], parts);
-  const std::uint16_t of_high = aged_weight(cell.weight[last], parts);
+  const std::uint16_t of_low = aged_weight(cell.weight[first], cell.variance, variance);
+  const std::uint16_t of_high = aged_weight(cell.weight[last], cell.variance, variance);
   span.sigma_m = sigma_of(of_low < of_high ? of_low : of_high);
   return span;
 }

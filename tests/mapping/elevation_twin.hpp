@@ -106,7 +106,7 @@ class ElevationTwin {
         if (i != nearest && std::fabs(apart(found[i], seen) - apart(found[nearest], seen)) < 2e-3 &&
             apart(found[i], seen) < 0.1)
           shaky = true;
-      const double gate = found.empty() ? 0 : gate_m(found[nearest].variance_m2);
+      const double gate = found.empty() ? 0 : gate_m(found[nearest].variance_m2 + seen.variance_m2);
       if (!found.empty() && std::fabs(apart(found[nearest], seen) - gate) < 1e-3 + 0.02 * gate) shaky = true;
       if (!found.empty() && apart(found[nearest], seen) <= gate) {
         found[nearest] = both(found[nearest], {seen.height_m, seen.variance_m2, seen.flags});

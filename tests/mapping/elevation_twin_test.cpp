@@ -96,10 +96,12 @@ TwinVerdict judge_elevation(const ElevationMap& map, const tests::ElevationTwin&
         const double height_m = static_cast<double>(view.level_m) + cell.height[i] / kHeightUnits;
         REQUIRE(std::fabs(height_m - surfaces[i].height_m) < 1e-3);
         REQUIRE(cell.flags[i] == surfaces[i].flags);
-        const std::uint16_t weight = aged_weight(cell.weight[i], view.variance - cell.variance);
+        const std::uint16_t weight = aged_weight(cell.weight[i], cell.variance, view.variance);
         const double twins = kUnitWeightVariance_m2 / surfaces[i].variance_m2;
-        // Each return and each ageing rounds by one at most.
-        REQUIRE(std::fabs(weight - twins) <= 2.0 + 0.02 * twins);
+        // Each return rounds by a half, each ageing by one and by less than a part of variance.
+        const double most =
+            (1.5 + twins * twins / kVarianceParts) * static_cast<double>(found->second.seen.size() + 1);
+        REQUIRE(std::fabs(weight - twins) <= most);
       }
     }
   }
