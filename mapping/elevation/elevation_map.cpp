@@ -163,6 +163,16 @@ bool ElevationMap::place(const rt::Vector3& p_world_m, Sensor& sensor) const {
   return true;
 }
 
+// As ElevationView::index(), of a place in the window.
+std::uint32_t ElevationMap::index_of(const std::int32_t (&along)[2]) const {
+  const auto size = static_cast<std::uint32_t>(config_.size);
+  const std::uint32_t x =
+      static_cast<std::uint32_t>(output_.low_x) + static_cast<std::uint32_t>(along[0] / cell_units_);
+  const std::uint32_t y =
+      static_cast<std::uint32_t>(output_.low_y) + static_cast<std::uint32_t>(along[1] / cell_units_);
+  return (y & (size - 1)) * size + (x & (size - 1));
+}
+
 void ElevationMap::take(std::uint32_t index, std::int32_t height, std::uint16_t weight, std::uint8_t flags) {
   ElevationCell& cell = cells_[index];
   if (cell.weight[0] == 0) {
@@ -209,8 +219,8 @@ void ElevationMap::take_return(const Sensor& sensor, const rt::Vector3& way_m) {
   ++output_.used;
   const double variance_m2 =
       config_.noise_m * config_.noise_m + config_.noise_per_m * config_.noise_per_m * range2;
-  take(view().index(output_.low_x + u[0] / cell_units_, output_.low_y + u[1] / cell_units_), height,
-       weight_of(variance_m2, rule_.most_weight), way_m.z > 0.0 ? kSeenFromBelow : kSeenFromAbove);
+  take(index_of(u), height, weight_of(variance_m2, rule_.most_weight),
+       way_m.z > 0.0 ? kSeenFromBelow : kSeenFromAbove);
 }
 
 Status ElevationMap::update(const rt::PointScan& scan, const SensorPose& pose) {
@@ -253,8 +263,7 @@ Status ElevationMap::feel(std::span<const rt::Vector3> places_m) {
       continue;
     }
     ++output_.felt;
-    take(view().index(output_.low_x + at.along[0] / cell_units_, output_.low_y + at.along[1] / cell_units_),
-         at.height, weight, kFelt);
+    take(index_of(at.along), at.height, weight, kFelt);
   }
   return status;
 }

@@ -106,6 +106,7 @@ class ElevationMap {
   void clear_cell(std::uint32_t index);
   void roll(std::int64_t low_x, std::int64_t low_y);
   bool place(const rt::Vector3& p_world_m, Sensor& sensor) const;
+  std::uint32_t index_of(const std::int32_t (&along)[2]) const;
   void take_return(const Sensor& sensor, const rt::Vector3& way_m);
   void take(std::uint32_t index, std::int32_t height, std::uint16_t weight, std::uint8_t flags);
   void follow_ray(const Sensor& sensor, const std::int32_t (&way)[2], const rt::Vector3& way_m);
