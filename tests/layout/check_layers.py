@@ -8,7 +8,7 @@ import tree
 
 # A room sees itself and these. "rt/posix" is a room of its own: it may use threads, clocks and the kernel. So is
 # "rt/convex": it alone sees libccd. The map's rooms stand on its grid; recognition stands on segments and registration, too.
-MAPPING = {"mapping/grid", "mapping/segments", "mapping/occupancy", "mapping/registration", "mapping/recognition"}
+MAPPING = {"mapping/grid", "mapping/segments", "mapping/occupancy", "mapping/registration", "mapping/recognition", "mapping/elevation"}
 GROUND = {"rt", "rt/posix", "rt/convex"}
 BELOW = GROUND | {"planner", "estimators", "drivers"} | MAPPING
 
@@ -40,6 +40,7 @@ ROOMS = {
     "mapping/grid": {"mapping/grid", "rt"},
     "mapping/segments": {"mapping/segments", "mapping/grid", "rt"},
     "mapping/occupancy": {"mapping/occupancy", "mapping/grid", "rt"},
+    "mapping/elevation": {"mapping/elevation", "mapping/grid", "rt"},
     "mapping/registration": {"mapping/registration", "mapping/grid", "rt"},
     "mapping/recognition": {"mapping/recognition", "mapping/segments", "mapping/registration", "mapping/grid", "rt"},
     "planner": {"planner", "estimators", "rt", "rt/convex"} | MAPPING,

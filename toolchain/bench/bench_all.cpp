@@ -83,6 +83,7 @@ const std::vector<BenchPart>& bench_parts() {
       {"mapping", {"mapping", "--every", "35"}, "bench-local-map.json", true},
       {"registration", {"registration"}, "bench-registration.json"},
       {"recognition", {"recognition"}, "bench-recognition.json", true},
+      {"elevation", {"elevation"}, "bench-elevation.json", true},
       {"odometry", {"odometry", "--quiet"}, "bench-odometry.json"},
       {"knobs",
        {"--sweep", "knobs", "--scene", "ugv_hall", "--scene", "ugv_stairs", "--scene", "uav_gusts",

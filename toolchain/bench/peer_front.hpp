@@ -72,6 +72,7 @@ PeerFront rt_front();            ///< the real-time ground beside cyclictest and
 PeerFront plant_front();         ///< the tracked plant beside ODE
 PeerFront mapping_front();       ///< the local map beside PCL
 PeerFront registration_front();  ///< the registration of scans and clouds beside PCL's
+PeerFront elevation_front();     ///< the elevation map beside elevation_mapping's filter
 PeerFront recognition_front();   ///< sets of correspondences beside PCL's, CLIPPER's and ROBIN's
 PeerFront uav_front();           ///< the multirotor beside Lee's controller and others
 PeerFront stability_front();     ///< stiff and extreme cases beside the naive method
