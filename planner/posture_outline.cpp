@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planner/posture_outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sortie::planner {
+namespace {
+
+constexpr double kWallShare = 0.94;  // sine of 70 degrees
+constexpr double kWallSlope = 2.75;  // its tangent
+
+/// Normals of both runs of a slice: n . (c1 - c0) = r0 - r1 for a common tangent.
+void set_runs(OutlineSlice& s) {
+  const double dx = s.x_m[1] - s.x_m[0];
+  const double dz = s.z_m[1] - s.z_m[0];
+  const double length = std::sqrt(dx * dx + dz * dz);
+  const double along = (s.radius_m[0] - s.radius_m[1]) / length;
+  const double across = std::sqrt(std::max(0.0, 1.0 - along * along));
+  const double x = dx / length;
+  const double z = dz / length;
+  for (int side = 0; side < 2; ++side) {
+    const double turn = side == 0 ? across : -across;
+    s.run_normal[side][0] = along * x + turn * z;
+    s.run_normal[side][1] = along * z - turn * x;
+  }
+}
+
+/// Height of the ground at any place over the patch: along a slope or at a step, as the patch itself has it.
+class GroundReader {
+ public:
+  explicit GroundReader(const GroundPatch& ground)
+      : ground_(ground), per_m_(1.0 / ground.spacing_m()), limit_(static_cast<float>(ground.spacing_m())) {}
+
+  int first_column(double x) const { return static_cast<int>(rt::floor(x * per_m_)); }
+  double column_x(int column) const { return ground_.spacing_m() * column; }
+
+  /// At a column. False where the patch ends or nothing is known.
+  bool at_column(int column, double y, double& height) const {
+    const double row = y * per_m_;
+    const auto below = static_cast<int>(rt::floor(row));
+    if (column < -GroundPatch::kHalfColumns || column > GroundPatch::kHalfColumns ||
+        below < -GroundPatch::kHalfRows || below >= GroundPatch::kHalfRows)
+      return false;
+    return between(ground_.height(column, below), ground_.height(column, below + 1),
+                   static_cast<float>(row - below), height);
+  }
+
+  /// Anywhere.
+  bool at(double x, double y, double& height) const {
+    const int column = first_column(x);
+    double low{};
+    double high{};
+    const bool has_low = at_column(column, y, low);
+    const bool has_high = at_column(column + 1, y, high);
+    const double share = x * per_m_ - column;
+    if (!has_low && !has_high) return false;
+    if (!has_low || !has_high) {
+      height = has_low ? low : high;
+      return has_low ? share <= 0.5 : share >= 0.5;
+    }
+    return between(static_cast<float>(low), static_cast<float>(high), static_cast<float>(share), height);
+  }
+
+ private:
+  bool between(float a, float b, float share, double& height) const {
+    float value = a + share * (b - a);
+    if (!(std::fabs(a - b) <= limit_)) value = share < 0.5F ? a : share > 0.5F ? b : std::max(a, b);
+    height = static_cast<double>(value);
+    return value > 0.5F * GroundPatch::kUnknown;
+  }
+
+  const GroundPatch& ground_;
+  double per_m_;
+  float limit_;
+};
+
+/// A slice that is tilted: its lower side over x, in level axes.
+struct TiltedSlice {
+  double x[2], z[2], radius[2], y[2];  // discs from behind to ahead; y of their lowest points
+  double run_x[2], run_z[2];           // ends of the lower run
+  double squeeze;                      // of a disc's height: it is seen aslant
+  double y_slope;
+  double run_slope;
+
+  TiltedSlice(const OutlineSlice& s, const Tilt& tilt) {
+    const int rear = order(s, tilt);
+    // A disc square to the axis a reaches r sqrt(1 - a_z^2) down.
+    const double axis_z = tilt.roll.sin * tilt.pitch.cos;
+    squeeze = std::sqrt(1.0 - axis_z * axis_z);
+    const double down_x = tilt.pitch.sin;
+    const double down_z = tilt.roll.cos * tilt.pitch.cos;
+    const double first = -down_x * s.run_normal[0][0] + down_z * s.run_normal[0][1];
+    const double second = -down_x * s.run_normal[1][0] + down_z * s.run_normal[1][1];
+    const double* normal = first <= second ? s.run_normal[0] : s.run_normal[1];
+    for (int k = 0; k < 2; ++k) {
+      const int disc = k == 0 ? rear : 1 - rear;
+      const double r = s.radius_m[disc];
+      const rt::Vector3 centre = tilt.turn({s.x_m[disc], s.y_m, s.z_m[disc]});
+      const rt::Vector3 end = tilt.turn({s.x_m[disc] + r * normal[0], s.y_m, s.z_m[disc] + r * normal[1]});
+      x[k] = centre.x;
+      z[k] = centre.z;
+      y[k] = centre.y + r * tilt.roll.sin;
+      radius[k] = r;
+      run_x[k] = end.x;
+      run_z[k] = end.z;
+    }
+    const double apart = x[1] - x[0];
+    y_slope = apart > 1e-3 ? (y[1] - y[0]) / apart : 0.0;
+    const double run = run_x[1] - run_x[0];
+    run_slope = run > 1e-9 ? (run_z[1] - run_z[0]) / run : 1e9;
+  }
+
+  static int order(const OutlineSlice& s, const Tilt& tilt) {
+    const double ahead =
+        (s.x_m[1] - s.x_m[0]) * tilt.pitch.cos + (s.z_m[1] - s.z_m[0]) * tilt.roll.cos * tilt.pitch.sin;
+    return ahead >= 0.0 ? 0 : 1;
+  }
+
+  double begin() const { return std::min(run_x[0], x[0] - kWallShare * radius[0]); }
+  double end() const { return std::max(run_x[1], x[1] + kWallShare * radius[1]); }
+  double y_at(double at) const { return y[0] + y_slope * (std::clamp(at, x[0], x[1]) - x[0]); }
+
+  /// Its lower side at x. False beside a wall.
+  bool bottom(double at, double& height) const {
+    if (at >= run_x[0] && at <= run_x[1]) {
+      if (std::fabs(run_slope) > kWallSlope) return false;
+      height = run_z[0] + run_slope * (at - run_x[0]);
+      return true;
+    }
+    const int k = at < run_x[0] ? 0 : 1;
+    const double off = at - x[k];
+    if (std::fabs(off) > kWallShare * radius[k]) return false;
+    height = z[k] - squeeze * std::sqrt(radius[k] * radius[k] - off * off);
+    return true;
+  }
+};
+
+void add_discs(rt::VehiclePart part, double y, const double (&x)[2], const double (&z)[2],
+               const double (&radius)[2], Outline& outline, std::uint32_t& count) {
+  OutlineSlice& s = outline[count++];
+  for (int k = 0; k < 2; ++k) {
+    s.x_m[k] = x[k];
+    s.z_m[k] = z[k];
+    s.radius_m[k] = radius[k];
+  }
+  s.y_m = y;
+  s.part = part;
+  set_runs(s);
+}
+
+}  // namespace
+
+Outline outline_of(const PostureVehicle& v, const FlipperSet& flippers) {
+  const estimators::TrackProfile& p = v.side;
+  Outline outline;
+  std::uint32_t count = 0;
+  const auto flipper_slices = [&](int f, double y) {
+    const double ahead = f < 2 ? 1.0 : -1.0;
+    const rt::SinCos turn = rt::sincos(flippers.angle_rad[f]);
+    const auto part = static_cast<rt::VehiclePart>(3 + f);
+    add_discs(part, y, {ahead * p.pivot_x_m, ahead * (p.pivot_x_m + p.flipper_m * turn.cos)},
+              {p.pivot_z_m, p.pivot_z_m + p.flipper_m * turn.sin}, {p.pivot_radius_m, p.tip_radius_m},
+              outline, count);
+  };
+  const auto track_slices = [&](double side) {
+    const auto part = side > 0.0 ? rt::VehiclePart::track_left : rt::VehiclePart::track_right;
+    for (int k = -1; k <= 1; ++k)
+      add_discs(part, side * p.half_width_m + 0.5 * k * v.track_width_m, {-p.half_length_m, p.half_length_m},
+                {p.axle_m, p.axle_m}, {p.radius_m, p.radius_m}, outline, count);
+  };
+  const double half = 0.5 * v.flipper_width_m;
+  for (int f : {1, 3}) {
+    flipper_slices(f, -v.flipper_y_m - half);
+    flipper_slices(f, -v.flipper_y_m + half);
+  }
+  track_slices(-1.0);
+  for (int k = -2; k <= 2; ++k)
+    add_discs(rt::VehiclePart::body, 0.5 * k * v.belly_half_width_m, {v.belly_rear_m, v.belly_front_m},
+              {v.belly_z_m, v.belly_z_m}, {0.0, 0.0}, outline, count);
+  track_slices(1.0);
+  for (int f : {0, 2}) {
+    flipper_slices(f, v.flipper_y_m - half);
+    flipper_slices(f, v.flipper_y_m + half);
+  }
+  return outline;
+}
+
+rt::Vector3 centre_of_mass(const PostureVehicle& v, const FlipperSet& flippers) {
+  rt::Vector3 centre{v.side.com_x_m, 0.0, v.side.com_z_m};
+  const double share = v.flipper_mass_kg * v.flipper_com_m / v.mass_kg;
+  double ahead = 0.0;
+  double up = 0.0;
+  for (int f = 0; f < 4; f += 2) {  // left and right are added first: so is it in the mirror image
+    const rt::SinCos left = rt::sincos(flippers.angle_rad[f]);
+    const rt::SinCos right = rt::sincos(flippers.angle_rad[f + 1]);
+    const double forward = (left.cos - 1.0) + (right.cos - 1.0);
+    ahead += f == 0 ? forward : -forward;
+    up += left.sin + right.sin;
+  }
+  centre.x += share * ahead;
+  centre.z += share * up;
+  return centre;
+}
+
+LiftCount lifts_at(const Outline& outline, const GroundPatch& ground, const Tilt& tilt, Lifts& lifts) {
+  const GroundReader reader(ground);
+  LiftCount count;
+  lifts.clear();
+  for (std::uint32_t index = 0; index < kOutlineSlices; ++index) {
+    const TiltedSlice slice(outline[index], tilt);
+    const auto add = [&](double x, double y, bool has_height, double height) {
+      double bottom{};
+      if (!slice.bottom(x, bottom)) return;
+      ++count.samples;
+      if (!has_height) {
+        ++count.unknown;
+        return;
+      }
+      (void)lifts.push_back({x, y, height - bottom, height, static_cast<std::uint8_t>(index)});
+    };
+    const int last = reader.first_column(slice.end());
+    for (int column = reader.first_column(slice.begin()) + 1; column <= last; ++column) {
+      const double x = reader.column_x(column);
+      const double y = slice.y_at(x);
+      double height{};
+      const bool known = reader.at_column(column, y, height);
+      add(x, y, known, height);
+    }
+    // Between the columns: where the run ends, and where a disc would touch the slope below it.
+    for (int k = 0; k < 2; ++k) {
+      double height{};
+      const double ends = slice.run_x[k];
+      const double y = slice.y_at(ends);
+      add(ends, y, reader.at(ends, y, height), height);
+      const double r = slice.radius[k];
+      if (r == 0.0) continue;
+      double x = slice.x[k];
+      double ahead{};
+      double behind{};
+      const double y_disc = slice.y[k];
+      const double reach = 0.5 * ground.spacing_m();
+      if (reader.at(x + reach, y_disc, ahead) && reader.at(x - reach, y_disc, behind)) {
+        const double slope = (ahead - behind) / ground.spacing_m();
+        if (std::fabs(slope) <= 1.0) x += r * slope / std::sqrt(1.0 + slope * slope);
+      }
+      add(x, y_disc, reader.at(x, y_disc, height), height);
+    }
+  }
+  return count;
+}
+
+}  // namespace sortie::planner
