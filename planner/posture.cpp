@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMostTurn_rad = 0.4;  // in one sweep
 constexpr double kSteepest_rad = 1.2;  // beyond it nothing rests
+constexpr double kSettled_rad = 1e-7;  // a sweep that turns less is the last
 constexpr double kMostUnknown = 0.9;   // share of the samples without which no rest is told
 
 Status check(const PostureVehicle& v, const PostureConfig& c) {
@@ -72,18 +73,21 @@ Status PostureSolver::look(const GroundView& view, const GroundPose& pose) {
   return Status::ok;
 }
 
-Status PostureSolver::rest(const FlipperSet& asked, Posture& posture) {
+Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture& posture) {
   if (!looked_) return Status::empty;
   for (const double angle : asked.angle_rad) {
     if (!std::isfinite(angle)) return Status::not_finite;
     if (std::fabs(angle) > 100.0) return Status::out_of_range;
   }
+  if (!std::isfinite(start.pitch_rad) || !std::isfinite(start.roll_rad)) return Status::not_finite;
+  if (std::max(std::fabs(start.pitch_rad), std::fabs(start.roll_rad)) > kSteepest_rad)
+    return Status::out_of_range;
   const int hand = handedness_ != 0 ? handedness_ : handedness(asked);
   const FlipperSet flippers = hand > 0 ? mirrored(asked) : asked;
   const Outline outline = outline_of(vehicle_, flippers);
   const rt::Vector3 com_body = centre_of_mass(vehicle_, flippers);
   Posture found;
-  Tilt tilt;
+  Tilt tilt(start.pitch_rad, hand > 0 ? -start.roll_rad : start.roll_rad);
   LiftCount count;
   bool carried = false;
   for (int sweep = 0; sweep < config_.sweeps; ++sweep) {
@@ -100,6 +104,7 @@ Status PostureSolver::rest(const FlipperSet& asked, Posture& posture) {
     found.settled_rad = std::max(std::fabs(turn_x), std::fabs(turn_y));
     tilt = Tilt(std::clamp(tilt.pitch_rad + turn_y, -kSteepest_rad, kSteepest_rad),
                 std::clamp(tilt.roll_rad + turn_x, -kSteepest_rad, kSteepest_rad));
+    if (found.settled_rad < kSettled_rad) break;
   }
   if (found.unknown_share > kMostUnknown || (!carried && count.unknown > 0) || lifts_.empty()) {
     posture = {};

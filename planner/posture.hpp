@@ -44,8 +44,8 @@ struct PostureConfig {
 /// Friction is taken to hold: a vehicle rests where its centre of mass lies over the polygon of what it
 /// touches. A sweep lifts the upright body until it clears every sample, finds the three samples around the
 /// centre of mass that would carry it (the facet of the upper hull of lifts that lies over it: the plane that
-/// a rigid body comes down on), and turns the body onto them. It starts level, so that of several rests it
-/// finds one near that.
+/// a rigid body comes down on), and turns the body onto them. Of several rests it
+/// finds one near where it starts.
 ///
 /// Fixed work: at most `sweeps` passes over at most 768 samples and 24 exchanges a pass. Mirrored ground,
 /// pose and flippers give the mirrored answer to the last bit; on ground that is its own mirror image and has
@@ -62,10 +62,17 @@ class PostureSolver {
   /// or usable().
   Status look(const GroundView& view, const GroundPose& pose);
 
+  /// Pitch and roll that the body has before it settles.
+  struct Start {
+    double pitch_rad{};
+    double roll_rad{};
+  };
+
   /// The rest at the place that was looked at. Status: ok, also where it tips or nothing is known;
   /// not_finite: an angle; out_of_range: beyond 100 rad; empty before the first look. Nothing is written
   /// then.
-  Status rest(const FlipperSet& flippers, Posture& posture);
+  Status rest(const FlipperSet& flippers, const Start& start, Posture& posture);
+  Status rest(const FlipperSet& flippers, Posture& posture) { return rest(flippers, {0.0, 0.0}, posture); }
 
  private:
   Status usable_{Status::ok};

@@ -35,24 +35,35 @@ class GroundReader {
   int first_column(double x) const { return static_cast<int>(rt::floor(x * per_m_)); }
   double column_x(int column) const { return ground_.spacing_m() * column; }
 
-  /// At a column. False where the patch ends or nothing is known.
-  bool at_column(int column, double y, double& height) const {
+  /// The rows on both sides of a place, and its share of the way between them.
+  struct Rows {
+    int below{};
+    float share{};
+    bool inside{};
+  };
+  Rows rows(double y) const {
     const double row = y * per_m_;
     const auto below = static_cast<int>(rt::floor(row));
-    if (column < -GroundPatch::kHalfColumns || column > GroundPatch::kHalfColumns ||
-        below < -GroundPatch::kHalfRows || below >= GroundPatch::kHalfRows)
+    return {below, static_cast<float>(row - below),
+            below >= -GroundPatch::kHalfRows && below < GroundPatch::kHalfRows};
+  }
+
+  /// At a column. False where the patch ends or nothing is known.
+  bool at_column(int column, const Rows& rows, double& height) const {
+    if (column < -GroundPatch::kHalfColumns || column > GroundPatch::kHalfColumns || !rows.inside)
       return false;
-    return between(ground_.height(column, below), ground_.height(column, below + 1),
-                   static_cast<float>(row - below), height);
+    return between(ground_.height(column, rows.below), ground_.height(column, rows.below + 1), rows.share,
+                   height);
   }
 
   /// Anywhere.
   bool at(double x, double y, double& height) const {
     const int column = first_column(x);
+    const Rows place = rows(y);
     double low{};
     double high{};
-    const bool has_low = at_column(column, y, low);
-    const bool has_high = at_column(column + 1, y, high);
+    const bool has_low = at_column(column, place, low);
+    const bool has_high = at_column(column + 1, place, high);
     const double share = x * per_m_ - column;
     if (!has_low && !has_high) return false;
     if (!has_low || !has_high) {
@@ -203,49 +214,103 @@ rt::Vector3 centre_of_mass(const PostureVehicle& v, const FlipperSet& flippers) 
   return centre;
 }
 
+namespace {
+
+/// Places between the columns that matter: where the run ends, and where a disc would touch the slope below
+/// it.
+struct Extras {
+  double x[4];
+  int count{};
+
+  void add(double at) {
+    int k = count++;
+    for (; k > 0 && x[k - 1] > at; --k) x[k] = x[k - 1];
+    x[k] = at;
+  }
+
+  Extras(const TiltedSlice& slice, const GroundReader& reader, double spacing_m) {
+    for (int k = 0; k < 2; ++k) {
+      add(slice.run_x[k]);
+      const double r = slice.radius[k];
+      if (r == 0.0) continue;
+      double at = slice.x[k];
+      double ahead{};
+      double behind{};
+      const double reach = 0.5 * spacing_m;
+      if (reader.at(at + reach, slice.y[k], ahead) && reader.at(at - reach, slice.y[k], behind)) {
+        const double slope = (ahead - behind) / spacing_m;
+        if (std::fabs(slope) <= 1.0) at += r * slope / std::sqrt(1.0 + slope * slope);
+      }
+      add(at);
+    }
+  }
+};
+
+/// The samples of a slice, from behind to ahead: of them only the corners of their upper hull are kept.
+class SliceLifts {
+ public:
+  SliceLifts(Lifts& lifts, LiftCount& count) : lifts_(lifts), count_(count), begin_(lifts.size()) {}
+
+  void add(const TiltedSlice& slice, std::uint32_t index, double x, double y, bool has_height,
+           double height) {
+    double bottom{};
+    if (!slice.bottom(x, bottom)) return;
+    ++count_.samples;
+    if (!has_height) {
+      ++count_.unknown;
+      return;
+    }
+    const Lift lift{x, y, height - bottom, height, static_cast<std::uint8_t>(index)};
+    while (lifts_.size() >= begin_ + 2) {
+      const Lift& a = lifts_[lifts_.size() - 2];
+      const Lift& b = lifts_[lifts_.size() - 1];
+      if ((b.lift_m - a.lift_m) * (lift.x_m - a.x_m) > (lift.lift_m - a.lift_m) * (b.x_m - a.x_m)) break;
+      lifts_.pop_back();
+    }
+    (void)lifts_.push_back(lift);
+  }
+
+ private:
+  Lifts& lifts_;
+  LiftCount& count_;
+  std::uint32_t begin_;
+};
+
+}  // namespace
+
 LiftCount lifts_at(const Outline& outline, const GroundPatch& ground, const Tilt& tilt, Lifts& lifts) {
   const GroundReader reader(ground);
   LiftCount count;
   lifts.clear();
   for (std::uint32_t index = 0; index < kOutlineSlices; ++index) {
     const TiltedSlice slice(outline[index], tilt);
-    const auto add = [&](double x, double y, bool has_height, double height) {
-      double bottom{};
-      if (!slice.bottom(x, bottom)) return;
-      ++count.samples;
-      if (!has_height) {
-        ++count.unknown;
-        return;
+    const Extras extras(slice, reader, ground.spacing_m());
+    SliceLifts kept(lifts, count);
+    int extra = 0;
+    const auto add_extras = [&](double up_to) {
+      for (; extra < extras.count && extras.x[extra] <= up_to; ++extra) {
+        const double x = extras.x[extra];
+        const double y = slice.y_at(x);
+        double height{};
+        const bool known = reader.at(x, y, height);
+        kept.add(slice, index, x, y, known, height);
       }
-      (void)lifts.push_back({x, y, height - bottom, height, static_cast<std::uint8_t>(index)});
     };
+    GroundReader::Rows rows = reader.rows(slice.y[0]);
     const int last = reader.first_column(slice.end());
     for (int column = reader.first_column(slice.begin()) + 1; column <= last; ++column) {
       const double x = reader.column_x(column);
-      const double y = slice.y_at(x);
-      double height{};
-      const bool known = reader.at_column(column, y, height);
-      add(x, y, known, height);
-    }
-    // Between the columns: where the run ends, and where a disc would touch the slope below it.
-    for (int k = 0; k < 2; ++k) {
-      double height{};
-      const double ends = slice.run_x[k];
-      const double y = slice.y_at(ends);
-      add(ends, y, reader.at(ends, y, height), height);
-      const double r = slice.radius[k];
-      if (r == 0.0) continue;
-      double x = slice.x[k];
-      double ahead{};
-      double behind{};
-      const double y_disc = slice.y[k];
-      const double reach = 0.5 * ground.spacing_m();
-      if (reader.at(x + reach, y_disc, ahead) && reader.at(x - reach, y_disc, behind)) {
-        const double slope = (ahead - behind) / ground.spacing_m();
-        if (std::fabs(slope) <= 1.0) x += r * slope / std::sqrt(1.0 + slope * slope);
+      add_extras(x);
+      double y = slice.y[0];
+      if (slice.y_slope != 0.0) {
+        y = slice.y_at(x);
+        rows = reader.rows(y);
       }
-      add(x, y_disc, reader.at(x, y_disc, height), height);
+      double height{};
+      const bool known = reader.at_column(column, rows, height);
+      kept.add(slice, index, x, y, known, height);
     }
+    add_extras(1e3);
   }
   return count;
 }

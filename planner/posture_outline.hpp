@@ -64,8 +64,8 @@ struct Lift {
   std::uint8_t slice{};
 };
 
-/// Most samples under a slice: every column, both ends of the run and the bottoms of both discs.
-inline constexpr std::uint32_t kMostLifts = 768;
+/// Most lifts: of each slice every column, both ends of the run and the bottoms of both discs.
+inline constexpr std::uint32_t kMostLifts = kOutlineSlices * (GroundPatch::kColumns + 4);
 using Lifts = rt::FixedVector<Lift, kMostLifts>;
 
 /// How much ground a list of lifts rests on.
@@ -74,8 +74,9 @@ struct LiftCount {
   std::uint32_t unknown{};  ///< of them have no height, and are not in the list
 };
 
-/// All lifts at a tilt. A disc lifts by what lies within 70 degrees of its lowest point, a run where it is no
-/// steeper: what is steeper is a wall beside it. Cost: 3 ns a sample, 400 to 500 samples.
+/// All lifts at a tilt that can carry: of each slice the corners of the upper hull of its lifts over x, from
+/// behind to ahead. A disc lifts by what lies within 70 degrees of its lowest point, a run where it is no
+/// steeper: what is steeper is a wall beside it. 400 to 500 samples are looked at, 40 to 150 lifts are left.
 LiftCount lifts_at(const Outline& outline, const GroundPatch& ground, const Tilt& tilt, Lifts& lifts);
 
 }  // namespace sortie::planner
