@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMostTurn_rad = 0.4;  // in one sweep
 constexpr double kSteepest_rad = 1.2;  // beyond it nothing rests
-constexpr double kSettled_rad = 1e-7;  // a sweep that turns less is the last
+constexpr double kSettled_rad = 1e-4;  // a sweep that turns less is the last
 constexpr double kMostUnknown = 0.9;   // share of the samples without which no rest is told
 
 Status check(const PostureVehicle& v, const PostureConfig& c) {
@@ -73,21 +73,28 @@ Status PostureSolver::look(const GroundView& view, const GroundPose& pose) {
   return Status::ok;
 }
 
-Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture& posture) {
+Status PostureSolver::looked(const FlipperSet& asked, Looked& looked) const {
   if (!looked_) return Status::empty;
   for (const double angle : asked.angle_rad) {
     if (!std::isfinite(angle)) return Status::not_finite;
     if (std::fabs(angle) > 100.0) return Status::out_of_range;
   }
+  const int hand = handedness_ != 0 ? handedness_ : handedness(asked);
+  looked = {hand > 0 ? mirrored(asked) : asked, hand > 0, hand == 0};
+  return Status::ok;
+}
+
+Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture& posture) {
+  Looked as;
+  const Status status = looked(asked, as);
+  if (status != Status::ok) return status;
   if (!std::isfinite(start.pitch_rad) || !std::isfinite(start.roll_rad)) return Status::not_finite;
   if (std::max(std::fabs(start.pitch_rad), std::fabs(start.roll_rad)) > kSteepest_rad)
     return Status::out_of_range;
-  const int hand = handedness_ != 0 ? handedness_ : handedness(asked);
-  const FlipperSet flippers = hand > 0 ? mirrored(asked) : asked;
-  const Outline outline = outline_of(vehicle_, flippers);
-  const rt::Vector3 com_body = centre_of_mass(vehicle_, flippers);
+  const Outline outline = outline_of(vehicle_, as.flippers);
+  const rt::Vector3 com_body = centre_of_mass(vehicle_, as.flippers);
   Posture found;
-  Tilt tilt(start.pitch_rad, hand > 0 ? -start.roll_rad : start.roll_rad);
+  Tilt tilt(start.pitch_rad, as.mirrored ? -start.roll_rad : start.roll_rad);
   LiftCount count;
   bool carried = false;
   for (int sweep = 0; sweep < config_.sweeps; ++sweep) {
@@ -111,14 +118,14 @@ Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture&
     posture.unknown_share = found.unknown_share;
     return Status::ok;
   }
-  if (handedness_ == 0 && hand == 0 && std::fabs(tilt.roll_rad) < 1e-6) tilt = Tilt(tilt.pitch_rad, 0.0);
+  if (as.own_mirror_image && std::fabs(tilt.roll_rad) < 1e-6) tilt = Tilt(tilt.pitch_rad, 0.0);
   (void)lifts_at(outline, ground_, tilt, lifts_);
   found.pitch_rad = tilt.pitch_rad;
   found.roll_rad = tilt.roll_rad;
   weigh_support(config_, outline, lifts_, tilt.turn(com_body), vehicle_.mass_kg, found);
   const bool over = std::fabs(tilt.pitch_rad) >= kSteepest_rad || std::fabs(tilt.roll_rad) >= kSteepest_rad;
   found.rest = carried && !over ? Rest::stands : Rest::tips;
-  if (hand > 0) {
+  if (as.mirrored) {
     found.roll_rad = -found.roll_rad;
     found.parts = mirrored_parts(found.parts);
   }

@@ -74,6 +74,16 @@ class PostureSolver {
   Status rest(const FlipperSet& flippers, const Start& start, Posture& posture);
   Status rest(const FlipperSet& flippers, Posture& posture) { return rest(flippers, {0.0, 0.0}, posture); }
 
+  /// Flippers as they are looked at: mirrored where the ground is, and whether they are. Status as rest().
+  struct Looked {
+    FlipperSet flippers;
+    bool mirrored{};
+    bool own_mirror_image{};  ///< ground and flippers are their own mirror image
+  };
+  Status looked(const FlipperSet& asked, Looked& looked) const;
+  const GroundPatch& ground() const { return ground_; }  ///< mirrored likewise
+  const PostureVehicle& vehicle() const { return vehicle_; }
+
  private:
   Status usable_{Status::ok};
   PostureVehicle vehicle_;

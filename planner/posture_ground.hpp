@@ -51,7 +51,7 @@ struct GroundPose {
 class GroundPatch {
  public:
   static constexpr int kHalfColumns = 32;  ///< samples ahead of the origin, and behind it
-  static constexpr int kHalfRows = 16;     ///< to its left, and to its right
+  static constexpr int kHalfRows = 20;     ///< to its left, and to its right
   static constexpr int kColumns = 2 * kHalfColumns + 1;
   static constexpr int kRows = 2 * kHalfRows + 1;
   static constexpr float kUnknown = -1e6F;     ///< a sample's height where nothing carries for certain
