@@ -124,6 +124,24 @@ inline BoxCourse random_course(CourseFamily family, hil::Random& random) {
   return course;
 }
 
+/// The course with every upright box turned along the world's axes and its edges moved to the cells' borders:
+/// cells lose nothing of it. Ramps stay as they are.
+inline BoxCourse on_borders(BoxCourse course) {
+  for (CourseBox& box : course.boxes) {
+    if (std::fabs(box.q_world_box.x) + std::fabs(box.q_world_box.y) > 1e-9) continue;
+    double* centre[2] = {&box.centre_m.x, &box.centre_m.y};
+    double* half[2] = {&box.half_m.x, &box.half_m.y};
+    for (int k = 0; k < 2; ++k) {
+      const double low = course.cell_m * std::round((*centre[k] - *half[k]) / course.cell_m);
+      const double high = low + course.cell_m * std::max(1.0, std::round(2.0 * *half[k] / course.cell_m));
+      *centre[k] = 0.5 * (low + high);
+      *half[k] = 0.5 * (high - low);
+    }
+    box.q_world_box = {};
+  }
+  return course;
+}
+
 /// The plant's vehicle as a posture has it: the same numbers.
 inline PostureVehicle posture_vehicle(const hil::VehicleConfig& c) {
   PostureVehicle v;
@@ -195,6 +213,54 @@ inline PlantRest put_down(const BoxCourse& course, const FlipperSet& flippers, d
   rest.height_m = p.z;
   for (int f = 0; f < 4; ++f) rest.flippers.angle_rad[f] = plant->state().flipper_rad[f];
   return rest;
+}
+
+/// A posture beside the plant's rest at the place where the plant came to it. Angles in rad.
+struct RestError {
+  bool rests{};       ///< the plant did; else nothing below is said
+  Rest told{};        ///< by the posture
+  double tilt_rad{};  ///< larger one of pitch and roll
+  double height_m{};
+  bool other_rest{};  ///< more than 2 degrees off, and a posture that starts at the plant's tilt stays there
+  double plant_s{}, tip_margin_m{};
+};
+
+/// One trial: a random course, flippers and heading by `seed`.
+inline RestError rest_beside_plant(PostureSolver& solver, CourseFamily family, std::uint64_t seed,
+                                   bool borders, double cell_m) {
+  constexpr double kApart_rad = 0.035;
+  hil::Random random(seed, 0x72657374 + static_cast<std::uint64_t>(family));
+  BoxCourse course = random_course(family, random);
+  course.cell_m = cell_m;
+  if (borders) course = on_borders(course);
+  FlipperSet flippers;
+  for (double& angle : flippers.angle_rad) angle = random.uniform(-0.6, 1.2);
+  const double yaw = random.uniform(-3.1, 3.1);
+  double top = 0.0;
+  for (int i = -16; i <= 16; ++i)
+    for (int j = -16; j <= 16; ++j) top = std::max(top, course.height(0.05 * i, 0.05 * j));
+  RestError error;
+  Posture start;
+  if (solver.look(course.view(), {0, 0, yaw}) != Status::ok || solver.rest(flippers, start) != Status::ok)
+    return error;
+  const PlantRest plant = put_down(course, flippers, yaw, std::min(top + 0.5, start.height_m + 0.15), 0.9);
+  error.plant_s = plant.seconds;
+  Posture posture, there;
+  if (!plant.rests || solver.look(course.view(), plant.pose) != Status::ok ||
+      solver.rest(plant.flippers, posture) != Status::ok)
+    return error;
+  error.rests = true;
+  error.told = posture.rest;
+  error.tip_margin_m = posture.margin_m;
+  const auto apart = [&](const Posture& p) {
+    return std::max(std::fabs(p.pitch_rad - plant.pitch_rad), std::fabs(p.roll_rad - plant.roll_rad));
+  };
+  error.tilt_rad = apart(posture);
+  error.height_m = std::fabs(posture.height_m - plant.height_m);
+  if (error.tilt_rad > kApart_rad && std::max(std::fabs(plant.pitch_rad), std::fabs(plant.roll_rad)) < 1.2 &&
+      solver.rest(plant.flippers, {plant.pitch_rad, plant.roll_rad}, there) == Status::ok)
+    error.other_rest = apart(there) <= kApart_rad;
+  return error;
 }
 
 }  // namespace sortie::planner
