@@ -222,8 +222,27 @@ struct RestError {
   double tilt_rad{};  ///< larger one of pitch and roll
   double height_m{};
   bool other_rest{};  ///< more than 2 degrees off, and a posture that starts at the plant's tilt stays there
-  double plant_s{}, tip_margin_m{};
+  bool near_edge{};   ///< more than 2 degrees off, and at the plant's own tilt the centre of mass lies within
+                      ///< 1.5 samples of the edge of what is within 5 mm of touching
+  double plant_s{};
 };
+
+/// The margin of a vehicle that is held at a tilt, of all that is within 5 mm of touching; m.
+inline double margin_at(const PostureVehicle& vehicle, const BoxCourse& course, const PlantRest& plant) {
+  const auto ground = std::make_unique<GroundPatch>();
+  const auto lifts = std::make_unique<Lifts>();
+  PostureConfig config;
+  config.touch_m = 0.005;
+  if (ground->fill(course.view(), plant.pose, config.ground) != Status::ok) return 1.0;
+  const Tilt tilt(plant.pitch_rad, plant.roll_rad);
+  const Outline outline = outline_of(vehicle, plant.flippers);
+  (void)lifts_at(outline, *ground, tilt, *lifts);
+  Posture held;
+  if (lifts->empty()) return 1.0;
+  weigh_support(config, outline, *lifts, tilt.turn(centre_of_mass(vehicle, plant.flippers)), vehicle.mass_kg,
+                held);
+  return held.margin_m;
+}
 
 /// One trial: a random course, flippers and heading by `seed`.
 inline RestError rest_beside_plant(PostureSolver& solver, CourseFamily family, std::uint64_t seed,
@@ -251,7 +270,6 @@ inline RestError rest_beside_plant(PostureSolver& solver, CourseFamily family, s
     return error;
   error.rests = true;
   error.told = posture.rest;
-  error.tip_margin_m = posture.margin_m;
   const auto apart = [&](const Posture& p) {
     return std::max(std::fabs(p.pitch_rad - plant.pitch_rad), std::fabs(p.roll_rad - plant.roll_rad));
   };
@@ -260,6 +278,11 @@ inline RestError rest_beside_plant(PostureSolver& solver, CourseFamily family, s
   if (error.tilt_rad > kApart_rad && std::max(std::fabs(plant.pitch_rad), std::fabs(plant.roll_rad)) < 1.2 &&
       solver.rest(plant.flippers, {plant.pitch_rad, plant.roll_rad}, there) == Status::ok)
     error.other_rest = apart(there) <= kApart_rad;
+  if (error.tilt_rad > kApart_rad && !error.other_rest) {
+    const double margin = margin_at(solver.vehicle(), course, plant);
+    // 0: two contacts or fewer, which say nothing.
+    error.near_edge = margin != 0.0 && std::fabs(margin) < 1.5 * solver.ground().spacing_m();
+  }
   return error;
 }
 

@@ -12,7 +12,7 @@ namespace {
 /// Errors of one family of courses.
 struct RestErrors {
   std::vector<double> tilt_deg, height_mm;
-  int count{}, no_rest{}, other_rest{}, not_standing{}, off{};
+  int count{}, no_rest{}, other_rest{}, not_standing{}, off{}, near_edge{};
 
   void add(const RestError& e) {
     ++count;
@@ -27,7 +27,9 @@ struct RestErrors {
     }
     tilt_deg.push_back(e.tilt_rad * 57.29577951);
     height_mm.push_back(1e3 * e.height_m);
-    if (tilt_deg.back() > 2.0) ++off;
+    if (tilt_deg.back() <= 2.0) return;
+    ++off;
+    if (e.near_edge) ++near_edge;
   }
 
   static double quantile(std::vector<double> values, double share) {
@@ -39,9 +41,9 @@ struct RestErrors {
   void print(const char* name) const {
     std::printf(
         "%-18s %4d poses, %d never at rest, %d another rest, %d not standing; tilt p50 %.2f p90 %.2f p99 "
-        "%.2f deg, %d above 2; height p50 %.1f p90 %.1f p99 %.1f mm\n",
+        "%.2f deg, %d above 2 (%d near an edge); height p50 %.1f p90 %.1f p99 %.1f mm\n",
         name, count, no_rest, other_rest, not_standing, quantile(tilt_deg, 0.5), quantile(tilt_deg, 0.9),
-        quantile(tilt_deg, 0.99), off, quantile(height_mm, 0.5), quantile(height_mm, 0.9),
+        quantile(tilt_deg, 0.99), off, near_edge, quantile(height_mm, 0.5), quantile(height_mm, 0.9),
         quantile(height_mm, 0.99));
   }
 };
