@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "hil/random.hpp"
-#include "posture_courses.hpp"
-#include "posture_ground_twins.hpp"
+#include "tests/planner/posture_courses.hpp"
+#include "tests/planner/posture_ground_twins.hpp"
 
 namespace sortie::planner {
 namespace {
