@@ -119,6 +119,24 @@ TEST_CASE("at a cliff the nose goes over as soon as the centre of mass does", "[
   }
 }
 
+TEST_CASE("a cell stands for its middle, and for its upper side where it holds an edge",
+          "[planner][posture]") {
+  for (const double wide : {0.02, 0.06, 0.12, 0.3}) {
+    static double span;
+    span = wide;
+    const GroundView view{nullptr,
+                          [](const void*, std::int64_t, std::int64_t) {
+                            return GroundCell{0.0, span, GroundState::known};
+                          },
+                          0.05};
+    const auto solver = posture_solver();
+    REQUIRE(solver->look(view, {}) == Status::ok);
+    Posture p;
+    REQUIRE(solver->rest(kFolded, p) == Status::ok);
+    CHECK(p.height_m == Approx(kRun_m + (wide > 0.08 ? wide : 0.5 * wide)).margin(1e-5));
+  }
+}
+
 TEST_CASE("postures are those of a brute-force search", "[planner][posture]") {
   // Waves: no edges, so that cells lose nothing, and the twin needs none.
   const PostureVehicle vehicle;
