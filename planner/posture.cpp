@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMostTurn_rad = 0.4;  // in one sweep
 constexpr double kSteepest_rad = 1.2;  // beyond it nothing rests
-constexpr double kSettled_rad = 1e-4;  // a sweep that turns less is the last
+constexpr double kSettled_rad = 2e-4;  // a sweep that turns less is the last
 constexpr double kMostUnknown = 0.9;   // share of the samples without which no rest is told
 
 Status check(const PostureVehicle& v, const PostureConfig& c) {
@@ -97,6 +97,7 @@ Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture&
   Tilt tilt(start.pitch_rad, as.mirrored ? -start.roll_rad : start.roll_rad);
   LiftCount count;
   bool carried = false;
+  bool at_rest = false;  // the lifts are those of the tilt
   for (int sweep = 0; sweep < config_.sweeps; ++sweep) {
     count = lifts_at(outline, ground_, tilt, lifts_);
     if (sweep == 0) {
@@ -109,17 +110,21 @@ Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture&
     const double turn_x = std::clamp(plane.slope_y, -kMostTurn_rad, kMostTurn_rad) / tilt.pitch.cos;
     const double turn_y = std::clamp(-plane.slope_x, -kMostTurn_rad, kMostTurn_rad);
     found.settled_rad = std::max(std::fabs(turn_x), std::fabs(turn_y));
+    at_rest = found.settled_rad < kSettled_rad;
+    if (at_rest) break;
     tilt = Tilt(std::clamp(tilt.pitch_rad + turn_y, -kSteepest_rad, kSteepest_rad),
                 std::clamp(tilt.roll_rad + turn_x, -kSteepest_rad, kSteepest_rad));
-    if (found.settled_rad < kSettled_rad) break;
   }
   if (found.unknown_share > kMostUnknown || (!carried && count.unknown > 0) || lifts_.empty()) {
     posture = {};
     posture.unknown_share = found.unknown_share;
     return Status::ok;
   }
-  if (as.own_mirror_image && std::fabs(tilt.roll_rad) < 1e-6) tilt = Tilt(tilt.pitch_rad, 0.0);
-  (void)lifts_at(outline, ground_, tilt, lifts_);
+  if (as.own_mirror_image && tilt.roll_rad != 0.0 && std::fabs(tilt.roll_rad) < 1e-6) {
+    tilt = Tilt(tilt.pitch_rad, 0.0);
+    at_rest = false;
+  }
+  if (!at_rest) (void)lifts_at(outline, ground_, tilt, lifts_);
   found.pitch_rad = tilt.pitch_rad;
   found.roll_rad = tilt.roll_rad;
   weigh_support(config_, outline, lifts_, tilt.turn(com_body), vehicle_.mass_kg, found);

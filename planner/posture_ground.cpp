@@ -46,42 +46,41 @@ GroundPatch::Heights GroundPatch::sample(std::int64_t u, std::int64_t v, double 
   const auto aside = static_cast<float>(part_v) / static_cast<float>(kParts);
   const float share_u[2] = {1.0F - ahead, ahead};
   const float share_v[2] = {1.0F - aside, aside};
-  Heights most{-2e6F, 1e6F, -1e6F};    // over the cells that the sample may lie in
+  const std::size_t at = static_cast<std::size_t>(j) * kWindow + static_cast<std::size_t>(i);
+  const Heights* corner[2][2] = {{&cells_[at], &cells_[at + kWindow]},
+                                 {&cells_[at + 1], &cells_[at + 1 + kWindow]}};
   Heights across{-2e6F, 1e6F, -1e6F};  // over all four
   Heights slope{0.0F, 0.0F, 0.0F};
   float lowest = 2e6F;
   for (int k = 0; k < 2; ++k) {
-    // One corner and the other of each diagonal are added first: so is it in the mirror image.
-    Heights row{0.0F, 0.0F, 0.0F};
-    for (int l = 0; l < 2; ++l) {
-      const Heights& cell =
-          cells_[static_cast<std::size_t>(j + l) * kWindow + static_cast<std::size_t>(i + k)];
-      row.height += share_v[l] * cell.height;
-      row.low += share_v[l] * cell.low;
-      row.high += share_v[l] * cell.high;
-      lowest = std::min(lowest, cell.height);
-      across.height = std::max(across.height, cell.height);
-      across.low = std::min(across.low, cell.low);
-      across.high = std::max(across.high, cell.high);
-      if (share_u[k] < 0.5F || share_v[l] < 0.5F) continue;
-      most.height = std::max(most.height, cell.height);
-      most.low = std::min(most.low, cell.low);
-      most.high = std::max(most.high, cell.high);
-    }
-    slope.height += share_u[k] * row.height;
-    slope.low += share_u[k] * row.low;
-    slope.high += share_u[k] * row.high;
+    // Across first, then along: the sum is the same in the mirror image.
+    const Heights& right = *corner[k][0];
+    const Heights& left = *corner[k][1];
+    slope.height += share_u[k] * (share_v[0] * right.height + share_v[1] * left.height);
+    slope.low += share_u[k] * (share_v[0] * right.low + share_v[1] * left.low);
+    slope.high += share_u[k] * (share_v[0] * right.high + share_v[1] * left.high);
+    lowest = std::min({lowest, right.height, left.height});
+    across.height = std::max({across.height, right.height, left.height});
+    across.low = std::min({across.low, right.low, left.low});
+    across.high = std::max({across.high, right.high, left.high});
   }
   const auto limit = static_cast<float>(limit_m);
-  Heights out;
-  out.height = across.height - lowest <= limit ? slope.height : most.height;
-  out.low = slope.low;
-  out.high = slope.high;
-  if (!(across.high - across.low <= limit)) {
-    // A step or a slope, whichever the heights make it; a slope is within a step's limit of each of its ends.
-    out.low = std::min(most.low, std::max(slope.low, most.low - limit));
-    out.high = std::max(most.high, std::min(slope.high, most.high + limit));
+  const bool is_slope = across.height - lowest <= limit;
+  if (is_slope && across.high - across.low <= limit) return slope;
+  Heights most{-2e6F, 1e6F, -1e6F};  // over the cells that the sample may lie in
+  for (int k = 0; k < 2; ++k) {
+    for (int l = 0; l < 2; ++l) {
+      if (share_u[k] < 0.5F || share_v[l] < 0.5F) continue;
+      most.height = std::max(most.height, corner[k][l]->height);
+      most.low = std::min(most.low, corner[k][l]->low);
+      most.high = std::max(most.high, corner[k][l]->high);
+    }
   }
+  Heights out;
+  out.height = is_slope ? slope.height : most.height;
+  // A step or a slope, whichever the heights make it; a slope is within a step's limit of each of its ends.
+  out.low = std::min(most.low, std::max(slope.low, most.low - limit));
+  out.high = std::max(most.high, std::min(slope.high, most.high + limit));
   return out;
 }
 
