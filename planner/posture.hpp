@@ -49,7 +49,7 @@ struct PostureConfig {
 ///
 /// Fixed work: at most `sweeps` passes over at most 768 samples and 24 exchanges a pass. Mirrored ground,
 /// pose and flippers give the mirrored answer to the last bit; on ground that is its own mirror image and has
-/// a rest on either side, the left one. No heap; about 150 kB, keep it off small stacks.
+/// a rest on either side, the left one. No heap; about 130 kB, keep it off small stacks.
 class PostureSolver {
  public:
   /// With a vehicle or a config that is not usable, usable() says so and nothing is ever found.

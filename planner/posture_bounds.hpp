@@ -34,7 +34,7 @@ struct PostureBounds {
 /// units one that holds.
 ///
 /// It holds for ground that runs through the patch's samples as the posture has it, and for what GroundPatch
-/// says of cells. No heap; about 85 kB, keep it off small stacks. Cost: 10-20 us a unit.
+/// says of cells. No heap; about 75 kB, keep it off small stacks. Cost: 10-20 us a unit.
 class PostureBounder {
  public:
   static constexpr double kWidest_rad = 0.7;  ///< of pitch and of roll

@@ -47,7 +47,7 @@ struct GroundPose {
 /// middle, one that spans more holds an edge and stands for its upper side: nothing sinks into what may be
 /// there. Whole numbers say which cell a sample lies in and where, so that a mirrored world gives mirrored
 /// samples to the last bit (cells apart, ground that ends on a border belongs to the higher one).
-/// About 70 kB: keep it off small stacks. Fixed work.
+/// About 75 kB: keep it off small stacks. Fixed work.
 class GroundPatch {
  public:
   static constexpr int kHalfColumns = 32;  ///< samples ahead of the origin, and behind it
