@@ -74,6 +74,17 @@ TEST_CASE("no ground within the bounds of its cells rests outside of the posture
   CHECK(tally.samples > 500);
 }
 
+TEST_CASE("no ground within the bounds of its cells rests outside of the posture's, many of them",
+          "[heavy]") {
+  BoundsTally tally;
+  for (std::uint64_t seed = 1001; seed <= 1600; ++seed)
+    try_bounds(seed, 0.15 * static_cast<double>(seed % 7), 0.02 * static_cast<double>(1 + seed % 6), 30,
+               tally);
+  std::printf(
+      "seeds 1001..1600: %d samples, %d outside, %d tip or steeper, %d not settled; %d of %d may tip\n",
+      tally.samples, tally.outside, tally.tips, tally.unsettled, tally.may_tip, tally.cases);
+}
+
 TEST_CASE("bounds on known ground close around the rest, the tighter the more units", "[planner][posture]") {
   const auto solver = std::make_unique<PostureSolver>(PostureVehicle{}, PostureConfig{});
   const auto bounder = std::make_unique<PostureBounder>();
