@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The drive and the flippers take no memory from the heap.
+// The drive, the flippers and postures take no memory from the heap.
 #include <catch2/catch.hpp>
+#include <memory>
 
 #include "planner/flipper_postures.hpp"
+#include "planner/posture_bounds.hpp"
 #include "planner/ugv_drive.hpp"
 #include "rt/posix/heap_trap.hpp"
 
@@ -36,6 +38,39 @@ TEST_CASE("The drive and the flippers make no heap call after construction") {
       good = good && (i < 800 || drive.request(request, request.stamp_ns) == Status::ok);
       good = good && drive.update(pose, {i % 100 == 0, false}, pose.stamp_ns) == Status::ok;
       good = good && flippers.update(i % 2, false, pose.stamp_ns) == Status::ok;
+    }
+    calls = scope.calls();
+  }
+  CHECK(calls == 0);
+  CHECK(good);
+}
+
+TEST_CASE("Postures and their bounds make no heap call after construction") {
+  using namespace sortie;
+  if (!rt::posix::kHeapTrapAvailable) {
+    WARN("skipped: no heap trap under a sanitizer");
+    return;
+  }
+  const planner::GroundView steps{nullptr,
+                                  [](const void*, std::int64_t i, std::int64_t j) {
+                                    const double high = i % 7 == 0 && j % 3 != 0 ? 0.1 : 0.0;
+                                    return planner::GroundCell{0.0, high, planner::GroundState::known};
+                                  },
+                                  0.05};
+  const auto solver =
+      std::make_unique<planner::PostureSolver>(planner::PostureVehicle{}, planner::PostureConfig{});
+  const auto bounder = std::make_unique<planner::PostureBounder>();
+  std::uint64_t calls = 0;
+  bool good = true;
+  {
+    const rt::posix::HeapTrapScope scope;
+    for (int i = 0; i < 20; ++i) {
+      planner::Posture posture;
+      planner::PostureBounds bounds;
+      const planner::FlipperSet flippers{{0.1 * i, 0.05 * i, -0.02 * i, 0.3}};
+      good = good && solver->look(steps, {0.03 * i, 0.0, 0.3 * i}) == Status::ok &&
+             solver->rest(flippers, posture) == Status::ok &&
+             bounder->bound(*solver, flippers, 512, bounds) == Status::ok;
     }
     calls = scope.calls();
   }

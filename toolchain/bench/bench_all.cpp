@@ -91,6 +91,7 @@ const std::vector<BenchPart>& bench_parts() {
        "sweep.json"},
       {"plant", {"plant"}, "bench-plant.json", true},
       {"rays", {"rays"}, "bench-rays.json", true},
+      {"posture", {"posture"}, "bench-posture.json", true},
       {"uav", {"uav"}, "bench-uav.json", true},
   };
   return parts;
