@@ -90,6 +90,7 @@ const std::vector<BenchPart>& bench_parts() {
        "sweep.json"},
       {"plant", {"plant"}, "bench-plant.json", true},
       {"rays", {"rays"}, "bench-rays.json", true},
+      {"ground-path", {"ground-path"}, "bench-ground-path.json", true},
       {"uav", {"uav"}, "bench-uav.json", true},
   };
   return parts;
