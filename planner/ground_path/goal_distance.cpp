@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planner/ground_path/goal_distance.hpp"
 
+#include <algorithm>
+
 namespace sortie::planner {
 namespace {
 
@@ -14,10 +16,11 @@ GoalDistance::GoalDistance(const GroundPathConfig& config, const MotionTable& mo
                            const DistanceMemory& memory)
     : reach_mm_(config.reach_mm),
       over_unknown_(config.unknown != UnknownGround::blocked),
+      unknown_price_(config.unknown_price),
       nodes_(memory.nodes) {
   std::size_t count = 0;
   const auto add = [&](std::int32_t x, std::int32_t y, std::uint32_t ms) {
-    edges_[count++] = {static_cast<std::int8_t>(x), static_cast<std::int8_t>(y), kCostPerMs * ms};
+    edges_[count++] = {static_cast<std::int8_t>(x), static_cast<std::int8_t>(y), ms};
   };
   for (std::int32_t h = 0; h < kHeadings; ++h) {
     const CellStep step = kHeadingSteps[static_cast<std::size_t>(h)];
@@ -83,9 +86,12 @@ bool GoalDistance::step(const GroundMap& map, StandPrices& prices, std::uint64_t
     limit_ = cost + cost / 4 + 8 * width_;
   }
   const auto cell = static_cast<std::int32_t>(place / 2);
-  Place from{cell % map.nx(), cell / map.nx(), kNoHeight, nodes_[place].cost};
+  Place from{cell % map.nx(), cell / map.nx(), kNoHeight, nodes_[place].cost, kCostPerMs};
   const GroundCell& here = map.cell(from.x, from.y);
   if (!here.is_unknown()) from.height_mm = here.height_mm[place % 2];
+  // All that comes here ends here, at this price or more; but hardly seen ground has a price of its own.
+  const std::uint8_t least = prices.least(from.x, from.y, static_cast<std::int32_t>(place % 2));
+  from.per_ms += over_unknown_ ? std::min(least, unknown_price_) : least;
   for (const Edge& edge : edges_) relax(map, prices, from, edge, units);
   return true;
 }
@@ -95,7 +101,7 @@ void GoalDistance::relax(const GroundMap& map, StandPrices& prices, const Place&
   const std::int32_t x = from.x + edge.x;
   const std::int32_t y = from.y + edge.y;
   if (!map.is_inside(x, y)) return;
-  const std::uint32_t cost = from.cost + edge.cost;
+  const std::uint32_t cost = from.cost + edge.ms * from.per_ms;
   const GroundCell& there = map.cell(x, y);
   const std::int32_t surfaces = there.state[1] == GroundState::unknown ? 1 : 2;
   for (std::int32_t s = 0; s < surfaces; ++s) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far is the goal from every cell at least? The lattice without headings and prices, walked back from the
-// goal: what the search is led by, and why it can prove that a way is the cheapest.
+// How far is the goal from every cell at least? The lattice without headings, at the least prices,
+// walked back from the goal: what the search is led by, and why it can prove that a way is the cheapest.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ struct DistanceMemory {
 class GoalDistance {
  public:
   /// Work units of a surface that is settled.
-  static constexpr std::uint32_t kUnitsPerNode = 4;
+  static constexpr std::uint32_t kUnitsPerNode = 8;
 
   GoalDistance(const GroundPathConfig& config, const MotionTable& motions, const DistanceMemory& memory);
 
@@ -53,12 +53,12 @@ class GoalDistance {
 
  private:
   static constexpr std::uint32_t kBuckets =
-      16;  // more than the dearest edge reaches on, with all times rounded
+      128;  // more than the dearest edge reaches on, with all times rounded
   static constexpr std::uint32_t kNone = UINT32_MAX;
   struct Edge {
     std::int8_t x{};
     std::int8_t y{};
-    std::uint32_t cost{};
+    std::uint32_t ms{};
   };
   void put(std::uint32_t place, std::uint32_t cost);
   void take(std::uint32_t place);
@@ -67,6 +67,7 @@ class GoalDistance {
     std::int32_t y{};
     std::int32_t height_mm{};
     std::uint32_t cost{};
+    std::uint32_t per_ms{};
   };
   void relax(const GroundMap& map, StandPrices& prices, const Place& from, const Edge& edge,
              std::uint64_t& units);
@@ -75,6 +76,7 @@ class GoalDistance {
   std::uint32_t width_{1};
   std::int32_t reach_mm_{};
   bool over_unknown_{};
+  std::uint8_t unknown_price_{};
   std::span<DistanceNode> nodes_;
   std::array<std::uint32_t, kBuckets> first_{};
   std::uint32_t bucket_{};  ///< number of the current one, not wrapped

@@ -39,6 +39,7 @@ std::uint8_t StandPrices::judge(const GroundMap& map, std::int32_t x, std::int32
                     price(map, x, y, surface, wrap_heading(from + 1), units));
   }
   if (source_.price == nullptr) return 0;
+  units += source_.units;
   const std::uint8_t price = source_.price(source_.self, {x, y, surface, slot});
   return price == kBlockedStand ? kBlockedStand : std::min(price, kMostPrice);
 }

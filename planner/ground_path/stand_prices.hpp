@@ -2,6 +2,7 @@
 // What it costs to stand somewhere: judged when it is first asked, kept until the ground nearby changes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -24,6 +25,10 @@ struct GroundPose {
 struct PostureSource {
   std::uint8_t (*price)(const void* self, const GroundPose& pose){};
   const void* self{};
+  std::uint32_t units{};  ///< of work that an answer takes
+  /// What any posture on a surface of a cell costs at least; the heading says nothing. Optional: the better
+  /// it is, the less is searched. Asked for about every surface between start and goal.
+  std::uint8_t (*least)(const void* self, const GroundPose& pose){};
 };
 
 /// Prices of all slots of all surfaces. Memory: 66 bytes a cell. No heap.
@@ -42,6 +47,12 @@ class StandPrices {
   /// FootprintTable::kCore, whose price is 0 where it stands. Adds what it worked to `units`.
   std::uint8_t price(const GroundMap& map, std::int32_t x, std::int32_t y, std::int32_t surface,
                      std::int32_t slot, std::uint64_t& units);
+
+  /// A price that no posture on the surface falls below, as far as the source tells.
+  std::uint8_t least(std::int32_t x, std::int32_t y, std::int32_t surface) const {
+    return source_.least == nullptr ? std::uint8_t{0}
+                                    : std::min(source_.least(source_.self, {x, y, surface, 0}), kMostPrice);
+  }
 
   /// Forgets what one changed tile can have changed; false when none did. Adds to `units`.
   bool refresh(GroundMap& map, std::uint64_t& units);

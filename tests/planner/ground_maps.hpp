@@ -43,7 +43,7 @@ inline void judge_ground_map(std::uint32_t seed, std::uint32_t n, GroundTally& t
   GroundPathConfig config = small_ground();
   const std::uint32_t kind = n % kGroundKinds;
   config.unknown = static_cast<UnknownGround>(n / kGroundKinds % 3);
-  OwnedGround g(config);
+  OwnedGround g(config, {SIZE_MAX, SIZE_MAX, 1024, n / 15 % 2 == 1});
   draw_ground(g, random, kind);
   const GroundPose start = draw_pose(g, random, 3, 9);
   GroundPose goal = draw_pose(g, random, config.nx - 9, config.nx - 3);

@@ -25,6 +25,7 @@ struct GroundRoom {
   std::size_t columns{SIZE_MAX};
   std::size_t open{SIZE_MAX};
   std::size_t steps{1024};
+  bool least{};  ///< the prices' least is known
 };
 
 /// Map, prices of postures and planner. Not to be moved.
@@ -37,7 +38,7 @@ struct OwnedGround {
         postures(cells.size() * 2 * kHeadings),
         block(std::size_t{1} << 20),
         memory(sized(room)),
-        path(c, {price_of, this}, memory) {}
+        path(c, {price_of, this, 0, room.least ? least_of : nullptr}, memory) {}
   OwnedGround(const OwnedGround&) = delete;
 
   std::uint8_t& posture(std::int32_t x, std::int32_t y, std::int32_t surface, std::int32_t heading) {
@@ -47,6 +48,13 @@ struct OwnedGround {
   static std::uint8_t price_of(const void* self, const GroundPose& p) {
     auto* mine = static_cast<OwnedGround*>(const_cast<void*>(self));
     return mine->posture(p.x, p.y, p.surface, p.heading);
+  }
+  static std::uint8_t least_of(const void* self, const GroundPose& p) {
+    GroundPose pose = p;
+    std::uint8_t least = kBlockedStand;
+    for (pose.heading = 0; pose.heading < kHeadings; ++pose.heading)
+      least = std::min(least, price_of(self, pose));
+    return least;
   }
   void set(std::int32_t x, std::int32_t y, GroundState state, std::int32_t height_mm = 0) {
     GroundCell cell;

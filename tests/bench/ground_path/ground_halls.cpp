@@ -16,14 +16,14 @@ GroundHall draw_hall(std::uint32_t seed) {
   GroundHall hall;
   hall.side_m = 12.8;
   for (const double x : {3.2, 6.4, 9.6}) {
-    // What is left of the wall between two doors of 1.4 m.
+    // What is left of the wall between two doors of 1.5 m.
     const double first = between(0.3, 5.0);
     const double second = between(6.6, 11.1);
     hall.patches.push_back({x, 0.0, 0.1, first, planner::kBlockedStand});
-    hall.patches.push_back({x, first + 1.4, 0.1, second - first - 1.4, planner::kBlockedStand});
-    hall.patches.push_back({x, second + 1.4, 0.1, hall.side_m - second - 1.4, planner::kBlockedStand});
+    hall.patches.push_back({x, first + 1.5, 0.1, second - first - 1.5, planner::kBlockedStand});
+    hall.patches.push_back({x, second + 1.5, 0.1, hall.side_m - second - 1.5, planner::kBlockedStand});
   }
-  for (int i = 0; i < 25; ++i)
+  for (int i = 0; i < 12; ++i)
     hall.patches.push_back({between(2.2, 10.4), between(0, 12.6), 0.2, 0.2, planner::kBlockedStand});
   for (int i = 0; i < 25; ++i)
     hall.patches.push_back({between(0, 12), between(0, 12), between(0.4, 2.0), between(0.4, 2.0),

@@ -27,11 +27,14 @@ struct GroundHall {
   double goal_x_m{}, goal_y_m{};
 };
 
-/// The hall of a seed: 12.8 m long and wide, three walls of two doors each, 25 pillars, 25 patches of rubble.
+/// The hall of a seed: 12.8 m long and wide, three walls of two doors each, 12 pillars, 25 patches of rubble.
 GroundHall draw_hall(std::uint32_t seed);
 
 /// The usual robot (0.8 x 0.6 m, 0.3 m/s, 0.2 m/s back, 0.6 rad/s) on cells of so many mm.
 planner::GroundPathConfig hall_config(const GroundHall& hall, std::int32_t cell_mm);
+
+/// Room for every pose; the least price of each cell is known.
+inline planner::test::GroundRoom hall_room() { return {SIZE_MAX, SIZE_MAX, 1024, true}; }
 
 /// Lays a hall out in cells: a cell that a wall touches is blocked; a posture costs what its cell's middle
 /// does, a fifth more across x than along it.

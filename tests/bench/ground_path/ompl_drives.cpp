@@ -36,7 +36,7 @@ class Stands {
   explicit Stands(planner::test::OwnedGround& ground)
       : ground_(ground),
         memory_(planner::StandPrices::bytes_for(ground.config)),
-        prices_(ground.config, {planner::test::OwnedGround::price_of, &ground}, memory_) {}
+        prices_(ground.config, {planner::test::OwnedGround::price_of, &ground, 0, nullptr}, memory_) {}
 
   std::uint8_t price(const ob::State* state) const {
     const auto* s = state->as<Space::StateType>();

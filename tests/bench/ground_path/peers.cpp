@@ -52,7 +52,7 @@ void measure_ground_peers(const GroundSettings& settings, Report& report) {
   seed_ompl_drives(1);
   for (std::uint64_t i = 0; i < settings.maps; ++i) {
     const GroundHall hall = draw_hall(static_cast<std::uint32_t>(settings.seed + i));
-    planner::test::OwnedGround ground(hall_config(hall, kCellMm));
+    planner::test::OwnedGround ground(hall_config(hall, kCellMm), hall_room());
     lay_out(hall, ground);
     const planner::GroundPose start = hall_start(hall, kCellMm);
     const planner::GroundPose goal = hall_goal(hall, kCellMm);

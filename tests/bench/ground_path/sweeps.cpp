@@ -49,7 +49,7 @@ void measure_ground_budget(const GroundSettings& settings, Report& report) {
   std::vector<GroundCourse> courses;
   for (std::uint64_t i = 0; i < settings.maps; ++i) {
     const GroundHall hall = hall_of(settings, i);
-    OwnedGround ground(hall_config(hall, 100));
+    OwnedGround ground(hall_config(hall, 100), hall_room());
     lay_out(hall, ground);
     courses.push_back(run_course(ground, hall_start(hall, 100), hall_goal(hall, 100)));
     if (courses.back().state != GroundPathState::proved) courses.pop_back();
@@ -111,7 +111,7 @@ void measure_ground_resolution(const GroundSettings& settings, Report& report) {
     double mib = 0.0;
     for (std::uint64_t i = 0; i < settings.maps; ++i) {
       const GroundHall hall = hall_of(settings, i);
-      OwnedGround ground(hall_config(hall, cell_mm));
+      OwnedGround ground(hall_config(hall, cell_mm), hall_room());
       lay_out(hall, ground);
       mib = static_cast<double>(ground.block.size()) / 1048576.0;
       const GroundCourse course = run_course(ground, hall_start(hall, cell_mm), hall_goal(hall, cell_mm));
@@ -151,7 +151,7 @@ void measure_ground_unknown(const GroundSettings& settings, Report& report) {
         const GroundHall hall = hall_of(settings, i);
         planner::GroundPathConfig config = hall_config(hall, 100);
         config.unknown = unknown;
-        OwnedGround ground(config);
+        OwnedGround ground(config, hall_room());
         lay_out(hall, ground);
         forget_some(ground, share, static_cast<std::uint32_t>(settings.seed + i));
         if (ground.plan(hall_start(hall, 100), hall_goal(hall, 100)) != GroundPathState::proved) continue;
