@@ -61,28 +61,10 @@ inline void judge_ground_map(std::uint32_t seed, std::uint32_t n, GroundTally& t
   const GroundPathState end = g.path.run(g.map, UINT64_MAX);
 
   GroundTwin twin(g);
-  if (config.unknown == UnknownGround::blocked) {
-    // To the twin unknown ground is what blocks here.
-    OwnedGround shut(config);
-    shut.postures = g.postures;
-    for (std::int32_t y = 0; y < config.ny; ++y)
-      for (std::int32_t x = 0; x < config.nx; ++x) {
-        const GroundCell& cell = g.map.cell(x, y);
-        if (cell.is_unknown())
-          shut.set(x, y, GroundState::blocked);
-        else
-          static_cast<void>(shut.map.set(x, y, cell));
-      }
-    GroundTwin shut_twin(shut);
-    const std::uint64_t optimum = shut_twin.optimum(start, goal);
-    CHECK((end == GroundPathState::proved) == (optimum != GroundTwin::kNoWay));
-    if (end == GroundPathState::proved) CHECK(g.path.cost() == optimum);
-  }
-  const std::uint64_t optimum =
-      config.unknown == UnknownGround::blocked ? g.path.cost() : twin.optimum(start, goal);
+  const std::uint64_t optimum = twin.optimum(start, goal);
+  CHECK((end == GroundPathState::proved) == (optimum != GroundTwin::kNoWay));
   if (end != GroundPathState::proved) {
     CHECK_FALSE(g.path.has_way());
-    if (config.unknown != UnknownGround::blocked) CHECK(optimum == GroundTwin::kNoWay);
     (end == GroundPathState::none ? tally.walls : tally.refused) += 1;
     CHECK((end == GroundPathState::none || end == GroundPathState::start_blocked ||
            end == GroundPathState::start_unknown || end == GroundPathState::goal_blocked ||

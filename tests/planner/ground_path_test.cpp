@@ -81,7 +81,7 @@ TEST_CASE("ground path: planning again on a map that grew is planning anew") {
       for (std::int32_t y = 0; y < 28; ++y) {
         for (std::int32_t x = 0; x < known; ++x) {
           GroundCell cell = seen.map.cell(x, y);
-          if (known < 36 && random() % 50 == 0) cell.state[0] = GroundState::blocked;
+          if (known < 36 && random() % 300 == 0) cell.state[0] = GroundState::blocked;
           static_cast<void>(grown.map.set(x, y, cell));
           for (std::int32_t h = 0; h < kHeadings; ++h) {
             if (grown.posture(x, y, 0, h) == seen.posture(x, y, 0, h) &&
@@ -101,6 +101,26 @@ TEST_CASE("ground path: planning again on a map that grew is planning anew") {
     CHECK(grown.path.state() == anew);
     CHECK(grown.path.cost() == seen.path.cost());
     CHECK(poses_of(grown.path.way()) == poses_of(seen.path.way()));
+    // Cell by cell, beside one that has judged nothing yet.
+    for (int i = 0; i < 8; ++i) {
+      const auto steps = static_cast<std::int32_t>(seen.path.way().size());
+      const GroundPose at = steps > 0
+                                ? seen.path.way()[static_cast<std::size_t>(draw_below(random, steps))].pose
+                                : draw_pose(seen, random, 3, 33);
+      const std::int32_t x = at.x + draw_below(random, 7) - 3;
+      const std::int32_t y = at.y + draw_below(random, 7) - 3;
+      if (!seen.map.is_inside(x, y)) continue;
+      GroundCell cell = seen.map.cell(x, y);
+      cell.state[0] = cell.state[0] == GroundState::blocked ? GroundState::carries : GroundState::blocked;
+      static_cast<void>(seen.map.set(x, y, cell));
+      OwnedGround fresh(small_ground());
+      fresh.postures = seen.postures;
+      for (std::int32_t fy = 0; fy < 28; ++fy)
+        for (std::int32_t fx = 0; fx < 36; ++fx)
+          static_cast<void>(fresh.map.set(fx, fy, seen.map.cell(fx, fy)));
+      CHECK(seen.plan(start, goal) == fresh.plan(start, goal));
+      CHECK(poses_of(seen.path.way()) == poses_of(fresh.path.way()));
+    }
   }
   INFO("ways on part of the map: " << changed);
 }

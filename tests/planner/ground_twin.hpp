@@ -26,7 +26,7 @@ class GroundTwin {
     std::vector<std::uint64_t> costs(g_.cells.size() * 2 * kHeadings, kNoWay);
     using Entry = std::pair<std::uint64_t, std::size_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    if (price(start.x, start.y, start.surface, start.heading) < 0) return kNoWay;
+    if (stand(start) < 0) return kNoWay;
     costs[number(start)] = 0;
     open.push({0, number(start)});
     while (!open.empty()) {
@@ -53,6 +53,12 @@ class GroundTwin {
     return kNoWay;
   }
 
+  /// What it costs to stand there; below 0 where nobody can, or may because it was not seen.
+  std::int32_t stand(const GroundPose& p) {
+    const std::int32_t known = price(p.x, p.y, p.surface, p.heading);
+    return known == kUnseen && g_.config.unknown == UnknownGround::blocked ? -1 : known;
+  }
+
   /// What a motion costs, negative where it cannot be.
   std::int64_t motion_cost(const GroundPose& from, const Motion& motion, GroundPose& end) {
     std::int32_t worst = 0;
@@ -64,6 +70,7 @@ class GroundTwin {
       std::int32_t p = price(end.x, end.y, end.surface, station.slot);
       if (p < 0) return -1;
       if (p == kUnseen) {
+        if (g_.config.unknown == UnknownGround::blocked) return -1;
         unknown = true;
         p = g_.config.unknown_price;
       }

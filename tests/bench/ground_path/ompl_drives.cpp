@@ -143,7 +143,8 @@ std::vector<CourseStep> run_ompl(OmplPlanner which, planner::test::OwnedGround& 
   const auto place = [&](ob::State* state, const planner::GroundPose& pose, std::int32_t heading) {
     auto* s = state->as<Space::StateType>();
     s->setXY((pose.x + 0.5) * cell_m, (pose.y + 0.5) * cell_m);
-    s->setYaw(std::remainder(heading_angle(heading), 2 * M_PI));
+    s->setYaw(heading_angle(heading));
+    space->enforceBounds(state);
   };
   ob::ScopedState<> at(space);
   place(at.get(), start, start.heading);
