@@ -118,6 +118,7 @@ class GroundPath {
   void set_place(std::uint32_t node, std::uint32_t place) { columns_[node].heap_place = place; }
 
  private:
+  static constexpr std::uint32_t kFirstWeight = 32;
   enum class Phase : std::uint8_t { refresh, judge, measure, search, repair };
   struct Try {
     std::uint32_t cost{UINT32_MAX};  // not possible

@@ -231,7 +231,7 @@ TEST_CASE("ground path: memory that ends says so and keeps the way it had") {
   CHECK(g.path.way()[4].cost == longer.path.way()[4].cost);
 }
 
-TEST_CASE("ground path: nothing drives off a mezzanine; the way down is the ramp") {
+TEST_CASE("ground path: nothing drives off a mezzanine, for the way down is the ramp") {
   OwnedGround g(small_ground());
   g.fill(0, 0, 36, 28, GroundState::carries);
   for (std::int32_t y = 0; y < 28; ++y) {
