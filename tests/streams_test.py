@@ -105,7 +105,7 @@ quick = {
     "scenes": [], "doctor": ["--seconds", "0"],
     "bench rt": ["--only", "executive", "--rounds", "1", "--slice", "0.05"], "bench plant": ["--only", "metrics", "--scene", "straight"],
     "bench rays": ["--only", "nothing"], "bench mapping": ["--only", "nothing"],
-    "bench registration": ["--only", "nothing"], "bench recognition": ["--only", "streets", "--cases", "1"], "bench uav": ["--only", "plant"],
+    "bench registration": ["--only", "nothing"], "bench recognition": ["--only", "streets", "--cases", "1"], "bench uav": ["--only", "plant"], "bench ground-path": ["--only", "budget", "--maps", "1"],
     "bench odometry": ["--scene", "ugv_ramp", "--rounds", "1"], "bench stability": ["--only", "planner"],
     "bench campaign": ["--only", "stamps", "--seed", "5", "--count", "20"], "bench wcet": ["a.lcm"], "bench all": ["--only", "nothing"],
 }

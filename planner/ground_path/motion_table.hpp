@@ -37,7 +37,7 @@ struct Motion {
 
 /// All motions of all headings. A curve is a parabola that begins along one heading and ends along another
 /// one or two on; its time is that of its two legs, which is longer by 3 % at most, or that of its turn.
-/// Turned by quarters or mirrored, the table is the same. Whole numbers; 9 kB; made once.
+/// Turned by quarters or mirrored, the table is the same. Whole numbers; 7 kB; made once.
 class MotionTable {
  public:
   static constexpr std::uint32_t kMostStations = 1280;
