@@ -132,6 +132,7 @@ void GroundPath::judge_ends(const GroundMap& map) {
     return;
   }
   distances_.begin(map, goal_, start_);
+  work_.units += GroundMap::cells_for(config_) / 32;  // their nodes were cleared
   round_ = 1;
   work_.rounds = 1;
   weight_ = kFirstWeight;
