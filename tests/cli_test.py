@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench registration", "bench recognition", "bench rays", "bench posture", "bench uav", "bench stability", "bench campaign"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench registration", "bench recognition", "bench rays", "bench posture", "bench ground-path", "bench uav", "bench stability", "bench campaign"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")
@@ -423,6 +423,8 @@ expect(4, "bench", "rays", "--program", "absent/sortie-bench-rays", says=["is no
 expect(2, "bench", "rays", "--only", "nothing")
 expect(4, "bench", "uav", "--program", "absent/sortie-bench-uav", says=["is not built", "cmake --build"], only_line=True)
 expect(2, "bench", "uav", "--only", "nothing")
+expect(4, "bench", "ground-path", "--program", "absent/sortie-bench-ground-path", says=["is not built", "cmake --build"], only_line=True)
+expect(2, "bench", "ground-path", "--only", "nothing")
 result = run("bench", "uav", "--only", "plant", "--json", "--out", "uav")
 if len(PROGRAM) > 1:
     print("left out: the flight benchmark under an emulator")

@@ -74,6 +74,7 @@ PeerFront mapping_front();       ///< the local map beside PCL
 PeerFront registration_front();  ///< the registration of scans and clouds beside PCL's
 PeerFront elevation_front();     ///< the elevation map beside elevation_mapping's filter
 PeerFront recognition_front();   ///< sets of correspondences beside PCL's, CLIPPER's and ROBIN's
+PeerFront ground_path_front();   ///< ways over the ground beside OMPL and exhaustive search
 PeerFront uav_front();           ///< the multirotor beside Lee's controller and others
 PeerFront stability_front();     ///< stiff and extreme cases beside the naive method
 PeerFront campaign_front();      ///< hostile random sequences for every module
