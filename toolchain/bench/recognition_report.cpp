@@ -32,7 +32,7 @@ PeerFront recognition_front() {
        1, 1000000},
       {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
       choice("--only", "One part alone",
-             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence"})};
+             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "images"})};
   front.title = "Recognition of places";
   front.intro =
       "Times are of the thread's processor: **take the ratios, not the milliseconds**. Tables and pictures "
@@ -45,7 +45,8 @@ PeerFront recognition_front() {
                     {"descriptors", "Segments of two visits: how well they are told apart"},
                     {"deceive", "Worlds that are built to deceive"},
                     {"revisits", "Halls that are visited twice: what is recognised"},
-                    {"evidence", "What a scan has to say before it is believed"}};
+                    {"evidence", "What a scan has to say before it is believed"},
+                    {"images", "Corridors and empty halls: height images beside segments"}};
   front.pictures = drawn_pictures;
   return front;
 }

@@ -12,10 +12,10 @@ namespace sortie::bench {
 namespace {
 
 constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
-    {"streets", measure_recognition_streets},  {"outliers", measure_recognition_outliers},
-    {"graphs", measure_recognition_graphs},    {"descriptors", measure_recognition_descriptors},
-    {"deceive", measure_recognition_deceive},  {"revisits", measure_recognition_revisits},
-    {"evidence", measure_recognition_evidence}};
+    {"streets", measure_recognition_streets},   {"outliers", measure_recognition_outliers},
+    {"graphs", measure_recognition_graphs},     {"descriptors", measure_recognition_descriptors},
+    {"deceive", measure_recognition_deceive},   {"revisits", measure_recognition_revisits},
+    {"evidence", measure_recognition_evidence}, {"images", measure_recognition_images}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;

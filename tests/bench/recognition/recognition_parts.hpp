@@ -29,5 +29,7 @@ void measure_recognition_deceive(const RecognitionSettings& settings, Report& re
 void measure_recognition_revisits(const RecognitionSettings& settings, Report& report);
 /// What a scan has to say before it is believed: false places and right ones, by `over_unexplained`.
 void measure_recognition_evidence(const RecognitionSettings& settings, Report& report);
+/// Corridors and empty halls: what height images say of them, beside segments.
+void measure_recognition_images(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench

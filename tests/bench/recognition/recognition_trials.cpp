@@ -3,29 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "mapping/registration/pose_algebra.hpp"
-#include "tests/mapping/owned_map.hpp"
+#include "tests/bench/recognition/local_run.hpp"
+#include "tests/bench/recognition/owned_sets.hpp"
 
 namespace sortie::bench {
 namespace {
 using namespace mapping;
 using testing::Draws;
 
-constexpr rt::Nanoseconds kScan_ns = 500'000'000;
 constexpr double kSameMove = 1.0;  ///< m and rad: a scan fits where the segments say
 constexpr double kSameTurn = 0.2;
 constexpr std::uint64_t kAll = ~std::uint64_t{0} >> 1;
-const tests::MapSizes kSizes{65'534, 262'136, 65'534, 16'384, 2048, 4096};
 constexpr RegistrationMemory kSurfaces{65'536, 256, 64};
-
-RollingGridConfig grid_config(double radius_m) {
-  RollingGridConfig config;
-  config.max_range_m = 25.0;
-  config.radius_m = radius_m;
-  return config;
-}
 
 /// T_known_odom.
 RigidPose pose_of(const LevelPlace& place) {
@@ -38,76 +29,6 @@ PoseError error_of(const RigidPose& told, const RigidPose& truth) {
   return {rt::norm(told.p - truth.p), turn * 180.0 / M_PI};
 }
 
-struct Memory {
-  std::unique_ptr<std::byte[]> bytes;
-  rt::Arena arena;
-  explicit Memory(std::size_t mb) : bytes(new std::byte[mb << 20]), arena({bytes.get(), mb << 20}) {}
-  void check() const {
-    if (arena.refused() != 0) throw std::runtime_error("recognition: no room for a trial");
-  }
-};
-
-/// A local map and its segments that may speak.
-class LocalRun {
- public:
-  explicit LocalRun(double radius_m)
-      : memory_(2),
-        map_(grid_config(radius_m), SegmenterConfig{}, kSizes),
-        segments_(watch_config(), kSizes.slots, 256, memory_.arena) {
-    memory_.check();
-  }
-
-  /// True: a round was due, and the segments are new.
-  bool scan(const std::vector<rt::ScanPoint>& points, const RigidPose& T_odom_sensor) {
-    rt::PointScan view;
-    view.header.points = static_cast<std::uint32_t>(points.size());
-    view.points = points.data();
-    (void)map_.map.update(view, T_odom_sensor, ++tick_);
-    now_ns_ += kScan_ns;
-    segments_.note(map_.segmenter().labelling());
-    if (now_ns_ - round_ns_ < rt::kNanosecondsPerSecond) return false;
-    round_ns_ = now_ns_;
-    std::uint32_t units = 0;
-    const Status status =
-        segments_.round(map_.grid(), map_.segmenter().graph(), map_.segmenter().labelling(), now_ns_, units);
-    if (status != Status::ok || map_.grid().output().points.pool_full + segments_.events_lost() > 0)
-      throw std::runtime_error("recognition: a hall that does not fit the map");
-    return true;
-  }
-  const RollingGrid& grid() const { return map_.grid(); }
-  std::span<const WatchedSegment> segments() const { return segments_.segments(); }
-  rt::Nanoseconds now_ns() const { return now_ns_; }
-
-  /// Those that speak, the nearest `most` of them.
-  std::vector<SpeakingSegment> speaking(std::uint32_t most) const {
-    std::vector<SpeakingSegment> list;
-    for (const WatchedSegment& one : segments_.segments()) {
-      if (!one.speaks) continue;
-      const rt::Vector3 at = grid().to_world({0.01 * one.place.x, 0.01 * one.place.y, 0.01 * one.place.z});
-      list.push_back({one.id, one.version, to_cm(at), one.descriptor});
-    }
-    const PlaceCm middle = to_cm(middle_of(grid()));
-    std::sort(list.begin(), list.end(), [&](const SpeakingSegment& a, const SpeakingSegment& b) {
-      const std::int64_t x = square_apart(a.place, middle), y = square_apart(b.place, middle);
-      return x != y ? x < y : a.id < b.id;
-    });
-    if (list.size() > most) list.resize(most);
-    return list;
-  }
-
- private:
-  static SegmentWatchConfig watch_config() {
-    SegmentWatchConfig config;
-    config.watched = 1024;
-    return config;
-  }
-  Memory memory_;
-  tests::SmoothMap map_;
-  LocalSegments segments_;
-  rt::Nanoseconds now_ns_{}, round_ns_{};
-  rt::Tick tick_{};
-};
-
 /// What was kept, and who recognises on it.
 class Recognition {
  public:
@@ -115,6 +36,8 @@ class Recognition {
       : memory_(80),
         config_(config),
         keeper_({}, {}, memory_.arena),
+        images_({}, memory_.arena),
+        image_search_(config.image_search),
         registration_({}, memory_.arena, kSurfaces),
         recogniser_(config.recogniser, memory_.arena),
         judge_(config.judge, registration_, memory_.arena) {
@@ -127,7 +50,11 @@ class Recognition {
       bool even = false;
       for (const HallScan& scan : visit_scans(place.hall, 0, lidar, draws)) {
         const RigidPose pose = after(place.T_world_hall, scan.pose);
-        if (run.scan(scan.points, pose)) keeper_.keep(run.segments(), run.grid(), {}, run.now_ns());
+        if (run.scan(scan.points, pose)) {
+          keeper_.keep(run.segments(), run.grid(), {}, run.now_ns());
+          if (config_.images && draw_image(run))
+            (void)images_.put(imager_.image(), {imager_.image().middle, {}}, 0, 0);
+        }
         even = !even;
         if (!even) continue;
         registration_.take(scan.points);
@@ -141,8 +68,10 @@ class Recognition {
   RecognitionTrial recognise(const HallAt& place, const HallLidar& lidar, Draws& draws) {
     RecognitionTrial trial;
     trial.targets = keeper_.store().kept();
+    trial.images = static_cast<std::uint32_t>(images_.images().size());
     LocalRun run(config_.radius_m);
     PlaceLooks looks{{config_.second_look_m, config_.second_look_m}};
+    PlaceLooks image_looks = looks;
     const RigidPose T_odom_world{{draws.uniform(-20, 20), draws.uniform(-20, 20), draws.uniform(-1, 1)},
                                  rt::from_yaw_pitch_roll(draws.uniform(-M_PI, M_PI), 0, 0)};
     double way_m = 0.0, looked_m = 0.0;
@@ -158,9 +87,26 @@ class Recognition {
       looked_m = way_m;
       RecognitionLook look = search(run, odom, truth);
       look.way_m = way_m;
-      if (look.segments == SetVerdict::found) judge(scans[i].points, odom, truth, draws, look);
+      if (config_.images) search_images(run, odom, truth, look.image);
+      const bool images_found = look.image.verdict == ImageVerdict::found;
+      if (look.segments == SetVerdict::found || images_found) {
+        const rt::Quaternion error = rt::exp_rotation({0.006 * draws.normal(), 0.006 * draws.normal(), 0});
+        registration_.take(scans[i].points);
+        const SampleScan scan{{registration_.sample().begin(), registration_.sample().end()},
+                              rt::normalised(error * odom.q),
+                              odom,
+                              truth};
+        if (look.segments == SetVerdict::found)
+          judge(
+              scan, [this] { return places(); }, [this] { refuse(); }, look);
+        if (images_found)
+          judge(
+              scan, [this] { return image_places(); }, [this] { image_search_.refuse(images_); }, look.image);
+      }
       look.judged.sure = false;
       look.confirmed = look.placed && looks.take(look.judged, odom);
+      look.image.judged.sure = false;
+      look.image.confirmed = look.image.placed && image_looks.take(look.image.judged, odom);
       trial.looks.push_back(look);
     }
     return trial;
@@ -182,26 +128,69 @@ class Recognition {
     return look;
   }
 
-  void judge(const std::vector<rt::ScanPoint>& scan, const RigidPose& odom, const RigidPose& truth,
-             Draws& draws, RecognitionLook& look) {
-    const rt::Quaternion error = rt::exp_rotation({0.006 * draws.normal(), 0.006 * draws.normal(), 0});
-    registration_.take(scan);
-    const std::vector<SamplePoint> sample(registration_.sample().begin(), registration_.sample().end());
-    while (recogniser_.verdict() == SetVerdict::found) {
-      if (!judge_.begin(sample, rt::normalised(error * odom.q))) return;
-      for (const SetHypothesis& place : recogniser_.found())
-        judge_.add(after(pose_of(place.fit.place), odom));
+  /// Where a search that found a place, and only that, says that the local map lies; the best one first.
+  std::vector<LevelPlace> places() const {
+    std::vector<LevelPlace> list;
+    if (recogniser_.verdict() != SetVerdict::found) return list;
+    for (const SetHypothesis& one : recogniser_.found()) list.push_back(one.fit.place);
+    return list;
+  }
+  std::vector<LevelPlace> image_places() const {
+    std::vector<LevelPlace> list;
+    if (image_search_.verdict() != ImageVerdict::found) return list;
+    for (const ImageHypothesis& one : image_search_.found()) list.push_back(one.place);
+    return list;
+  }
+  void refuse() {
+    recogniser_.refuse();
+    go_on();
+  }
+
+  bool draw_image(const LocalRun& run) {
+    imager_.begin(run.grid());
+    while (imager_.is_working()) (void)imager_.run(run.grid(), ~std::uint32_t{0});
+    return imager_.stage() == ImageStage::drawn;
+  }
+
+  void search_images(const LocalRun& run, const RigidPose& odom, const RigidPose& truth, ImageLook& look) {
+    look.verdict = ImageVerdict::few;
+    if (!draw_image(run)) return;
+    const double begin = set_cpu_ms();
+    image_search_.begin(imager_.image());
+    std::uint64_t units = kAll;
+    (void)image_search_.run(images_, units);
+    look.ms = set_cpu_ms() - begin;
+    look.units = kAll - units;
+    look.verdict = image_search_.verdict();
+    const auto found = image_search_.found();
+    if (found.empty()) return;
+    look.best = error_of(after(pose_of(found[0].place), odom), truth);
+    look.agree = found[0].score.agree;
+    if (found.size() > 1) look.rival = static_cast<double>(found[1].score.total()) / found[0].score.total();
+  }
+
+  /// A scan that places are held against.
+  struct SampleScan {
+    std::vector<SamplePoint> sample;
+    rt::Quaternion q_level_sensor;
+    RigidPose odom, truth;
+  };
+
+  template <class Places, class Refuse, class Look>
+  void judge(const SampleScan& scan, const Places& places, const Refuse& refuse, Look& look) {
+    for (std::vector<LevelPlace> list = places(); !list.empty(); list = places()) {
+      if (!judge_.begin(scan.sample, scan.q_level_sensor)) return;
+      for (const LevelPlace& place : list) judge_.add(after(pose_of(place), scan.odom));
       std::uint64_t units = kAll;
       (void)judge_.run(units, look.judged);
       look.scan = look.judged.verdict;
-      const RigidPose told = after(pose_of(recogniser_.found()[0].fit.place), odom);
+      const RigidPose told = after(pose_of(list[0]), scan.odom);
       if (look.scan == RelocateVerdict::placed &&
           !are_apart(look.judged.T_map_sensor, told, kSameMove, kSameTurn)) {
-        look.placed = error_of(look.judged.T_map_sensor, truth);
+        look.placed = error_of(look.judged.T_map_sensor, scan.truth);
         return;
       }
-      recogniser_.refuse();
-      go_on();
+      refuse();
     }
   }
 
@@ -210,9 +199,12 @@ class Recognition {
     (void)recogniser_.run(keeper_.store(), units);
   }
 
-  Memory memory_;
+  TrialMemory memory_;
   TrialConfig config_;
   TargetKeeper keeper_;
+  ImageStore images_;
+  HeightImager imager_;
+  ImageSearch image_search_;
   ScanRegistration registration_;
   Recogniser recogniser_;
   PlaceJudge judge_;
