@@ -126,6 +126,24 @@ TEST_CASE("A height image has the floor's height and what stands between two hei
   CHECK(std::abs(imager.image().middle.z) <= 2);
 }
 
+TEST_CASE("Of two layers with as many voxels the lower one is the floor") {
+  tests::OwnedRollingGrid owned({}, kSizes);
+  std::vector<rt::ScanPoint> points;
+  for (int i = 0; i < 400; ++i) {
+    const float x = 0.1f * static_cast<float>(i % 20) + 1.05f, y = 0.1f * static_cast<float>(i / 20) + 1.05f;
+    for (const float z : {-1.43f, -0.63f}) points.push_back({x, y, z, 0, 0});
+  }
+  rt::PointScan view;
+  view.header.points = static_cast<std::uint32_t>(points.size());
+  view.points = points.data();
+  (void)owned.grid.insert(view, {}, 1, {});
+  HeightImager imager;
+  imager.begin(owned.grid);
+  (void)imager.run(owned.grid, 0xffffffffu);
+  REQUIRE(imager.stage() == ImageStage::drawn);
+  CHECK(std::abs(imager.image().middle.z + 143) <= 1);
+}
+
 TEST_CASE("Where there is no floor, there is no height image") {
   tests::OwnedRollingGrid owned({}, kSizes);
   HeightImager imager;

@@ -405,6 +405,22 @@ TEST_CASE("What an image does not say is said") {
   CHECK(ask(testing::image_of(cross, {0, 0, 0.2}, 12, draws)) == ImageVerdict::unlike);
 }
 
+TEST_CASE("A room that looks the same from both ends is ambiguous: both turns are told") {
+  Draws draws(9);
+  OwnedImages owned;
+  DrawnPlace room;
+  room.box(-7, -4, 7, 4);
+  REQUIRE(owned.store.put(testing::image_of(room, {0, 0, 0.4}, 12, draws), testing::key_frame_of({0, 0, 0.4}),
+                          0, 0) == Status::ok);
+  ImageSearch search({});
+  search.begin(testing::image_of(room, {1, 0.5, -1}, 12, draws));
+  std::uint64_t units = kAll;
+  REQUIRE(search.run(owned.store, units));
+  REQUIRE(search.verdict() == ImageVerdict::ambiguous);
+  const mapping::LevelPlace &one = search.found()[0].place, &other = search.found()[1].place;
+  CHECK(one.cosine * other.cosine + one.sine * other.sine < -0.99);
+}
+
 TEST_CASE("A search takes no heap") {
   Draws draws(8);
   const SearchCase one(draws, 3, 6);
