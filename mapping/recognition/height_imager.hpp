@@ -24,7 +24,7 @@ enum class ImageStage : std::uint8_t {
 /// image of a slope has what lies above and below that floor as structure. Scans that come between two slices
 /// change what is visited later: give it enough units, and none does. What it puts out depends on the grid
 /// alone, as it was when each block was visited. A unit is a voxel, or a block that is passed over; 3 to 4
-/// ns. Memory: 7.3 kB. No heap.
+/// ns. Memory: 7 kB. No heap.
 class HeightImager {
  public:
   static constexpr std::int32_t kReachBlocks = 511;  ///< what is farther away is left out

@@ -27,7 +27,7 @@ struct ImageSearchConfig {
   SORTIE_KEYS(c, key) {
     key("candidates", c.candidates, {1, kMostCandidates, "images", "that an image is compared with"});
     key("turns", c.turns, {1, kMostTurns, "turns", "of all of them together, at which all shifts are tried"});
-    key("most_units", c.most_units, {10'000, 4e9, "units", "of one search, of some 2 ns each"});
+    key("most_units", c.most_units, {10'000, 4e9, "units", "of one search, of some 0.5 ns each"});
     key("least_cells", c.least_cells, {1, 1'000, "cells", "of 0.2 m with structure, to go by"});
     key("least_known", c.least_known,
         {0, 1, "", "of the structure, that must lie where the other image shows anything"});

@@ -30,7 +30,7 @@ struct ImageScore {
 };
 
 /// Planes of one image that others are laid on. A row has a word of nothing before and behind it, so that 128
-/// shifts of it are two words at any place. 18 kB.
+/// shifts of it are two words at any place. 17 kB.
 class ImageView {
  public:
   using Word = std::uint64_t;
