@@ -99,12 +99,17 @@ class RecognisePart final : public Part {
   }
 
   const mapping::TargetStore* targets() const override { return &keeper_->store(); }
+  std::optional<RecognitionView> recognition() const override {
+    if (recogniser_ == nullptr) return {};
+    return RecognitionView{told_, known_.get(), recogniser_.get(), &told_set_};
+  }
 
   void archive(rt::Archive& archive) {
     rt::Members(archive, *this, "recognise")
         .base<Part>()
         .fixed(config_, map_, access_, task_, answers_, speaking_)
         .by_hand(local_, keeper_, known_, recogniser_, judge_)
+        .scratch(told_, told_set_)
         .state(next_ns_, searched_ns_, step_, T_odom_judged_, lost_, output_);
     mapping::check_pose(archive, T_odom_judged_);
     archive.value(*local_);
@@ -200,6 +205,9 @@ class RecognisePart final : public Part {
 
   /// An answer is whole: out with it.
   void tell() {
+    ++told_;
+    const auto found = recogniser_->found();
+    told_set_ = found.empty() ? mapping::SetHypothesis{} : found[0];
     rt::RecognisedPlace* const report = answers_->claim();
     if (report == nullptr) return;
     *report = output_;
@@ -270,6 +278,8 @@ class RecognisePart final : public Part {
   rt::Nanoseconds next_ns_{};
   rt::Nanoseconds searched_ns_{};  ///< release of the job that began the search
   RecogniseOutput output_;
+  std::uint64_t told_{};  ///< answers, and what the newest one rests on: no job reads them
+  mapping::SetHypothesis told_set_;
 };
 
 }  // namespace

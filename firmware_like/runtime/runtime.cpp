@@ -27,20 +27,6 @@ std::byte* map_memory(std::size_t bytes) {
   return static_cast<std::byte*>(memory);
 }
 
-InitialPose read_initial(Profile& profile, const RuntimeStart& start) {
-  InitialPose pose;
-  const char* const axes[] = {"initial.x_m", "initial.y_m", "initial.z_m"};
-  for (int i = 0; i < 3; ++i)
-    pose.p_world_body_m[i] =
-        profile.number(axes[i], {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
-  const double yaw =
-      profile.number("initial.yaw_deg", {0, -360, 360, "deg", "start heading, if no log gives one"});
-  const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
-  pose.q_world_body[0] = half.cos;
-  pose.q_world_body[3] = half.sin;
-  return start.has_initial ? start.initial : pose;
-}
-
 // Times and threads of the run itself (start, length) are the caller's.
 rt::posix::LiveOptions read_live_settings(Profile& profile) {
   rt::posix::LiveOptions live;
@@ -54,6 +40,20 @@ rt::posix::LiveOptions read_live_settings(Profile& profile) {
 }
 
 }  // namespace
+
+InitialPose read_initial(Profile& profile) {
+  InitialPose pose;
+  const char* const axes[] = {"initial.x_m", "initial.y_m", "initial.z_m"};
+  for (int i = 0; i < 3; ++i)
+    pose.p_world_body_m[i] =
+        profile.number(axes[i], {0, -1e6, 1e6, "m", "start position in the world, if no log gives one"});
+  const double yaw =
+      profile.number("initial.yaw_deg", {0, -360, 360, "deg", "start heading, if no log gives one"});
+  const rt::SinCos half = rt::sincos(yaw * 3.14159265358979323846 / 360.0);
+  pose.q_world_body[0] = half.cos;
+  pose.q_world_body[3] = half.sin;
+  return pose;
+}
 
 Runtime::Runtime(Profile profile, const VehicleRegistry& vehicles, const RuntimeStart& start)
     : profile_(std::move(profile)) {
@@ -99,7 +99,8 @@ void Runtime::drop() {
 
 void Runtime::build(const VehicleRegistry& vehicles, const RuntimeStart& start) {
   const auto tick_us = profile_.integer("time.base_tick_us", {1000, 50, 1e6, "us", "length of a tick"});
-  const InitialPose initial = read_initial(profile_, start);
+  const InitialPose said = read_initial(profile_);
+  const InitialPose& initial = start.has_initial ? start.initial : said;
   live_settings_ = read_live_settings(profile_);
   outlets_ = {};
   profile_.read("live", outlets_);

@@ -29,6 +29,9 @@ struct RuntimeStart {
       maps{};  ///< that the run begins with (kept_map.hpp); read by the constructor alone
 };
 
+/// [initial]: where the odometry's world has the robot when a run begins. Throws ProfileError.
+InitialPose read_initial(Profile& profile);
+
 /// What a scene's runs may give to the outside. Neither changes what the tasks put out.
 struct RunOutlets {
   bool telemetry{true};  ///< over LCM

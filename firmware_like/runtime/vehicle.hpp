@@ -18,8 +18,10 @@ class SslPort;
 }  // namespace sortie::drivers
 
 namespace sortie::mapping {
+class Recogniser;
 class ScanRegistration;
 struct SensedCloud;
+struct SetHypothesis;
 class TargetStore;
 }  // namespace sortie::mapping
 
@@ -50,6 +52,15 @@ struct VoxelOnMap {
   std::uint32_t count{};     ///< of points in that mean
   std::uint32_t segment{};   ///< its segment's id; 0: of none
   double normal_world[3]{};  ///< unit vector, its sign means nothing; zero: none
+};
+
+/// What the newest answer of recognition rests on, for who shows it: true from the job that gave it up to the
+/// task's next one.
+struct RecognitionView {
+  std::uint64_t answers{};                  ///< since the run, or the replay's keyframe, began
+  const mapping::TargetStore* known{};      ///< that places are recognised on
+  const mapping::Recogniser* recogniser{};  ///< its segments and pairs
+  const mapping::SetHypothesis* best{};     ///< which pairs speak for the answer's place; of none: no set
 };
 
 /// How a vehicle's motors are, for who shows it.
@@ -91,6 +102,8 @@ class Vehicle {
   virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
   /// The segments to be recognised as they are when no job runs; null without any.
   virtual const mapping::TargetStore* targets() const { return nullptr; }
+  /// Recognition as it is when no job runs; nothing where no targets are known.
+  virtual std::optional<RecognitionView> recognition() const { return {}; }
   /// The cloud as it is when no job runs; null without one.
   virtual const mapping::SensedCloud* cloud() const { return nullptr; }
   /// At the boot of a live run: what a unit of an anytime task takes here; of no task where none is tried.

@@ -8,54 +8,24 @@
 #include <vector>
 
 #include "mapping/recognition/set_hypotheses.hpp"
-#include "tests/mapping/registration_world.hpp"
+#include "tests/mapping/level_places.hpp"
 
 namespace {
 using namespace sortie;
-using mapping::PlaceCm;
 using mapping::SetConfig;
 using mapping::SetVerdict;
 using mapping::SweptPair;
 
-struct Point {
-  double x, y, z;
-};
-
-PlaceCm rounded(const Point& p) {
-  const auto whole = [](double m) { return static_cast<std::int32_t>(std::floor(100.0 * m + 0.5)); };
-  return {whole(p.x), whole(p.y), whole(p.z)};
-}
-
-/// A turn about the upright and a move, m.
-struct Pose {
-  double yaw{}, x{}, y{}, z{};
-  Point operator()(const Point& p) const {
-    const double c = std::cos(yaw), s = std::sin(yaw);
-    return {c * p.x - s * p.y + x, s * p.x + c * p.y + y, p.z + z};
-  }
-};
-
-Pose any_pose(testing::Draws& draws) {
-  return {draws.uniform(-3, 3), draws.uniform(-80, 80), draws.uniform(-80, 80), draws.uniform(-3, 9)};
-}
-
-/// At least 1 m from each other and from `others`: none is nearer to another one's target than that one.
-std::vector<Point> scattered(int count, double wide_m, testing::Draws& draws,
-                             const std::vector<Point>& others = {}) {
-  std::vector<Point> points;
-  while (static_cast<int>(points.size()) < count) {
-    const Point p{draws.uniform(-wide_m, wide_m), draws.uniform(-wide_m, wide_m), draws.uniform(-0.5, 3)};
-    const auto is_near = [&](const Point& o) { return std::hypot(p.x - o.x, p.y - o.y, p.z - o.z) < 1.0; };
-    if (std::any_of(points.begin(), points.end(), is_near)) continue;
-    if (std::any_of(others.begin(), others.end(), is_near)) continue;
-    points.push_back(p);
-  }
-  return points;
-}
+using rt::Vector3;
+using testing::any_level_pose;
+using testing::LevelPose;
+using testing::miss_m;
+using testing::rounded;
+using testing::scattered;
 
 /// Correspondences of a local map.
 struct Scene {
-  std::vector<Point> segments, targets;
+  std::vector<Vector3> segments, targets;
   std::vector<SweptPair> pairs;
 
   void pair(std::size_t segment, std::size_t target) {
@@ -72,11 +42,11 @@ struct Scene {
     }
   }
   void add_targets(int count, testing::Draws& draws) {
-    for (const Point& p : scattered(count, 100, draws, targets)) targets.push_back(p);
+    for (const Vector3& p : scattered(count, 100, draws, targets)) targets.push_back(p);
   }
 };
 
-Point shaken(const Point& p, double by_m, testing::Draws& draws) {
+Vector3 shaken(const Vector3& p, double by_m, testing::Draws& draws) {
   return {p.x + draws.uniform(-by_m, by_m), p.y + draws.uniform(-by_m, by_m),
           p.z + draws.uniform(-by_m, by_m)};
 }
@@ -96,13 +66,6 @@ struct Owned {
     return sets.verdict();
   }
 };
-
-/// How far the pose found puts a point of the local map from where it is.
-double miss_m(const mapping::LevelPlace& found, const Pose& truth, const Point& p) {
-  const Point there = truth(p);
-  return std::hypot(found.cosine * p.x - found.sine * p.y + found.x_m - there.x,
-                    found.sine * p.x + found.cosine * p.y + found.y_m - there.y, p.z + found.z_m - there.z);
-}
 }  // namespace
 
 TEST_CASE("A place is found among wrong correspondences, with all its segments and within their noise") {
@@ -113,7 +76,7 @@ TEST_CASE("A place is found among wrong correspondences, with all its segments a
   REQUIRE(owned.arena.refused() == 0);
   for (int run = 0; run < 40; ++run) {
     INFO("run " << run);
-    const Pose truth = any_pose(draws);
+    const LevelPose truth = any_level_pose(draws);
     Scene scene;
     scene.segments = scattered(40, 15, draws);
     for (std::size_t i = 0; i < 14; ++i)
@@ -145,11 +108,11 @@ TEST_CASE("Two places with the same segments are ambiguous, in all of 1,000") {
   for (int run = 0; run < 1'000; ++run) {
     Scene scene;
     scene.segments = scattered(16, 12, draws);
-    const Pose first = any_pose(draws);
-    Pose second = any_pose(draws);
+    const LevelPose first = any_level_pose(draws);
+    LevelPose second = any_level_pose(draws);
     // A room's length apart at least: nearer ones are one place.
     second.x = first.x + (draws.uniform(0, 1) < 0.5 ? -1 : 1) * draws.uniform(3, 60);
-    for (const Pose& pose : {first, second}) {
+    for (const LevelPose& pose : {first, second}) {
       for (std::size_t i = 0; i < 10; ++i) {
         scene.targets.push_back(shaken(pose(scene.segments[i]), 0.05, draws));
         scene.pair(i, scene.targets.size() - 1);
@@ -172,9 +135,9 @@ TEST_CASE("What no pose lays is refused, with its reason") {
     Scene mirrored, row, alone;
     // The mirror image has all distances and heights right.
     mirrored.segments = scattered(12, 12, draws);
-    const Pose pose = any_pose(draws);
+    const LevelPose pose = any_level_pose(draws);
     for (std::size_t i = 0; i < 12; ++i) {
-      const Point& p = mirrored.segments[i];
+      const Vector3& p = mirrored.segments[i];
       mirrored.targets.push_back(pose({p.x, -p.y, p.z}));
       mirrored.pair(i, i);
     }
@@ -208,7 +171,7 @@ TEST_CASE("A set that fills its room is a pose, but nobody knows whether it is t
   Owned owned(600);
   constexpr std::size_t kMost = mapping::SetHypothesis::kMostPairs;
   for (const std::size_t size : {kMost - 1, kMost + 12}) {
-    const Pose truth = any_pose(draws);
+    const LevelPose truth = any_level_pose(draws);
     Scene scene;
     scene.segments = scattered(static_cast<int>(size), 15, draws);
     for (std::size_t i = 0; i < size; ++i) {
@@ -227,8 +190,9 @@ TEST_CASE("What fewer segments speak for makes no place ambiguous, but is told t
   INFO("seed " << seed);
   testing::Draws draws(seed);
   Owned owned(600);
-  const Pose truth = any_pose(draws);
-  const Pose other{truth.yaw + 2.0, truth.x + 300.0, truth.y, truth.z};  // farther off than all else is wide
+  const LevelPose truth = any_level_pose(draws);
+  const LevelPose other{truth.yaw + 2.0, truth.x + 300.0, truth.y,
+                        truth.z};  // farther off than all else is wide
   Scene scene;
   scene.segments = scattered(10, 15, draws);
   for (const std::size_t count : {std::size_t{10}, std::size_t{4}}) {
@@ -256,7 +220,7 @@ TEST_CASE("An answer depends neither on the order of the correspondences nor on 
   Owned owned(1'000), other(1'000);
   for (int run = 0; run < 20; ++run) {
     INFO("run " << run);
-    const Pose truth = any_pose(draws);
+    const LevelPose truth = any_level_pose(draws);
     Scene scene;
     scene.segments = scattered(40, 15, draws);
     for (std::size_t i = 0; i < 9; ++i)

@@ -8,34 +8,27 @@
 #include <vector>
 
 #include "mapping/recognition/set_hypotheses.hpp"
-#include "tests/mapping/registration_world.hpp"
+#include "tests/mapping/level_places.hpp"
 
 namespace {
 using namespace sortie;
 using mapping::SetVerdict;
 using mapping::SweptPair;
 
-struct SpiralPoint {
-  double x, y, z;
-};
-
-mapping::PlaceCm rounded_point(const SpiralPoint& p) {
-  const auto whole = [](double m) { return static_cast<std::int32_t>(std::floor(100.0 * m + 0.5)); };
-  return {whole(p.x), whole(p.y), whole(p.z)};
-}
+using rt::Vector3;
+using testing::rounded;
 
 /// Segments, and targets that each belong to one of them; places are far from each other.
 struct RivalScene {
-  std::vector<SpiralPoint> segments;
+  std::vector<Vector3> segments;
   std::vector<SweptPair> pairs;
 
-  void put(std::size_t segment, const SpiralPoint& at, double yaw, int place) {
+  void put(std::size_t segment, const Vector3& at, double yaw, int place) {
     const double c = std::cos(yaw), s = std::sin(yaw);
-    const SpiralPoint there{c * at.x - s * at.y + 200.0 * place, s * at.x + c * at.y, at.z};
+    const Vector3 there{c * at.x - s * at.y + 200.0 * place, s * at.x + c * at.y, at.z};
     const auto target = static_cast<std::uint16_t>(pairs.size());
-    pairs.push_back({{static_cast<std::uint16_t>(segment), target},
-                     rounded_point(segments[segment]),
-                     rounded_point(there)});
+    pairs.push_back(
+        {{static_cast<std::uint16_t>(segment), target}, rounded(segments[segment]), rounded(there)});
   }
   /// The first so many segments as they are, at a place.
   void place(std::size_t count, double yaw, int place) {
@@ -49,8 +42,8 @@ struct RivalScene {
 
 /// Points on a spiral about the middle, 1.5 m apart and more, shaken by up to 0.3 m: nearly nothing of them
 /// agrees with its mirror image.
-std::vector<SpiralPoint> spiral(int count, testing::Draws& draws) {
-  std::vector<SpiralPoint> points;
+std::vector<Vector3> spiral(int count, testing::Draws& draws) {
+  std::vector<Vector3> points;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.4 * i, radius = 2.0 * std::sqrt(1.0 + i);
     points.push_back({radius * std::cos(angle) + draws.uniform(-0.3, 0.3),
@@ -90,7 +83,7 @@ TEST_CASE("Another place is seen behind as many mirror images of it as there are
     for (int mirror = 1; mirror <= 9; ++mirror) {
       const double yaw = draws.uniform(-3, 3);
       for (std::size_t i = 0; i < 11; ++i) {
-        const SpiralPoint& p = scene.segments[i];
+        const Vector3& p = scene.segments[i];
         scene.put(i, {p.x, -p.y, p.z}, yaw, mirror);
       }
     }
@@ -111,14 +104,14 @@ TEST_CASE("Another place is seen in a set that agrees two by two, but is not lai
     RivalScene scene;
     for (int i = 0; i < 9; ++i)
       scene.segments.push_back({draws.uniform(-2, 2), draws.uniform(-2, 2), draws.uniform(0, 2)});
-    for (const SpiralPoint& far : {SpiralPoint{30, 0.3, 1}, {-30, -0.3, 1}, {31, 2, 0}, {-31, 1, 0}})
+    for (const Vector3& far : {Vector3{30, 0.3, 1}, {-30, -0.3, 1}, {31, 2, 0}, {-31, 1, 0}})
       scene.segments.push_back(far);
     scene.place(10, draws.uniform(-3, 3), 0);
     // At the second place what is far away stands 1.6 m beside, square to where it is seen: the distances are
     // the same to 0.2 m.
     const double yaw = draws.uniform(-3, 3);
     for (std::size_t i = 0; i < 13; ++i) {
-      SpiralPoint p = scene.segments[i];
+      Vector3 p = scene.segments[i];
       if (i >= 9) p.y += 1.6;
       scene.put(i, p, yaw, 1);
     }
@@ -141,7 +134,7 @@ TEST_CASE("Another place is seen behind sets of which a pose lays little") {
       const double yaw = draws.uniform(-3, 3);
       // Six as they are and three higher: the pose between them lays those six alone.
       for (std::size_t i = 0; i < 9; ++i) {
-        SpiralPoint p = scene.segments[i];
+        Vector3 p = scene.segments[i];
         if (i % 3 == 2) p.z += 0.75;
         scene.put(i, p, yaw, place);
       }

@@ -32,12 +32,15 @@ PeerFront recognition_front() {
        1, 1000000},
       {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
       choice("--only", "One part alone",
-             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "images"})};
+             {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "places",
+              "sweep", "visits", "loops", "images"}),
+      {"--data", std::string(), "Folder of the recorded data", 0, 0, {}, "DIR"}};
   front.title = "Recognition of places";
   front.intro =
       "Times are of the thread's processor: **take the ratios, not the milliseconds**. Tables and pictures "
-      "are of the first pass. CLIPPER's dense cluster and ROBIN's densest core are made again from their "
-      "papers; PCL is the installed one. What it is: [recognition](../recognition.md).";
+      "are of the first pass. CLIPPER's dense cluster, ROBIN's densest core, SOLiD and binary features on "
+      "density images (MapClosures) are made again from their papers; PCL is the installed one. What it is: "
+      "[recognition](../recognition.md).";
   front.conditions = recognition_conditions;
   front.headings = {{"streets", "Beside PCL's grouping: a drive through streets"},
                     {"outliers", "Beside a dense cluster and the densest core: most are wrong"},
@@ -46,6 +49,10 @@ PeerFront recognition_front() {
                     {"deceive", "Worlds that are built to deceive"},
                     {"revisits", "Halls that are visited twice: what is recognised"},
                     {"evidence", "What a scan has to say before it is believed"},
+                    {"places", "Places of two visits: beside SOLiD and density images"},
+                    {"sweep", "Error over run time: one knob at a time"},
+                    {"visits", "A recorded lidar, cut into two visits"},
+                    {"loops", "Long recorded drives through made-up towns"},
                     {"images", "Corridors and empty halls: height images beside segments"}};
   front.pictures = drawn_pictures;
   return front;

@@ -45,11 +45,13 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   options.replay.progress = progress_bar(output, "replay");
   RayFigures figures;
   JobTimeline timeline;
+  RecognisedPlaces recognised;
   std::mutex one_at_a_time;  // with --threads each group has a thread
   options.replay.on_job = [&](const rt::JobRecord& record, firmware::Runtime& runtime) {
     const std::lock_guard guard(one_at_a_time);
     figures.job(record, runtime);
     timeline.job(record, runtime);
+    recognised.job(record, runtime);
   };
   firmware::ReplayOutcome outcome = firmware::replay(log, context.parts.vehicles, options.replay);
   Evaluation evaluation = judge(outcome, options.evaluation);
@@ -60,6 +62,7 @@ ReplayedLog replay_for_report(const CommandContext& context, ReplayReportOptions
   report.source = path;
   report.alignment = options.align;
   report.timeline = plot_timeline(timeline);
+  report.recognised = report_of(recognised, outcome.estimate);
   report.tables.push_back({"Run times on the robot", live_rows(report.results)});
   report.more_plots = plot_contacts(outcome.contacts);
   add_map_plot(report, *outcome.runtime, outcome.estimate);

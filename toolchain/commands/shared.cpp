@@ -97,6 +97,11 @@ void show_results(const OutputOptions& options, const ReportInput& report,
   write_trajectory("/trajectory.tum", report.estimate);
   write_trajectory("/located.tum", report.located);
   write_trajectory("/truth.tum", report.truth);
+  const auto write_picture = [&options](const char* name, const Plot& plot) {
+    if (!plot.series.empty()) write_file(options.out + name, render(plot));
+  };
+  write_picture("/recognised.svg", report.recognised.accepted);
+  write_picture("/refused.svg", report.recognised.refused);
   write_file(options.out + "/report.html", render_report(report));
   std::cerr << "report: " << options.out << "/report.html\n";
 }

@@ -244,8 +244,8 @@ std::string body(const ReportInput& input) {
   for (const std::string& warning : r.warnings) out += "<p class=\"warning\">" + esc(warning) + "</p>\n";
   if (!r.tasks.empty()) out += task_table(r);
   out += schedule_section(r);
-  out +=
-      trajectory_section(input) + latency_section(r, input.timeline) + pool_section(r) + counter_section(r);
+  out += trajectory_section(input) + recognised_section(input.recognised) +
+         latency_section(r, input.timeline) + pool_section(r) + counter_section(r);
   out += left_out_section(r);
   out += sweep_section(input.sweeps);
   out += figure_tables(input.tables) + more_section(input.more_plots) + doctor_section(r.doctor);

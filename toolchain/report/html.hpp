@@ -9,6 +9,7 @@
 #include "firmware_like/result/results.hpp"
 #include "toolchain/judge/evaluate.hpp"
 #include "toolchain/judge/ray_figures.hpp"
+#include "toolchain/report/recognised_places.hpp"
 #include "toolchain/report/svg.hpp"
 
 namespace sortie::toolchain {
@@ -39,6 +40,7 @@ struct ReportInput {
   std::vector<ErrorSample> errors;
   std::vector<FigureTable> tables;  ///< before the plots
   std::vector<SweepFigures> sweeps;
+  RecognisedReport recognised;   ///< on a known map; without answers: not shown
   Plot timeline;                 ///< run time over time; without series: not shown
   std::vector<Plot> more_plots;  ///< of any task output; shown at the end
 };

@@ -33,11 +33,6 @@ double quantile(std::span<const MapPoint> points, double MapPoint::*member, doub
   return values[static_cast<std::size_t>(at)];
 }
 
-/// Where nearly all voxels lie: a few far returns through a door must not shrink the picture.
-Extent bulk_of(std::span<const MapPoint> points, double MapPoint::*member) {
-  return {quantile(points, member, 0.005) - 1.0, quantile(points, member, 0.995) + 1.0};
-}
-
 /// The highest voxel of a cell of the picture.
 struct Highest {
   double over_floor_m;
@@ -65,6 +60,10 @@ View view_of(std::span<const MapPoint> points, Plot& plot) {
 }
 
 }  // namespace
+
+Extent bulk_of(std::span<const MapPoint> points, double MapPoint::*member) {
+  return {quantile(points, member, 0.005) - 1.0, quantile(points, member, 0.995) + 1.0};
+}
 
 MapRaster::MapRaster(const Extent& along_x, const Extent& along_y, double cells, Plot& plot)
     : x(along_x), y(along_y), cell_m(std::max(x.high - x.low, y.high - y.low) / cells) {

@@ -27,6 +27,10 @@ struct MapPoint {
 /// All voxels of a vehicle's map; empty without one. Set-up side: takes heap memory.
 std::vector<MapPoint> map_points(const firmware::Vehicle& vehicle);
 
+/// Where nearly all voxels lie along an axis, of one at least, and a metre more: a few far returns through a
+/// door must not shrink the picture.
+Extent bulk_of(std::span<const MapPoint> points, double MapPoint::*member);
+
 /// A part of the world, seen from above in square cells.
 struct MapRaster {
   using Cell = std::pair<long, long>;

@@ -109,6 +109,20 @@ std::string draw_axes(const Plot& plot, const Mapping& map) {
   return out;
 }
 
+// Under the area, a fifth of it or less.
+std::string draw_scale_bar(const Mapping& map) {
+  const Frame& f = map.frame;
+  const double metre_px = f.width / (map.x.high - map.x.low);
+  const double most_m = 0.2 * f.width / metre_px;
+  double length_m = std::pow(10.0, std::floor(std::log10(most_m)));
+  length_m *= most_m >= 5.0 * length_m ? 5.0 : most_m >= 2.0 * length_m ? 2.0 : 1.0;
+  const double y = f.top + f.height + 12.0, end = f.left + length_m * metre_px;
+  constexpr const char* kInk = "stroke=\"#3d454d\" stroke-width=\"1.4\"";
+  return line(f.left, y, end, y, kInk) + line(f.left, y - 4.0, f.left, y + 4.0, kInk) +
+         line(end, y - 4.0, end, y + 4.0, kInk) +
+         text(end + 7.0, y + 4.0, firmware::format_short(length_m) + " m", "start", " fill=\"#3d454d\"");
+}
+
 // `taken`: gets the place of each text.
 std::string draw_rules(const Plot& plot, const Mapping& map, std::vector<LabelBox>& taken) {
   const Frame& f = map.frame;
@@ -239,9 +253,10 @@ std::string render(const Plot& plot) {
   Mapping map;
   double top = plot.title.empty() ? 4.0 : 26.0;
   double legend_height = 0.0;
-  const std::vector<LegendEntry> legend = lay_legend(plot, 60.0, top, legend_height);
+  const double left = plot.axes ? 60.0 : 14.0;
+  const std::vector<LegendEntry> legend = lay_legend(plot, left, top, legend_height);
   top += legend_height + 4.0;
-  map.frame = {60.0, top, plot.width - 60.0 - 14.0, plot.height - top - 42.0};
+  map.frame = {left, top, plot.width - left - 14.0, plot.height - top - (plot.axes ? 42.0 : 24.0)};
   map.x = scale_of(plot.x, x_range, plot.x.log || plot.equal_aspect || has_bars);
   map.y = scale_of(plot.y, y_range, true);
   if (plot.equal_aspect) equalise(map.x, map.y, map.frame);
@@ -254,8 +269,8 @@ std::string render(const Plot& plot) {
   out += "<title>" + escape_xml(plot.title.empty() ? plot.y.label + " over " + plot.x.label : plot.title) +
          "</title>\n";
   if (!plot.title.empty())
-    out += text(60.0, 17.0, plot.title, "start", " font-size=\"14\" font-weight=\"600\"");
-  out += draw_axes(plot, map) + "\n";
+    out += text(left, 17.0, plot.title, "start", " font-size=\"14\" font-weight=\"600\"");
+  out += (plot.axes ? draw_axes(plot, map) : draw_scale_bar(map)) + "\n";
   const Frame& f = map.frame;
   // A nested viewport clips to the plot area without an id, so plots can share one page.
   out += "<svg x=\"" + number(f.left) + "\" y=\"" + number(f.top) + "\" width=\"" + number(f.width) +

@@ -14,6 +14,8 @@ namespace sortie::toolchain {
 inline constexpr int kBlue = 0;
 inline constexpr int kVermilion = 1;
 inline constexpr int kGreen = 2;
+inline constexpr int kOrange = 4;
+inline constexpr int kSky = 5;
 inline constexpr int kBlack = 6;
 inline constexpr int kGrey = 7;
 
@@ -37,6 +39,7 @@ struct Series {
   std::vector<double> y{};
   std::vector<double> x_end{};        ///< right edges of bars
   std::vector<std::string> labels{};  ///< text beside each point; empty: none
+  std::vector<double> sizes{};        ///< radius of each dot, px; empty: as the width says
 
   void add(double at_x, double at_y) {
     x.push_back(at_x);
@@ -79,6 +82,7 @@ struct Plot {
   double width{640};  ///< px
   double height{320};
   bool equal_aspect{false};  ///< a metre is as long on both axes
+  bool axes{true};           ///< false, of equal aspect: a bar of some metres in their place
   std::vector<Series> series{};
   std::vector<Rule> rules{};
 };

@@ -114,7 +114,7 @@ std::string draw_dots(const Series& s, const Mapping& map, std::size_t n) {
     if (!std::isfinite(x) || !std::isfinite(y) || std::fabs(x - last_x) + std::fabs(y - last_y) < 0.33)
       continue;
     out += "<circle cx=\"" + clamped_number(x) + "\" cy=\"" + clamped_number(y) + "\" r=\"" +
-           firmware::format_fixed(1.5 * s.width, 1) + "\"/>";
+           firmware::format_fixed(i < s.sizes.size() ? s.sizes[i] : 1.5 * s.width, 1) + "\"/>";
     last_x = x;
     last_y = y;
   }

@@ -6,6 +6,7 @@
 #include "drivers/can_stub.hpp"
 #include "drivers/ssl_port.hpp"
 #include "firmware_like/parts/ugv_motors.hpp"
+#include "firmware_like/runtime/runtime.hpp"
 #include "firmware_like/scene/units.hpp"
 #include "hil/ugv_plant.hpp"
 #include "toolchain/simulate/hil_config.hpp"
@@ -59,6 +60,31 @@ std::vector<hil::StopDeed> read_stops(firmware::Profile& profile) {
   return deeds;
 }
 
+// Where the robot stands in the hall, and the way that the mission drives there. The mission is in the
+// odometry's world, in which the robot stands at [initial].
+void read_start(firmware::Profile& profile, hil::UgvConfig& config) {
+  hil::RobotConfig& robot = config.robot;
+  const char* const where = "where it stands at the start";
+  read_number(profile, "hil.start_x_m", robot.start_x_m, -1000, 1000, "m", where);
+  read_number(profile, "hil.start_y_m", robot.start_y_m, -1000, 1000, "m", where);
+  robot.start_yaw_rad =
+      profile.number("hil.start_yaw_deg", {0, -360, 360, "deg", "heading at the start"}) * firmware::kDegree;
+  const firmware::InitialPose initial = firmware::read_initial(profile);
+  const rt::Quaternion q_odom_body = rt::to_quaternion(initial.q_world_body);
+  const rt::SinCos turn = rt::sincos(robot.start_yaw_rad);
+  const auto route =
+      profile.points("mission.waypoints", hil::HallConfig::kMaxPath - 1, "way to drive, in order");
+  hil::PlanPoint* const path = config.hall.path_m;
+  for (std::size_t i = 0; i < route.size(); ++i) {
+    const rt::Vector3 ahead = rt::rotate_back(
+        q_odom_body, {route[i][0] - initial.p_world_body_m[0], route[i][1] - initial.p_world_body_m[1], 0});
+    path[i + 1] = {robot.start_x_m + turn.cos * ahead.x - turn.sin * ahead.y,
+                   robot.start_y_m + turn.sin * ahead.x + turn.cos * ahead.y};
+  }
+  if (!route.empty()) config.hall.path_points = static_cast<std::uint32_t>(route.size() + 1);
+  path[0] = {robot.start_x_m, robot.start_y_m};
+}
+
 hil::UgvConfig read_config(firmware::Profile& profile) {
   hil::UgvConfig config;
   const auto number = [&profile](auto&&... key) { read_number(profile, key...); };
@@ -74,14 +100,7 @@ hil::UgvConfig read_config(firmware::Profile& profile) {
   number("hil.slip_right", config.robot.slip_right, 0, 0.9, "",
          "share of the right belt's travel that is lost");
   read_range_sensors(profile, config);
-  // Furniture keeps off the way that the mission drives.
-  const auto route =
-      profile.points("mission.waypoints", hil::HallConfig::kMaxPath - 1, "way to drive, in order");
-  for (std::size_t i = 0; i < route.size(); ++i) config.hall.path_m[i + 1] = {route[i][0], route[i][1]};
-  if (!route.empty()) config.hall.path_points = static_cast<std::uint32_t>(route.size() + 1);
-  config.hall.path_m[0] = {config.robot.start_x_m, config.robot.start_y_m};
-  config.robot.start_yaw_rad =
-      profile.number("hil.start_yaw_deg", {0, -360, 360, "deg", "heading at the start"}) * firmware::kDegree;
+  read_start(profile, config);  // furniture keeps off the way
   config.command_faults.drop =
       profile.number("hil.command_loss", {0, 0, 1, "", "share of drive commands that are not heard"});
   read_inertial(profile, config);

@@ -70,7 +70,7 @@ class Room {
   }
   ThingHall built() const {
     ThingHall out = hall;
-    for (const PlacedThing& one : things_) put(out, one.thing, one.at, one.yaw);
+    for (const PlacedThing& one : things_) put(out.solids, one.thing, one.at, one.yaw);
     return out;
   }
 

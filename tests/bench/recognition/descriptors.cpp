@@ -7,42 +7,30 @@
 
 #include "tests/bench/recognition/descriptor_parts.hpp"
 #include "tests/bench/recognition/recognition_parts.hpp"
+#include "tests/bench/recognition/roc_figures.hpp"
 #include "tests/bench/recognition/segment_retrieval.hpp"
-#include "tests/bench/report/picture.hpp"
 
 namespace sortie::bench {
 namespace {
 
 constexpr int kHalls = 16;
-constexpr int kDrawn = 200;  ///< sets of halls for the range of an area
 constexpr std::size_t kTargets = 1204;
 constexpr double kGoal = 1.2;
 constexpr double kMost_ms = 2.0;
-
-double thousandths(double value) { return std::round(1000 * value) / 1000; }
-double percent(double share) { return std::round(1000 * share) / 10; }
 
 /// What one policy gave, method by method.
 struct JudgedHalls {
   const std::vector<HallPairs>* halls;
   SegmentLikeness likeness;
   std::vector<RocCurve> roc;                    ///< in the order of kLikenesses
-  std::vector<std::vector<double>> draws;       ///< how often each hall counts
   std::vector<std::vector<double>> drawn_area;  ///< by method and draw
 
   JudgedHalls(const std::vector<HallPairs>& visited, std::uint64_t seed)
       : halls(&visited), likeness(all_segments(visited)) {
-    testing::Draws random(seed);
-    const double n = static_cast<double>(visited.size());
-    for (int i = 0; i < kDrawn; ++i) {
-      std::vector<double>& times = draws.emplace_back(visited.size(), 0.0);
-      for (std::size_t h = 0; h < visited.size(); ++h)
-        times[static_cast<std::size_t>(random.uniform(0, n))] += 1.0;
-    }
+    const DrawnHalls draws(visited.size(), seed);
     for (const Likeness by : kLikenesses) {
       roc.emplace_back(judged(by));
-      std::vector<double>& areas = drawn_area.emplace_back();
-      for (const std::vector<double>& times : draws) areas.push_back(roc.back().area(times));
+      drawn_area.push_back(draws.areas(roc.back()));
     }
   }
 
@@ -62,15 +50,6 @@ struct JudgedHalls {
       pairs.push_back({likeness.distance(by, a, b), truth == SegmentTruth::same, h});
     });
     return pairs;
-  }
-
-  /// {value, low, high}: of all halls; between which nine of ten drawn sets of halls lie.
-  static Json drawn(double value, const std::vector<double>& of_draws) {
-    Rounds rounds;
-    for (const double v : of_draws) rounds.add(v);
-    return {{"value", thousandths(value)},
-            {"low", thousandths(rounds.quantile(0.05))},
-            {"high", thousandths(rounds.quantile(0.95))}};
   }
 };
 
@@ -96,7 +75,7 @@ void add_same_steps(const JudgedHalls& judged, const std::string& policy, Report
 void add_areas(const JudgedHalls& judged, const std::string& policy, Json& rows, Report& report) {
   for (std::size_t m = 0; m < judged.roc.size(); ++m) {
     const RocCurve& roc = judged.roc[m];
-    const Json area = JudgedHalls::drawn(roc.area(), judged.drawn_area[m]);
+    const Json area = drawn_range(roc.area(), judged.drawn_area[m]);
     const ListRanks ranks = ranks_by(*judged.halls, judged.likeness, kLikenesses[m]);
     rows.push_back({policy, name_of(kLikenesses[m]), area["value"], area["low"], area["high"],
                     percent(roc.found_at(0.01)), percent(roc.found_at(0.1)), ranks.rank.size(), ranks.targets,
@@ -104,7 +83,7 @@ void add_areas(const JudgedHalls& judged, const std::string& policy, Json& rows,
   }
   const double ours = judged.roc[kOurs].area(), theirs = judged.roc[kFeatures].area();
   std::vector<double> ratios, missing, missing_ours, missing_theirs;
-  for (int i = 0; i < kDrawn; ++i) {
+  for (int i = 0; i < DrawnHalls::kDraws; ++i) {
     const double a = judged.drawn_area[kOurs][static_cast<std::size_t>(i)];
     const double b = judged.drawn_area[kFeatures][static_cast<std::size_t>(i)];
     ratios.push_back(a / b);
@@ -116,10 +95,10 @@ void add_areas(const JudgedHalls& judged, const std::string& policy, Json& rows,
   figure.group = "descriptors";
   figure.what = policy + ": area under the ROC curve";
   figure.n = static_cast<std::uint64_t>(judged.judged(Likeness::gated).size());
-  figure.ours = JudgedHalls::drawn(ours, judged.drawn_area[kOurs]);
+  figure.ours = drawn_range(ours, judged.drawn_area[kOurs]);
   figure.peer = "seven eigenvalue features";
-  figure.theirs = JudgedHalls::drawn(theirs, judged.drawn_area[kFeatures]);
-  figure.ratio = JudgedHalls::drawn(ours / theirs, ratios);
+  figure.theirs = drawn_range(theirs, judged.drawn_area[kFeatures]);
+  figure.ratio = drawn_range(ours / theirs, ratios);
   set_goal(figure, "1.2 times at least", ours >= kGoal * theirs);
   report.add(figure);
   if (kGoal * theirs > 1.0) {
@@ -128,15 +107,14 @@ void add_areas(const JudgedHalls& judged, const std::string& policy, Json& rows,
                                    "which is all there is.");
   }
   figure.what = policy + ": what the area lacks of 1";
-  figure.ours = JudgedHalls::drawn(1.0 - ours, missing_ours);
-  figure.theirs = JudgedHalls::drawn(1.0 - theirs, missing_theirs);
-  figure.ratio = JudgedHalls::drawn((1.0 - ours) / (1.0 - theirs), missing);
+  figure.ours = drawn_range(1.0 - ours, missing_ours);
+  figure.theirs = drawn_range(1.0 - theirs, missing_theirs);
+  figure.ratio = drawn_range((1.0 - ours) / (1.0 - theirs), missing);
   figure.goal.clear();
   figure.met = nullptr;
   report.add(figure);
 }
 
-/// At most about 200 corners of a curve.
 void add_curves(const JudgedHalls& judged, HallPolicy policy, Report& report) {
   Picture picture{
       std::string("bench-recognition-roc-") + (policy == HallPolicy::smoothness ? "smooth" : "near"),
@@ -149,17 +127,8 @@ void add_curves(const JudgedHalls& judged, HallPolicy policy, Report& report) {
       false,
       {}};
   for (std::size_t m = 0; m < judged.roc.size(); ++m) {
-    const RocCurve& roc = judged.roc[m];
-    Curve curve{name_of(kLikenesses[m]), {}, {}, {}, m == 1 || m == 4 ? "dashed" : "", -1};
-    double next = 0.0;
-    for (std::size_t i = 0; i < roc.false_share().size(); ++i) {
-      const double way = roc.false_share()[i] + roc.true_share()[i];  // rises with every corner
-      if (way < next && i + 1 < roc.false_share().size()) continue;
-      next = way + 0.01;
-      curve.x.push_back(thousandths(roc.false_share()[i]));
-      curve.y.push_back(thousandths(roc.true_share()[i]));
-    }
-    picture.curves.push_back(curve);
+    picture.curves.push_back(
+        roc_line(judged.roc[m], name_of(kLikenesses[m]), m == 1 || m == 4 ? "dashed" : ""));
   }
   add_picture(report, picture);
 }

@@ -7,17 +7,16 @@
 namespace sortie::bench {
 namespace {
 
-/// Where a robot begins its map: anywhere, whatever it heads for.
-mapping::RigidPose draw_map(testing::Draws& draws) {
-  const rt::Vector3 p{draws.uniform(-3, 3), draws.uniform(-3, 3), draws.uniform(-0.1, 0.1)};
-  return {p, rt::from_yaw_pitch_roll(draws.uniform(0, 2 * M_PI), 0, 0)};
-}
-
 void give_up_voxels(HallVisit& visit) {
   for (SpokenSegment& segment : visit.segments) segment.voxels = {};
 }
 
 }  // namespace
+
+mapping::RigidPose draw_map(testing::Draws& draws) {
+  const rt::Vector3 p{draws.uniform(-3, 3), draws.uniform(-3, 3), draws.uniform(-0.1, 0.1)};
+  return {p, rt::from_yaw_pitch_roll(draws.uniform(0, 2 * M_PI), 0, 0)};
+}
 
 VisitedHalls visit_halls(int halls, std::uint64_t seed) {
   VisitedHalls visited;

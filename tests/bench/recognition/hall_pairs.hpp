@@ -38,6 +38,9 @@ void for_pairs(const std::vector<HallPairs>& halls, const Use& use) {
   }
 }
 
+/// Where a robot begins its map: anywhere, whatever it heads for. Hall from map.
+mapping::RigidPose draw_map(testing::Draws& draws);
+
 /// What is known of the halls, by two policies: index 0 and 1. The same for the same seed.
 struct VisitedHalls {
   std::vector<HallPairs> by[2];

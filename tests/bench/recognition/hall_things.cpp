@@ -60,14 +60,14 @@ Thing draw_thing(Draws& draws, double height) {
   return thing;
 }
 
-void put(ThingHall& hall, const Thing& thing, const rt::Vector3& at, double yaw) {
+void put(std::vector<HallSolid>& solids, const Thing& thing, const rt::Vector3& at, double yaw) {
   const double c = std::cos(yaw), s = std::sin(yaw);
   for (HallSolid part : thing.parts) {
     part.foot = {at.x + c * part.foot.x - s * part.foot.y, at.y + s * part.foot.x + c * part.foot.y,
                  part.foot.z};
     part.cosine = c;
     part.sine = s;
-    hall.solids.push_back(part);
+    solids.push_back(part);
   }
 }
 

@@ -32,6 +32,6 @@ struct Thing {
 Thing draw_thing(testing::Draws& draws, double height);
 
 /// Puts a thing down, turned by `yaw` about the vertical.
-void put(ThingHall& hall, const Thing& thing, const rt::Vector3& at, double yaw);
+void put(std::vector<HallSolid>& solids, const Thing& thing, const rt::Vector3& at, double yaw);
 
 }  // namespace sortie::bench

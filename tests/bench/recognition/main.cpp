@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-recognition: sets of correspondences that agree, beside PCL's grouping, CLIPPER and ROBIN;
-// descriptors beside seven features; places that are told where there is none, and those that are.
-// Prints one JSON object; `sortie bench recognition` runs it and shows the tables.
+// descriptors beside seven features; places beside SOLiD and density images; places that are told where there
+// is none, and those that are, on recorded ways, too. Prints one JSON object; `sortie bench recognition` runs
+// it and shows the tables.
 #include <stdexcept>
 
 #include "tests/bench/recognition/recognition_parts.hpp"
@@ -15,10 +16,13 @@ constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
     {"streets", measure_recognition_streets},   {"outliers", measure_recognition_outliers},
     {"graphs", measure_recognition_graphs},     {"descriptors", measure_recognition_descriptors},
     {"deceive", measure_recognition_deceive},   {"revisits", measure_recognition_revisits},
-    {"evidence", measure_recognition_evidence}, {"images", measure_recognition_images}};
+    {"places", measure_recognition_places},     {"sweep", measure_recognition_sweep},
+    {"evidence", measure_recognition_evidence}, {"visits", measure_recognition_visits},
+    {"loops", measure_recognition_loops},       {"images", measure_recognition_images}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;
+  settings.data = SORTIE_DATA_DIR;
   std::string only;
   for (int i = 1; i < argc; i += 2) {
     const std::string option = argv[i];
@@ -27,6 +31,8 @@ int run(int argc, char** argv) {
       settings.cases = static_cast<int>(number("--cases", value, 1, 1e6));
     else if (option == "--seed")
       settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
+    else if (option == "--data" && value != nullptr)
+      settings.data = value;
     else if (option == "--only" && value != nullptr)
       only = value;
     else

@@ -1,84 +1,78 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/bench/recognition/recognition_trials.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <set>
 
 #include "mapping/registration/pose_algebra.hpp"
-#include "tests/bench/recognition/local_run.hpp"
-#include "tests/bench/recognition/owned_sets.hpp"
+#include "tests/bench/recognition/image_trial.hpp"
+#include "tests/bench/recognition/scan_check.hpp"
 
 namespace sortie::bench {
 namespace {
 using namespace mapping;
 using testing::Draws;
 
-constexpr double kSameMove = 1.0;  ///< m and rad: a scan fits where the segments say
-constexpr double kSameTurn = 0.2;
 constexpr std::uint64_t kAll = ~std::uint64_t{0} >> 1;
-constexpr RegistrationMemory kSurfaces{65'536, 256, 64};
 
-/// T_known_odom.
-RigidPose pose_of(const LevelPlace& place) {
-  return {{place.x_m, place.y_m, place.z_m},
-          rt::from_yaw_pitch_roll(std::atan2(place.sine, place.cosine), 0, 0)};
-}
-
-PoseError error_of(const RigidPose& told, const RigidPose& truth) {
-  const double turn = rt::norm(rt::log_rotation(told.q * rt::conjugate(truth.q)));
-  return {rt::norm(told.p - truth.p), turn * 180.0 / M_PI};
+/// Where a robot's odometry begins: anywhere.
+RigidPose draw_frame(Draws& draws) {
+  return {{draws.uniform(-20, 20), draws.uniform(-20, 20), draws.uniform(-1, 1)},
+          rt::from_yaw_pitch_roll(draws.uniform(-M_PI, M_PI), 0, 0)};
 }
 
 /// What was kept, and who recognises on it.
 class Recognition {
  public:
   explicit Recognition(const TrialConfig& config)
-      : memory_(80),
+      : memory_(16),
         config_(config),
         keeper_({}, {}, memory_.arena),
-        images_({}, memory_.arena),
-        image_search_(config.image_search),
-        registration_({}, memory_.arena, kSurfaces),
         recogniser_(config.recogniser, memory_.arena),
-        judge_(config.judge, registration_, memory_.arena) {
+        surfaces_(config.judge) {
     memory_.check();
+    if (config.images) images_ = std::make_unique<ImageTrial>(config.image_search, config.second_look_m);
   }
 
-  void keep(const std::vector<HallAt>& places, const HallLidar& lidar, Draws& draws) {
-    LocalRun run(config_.radius_m);
-    for (const HallAt& place : places) {
-      bool even = false;
-      for (const HallScan& scan : visit_scans(place.hall, 0, lidar, draws)) {
-        const RigidPose pose = after(place.T_world_hall, scan.pose);
-        if (run.scan(scan.points, pose)) {
-          keeper_.keep(run.segments(), run.grid(), {}, run.now_ns());
-          if (config_.images && draw_image(run))
-            (void)images_.put(imager_.image(), {imager_.image().middle, {}}, 0, 0);
+  /// Maps scans anew, and keeps what speaks in the world's frame.
+  class Keeping {
+   public:
+    explicit Keeping(Recognition& own) : own_(own), run_(own.config_.radius_m) {}
+    void take(const std::vector<HallScan>& scans, const RigidPose& T_world_hall) {
+      int at = 0;
+      for (const HallScan& scan : scans) {
+        const RigidPose pose = after(T_world_hall, scan.pose);
+        if (run_.scan(scan.points, pose)) {
+          own_.keeper_.keep(run_.segments(), run_.grid(), {}, run_.now_ns());
+          if (own_.images_) own_.images_->keep(run_.grid());
         }
-        even = !even;
-        if (!even) continue;
-        registration_.take(scan.points);
-        registration_.insert(pose);
+        if (at++ % own_.config_.every != 0) continue;
+        own_.surfaces_.registration.take(scan.points);
+        own_.surfaces_.registration.insert(pose);
       }
     }
-    std::uint64_t units = kAll;
-    keeper_.run(units);
-  }
+    void end() {
+      std::uint64_t units = kAll;
+      own_.keeper_.run(units);
+    }
 
-  RecognitionTrial recognise(const HallAt& place, const HallLidar& lidar, Draws& draws) {
+   private:
+    Recognition& own_;
+    LocalRun run_;
+  };
+
+  RecognitionTrial recognise(const std::vector<HallScan>& scans, const RigidPose& T_world_hall,
+                             const RigidPose& T_odom_world, Draws& draws) {
     RecognitionTrial trial;
     trial.targets = keeper_.store().kept();
-    trial.images = static_cast<std::uint32_t>(images_.images().size());
+    if (images_) trial.images = images_->kept();
     LocalRun run(config_.radius_m);
     PlaceLooks looks{{config_.second_look_m, config_.second_look_m}};
-    PlaceLooks image_looks = looks;
-    const RigidPose T_odom_world{{draws.uniform(-20, 20), draws.uniform(-20, 20), draws.uniform(-1, 1)},
-                                 rt::from_yaw_pitch_roll(draws.uniform(-M_PI, M_PI), 0, 0)};
     double way_m = 0.0, looked_m = 0.0;
-    const std::vector<HallScan> scans = visit_scans(place.hall, 1, lidar, draws);
     for (std::size_t i = 0; i < scans.size(); ++i) {
       if (i > 0) way_m += rt::norm(scans[i].pose.p - scans[i - 1].pose.p);
-      const RigidPose truth = after(place.T_world_hall, scans[i].pose);
+      const RigidPose truth = after(T_world_hall, scans[i].pose);
       const RigidPose odom = after(T_odom_world, truth);
       const bool round = run.scan(scans[i].points, odom);
       if (way_m > config_.most_way_m) break;
@@ -87,26 +81,13 @@ class Recognition {
       looked_m = way_m;
       RecognitionLook look = search(run, odom, truth);
       look.way_m = way_m;
-      if (config_.images) search_images(run, odom, truth, look.image);
-      const bool images_found = look.image.verdict == ImageVerdict::found;
-      if (look.segments == SetVerdict::found || images_found) {
-        const rt::Quaternion error = rt::exp_rotation({0.006 * draws.normal(), 0.006 * draws.normal(), 0});
-        registration_.take(scans[i].points);
-        const SampleScan scan{{registration_.sample().begin(), registration_.sample().end()},
-                              rt::normalised(error * odom.q),
-                              odom,
-                              truth};
-        if (look.segments == SetVerdict::found)
-          judge(
-              scan, [this] { return places(); }, [this] { refuse(); }, look);
-        if (images_found)
-          judge(
-              scan, [this] { return image_places(); }, [this] { image_search_.refuse(images_); }, look.image);
-      }
+      if (look.segments == SetVerdict::found) judge(scans[i].points, odom, truth, draws, look);
       look.judged.sure = false;
       look.confirmed = look.placed && looks.take(look.judged, odom);
-      look.image.judged.sure = false;
-      look.image.confirmed = look.image.placed && image_looks.take(look.image.judged, odom);
+      if (images_)
+        images_->look(
+            run.grid(), odom, truth, [&] { return scan_at(scans[i].points, odom, draws); }, surfaces_.judge,
+            look.image);
       trial.looks.push_back(look);
     }
     return trial;
@@ -119,6 +100,7 @@ class Recognition {
     look.speaking = static_cast<std::uint32_t>(speaking.size());
     recogniser_.begin(speaking, {});
     go_on();
+    count_right(speaking, after(truth, inverse(odom)), look);
     look.segments = recogniser_.verdict();
     const auto found = recogniser_.found();
     if (!found.empty()) look.agree = found[0].count;
@@ -128,70 +110,44 @@ class Recognition {
     return look;
   }
 
-  /// Where a search that found a place, and only that, says that the local map lies; the best one first.
-  std::vector<LevelPlace> places() const {
-    std::vector<LevelPlace> list;
-    if (recogniser_.verdict() != SetVerdict::found) return list;
-    for (const SetHypothesis& one : recogniser_.found()) list.push_back(one.fit.place);
-    return list;
-  }
-  std::vector<LevelPlace> image_places() const {
-    std::vector<LevelPlace> list;
-    if (image_search_.verdict() != ImageVerdict::found) return list;
-    for (const ImageHypothesis& one : image_search_.found()) list.push_back(one.place);
-    return list;
-  }
-  void refuse() {
-    recogniser_.refuse();
-    go_on();
-  }
-
-  bool draw_image(const LocalRun& run) {
-    imager_.begin(run.grid());
-    while (imager_.is_working()) (void)imager_.run(run.grid(), ~std::uint32_t{0});
-    return imager_.stage() == ImageStage::drawn;
-  }
-
-  void search_images(const LocalRun& run, const RigidPose& odom, const RigidPose& truth, ImageLook& look) {
-    look.verdict = ImageVerdict::few;
-    if (!draw_image(run)) return;
-    const double begin = set_cpu_ms();
-    image_search_.begin(imager_.image());
-    std::uint64_t units = kAll;
-    (void)image_search_.run(images_, units);
-    look.ms = set_cpu_ms() - begin;
-    look.units = kAll - units;
-    look.verdict = image_search_.verdict();
-    const auto found = image_search_.found();
-    if (found.empty()) return;
-    look.best = error_of(after(pose_of(found[0].place), odom), truth);
-    look.agree = found[0].score.agree;
-    if (found.size() > 1) look.rival = static_cast<double>(found[1].score.total()) / found[0].score.total();
-  }
-
-  /// A scan that places are held against.
-  struct SampleScan {
-    std::vector<SamplePoint> sample;
-    rt::Quaternion q_level_sensor;
-    RigidPose odom, truth;
-  };
-
-  template <class Places, class Refuse, class Look>
-  void judge(const SampleScan& scan, const Places& places, const Refuse& refuse, Look& look) {
-    for (std::vector<LevelPlace> list = places(); !list.empty(); list = places()) {
-      if (!judge_.begin(scan.sample, scan.q_level_sensor)) return;
-      for (const LevelPlace& place : list) judge_.add(after(pose_of(place), scan.odom));
-      std::uint64_t units = kAll;
-      (void)judge_.run(units, look.judged);
-      look.scan = look.judged.verdict;
-      const RigidPose told = after(pose_of(list[0]), scan.odom);
-      if (look.scan == RelocateVerdict::placed &&
-          !are_apart(look.judged.T_map_sensor, told, kSameMove, kSameTurn)) {
-        look.placed = error_of(look.judged.T_map_sensor, scan.truth);
-        return;
-      }
-      refuse();
+  /// What could be found: before any place is refused.
+  void count_right(const std::vector<SpeakingSegment>& speaking, const RigidPose& T_known_odom,
+                   RecognitionLook& look) const {
+    const auto is_same = [&](const PlaceCm& segment, const PlaceCm& target) {
+      const rt::Vector3 at{0.01 * segment.x, 0.01 * segment.y, 0.01 * segment.z};
+      const PlaceCm known = to_cm(T_known_odom.p + rt::rotate(T_known_odom.q, at));
+      return static_cast<double>(square_apart(known, target)) <= 1e4 * kSamePlace_m * kSamePlace_m;
+    };
+    const TargetStore& store = keeper_.store();
+    std::set<std::uint16_t> asked;
+    for (const SweptPair& pair : recogniser_.pairs()) {
+      if (is_same(pair.segment, pair.target)) asked.insert(pair.pair.segment);
     }
+    look.asked_right = static_cast<std::uint32_t>(asked.size());
+    for (const SpeakingSegment& one : speaking) {
+      for (std::size_t t = 0; t < store.records().size(); ++t) {
+        if (store.records()[t].state == TargetState::free || !is_same(one.place, store.places()[t])) continue;
+        ++look.kept;
+        break;
+      }
+    }
+  }
+
+  CheckedScan scan_at(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, Draws& draws) {
+    const rt::Quaternion error = rt::exp_rotation({0.006 * draws.normal(), 0.006 * draws.normal(), 0});
+    surfaces_.registration.take(points);
+    const auto taken = surfaces_.registration.sample();
+    sample_.assign(taken.begin(), taken.end());
+    return {sample_, odom, rt::normalised(error * odom.q)};
+  }
+
+  void judge(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, const RigidPose& truth,
+             Draws& draws, RecognitionLook& look) {
+    const CheckedScan scan = scan_at(points, odom, draws);
+    const bool placed = place_by_scan(
+        scan, recogniser_, keeper_.store(), [this]() -> PlaceJudge& { return surfaces_.judge; }, look.judged);
+    look.scan = look.judged.verdict;
+    if (placed) look.placed = error_of(look.judged.T_map_sensor, truth);
   }
 
   void go_on() {
@@ -202,12 +158,10 @@ class Recognition {
   TrialMemory memory_;
   TrialConfig config_;
   TargetKeeper keeper_;
-  ImageStore images_;
-  HeightImager imager_;
-  ImageSearch image_search_;
-  ScanRegistration registration_;
   Recogniser recogniser_;
-  PlaceJudge judge_;
+  SurfaceMap surfaces_;
+  std::vector<SamplePoint> sample_;
+  std::unique_ptr<ImageTrial> images_;  ///< null: not asked for
 };
 
 }  // namespace
@@ -216,10 +170,27 @@ RecognitionTrial try_recognition(const RecognitionWorld& world, const TrialConfi
   Recognition recognition(config);
   const auto lidar = [&] { return config.sparse ? sparse_lidar(draws) : hall_lidar(draws); };
   const HallLidar first = lidar(), second = lidar();
-  recognition.keep(world.kept, first, draws);
-  RecognitionTrial trial = recognition.recognise(world.now, second, draws);
+  Recognition::Keeping keeping(recognition);
+  for (const HallAt& place : world.kept)
+    keeping.take(visit_scans(place.hall, 0, first, draws), place.T_world_hall);
+  keeping.end();
+  const RigidPose T_odom_world = draw_frame(draws);
+  const std::vector<HallScan> scans = visit_scans(world.now.hall, 1, second, draws);
+  RecognitionTrial trial = recognition.recognise(scans, world.now.T_world_hall, T_odom_world, draws);
   trial.is_kept = world.is_kept;
   trial.moved = world.moved;
+  return trial;
+}
+
+RecognitionTrial try_scans(const std::vector<HallScan>& kept, const std::vector<HallScan>& now,
+                           const TrialConfig& config, Draws& draws) {
+  Recognition recognition(config);
+  Recognition::Keeping keeping(recognition);
+  keeping.take(kept, {});
+  keeping.end();
+  const RigidPose T_odom_world = draw_frame(draws);
+  RecognitionTrial trial = recognition.recognise(now, {}, T_odom_world, draws);
+  trial.is_kept = true;
   return trial;
 }
 

@@ -31,7 +31,9 @@ std::vector<rt::Vector3> draw_way(const ThingHall& hall, bool across, double sid
   return way;
 }
 
-double way_to(const HallSolid& solid, const rt::Vector3& from, const rt::Vector3& ray) {
+}  // namespace
+
+double range_to(const HallSolid& solid, const rt::Vector3& from, const rt::Vector3& ray) {
   const double dx = from.x - solid.foot.x, dy = from.y - solid.foot.y;
   const double flat = ray.x * ray.x + ray.y * ray.y;
   const double cross = dx * ray.y - dy * ray.x;
@@ -64,8 +66,6 @@ double way_to(const HallSolid& solid, const rt::Vector3& from, const rt::Vector3
   return enter <= leave ? enter : kNever;
 }
 
-}  // namespace
-
 double ThingHall::range(const rt::Vector3& from, const rt::Vector3& ray) const {
   const auto to_plane = [](double at, double along, double half) {
     return along == 0.0 ? kNever : ((along > 0.0 ? half : -half) - at) / along;
@@ -74,7 +74,7 @@ double ThingHall::range(const rt::Vector3& from, const rt::Vector3& ray) const {
   if (!ceiling && from.z + least * ray.z > height) least = kNever;  // over the wall
   if (ray.z < 0.0) least = std::min(least, from.z / -ray.z);
   if (ceiling && ray.z > 0.0) least = std::min(least, (height - from.z) / ray.z);
-  for (const HallSolid& solid : solids) least = std::min(least, way_to(solid, from, ray));
+  for (const HallSolid& solid : solids) least = std::min(least, range_to(solid, from, ray));
   return least;
 }
 
@@ -106,7 +106,7 @@ ThingHall thing_hall(Draws& draws) {
   };
   const auto try_at = [&](const Thing& thing, const rt::Vector3& at, double yaw) {
     if (!is_free(at, thing.radius)) return;
-    put(hall, thing, at, yaw);
+    put(hall.solids, thing, at, yaw);
     taken.emplace_back(at, thing.radius);
   };
   if (draws.uniform(0, 3) > 1.0) {
@@ -151,19 +151,7 @@ std::vector<HallScan> visit_scans(const ThingHall& hall, int visit, const HallLi
     HallScan scan;
     scan.pose = {way[at], rt::from_yaw_pitch_roll(std::atan2(ahead.y, ahead.x), draws.uniform(-kSway, kSway),
                                                   draws.uniform(-kSway, kSway))};
-    const double first = draws.uniform(0, 1);
-    for (int row = 0; row < lidar.rows; ++row) {
-      const double up = lidar.low_rad + (lidar.high_rad - lidar.low_rad) * row / (lidar.rows - 1);
-      for (int column = 0; column < lidar.columns; ++column) {
-        const double turn = 2 * M_PI * (column + first) / lidar.columns;
-        const rt::Vector3 ray{std::cos(up) * std::cos(turn), std::cos(up) * std::sin(turn), std::sin(up)};
-        const double range = hall.range(scan.pose.p, rt::rotate(scan.pose.q, ray));
-        if (!(range < 60.0)) continue;
-        const rt::Vector3 p = (range + lidar.noise_m * draws.normal()) * ray;
-        scan.points.push_back(
-            {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0, 0});
-      }
-    }
+    scan.points = scan_points(hall, scan.pose, lidar, draws);
     scans.push_back(std::move(scan));
   }
   return scans;

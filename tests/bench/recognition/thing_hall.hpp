@@ -2,6 +2,7 @@
 // Made-up halls with things of many shapes, two ways through each, and a lidar that is carried along them.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "mapping/grid/rolling_grid_config.hpp"
@@ -19,6 +20,9 @@ struct HallSolid {
   double sine{};
   bool round{};
 };
+
+/// Distance along a ray of length 1 to it, or infinity.
+double range_to(const HallSolid& solid, const rt::Vector3& from, const rt::Vector3& ray);
 
 /// How the second way through a hall lies to the first one.
 enum class SecondWay { along, against, across };
@@ -62,6 +66,26 @@ struct HallScan {
   std::vector<rt::ScanPoint> points;
   mapping::RigidPose pose;
 };
+
+/// What a lidar at `pose` returns from a world that has range(from, ray), up to 60 m.
+template <class World>
+std::vector<rt::ScanPoint> scan_points(const World& world, const mapping::RigidPose& pose,
+                                       const HallLidar& lidar, testing::Draws& draws) {
+  std::vector<rt::ScanPoint> points;
+  const double first = draws.uniform(0, 1);
+  for (int row = 0; row < lidar.rows; ++row) {
+    const double up = lidar.low_rad + (lidar.high_rad - lidar.low_rad) * row / (lidar.rows - 1);
+    for (int column = 0; column < lidar.columns; ++column) {
+      const double turn = 2 * M_PI * (column + first) / lidar.columns;
+      const rt::Vector3 ray{std::cos(up) * std::cos(turn), std::cos(up) * std::sin(turn), std::sin(up)};
+      const double range = world.range(pose.p, rt::rotate(pose.q, ray));
+      if (!(range < 60.0)) continue;
+      const rt::Vector3 p = (range + lidar.noise_m * draws.normal()) * ray;
+      points.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0, 0});
+    }
+  }
+  return points;
+}
 
 /// All scans of one visit: 0.4 s apart, the sensor sways by up to 1.5 degrees. After the last place it stands
 /// for eight scans.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whole worlds: those that are built to deceive, and halls that are visited twice.
-#include <cmath>
+#include <algorithm>
 #include <string>
 
+#include "tests/bench/recognition/look_figures.hpp"
 #include "tests/bench/recognition/recognition_parts.hpp"
 #include "tests/bench/recognition/recognition_trials.hpp"
 
@@ -64,17 +65,6 @@ struct TrialTally {
     return count;
   }
 };
-
-double rms(const Rounds& rounds) {
-  double sum = 0.0;
-  for (const double v : rounds.values()) sum += v * v;
-  return rounds.empty() ? 0.0
-                        : std::round(1000.0 * std::sqrt(sum / static_cast<double>(rounds.size()))) / 1000.0;
-}
-
-Json median(const Rounds& rounds) {
-  return rounds.empty() ? Json("-") : Json(std::round(10 * rounds.median()) / 10);
-}
 
 }  // namespace
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/matched_step.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/scan_peers.hpp"
+#include "tests/bench/report/front.hpp"
 
 namespace sortie::bench {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Clouds from the air on clouds from the ground: how many are placed, over the work that it takes.
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/report/front.hpp"
 #include "tests/mapping/cloud_trials.hpp"
 
 namespace sortie::bench {

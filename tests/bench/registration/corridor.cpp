@@ -4,10 +4,10 @@
 #include <deque>
 
 #include "mapping/registration/pose_algebra.hpp"
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/scan_peers.hpp"
+#include "tests/bench/report/front.hpp"
 #include "tests/bench/report/picture.hpp"
 
 namespace sortie::bench {

@@ -2,9 +2,9 @@
 // What a lidar sees of a place: fields of view, rows, and returns thinned to few.
 #include <cmath>
 
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/matched_step.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/report/front.hpp"
 
 namespace sortie::bench {
 namespace {

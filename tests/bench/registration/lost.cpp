@@ -4,9 +4,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/report/front.hpp"
 #include "tests/mapping/place_trials.hpp"
 
 namespace sortie::bench {

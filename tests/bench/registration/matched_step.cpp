@@ -2,7 +2,7 @@
 #include "tests/bench/registration/matched_step.hpp"
 
 #include "mapping/registration/match_covariance.hpp"
-#include "tests/bench/registration/front.hpp"
+#include "tests/bench/report/front.hpp"
 
 namespace sortie::bench {
 MatchedStep matched_step(OwnedRegistration& map, const std::vector<rt::ScanPoint>& scan,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/placed_locator.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
+#include "tests/bench/report/front.hpp"
 
 namespace sortie::bench {
 namespace {

@@ -5,11 +5,11 @@
 #include <cstring>
 #include <memory>
 
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
 #include "tests/bench/registration/pcl_planes.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/scan_peers.hpp"
+#include "tests/bench/report/front.hpp"
 #include "tests/mapping/cloud_trials.hpp"
 
 namespace sortie::bench {

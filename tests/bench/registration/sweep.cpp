@@ -2,10 +2,10 @@
 // Error over run time for what a step is made of: returns, steps, edge of a cell.
 #include <cmath>
 
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/matched_step.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/scan_sets.hpp"
+#include "tests/bench/report/front.hpp"
 
 namespace sortie::bench {
 namespace {

@@ -5,11 +5,11 @@
 #include <functional>
 
 #include "mapping/registration/pose_algebra.hpp"
-#include "tests/bench/registration/front.hpp"
 #include "tests/bench/registration/hall_case.hpp"
 #include "tests/bench/registration/registration_parts.hpp"
 #include "tests/bench/registration/remade_peers.hpp"
 #include "tests/bench/registration/scan_peers.hpp"
+#include "tests/bench/report/front.hpp"
 #include "tests/bench/report/picture.hpp"
 #include "tests/mapping/recorded_scans.hpp"
 

@@ -56,6 +56,13 @@ StabilityFigures log_odds_recovery();
 StabilityFigures log_odds_wrap();
 StabilityFigures certain_cell();
 
+// place_cases.cpp
+StabilityFigures mirrored_place();
+StabilityFigures rooms_alike();
+StabilityFigures things_in_a_row();
+StabilityFigures earth_centred_places();
+StabilityFigures corridor_axis();
+
 // planner_cases.cpp
 StabilityFigures product_of_probabilities();
 StabilityFigures thousands_of_rays();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tests/bench/registration/front.hpp"
+#include "tests/bench/report/front.hpp"
 
 #include <algorithm>
 #include <utility>
