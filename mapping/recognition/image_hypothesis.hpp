@@ -4,7 +4,8 @@
 
 #include <cstdint>
 
-#include "mapping/recognition/image_view.hpp"
+#include "mapping/recognition/image_laid.hpp"
+#include "mapping/recognition/image_store.hpp"
 #include "mapping/recognition/level_fit.hpp"
 #include "rt/keys.hpp"
 
@@ -12,28 +13,30 @@ namespace sortie::mapping {
 
 /// Settings of a search among images.
 struct ImageSearchConfig {
-  static constexpr std::uint32_t kMostCandidates = 32;
-  static constexpr std::uint32_t kMostTurns = 64;
+  static constexpr std::uint32_t kMostTurns = 256;
 
-  std::uint32_t candidates{12};           ///< images that are compared, at most kMostCandidates
-  std::uint32_t turns{16};                ///< of all of them together, at which all shifts are tried
-  std::uint32_t most_units{200'000'000};  ///< of one search; what is not known then is undecided
-  std::uint32_t least_cells{100};         ///< with structure
+  std::uint32_t turns{96};                  ///< of all images together, at which all shifts are tried
+  std::uint32_t most_units{2'000'000'000};  ///< of one search; what is not known then is undecided
+  std::uint32_t least_cells{100};           ///< with structure
   double least_known{0.5};
-  double least_share{0.85};
+  double least_share{0.97};
   double of_rival{0.85};
   double flat{0.05};
+  double least_own{0.96};
+  double least_kept{0.85};
 
   SORTIE_KEYS(c, key) {
-    key("candidates", c.candidates, {1, kMostCandidates, "images", "that an image is compared with"});
-    key("turns", c.turns, {1, kMostTurns, "turns", "of all of them together, at which all shifts are tried"});
+    key("turns", c.turns, {1, kMostTurns, "turns", "of all images together, at which all shifts are tried"});
     key("most_units", c.most_units, {10'000, 4e9, "units", "of one search, of some 0.5 ns each"});
     key("least_cells", c.least_cells, {1, 1'000, "cells", "of 0.2 m with structure, to go by"});
     key("least_known", c.least_known,
         {0, 1, "", "of the structure, that must lie where the other image shows anything"});
     key("least_share", c.least_share, {0, 1, "", "of that, that must agree"});
-    key("of_rival", c.of_rival, {0, 1, "", "most that another place may agree, of the best one's"});
+    key("of_rival", c.of_rival, {0, 1, "", "most that another place may score, of the best one's"});
     key("flat", c.flat, {0, 1, "", "of what agrees, that must be lost 0.6 m beside the place, everywhere"});
+    key("least_own", c.least_own,
+        {0, 1, "", "of the structure that must agree, of all that lies near anything seen"});
+    key("least_kept", c.least_kept, {0, 1, "", "the same of the kept image's structure, on the local one"});
   }
 };
 
@@ -53,10 +56,19 @@ struct ImageHypothesis {
   std::uint32_t image{};  ///< of the store, that it was compared with
   ImagePlace on_image;
   ImageScore score;
+  CellsLaid own;     ///< structure of the local image on the kept one
+  CellsLaid kept;    ///< of the kept one on the local image
   PlaceCm middle;    ///< of the local image, in the store's map
   Heading heading;   ///< of its axes there
   LevelPlace place;  ///< T_known_local
 };
+
+/// Where the local image lies in the store's map, if it lies so on one of its images. The cost of some tens
+/// of operations; what agrees is not counted.
+ImageHypothesis hypothesis_of(const ImageStore& store, const ImageTurns& turns, const PlaceCm& middle,
+                              std::uint32_t image, const ImagePlace& place);
+/// Within a metre and ten degrees of each other in the map.
+bool is_same(const ImageHypothesis& a, const ImageHypothesis& b);
 
 /// Counters of searches since start.
 struct ImageSearchCounts {

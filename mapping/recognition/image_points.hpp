@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of an image is compared with other ones: the cells of its structure and of its floor, and a key that
-// does not know where they lie.
+// What of an image is compared with other ones: the cells of its structure and of its floor.
 #pragma once
 
 #include <cstdint>
@@ -41,20 +40,9 @@ class ImagePoints {
   std::uint32_t floor_weight_{1};
 };
 
-/// How far apart the standing cells of an image are, two by two, of up to 128 of them: shares of all pairs by
-/// distance, of 4,096. A turn or a move of what is seen changes nothing but roundings (the shape distribution
-/// D2 of R. Osada et al., 2002). 64 bytes.
-struct ImageKey {
-  static constexpr std::uint32_t kBins = 32;
-  static constexpr std::uint32_t kMostPoints = 128;
-  std::uint16_t share[kBins]{};
-  bool operator==(const ImageKey&) const = default;
-
-  /// What the shares differ by, 0 to 8,192.
-  std::uint32_t difference(const ImageKey& other) const;
-};
-
-/// 8,128 pairs at most, some 30 us.
-ImageKey key_of(const ImagePoints& points);
+/// Every n-th of a plane's cells into `out`, with the least n that leaves no more than it has room for; gives
+/// n. What stands in them is asked of `image`.
+std::uint32_t take_cells(const ImagePlane& plane, const HeightImage& image, std::span<ImagePoint> out,
+                         std::uint32_t& count);
 
 }  // namespace sortie::mapping

@@ -8,11 +8,9 @@
 namespace sortie::mapping {
 namespace {
 
-constexpr std::uint32_t kShare = 4096;
 constexpr std::uint32_t kMostCoarsePoints = 160;
 constexpr std::int32_t kTurnsApart = 3;  ///< coarse ones
 constexpr std::uint32_t kTurnsOfImage = 6;
-constexpr std::uint32_t kOfBestTurn = 3072;  ///< least hits of a turn, of the image's best one's, of kShare
 constexpr std::int32_t kCoarseHalf = ImageView::kCoarseCells / 2;
 
 std::size_t stride_of(std::size_t points, std::size_t most) {
@@ -29,26 +27,10 @@ void ImageSearch::begin(const HeightImage& image) {
   ++counts_.begun;
   refused_ = 0;
   spent_ = 0;
-  found_count_ = candidate_count_ = task_count_ = peak_count_ = at_ = part_ = 0;
+  left_out_ = found_count_ = task_count_ = peak_count_ = at_ = part_ = 0;
   verdict_ = ImageVerdict::none;
   credit_.clear();
-  step_ = Step::rank;
-}
-
-/// The images whose keys are nearest; of as near ones the first.
-void ImageSearch::rank(const ImageStore& store) {
-  const ImageKey key = key_of(points_);
-  const std::span<const ImageRecord> images = store.images();
-  candidate_count_ = 0;
-  for (std::uint32_t i = 0; i < images.size(); ++i) {
-    const Candidate one{key.difference(images[i].key), i};
-    std::uint32_t at = candidate_count_;
-    while (at > 0 && candidates_[at - 1].difference > one.difference) --at;
-    if (at == config_.candidates) continue;
-    candidate_count_ = std::min(candidate_count_ + 1, config_.candidates);
-    std::copy_backward(candidates_ + at, candidates_ + candidate_count_ - 1, candidates_ + candidate_count_);
-    candidates_[at] = one;
-  }
+  step_ = Step::ask;
 }
 
 /// All shifts of 0.4 m at one coarse turn.
@@ -76,7 +58,7 @@ void ImageSearch::coarse_turn(std::uint32_t turn) {
     }
   }
   Turn& best = coarse_[turn];
-  best = {0, turn * ImageTurns::kFineOfCoarse, 0, 0};
+  best = {0, turn * ImageTurns::kFineOfCoarse, 0, 0, 0};
   if (taken == 0) return;
   std::uint32_t most = 0;
   for (std::int32_t shift = -kCoarseHalf; shift < kCoarseHalf; ++shift) {
@@ -92,13 +74,28 @@ void ImageSearch::coarse_turn(std::uint32_t turn) {
     const std::uint32_t value = counts.most(0, which);
     if (value <= most) continue;
     most = value;
+    best.x = static_cast<std::int32_t>(std::countr_zero(which)) - kCoarseHalf;
     best.y = shift;
   }
   best.hits = kShare * most / taken;
 }
 
+/// Whether two better turns of other images say the same place.
+bool ImageSearch::is_tried(const ImageStore& store, const Turn& turn) const {
+  const auto place_of_turn = [&](const Turn& one) {
+    const ImagePlace place{static_cast<std::uint16_t>(one.turn), static_cast<std::int16_t>(2 * one.x),
+                           static_cast<std::int16_t>(2 * one.y)};
+    return place_at(store, one.image, place);
+  };
+  const ImageHypothesis own = place_of_turn(turn);
+  int same = 0;
+  for (const Turn* one = tasks_; one != tasks_ + task_count_ && one->hits >= turn.hits && same < 2; ++one)
+    same += is_same(place_of_turn(*one), own) ? 1 : 0;
+  return same == 2;
+}
+
 /// The best turns of an image that was compared, well apart, among those of the others.
-void ImageSearch::choose_turns(std::uint32_t image) {
+void ImageSearch::choose_turns(const ImageStore& store, std::uint32_t image) {
   std::uint32_t chosen[kTurnsOfImage];
   std::uint32_t count = 0, most = 0;
   for (; count < kTurnsOfImage; ++count) {
@@ -116,8 +113,11 @@ void ImageSearch::choose_turns(std::uint32_t image) {
     chosen[count] = best;
     Turn one = coarse_[best];
     one.image = image;
+    if (is_tried(store, one)) continue;
     std::uint32_t at = task_count_;
     while (at > 0 && tasks_[at - 1].hits < one.hits) --at;
+    if (task_count_ == config_.turns)
+      left_out_ = std::max(left_out_, at == config_.turns ? one.hits : tasks_[task_count_ - 1].hits);
     if (at == config_.turns) continue;
     task_count_ = std::min(task_count_ + 1, config_.turns);
     std::copy_backward(tasks_ + at, tasks_ + task_count_ - 1, tasks_ + task_count_);
@@ -211,8 +211,8 @@ std::uint64_t ImageSearch::step_cost() const {
   const std::uint64_t points = points_.standing().size();
   const std::uint64_t shifted = std::min<std::uint64_t>(points, kMostShifted);
   switch (step_) {
-    case Step::rank:
-      return 30'000;
+    case Step::ask:
+      return 50'000;
     case Step::coarse:
       return 2'000 + 4 * points + 200 * std::min<std::uint64_t>(points, kMostCoarsePoints);
     case Step::align:
@@ -231,21 +231,21 @@ bool ImageSearch::work(const ImageStore& store, std::uint64_t& units) {
   while (step_ != Step::done) {
     if (!credit_.pay(step_cost(), units)) return false;
     switch (step_) {
-      case Step::rank:
-        rank(store);
-        if (candidate_count_ == 0 || points_.standing().size() < config_.least_cells) {
+      case Step::ask:
+        own_view_.take(query_);
+        if (store.images().empty() || points_.standing().size() < config_.least_cells) {
           end(ImageVerdict::few);
         } else {
           step_ = Step::coarse;
         }
         break;
       case Step::coarse:
-        if (part_ == 0) view_.take(store.images()[candidates_[at_].image].image);
+        if (part_ == 0) view_.take(store.images()[at_].image);
         coarse_turn(part_);
         if (++part_ < ImageTurns::kCoarse) break;
         part_ = 0;
-        choose_turns(candidates_[at_].image);
-        if (++at_ < candidate_count_) break;
+        choose_turns(store, at_);
+        if (++at_ < store.images().size()) break;
         at_ = 0;
         step_ = Step::align;
         break;

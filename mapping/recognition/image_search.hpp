@@ -13,14 +13,16 @@
 
 namespace sortie::mapping {
 
-/// Compares an image with the kept ones whose keys are nearest to its own. First at 64 turns and all shifts
+/// Compares an image with all kept ones. First at 64 turns and all shifts
 /// of 0.4 m, by how many of its cells lie near structure; then at the best turns of all images, each to 0.7
 /// degrees, at all shifts of 0.2 m, and cells that lie on free floor count twice against. The best places of
 /// these, each a metre or 10 degrees from the others, are moved by single cells and turns as long as they
 /// get better, now with the floor that is free here and not there and with low and high structure apart.
+/// Where the best one lies, the structure of either image has to agree wherever the other one shows anything,
+/// and no other place of any image may score about as much.
 ///
 /// Whole numbers; the same image and the same store give the same answer, and a budget only says when. Needs
-/// neither a guess nor training. A unit is some 0.5 ns; no step costs more than kMostStep units. Memory: 47
+/// neither a guess nor training. A unit is some 0.5 ns; no step costs more than kMostStep units. Memory: 85
 /// kB. No heap.
 class ImageSearch {
  public:
@@ -53,26 +55,28 @@ class ImageSearch {
   void archive(rt::Archive& archive, const ImageStore& store);
 
  private:
-  enum class Step : std::uint8_t { done, rank, coarse, align, shifts, polish };
-  static constexpr std::uint32_t kShiftRows = 8;  ///< of one step
-  static constexpr std::int32_t kAlign = 5;       ///< fine turns about a coarse one
-  static constexpr std::uint32_t kRounds = 12;    ///< of moves by single cells
+  enum class Step : std::uint8_t { done, ask, coarse, align, shifts, polish };
+  static constexpr std::uint32_t kShare = 4096;
+  static constexpr std::uint32_t kOfBestTurn = 3072;  ///< least hits of a turn, of the best one's, of kShare
+  static constexpr std::uint32_t kShiftRows = 8;      ///< of one step
+  static constexpr std::int32_t kAlign = 5;           ///< fine turns about a coarse one
+  static constexpr std::uint32_t kRounds = 12;        ///< of moves by single cells
   static constexpr std::uint32_t kMostShifted = 500;
 
-  struct Candidate {
-    std::uint32_t difference{}, image{};
-  };
   /// A turn of an image; first coarse, then as it was aligned.
   struct Turn {
     std::uint32_t image{}, turn{};
-    std::uint32_t hits{};  ///< of the turned cells, parts of 4,096
-    std::int32_t y{};      ///< shift where these are, of 0.4 m
+    std::uint32_t hits{};   ///< of the turned cells, parts of 4,096
+    std::int32_t x{}, y{};  ///< shift where these are, of 0.4 m
   };
 
   bool work(const ImageStore& store, std::uint64_t& units);
-  void rank(const ImageStore& store);
   void coarse_turn(std::uint32_t turn);
-  void choose_turns(std::uint32_t image);
+  void choose_turns(const ImageStore& store, std::uint32_t image);
+  bool is_tried(const ImageStore& store, const Turn& turn) const;
+  ImageHypothesis place_at(const ImageStore& store, std::uint32_t image, const ImagePlace& place) const {
+    return hypothesis_of(store, turns_, query_.middle, image, place);
+  }
   void turn_cells(std::uint32_t turn);
   void align(const Turn& task, std::int32_t by);
   void count_shifts(std::uint32_t image);
@@ -89,19 +93,20 @@ class ImageSearch {
   ImageTurns turns_;
   HeightImage query_;
   ImagePoints points_;
-  ImageView view_;  ///< of the image that is compared
-  Candidate candidates_[ImageSearchConfig::kMostCandidates];
-  std::uint32_t candidate_count_{};
+  ImageView own_view_;                         ///< of the image that is looked for
+  ImageView view_;                             ///< of the one that it is compared with
+  ImagePoints kept_points_;                    ///< of that
   Turn coarse_[ImageTurns::kCoarse];           ///< of one image
   Turn tasks_[ImageSearchConfig::kMostTurns];  ///< most hits first
   std::uint32_t task_count_{};
+  std::uint32_t left_out_{};  ///< most hits of a turn that there was no room for
   std::uint32_t aligned_turn_{}, aligned_hits_{};
   ImageTurns::Cell cells_[kMostShifted];  ///< of one turn, counted from the corner of the image
   std::uint32_t cell_count_{};
   ImagePeaks<6> shifts_;  ///< of one turn
   ImagePeak peaks_[ImagePeak::kMost];
   std::uint32_t peak_count_{};
-  std::uint32_t at_{};    ///< candidate, turn or peak that is next
+  std::uint32_t at_{};    ///< image, turn or peak that is next
   std::uint32_t part_{};  ///< and what of it
   Step step_{Step::done};
   ImageVerdict verdict_{ImageVerdict::none};

@@ -5,49 +5,14 @@
 #include "mapping/recognition/image_search.hpp"
 
 namespace sortie::mapping {
-namespace {
-
-constexpr std::int64_t kSameCm = 100;
-constexpr double kSameCosine = 0.985;  ///< 10 degrees
-
-Heading after(const Heading& first, const Heading& then) {
-  const std::int64_t c = then.cosine, s = then.sine;
-  return {detail::from_parts(c * first.cosine - s * first.sine),
-          detail::from_parts(s * first.cosine + c * first.sine)};
-}
-
-double number(std::int32_t parts) { return static_cast<double>(parts) / Heading::kOne; }
-
-ImageHypothesis hypothesis_of(const ImageStore& store, const ImageTurns& turns, const HeightImage& query,
-                              const ImagePeak& peak) {
-  ImageHypothesis out;
-  const KeyFramePose& pose = store.images()[peak.image].pose;
-  out.image = peak.image;
-  out.on_image = peak.place;
-  out.middle = place_of(pose, {HeightImage::kCellCm * peak.place.x, HeightImage::kCellCm * peak.place.y, 0});
-  out.heading = after(turns.heading(peak.place.turn), pose.heading);
-  const double c = number(out.heading.cosine), s = number(out.heading.sine);
-  const PlaceCm& own = query.middle;
-  out.place = {c, s, 0.01 * (out.middle.x - (c * own.x - s * own.y)),
-               0.01 * (out.middle.y - (s * own.x + c * own.y)), 0.01 * (out.middle.z - own.z)};
-  return out;
-}
-
-bool is_same(const ImageHypothesis& a, const ImageHypothesis& b) {
-  const double cosine =
-      number(a.heading.cosine) * number(b.heading.cosine) + number(a.heading.sine) * number(b.heading.sine);
-  return square_apart(a.middle, b.middle) <= kSameCm * kSameCm && cosine >= kSameCosine;
-}
-
-}  // namespace
 
 /// The best shifts of one turn among those of all; a place in the map that is there already stays where it is
 /// better.
 void ImageSearch::take_peaks(const ImageStore& store) {
   for (const ImagePeak& peak : shifts_.peaks()) {
-    const ImageHypothesis own = hypothesis_of(store, turns_, query_, peak);
+    const ImageHypothesis own = place_at(store, peak.image, peak.place);
     const auto is_own = [&](const ImagePeak& other) {
-      return is_same(hypothesis_of(store, turns_, query_, other), own);
+      return is_same(place_at(store, other.image, other.place), own);
     };
     const auto is_better = [&](const ImagePeak& other) { return other.score >= peak.score && is_own(other); };
     if (std::any_of(peaks_, peaks_ + peak_count_, is_better)) continue;
@@ -93,11 +58,14 @@ void ImageSearch::conclude(const ImageStore& store) {
   });
   found_count_ = 0;
   for (std::uint32_t i = 0; i < peak_count_ && found_count_ < kMost; ++i) {
-    ImageHypothesis one = hypothesis_of(store, turns_, query_, peaks_[i]);
+    ImageHypothesis one = place_at(store, peaks_[i].image, peaks_[i].place);
     const auto is_there = [&one](const ImageHypothesis& other) { return is_same(one, other); };
     if (peaks_[i].score <= 0 || std::any_of(found_, found_ + found_count_, is_there)) continue;
     view_.take(store.images()[one.image].image);
     one.score = view_.score(points_, turns_, one.on_image);
+    one.own = laid_on(points_.standing(), view_, turns_, one.on_image);
+    kept_points_.take(store.images()[one.image].image);
+    one.kept = laid_below(kept_points_.standing(), own_view_, turns_, one.on_image);
     found_[found_count_++] = one;
   }
   judge(store);
@@ -105,14 +73,17 @@ void ImageSearch::conclude(const ImageStore& store) {
 
 void ImageSearch::judge(const ImageStore& store) {
   if (found_count_ == 0) return end(ImageVerdict::unlike);
-  const ImageScore& best = found_[0].score;
-  const double known = best.agree + best.against;
+  const ImageHypothesis& best = found_[0];
+  const double known = best.score.agree + best.score.against;
   const bool is_alike = known >= config_.least_known * static_cast<double>(points_.standing().size()) &&
-                        best.agree >= config_.least_share * (known + best.floor_against);
+                        best.score.agree >= config_.least_share * (known + best.score.floor_against) &&
+                        best.own.agrees(config_.least_own) && best.kept.agrees(config_.least_kept);
   if (!is_alike) return end(ImageVerdict::unlike);
-  if (is_flat(store, found_[0])) return end(ImageVerdict::narrow);
-  const bool has_rival = found_count_ > 1 && found_[1].score.total() >= config_.of_rival * best.total();
-  end(has_rival ? ImageVerdict::ambiguous : ImageVerdict::found);
+  if (is_flat(store, best)) return end(ImageVerdict::narrow);
+  const bool has_rival = found_count_ > 1 && found_[1].score.total() >= config_.of_rival * best.score.total();
+  // What there was no room to compare with may look as much like it.
+  const bool is_crowded = std::uint64_t{left_out_} * kShare >= std::uint64_t{tasks_[0].hits} * kOfBestTurn;
+  end(has_rival || is_crowded ? ImageVerdict::ambiguous : ImageVerdict::found);
 }
 
 /// Whether the place can be moved by three cells in some direction at little loss; which one is in `flat_`.
@@ -158,8 +129,8 @@ void ImageSearch::end(ImageVerdict verdict) {
 void ImageSearch::archive(rt::Archive& archive, const ImageStore& store) {
   rt::Members(archive, *this, "search among images")
       .fixed(config_, turns_)
-      .scratch(points_, view_, candidates_, candidate_count_, coarse_, tasks_, task_count_, aligned_turn_,
-               aligned_hits_, cells_, cell_count_, shifts_, peaks_, peak_count_, at_, part_)
+      .scratch(points_, own_view_, view_, kept_points_, coarse_, left_out_, tasks_, task_count_,
+               aligned_turn_, aligned_hits_, cells_, cell_count_, shifts_, peaks_, peak_count_, at_, part_)
       .scratch(step_, verdict_, found_, found_count_, flat_, credit_)
       .state(query_, refused_, spent_, counts_);
   if (!archive.is_reading()) return;

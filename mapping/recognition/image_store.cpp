@@ -33,8 +33,6 @@ void ImageStore::keep(std::uint32_t at, const HeightImage& image, const KeyFrame
   record.image = image;
   record.image.middle = {};
   record.pose = pose;
-  points_.take(image);
-  record.key = key_of(points_);
   record.cells = structure_of(image);
   record.stamp_ms = stamp_ms;
   record.robot = robot;
@@ -116,11 +114,7 @@ void ImageStore::clear() {
 void ImageStore::archive(rt::Archive& archive) {
   archive.expect(capacity(), "another number of images than this store's");
   if (archive.is_reading()) clear();
-  rt::Members(archive, *this, "store of images")
-      .fixed(config_)
-      .scratch(points_)
-      .by_hand(records_, kept_)
-      .state(counts_);
+  rt::Members(archive, *this, "store of images").fixed(config_).by_hand(records_, kept_).state(counts_);
   archive.bounded(kept_, capacity());
   for (std::uint32_t i = 0; i < kept_ && archive.status() == Status::ok; ++i) {
     ImageRecord& one = records_[i];

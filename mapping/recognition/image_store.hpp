@@ -32,7 +32,6 @@ struct ImageStoreConfig {
 struct ImageRecord {
   HeightImage image;      ///< its own `middle` is nothing
   KeyFramePose pose;      ///< of its middle on the floor, and of its axes, in the map
-  ImageKey key;           ///< follows from `image`
   std::uint32_t cells{};  ///< with structure; follows from `image`
   std::uint32_t stamp_ms{};
   std::uint8_t robot{};
@@ -52,7 +51,7 @@ struct ImageCounts {
 /// place again: it takes the other one's place where it shows an eighth more structure, else it is left out.
 /// A full store gives up the image that is nearest to another one or to the new one; of as many the one that
 /// shows less, then the lower number. What is kept depends on what was put in alone. Cost: a look at each
-/// record, two by two where one is given up; some 50 us for key and cells. Memory: 6.3 kB an image. No heap.
+/// record, two by two where one is given up. Memory: 6.3 kB an image. No heap.
 class ImageStore {
  public:
   static constexpr std::int32_t kStoreyCm = 150;
@@ -84,7 +83,6 @@ class ImageStore {
 
   ImageStoreConfig config_;
   std::span<ImageRecord> records_;
-  ImagePoints points_;  ///< scratch
   std::uint32_t kept_{};
   ImageCounts counts_;
 };

@@ -9,6 +9,13 @@
 
 namespace sortie::mapping {
 
+/// A turn, and then another one.
+inline Heading after(const Heading& first, const Heading& then) {
+  const std::int64_t c = then.cosine, s = then.sine;
+  return {detail::from_parts(c * first.cosine - s * first.sine),
+          detail::from_parts(s * first.cosine + c * first.sine)};
+}
+
 /// 512 turns about the upright, 0.7 degrees apart; every eighth of them is a coarse one. 4 kB.
 class ImageTurns {
  public:

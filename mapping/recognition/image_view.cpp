@@ -12,6 +12,7 @@ void ImageView::take(const HeightImage& image) {
   near_low_ = spread_cross(image.low);
   near_high_ = spread_cross(image.high);
   free_plane_ = without(image.floor, spread_square(standing_));
+  known_ = spread_square(spread_square(either(standing_, image.floor)));
   const ImagePlane near = spread_cross(standing_);
   for (std::int32_t y = 0; y < ImagePlane::kCells; ++y) {
     for (std::int32_t w = 0; w < ImagePlane::kWords; ++w) {
@@ -40,7 +41,7 @@ ImageScore ImageView::score(const ImagePoints& points, const ImageTurns& turns,
   for (const ImagePoint& point : points.standing()) {
     const ImageTurns::Cell cell = cell_of(point);
     if (!ImagePlane::holds(cell.x, cell.y)) continue;
-    if ((point.low && near_low_.at(cell.x, cell.y)) || (point.high && near_high_.at(cell.x, cell.y))) {
+    if (is_near(point, cell.x, cell.y)) {
       ++score.agree;
     } else if (free_plane_.at(cell.x, cell.y)) {
       ++score.against;

@@ -30,7 +30,7 @@ struct ImageScore {
 };
 
 /// Planes of one image that others are laid on. A row has a word of nothing before and behind it, so that 128
-/// shifts of it are two words at any place. 17 kB.
+/// shifts of it are two words at any place. 19 kB.
 class ImageView {
  public:
   using Word = std::uint64_t;
@@ -48,6 +48,13 @@ class ImageView {
     return coarse_[y][0] >> x | coarse_[y][1] << 1 << (63 - x);
   }
 
+  /// Floor or structure within two cells: what is said of this place is said of something that was seen.
+  bool is_known(std::int32_t x, std::int32_t y) const { return ImagePlane::holds(x, y) && known_.at(x, y); }
+  /// Structure of the point's kind in this cell or beside it; one that is_known().
+  bool is_near(const ImagePoint& point, std::int32_t x, std::int32_t y) const {
+    return (point.low && near_low_.at(x, y)) || (point.high && near_high_.at(x, y));
+  }
+
   ImageScore score(const ImagePoints& points, const ImageTurns& turns, const ImagePlace& place) const;
 
  private:
@@ -62,7 +69,7 @@ class ImageView {
   Row near_[ImagePlane::kCells]{};
   Row free_[ImagePlane::kCells]{};
   Word coarse_[kCoarseCells][2]{};
-  ImagePlane near_low_, near_high_, standing_, free_plane_;
+  ImagePlane near_low_, near_high_, standing_, free_plane_, known_;
 };
 
 }  // namespace sortie::mapping

@@ -62,7 +62,7 @@ Bytes sealed(Bytes bytes) {
 }
 
 bool same(const ImageRecord& a, const ImageRecord& b) {
-  return a.image == b.image && a.pose == b.pose && a.key == b.key && a.cells == b.cells &&
+  return a.image == b.image && a.pose == b.pose && a.cells == b.cells &&
          a.stamp_ms == b.stamp_ms && a.robot == b.robot;
 }
 bool same(const mapping::ImageStore& a, const mapping::ImageStore& b) {

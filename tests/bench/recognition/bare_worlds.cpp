@@ -92,6 +92,42 @@ ThingHall bend(const BareSizes& sizes, Draws& draws) {
   return hall;
 }
 
+/// A wall that winds along x, on the left for 1: thin blocks end to end, each a little turned to the next.
+void winding_wall(ThingHall& hall, double wide, double side, Draws& draws) {
+  constexpr double kBlock_m = 0.5, kThick_m = 0.4;
+  double swing[3], wave[3], phase[3];
+  for (int i = 0; i < 3; ++i) {
+    swing[i] = draws.uniform(0.15, 0.45);
+    wave[i] = 2 * M_PI / draws.uniform(4, 12);
+    phase[i] = draws.uniform(-M_PI, M_PI);
+  }
+  const auto face = [&](double x) {
+    double y = 0.5 * wide + 0.4;
+    for (int i = 0; i < 3; ++i) y += swing[i] * std::sin(wave[i] * x + phase[i]);
+    return side * std::max(y, 0.8);
+  };
+  for (double x = -hall.half_x; x < hall.half_x; x += kBlock_m) {
+    const double rise = face(x + kBlock_m) - face(x), length = std::hypot(kBlock_m, rise);
+    HallSolid one;
+    one.cosine = kBlock_m / length;
+    one.sine = rise / length;
+    // Its inner face runs through both ends.
+    const double out = side * 0.5 * kThick_m;
+    one.foot = {x + 0.5 * kBlock_m - out * one.sine, 0.5 * (face(x) + face(x + kBlock_m)) + out * one.cosine,
+                0};
+    one.half_x = 0.5 * length + 0.05;
+    one.half_y = 0.5 * kThick_m;
+    one.height = hall.height;
+    hall.solids.push_back(one);
+  }
+}
+
+ThingHall tunnel(const BareSizes& sizes, Draws& draws) {
+  ThingHall hall = frame_of(sizes);
+  for (const double side : {-1.0, 1.0}) winding_wall(hall, sizes.wide, side, draws);
+  return hall;
+}
+
 ThingHall empty_hall(const BareSizes& sizes, int pillars, Draws& draws) {
   ThingHall hall = frame_of(sizes);
   for (int wall = 0; wall < 4; ++wall) {
@@ -131,6 +167,10 @@ BareSizes sizes_of(BareKind kind, Draws& draws) {
       sizes.half_x = draws.uniform(15, 22);
       sizes.half_y = 0.5 * sizes.wide + kDeep_m;
       break;
+    case BareKind::winding:
+      sizes.half_x = draws.uniform(15, 22);
+      sizes.half_y = 0.5 * sizes.wide + 2.5;
+      break;
     case BareKind::bend:
       sizes.half_x = draws.uniform(9, 13);
       sizes.half_y = draws.uniform(9, 13);
@@ -150,6 +190,8 @@ ThingHall built(BareKind kind, const BareSizes& sizes, Draws& draws) {
       return corridor(sizes, draws);
     case BareKind::bend:
       return bend(sizes, draws);
+    case BareKind::winding:
+      return tunnel(sizes, draws);
     case BareKind::plain:
       return frame_of(sizes);
     default:
@@ -178,7 +220,10 @@ void draw_ways(BareKind kind, const BareSizes& sizes, bool against, ThingHall& h
 }
 
 ThingHall mirrored(ThingHall hall) {
-  for (HallSolid& solid : hall.solids) solid.foot.x = -solid.foot.x;
+  for (HallSolid& solid : hall.solids) {
+    solid.foot.x = -solid.foot.x;
+    solid.sine = -solid.sine;
+  }
   for (Way& way : hall.way) {
     for (rt::Vector3& p : way) p.x = -p.x;
   }
@@ -188,7 +233,8 @@ ThingHall mirrored(ThingHall hall) {
 }  // namespace
 
 const char* name_of(BareKind kind) {
-  constexpr const char* kNames[] = {"corridor", "bend", "hall", "hall with pillars", "plain corridor"};
+  constexpr const char* kNames[] = {"corridor",          "bend",           "hall",
+                                    "hall with pillars", "winding tunnel", "plain corridor"};
   return kNames[static_cast<int>(kind)];
 }
 

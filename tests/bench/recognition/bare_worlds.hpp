@@ -12,10 +12,11 @@ enum class BareKind {
   bend,      ///< two such corridors of 18 to 26 m at a right angle
   hall,      ///< 16 to 30 m by 10 to 18 m, pilasters on its walls and nothing else
   pillars,   ///< such a hall with four to nine pillars that stand anywhere
+  winding,   ///< a tunnel of 30 to 44 m whose two walls wind, each as it likes, without an edge anywhere
   plain      ///< a straight corridor without anything, but for its ends
 };
-inline constexpr BareKind kBareKinds[] = {BareKind::corridor, BareKind::bend, BareKind::hall,
-                                          BareKind::pillars, BareKind::plain};
+inline constexpr BareKind kBareKinds[] = {BareKind::corridor, BareKind::bend,    BareKind::hall,
+                                          BareKind::pillars,  BareKind::winding, BareKind::plain};
 const char* name_of(BareKind kind);
 
 /// What the robot's place is to what was kept.
