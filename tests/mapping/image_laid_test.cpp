@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "mapping/recognition/image_planes.hpp"
 #include "mapping/recognition/image_search.hpp"
 #include "tests/mapping/image_rig.hpp"
 
@@ -19,6 +18,45 @@ using testing::DrawnPlace;
 using testing::DrawnPose;
 using testing::Draws;
 using testing::OwnedImages;
+
+bool is_in(const ImagePlane& plane, int x, int y) { return ImagePlane::holds(x, y) && plane.at(x, y); }
+
+/// One of these about a cell, up to `reach` along x and along y, of those up to `sum` along both.
+bool is_about(const ImagePlane& plane, int x, int y, int reach, int sum) {
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      if (std::abs(dx) + std::abs(dy) <= sum && is_in(plane, x + dx, y + dy)) return true;
+    }
+  }
+  return false;
+}
+
+/// What laid_on() and laid_below() give, cell by cell, in numbers with a fraction.
+mapping::CellsLaid twin_laid(const HeightImage& cells, const HeightImage& view, const ImagePlace& place,
+                             bool below) {
+  mapping::CellsLaid out;
+  const double angle = 2.0 * M_PI * place.turn / 512, c = std::cos(angle), s = std::sin(angle);
+  for (int y = 0; y < 128; ++y) {
+    for (int x = 0; x < 128; ++x) {
+      const bool low = cells.low.at(x, y), high = cells.high.at(x, y);
+      if (!low && !high) continue;
+      const double mx = x - 63.5, my = y - 63.5, bx = mx - place.x, by = my - place.y;
+      const double u = below ? c * bx + s * by : c * mx - s * my + place.x;
+      const double v = below ? c * by - s * bx : s * mx + c * my + place.y;
+      const auto column = static_cast<int>(std::floor(u + 1e-7)) + 64;
+      const auto row = static_cast<int>(std::floor(v + 1e-7)) + 64;
+      if (!ImagePlane::holds(column, row)) continue;
+      if (!is_about(view.floor, column, row, 2, 4) && !is_about(view.low, column, row, 2, 4) &&
+          !is_about(view.high, column, row, 2, 4))
+        continue;
+      ++out.known;
+      const bool agrees =
+          (low && is_about(view.low, column, row, 1, 1)) || (high && is_about(view.high, column, row, 1, 1));
+      out.agree += agrees ? 1 : 0;
+    }
+  }
+  return out;
+}
 
 /// A corridor of 2 m along x with niches 1 m wide and 0.6 m deep so far from its
 /// beginning; below zero on the right.
@@ -44,6 +82,37 @@ DrawnPlace niches_along(const std::vector<double>& at, double half_x) {
 }
 
 }  // namespace
+
+TEST_CASE("Cells on an image, and below it, agree as one by one") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  Draws draws(seed);
+  const mapping::ImageTurns turns;
+  mapping::ImageView view;
+  mapping::ImagePoints points;
+  const auto noise = [&draws](double share) {
+    HeightImage image;
+    for (int y = 0; y < 128; ++y) {
+      for (int x = 0; x < 128; ++x) {
+        if (draws.uniform(0, 1) < share) image.low.set(x, y);
+        if (draws.uniform(0, 1) < share) image.high.set(x, y);
+        if (draws.uniform(0, 1) < share) image.floor.set(x, y);
+      }
+    }
+    return image;
+  };
+  for (int round = 0; round < 30; ++round) {
+    const HeightImage cells = noise(0.02), other = noise(0.02);
+    const ImagePlace place{static_cast<std::uint16_t>(draws.uniform(0, 512)),
+                           static_cast<std::int16_t>(draws.uniform(-70, 70)),
+                           static_cast<std::int16_t>(draws.uniform(-70, 70))};
+    INFO("turn " << place.turn << " x " << place.x << " y " << place.y);
+    view.take(other);
+    points.take(cells);
+    CHECK(mapping::laid_on(points.standing(), view, turns, place) == twin_laid(cells, other, place, false));
+    CHECK(mapping::laid_below(points.standing(), view, turns, place) == twin_laid(cells, other, place, true));
+  }
+}
 
 TEST_CASE("Cells are laid on an image and below it as their poses say") {
   const auto seed = std::random_device{}();
@@ -91,7 +160,7 @@ TEST_CASE("A place that was kept twice is ambiguous, however many images lie bet
       REQUIRE(owned.store.put(testing::image_of(place, from, 12, draws), testing::key_frame_of(at), 0, 0) ==
               Status::ok);
     };
-    for (int i = 0; i < 5; ++i) keep(room, {0.5 * i - 1, 0, 0}, {4.0 * i, 0, 0});
+    for (const double x : {-3.0, 0.0, 3.0}) keep(room, {x, 0, 0}, {x, 0, 0});
     for (int i = 0; i < 20; ++i) keep(testing::draw_place(draws, 6), {}, {100.0 + 20 * i, 0, 0});
     keep(room, {1, -1, 1}, {50, 50, 2});
     mapping::ImageSearch search({});
@@ -126,4 +195,28 @@ TEST_CASE("Niches that come again and again, and none, are no place; niches that
   CHECK(ask(niches_along(often, 30), 1.0) != ImageVerdict::found);
   CHECK(ask(niches_along({}, 30), 1.0) != ImageVerdict::found);
   CHECK(ask(niches_along(seldom, 30), 1.0) == ImageVerdict::found);
+}
+
+TEST_CASE("Another corridor of the same size is not found, with as many niches elsewhere") {
+  const auto seed = std::random_device{}();
+  INFO("seed " << seed);
+  Draws draws(seed);
+  const auto corridor = [&draws] {
+    std::vector<double> at;
+    for (const double side : {-1.0, 1.0}) {
+      for (double x = 2; x < 57; x += draws.uniform(2.0, 5.5)) at.push_back(side * x);
+    }
+    return niches_along(at, 30);
+  };
+  mapping::ImageSearch search({});
+  for (int round = 0; round < 30; ++round) {
+    OwnedImages owned;
+    REQUIRE(owned.store.put(testing::image_of(corridor(), {0, 0, 0.3}, 12, draws),
+                            testing::key_frame_of({0, 0, 0.3}), 0, 0) == Status::ok);
+    search.begin(testing::image_of(corridor(), {1, 0.1, -0.4}, 12, draws));
+    std::uint64_t units = ~std::uint64_t{0} >> 1;
+    REQUIRE(search.run(owned.store, units));
+    INFO("round " << round);
+    CHECK(search.verdict() != ImageVerdict::found);
+  }
 }
