@@ -80,20 +80,6 @@ void ImageSearch::coarse_turn(std::uint32_t turn) {
   best.hits = kShare * most / taken;
 }
 
-/// Whether two better turns of other images say the same place.
-bool ImageSearch::is_tried(const ImageStore& store, const Turn& turn) const {
-  const auto place_of_turn = [&](const Turn& one) {
-    const ImagePlace place{static_cast<std::uint16_t>(one.turn), static_cast<std::int16_t>(2 * one.x),
-                           static_cast<std::int16_t>(2 * one.y)};
-    return place_at(store, one.image, place);
-  };
-  const ImageHypothesis own = place_of_turn(turn);
-  int same = 0;
-  for (const Turn* one = tasks_; one != tasks_ + task_count_ && one->hits >= turn.hits && same < 2; ++one)
-    same += is_same(place_of_turn(*one), own) ? 1 : 0;
-  return same == 2;
-}
-
 /// The best turns of an image that was compared, well apart, among those of the others.
 void ImageSearch::choose_turns(const ImageStore& store, std::uint32_t image) {
   std::uint32_t chosen[kTurnsOfImage];
@@ -200,6 +186,7 @@ bool ImageSearch::run(const ImageStore& store, std::uint64_t& units) {
   spent_ += given - allowed;
   units -= given - allowed;
   if (!done && spent_ == config_.most_units) {
+    found_count_ = 0;
     end(ImageVerdict::undecided);
     return true;
   }
@@ -221,6 +208,10 @@ std::uint64_t ImageSearch::step_cost() const {
       return 2'000 + 100 * shifted;
     case Step::polish:
       return 2'000 + 8 * 3 * (points + points_.floor().size());
+    case Step::weigh:
+      return 10'000 + 8 * 3 * (2 * points + points_.floor().size());
+    case Step::judge:
+      return 10'000 + 8 * 16 * (points + points_.floor().size());
     case Step::done:
       break;
   }
@@ -270,13 +261,23 @@ bool ImageSearch::work(const ImageStore& store, std::uint64_t& units) {
         if (++at_ < task_count_) break;
         at_ = 0;
         step_ = Step::polish;
-        if (peak_count_ == 0) conclude(store);
+        if (peak_count_ == 0) conclude();
         break;
       case Step::polish:
         if (part_ == 0) view_.take(store.images()[peaks_[at_].image].image);
         if (polish(peaks_[at_]) && ++part_ < kRounds) break;
         part_ = 0;
-        if (++at_ == peak_count_) conclude(store);
+        if (++at_ == peak_count_) conclude();
+        break;
+      case Step::weigh:
+        if (at_ < peak_count_ && found_count_ < kMost) {
+          weigh(store, peaks_[at_++]);
+        } else {
+          step_ = Step::judge;
+        }
+        break;
+      case Step::judge:
+        judge(store);
         break;
       case Step::done:
         break;

@@ -27,7 +27,7 @@ namespace sortie::mapping {
 class ImageSearch {
  public:
   static constexpr std::uint32_t kMost = 8;  ///< places in found()
-  static constexpr std::uint32_t kMostStep = 60'000;
+  static constexpr std::uint32_t kMostStep = 270'000;
 
   explicit ImageSearch(const ImageSearchConfig& config);
 
@@ -37,12 +37,13 @@ class ImageSearch {
   /// until then.
   bool run(const ImageStore& store, std::uint64_t& units);
   bool is_searching() const { return step_ != Step::done; }
-  /// The best place is not it, somebody who looked says: what is left is judged without it.
+  /// The best place is not it, somebody who looked says: what is left is judged without it, which is a
+  /// step of kMostStep.
   void refuse(const ImageStore& store);
 
   ImageVerdict verdict() const { return verdict_; }
-  /// Places, the best one first.
-  std::span<const ImageHypothesis> found() const { return {found_, found_count_}; }
+  /// Places, the best one first; none while it goes on.
+  std::span<const ImageHypothesis> found() const { return {found_, is_searching() ? 0 : found_count_}; }
   /// Where narrow: along which direction of the known map the place can be moved.
   const Heading& flat() const { return flat_; }
   /// Cells with structure that were searched with.
@@ -55,7 +56,7 @@ class ImageSearch {
   void archive(rt::Archive& archive, const ImageStore& store);
 
  private:
-  enum class Step : std::uint8_t { done, ask, coarse, align, shifts, polish };
+  enum class Step : std::uint8_t { done, ask, coarse, align, shifts, polish, weigh, judge };
   static constexpr std::uint32_t kShare = 4096;
   static constexpr std::uint32_t kOfBestTurn = 3072;  ///< least hits of a turn, of the best one's, of kShare
   static constexpr std::uint32_t kShiftRows = 8;      ///< of one step
@@ -82,7 +83,8 @@ class ImageSearch {
   void count_shifts(std::uint32_t image);
   void take_peaks(const ImageStore& store);
   bool polish(ImagePeak& peak);
-  void conclude(const ImageStore& store);
+  void conclude();
+  void weigh(const ImageStore& store, const ImagePeak& peak);
   void judge(const ImageStore& store);
   bool is_flat(const ImageStore& store, const ImageHypothesis& best);
   void end(ImageVerdict verdict);

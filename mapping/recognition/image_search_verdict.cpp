@@ -6,6 +6,20 @@
 
 namespace sortie::mapping {
 
+/// Whether two better turns of other images say the same place.
+bool ImageSearch::is_tried(const ImageStore& store, const Turn& turn) const {
+  const auto place_of_turn = [&](const Turn& one) {
+    const ImagePlace place{static_cast<std::uint16_t>(one.turn), static_cast<std::int16_t>(2 * one.x),
+                           static_cast<std::int16_t>(2 * one.y)};
+    return place_at(store, one.image, place);
+  };
+  const ImageHypothesis own = place_of_turn(turn);
+  int same = 0;
+  for (const Turn* one = tasks_; one != tasks_ + task_count_ && one->hits >= turn.hits && same < 2; ++one)
+    same += is_same(place_of_turn(*one), own) ? 1 : 0;
+  return same == 2;
+}
+
 /// The best shifts of one turn among those of all; a place in the map that is there already stays where it is
 /// better.
 void ImageSearch::take_peaks(const ImageStore& store) {
@@ -49,26 +63,29 @@ bool ImageSearch::polish(ImagePeak& peak) {
   return true;
 }
 
-void ImageSearch::conclude(const ImageStore& store) {
+/// All places are as good as they get.
+void ImageSearch::conclude() {
   std::sort(peaks_, peaks_ + peak_count_, [](const ImagePeak& a, const ImagePeak& b) {
     if (a.score != b.score) return a.score > b.score;
     if (a.image != b.image) return a.image < b.image;
     if (a.place.turn != b.place.turn) return a.place.turn < b.place.turn;
     return a.place.y != b.place.y ? a.place.y < b.place.y : a.place.x < b.place.x;
   });
-  found_count_ = 0;
-  for (std::uint32_t i = 0; i < peak_count_ && found_count_ < kMost; ++i) {
-    ImageHypothesis one = place_at(store, peaks_[i].image, peaks_[i].place);
-    const auto is_there = [&one](const ImageHypothesis& other) { return is_same(one, other); };
-    if (peaks_[i].score <= 0 || std::any_of(found_, found_ + found_count_, is_there)) continue;
-    view_.take(store.images()[one.image].image);
-    one.score = view_.score(points_, turns_, one.on_image);
-    one.own = laid_on(points_.standing(), view_, turns_, one.on_image);
-    kept_points_.take(store.images()[one.image].image);
-    one.kept = laid_below(kept_points_.standing(), own_view_, turns_, one.on_image);
-    found_[found_count_++] = one;
-  }
-  judge(store);
+  found_count_ = at_ = 0;
+  step_ = Step::weigh;
+}
+
+/// A place that is not there yet, with what speaks for it.
+void ImageSearch::weigh(const ImageStore& store, const ImagePeak& peak) {
+  ImageHypothesis one = place_at(store, peak.image, peak.place);
+  const auto is_there = [&one](const ImageHypothesis& other) { return is_same(one, other); };
+  if (peak.score <= 0 || std::any_of(found_, found_ + found_count_, is_there)) return;
+  view_.take(store.images()[one.image].image);
+  one.score = view_.score(points_, turns_, one.on_image);
+  one.own = laid_on(points_.standing(), view_, turns_, one.on_image);
+  kept_points_.take(store.images()[one.image].image);
+  one.kept = laid_below(kept_points_.standing(), own_view_, turns_, one.on_image);
+  found_[found_count_++] = one;
 }
 
 void ImageSearch::judge(const ImageStore& store) {
