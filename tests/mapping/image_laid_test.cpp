@@ -171,7 +171,7 @@ TEST_CASE("A place that was kept twice is ambiguous, however many images lie bet
   }
 }
 
-TEST_CASE("Niches that come again and again, and none, are no place; niches that do not are") {
+TEST_CASE("Niches that come again and again are no place, niches that do not are one") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   Draws draws(seed);
