@@ -43,7 +43,8 @@ toolchain::RecognisedLook three_of_four(std::uint8_t verdict) {
     look.matched.push_back(
         {{i, i}, segment, {1000 - segment.y, 200 + segment.x, segment.z}});  // exactly where it belongs
   }
-  look.others.push_back({400, -100, 30});
+  look.others.push_back({400, 100, 30});
+  look.others.push_back({400, -5000, 30});  // beyond what is shown
   for (int i = 0; i < 60; ++i) look.seen.push_back({0.1 * i, 3.0, i % 2 == 0 ? 0.0 : 1.0});
   return look;
 }
@@ -51,9 +52,11 @@ toolchain::RecognisedLook three_of_four(std::uint8_t verdict) {
 toolchain::KnownPlaces known_places() {
   toolchain::KnownPlaces known;
   for (int i = 0; i < 5; ++i) {
-    known.targets.push_back({900 + 50 * i, 300, 40});
+    known.targets.push_back({900 + 20 * i, 300, 40});
     known.voxels.push_back(100u << i);
   }
+  known.targets.push_back({9000, 300, 40});  // beyond the walls
+  known.voxels.push_back(400);
   known.surfaces_m.push_back({8.0, 0.0, 8.0, 6.0});
   return known;
 }
@@ -226,7 +229,7 @@ TEST_CASE(
     "[heavy]") {
   const TempFolder folder;
   const std::string log = folder.file("again.lcm");
-  const firmware::LiveRunOutcome run = run_entering(25, log, {});
+  const firmware::LiveRunOutcome run = run_entering(45, log, {});
   CHECK(run.failures.empty());
   CHECK(counted(run, "recognise_recognised") >= 3);
   firmware::ReplayOptions options;
@@ -275,7 +278,7 @@ TEST_CASE(
   CHECK(told[words(RecognisedPlace::kAmbiguous)] == counted(run, "recognise_searches_ambiguous"));
 
   // What if nothing that a scan says were enough: places are refused, and say so.
-  options.overrides = {"recognise.over_unexplained=1000"};
+  options.overrides = {"recognise.over_unexplained=100"};
   const Followed refused(log, options);
   CHECK_FALSE(refused.places.accepted());
   REQUIRE(refused.places.refused());
