@@ -62,8 +62,8 @@ Bytes sealed(Bytes bytes) {
 }
 
 bool same(const ImageRecord& a, const ImageRecord& b) {
-  return a.image == b.image && a.pose == b.pose && a.cells == b.cells &&
-         a.stamp_ms == b.stamp_ms && a.robot == b.robot;
+  return a.image == b.image && a.pose == b.pose && a.cells == b.cells && a.stamp_ms == b.stamp_ms &&
+         a.robot == b.robot;
 }
 bool same(const mapping::ImageStore& a, const mapping::ImageStore& b) {
   return std::equal(a.images().begin(), a.images().end(), b.images().begin(), b.images().end(),
