@@ -33,7 +33,7 @@ PeerFront recognition_front() {
       {"--seed", std::uint64_t{1}, "Of streets, correspondences, graphs, halls and worlds", 0, 1000000000},
       choice("--only", "One part alone",
              {"streets", "outliers", "graphs", "descriptors", "deceive", "revisits", "evidence", "rest",
-              "places", "sweep", "visits", "loops"}),
+              "places", "sweep", "visits", "loops", "images"}),
       {"--data", std::string(), "Folder of the recorded data", 0, 0, {}, "DIR"}};
   front.title = "Recognition of places";
   front.intro =
@@ -53,7 +53,8 @@ PeerFront recognition_front() {
                     {"places", "Places of two visits: beside SOLiD and density images"},
                     {"sweep", "Error over run time: one knob at a time"},
                     {"visits", "A recorded lidar, cut into two visits"},
-                    {"loops", "Long recorded drives through made-up towns"}};
+                    {"loops", "Long recorded drives through made-up towns"},
+                    {"images", "Corridors and empty halls: height images beside segments"}};
   front.pictures = drawn_pictures;
   return front;
 }

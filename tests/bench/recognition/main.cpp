@@ -18,7 +18,8 @@ constexpr BenchPart<RecognitionSettings> kRecognitionParts[] = {
     {"deceive", measure_recognition_deceive},   {"revisits", measure_recognition_revisits},
     {"places", measure_recognition_places},     {"sweep", measure_recognition_sweep},
     {"evidence", measure_recognition_evidence}, {"rest", measure_recognition_rest},
-    {"visits", measure_recognition_visits},     {"loops", measure_recognition_loops}};
+    {"visits", measure_recognition_visits},     {"loops", measure_recognition_loops},
+    {"images", measure_recognition_images}};
 
 int run(int argc, char** argv) {
   RecognitionSettings settings;

@@ -41,5 +41,7 @@ void measure_recognition_visits(const RecognitionSettings& settings, Report& rep
 void measure_recognition_loops(const RecognitionSettings& settings, Report& report);
 /// Recall and false places over run time: units, candidates, targets, gravity and others, one at a time.
 void measure_recognition_sweep(const RecognitionSettings& settings, Report& report);
+/// Corridors and empty halls: what height images say of them, beside segments.
+void measure_recognition_images(const RecognitionSettings& settings, Report& report);
 
 }  // namespace sortie::bench

@@ -2,9 +2,11 @@
 #include "tests/bench/recognition/recognition_trials.hpp"
 
 #include <cmath>
+#include <memory>
 #include <set>
 
 #include "mapping/registration/pose_algebra.hpp"
+#include "tests/bench/recognition/image_trial.hpp"
 #include "tests/bench/recognition/scan_check.hpp"
 
 namespace sortie::bench {
@@ -30,6 +32,7 @@ class Recognition {
         recogniser_(config.recogniser, memory_.arena),
         surfaces_(config.judge) {
     memory_.check();
+    if (config.images) images_ = std::make_unique<ImageTrial>(config.image_search, config.second_look_m);
   }
 
   /// Maps scans anew, and keeps what speaks in the world's frame.
@@ -40,7 +43,10 @@ class Recognition {
       int at = 0;
       for (const HallScan& scan : scans) {
         const RigidPose pose = after(T_world_hall, scan.pose);
-        if (run_.scan(scan.points, pose)) own_.keeper_.keep(run_.segments(), run_.grid(), {}, run_.now_ns());
+        if (run_.scan(scan.points, pose)) {
+          own_.keeper_.keep(run_.segments(), run_.grid(), {}, run_.now_ns());
+          if (own_.images_) own_.images_->keep(run_.grid());
+        }
         if (at++ % own_.config_.every != 0) continue;
         own_.surfaces_.registration.take(scan.points);
         own_.surfaces_.registration.insert(pose);
@@ -60,6 +66,7 @@ class Recognition {
                              const RigidPose& T_odom_world, Draws& draws) {
     RecognitionTrial trial;
     trial.targets = keeper_.store().kept();
+    if (images_) trial.images = images_->kept();
     LocalRun run(config_.radius_m, config_.rest_ns);
     PlaceLooks looks{{config_.second_look_m, config_.second_look_m}};
     double way_m = 0.0, looked_m = 0.0;
@@ -77,6 +84,10 @@ class Recognition {
       if (look.segments == SetVerdict::found) judge(scans[i].points, odom, truth, draws, look);
       look.judged.sure = false;
       look.confirmed = look.placed && looks.take(look.judged, odom);
+      if (images_)
+        images_->look(
+            run.grid(), odom, truth, [&] { return scan_at(scans[i].points, odom, draws); }, surfaces_.judge,
+            look.image);
       trial.looks.push_back(look);
     }
     return trial;
@@ -122,13 +133,17 @@ class Recognition {
     }
   }
 
-  void judge(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, const RigidPose& truth,
-             Draws& draws, RecognitionLook& look) {
+  CheckedScan scan_at(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, Draws& draws) {
     const rt::Quaternion error = rt::exp_rotation({0.006 * draws.normal(), 0.006 * draws.normal(), 0});
     surfaces_.registration.take(points);
     const auto taken = surfaces_.registration.sample();
-    const std::vector<SamplePoint> sample(taken.begin(), taken.end());
-    const CheckedScan scan{sample, odom, rt::normalised(error * odom.q)};
+    sample_.assign(taken.begin(), taken.end());
+    return {sample_, odom, rt::normalised(error * odom.q)};
+  }
+
+  void judge(const std::vector<rt::ScanPoint>& points, const RigidPose& odom, const RigidPose& truth,
+             Draws& draws, RecognitionLook& look) {
+    const CheckedScan scan = scan_at(points, odom, draws);
     const bool placed = place_by_scan(
         scan, recogniser_, keeper_.store(), [this]() -> PlaceJudge& { return surfaces_.judge; }, look.judged);
     look.scan = look.judged.verdict;
@@ -145,6 +160,8 @@ class Recognition {
   TargetKeeper keeper_;
   Recogniser recogniser_;
   SurfaceMap surfaces_;
+  std::vector<SamplePoint> sample_;
+  std::unique_ptr<ImageTrial> images_;  ///< null: not asked for
 };
 
 }  // namespace

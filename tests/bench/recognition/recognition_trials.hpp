@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mapping/recognition/image_search.hpp"
 #include "mapping/recognition/target_keeper.hpp"
 #include "mapping/registration/place_judge.hpp"
 #include "mapping/registration/place_looks.hpp"
@@ -15,6 +16,20 @@ namespace sortie::bench {
 
 /// A segment and its target are the same thing, as far as places tell.
 inline constexpr double kSamePlace_m = 0.4;
+
+/// What the height image of the local map says, of a trial that asks for it.
+struct ImageLook {
+  mapping::ImageVerdict verdict{};  ///< before any place was refused
+  std::optional<PoseError> best;    ///< of the first place, whatever the verdict
+  std::int32_t agree{};             ///< cells, of the first place
+  double rival{};                   ///< of the second place's score, to the first one's
+  mapping::RelocateVerdict scan{};  ///< of the last place that a scan was held against, or none
+  std::optional<PoseError> placed;  ///< where `scan` is placed
+  mapping::JudgedPlace judged;      ///< by that
+  bool confirmed{};                 ///< a look far enough from this one agrees
+  double ms{};                      ///< of the search, without that of the scan
+  std::uint64_t units{};            ///< of the search
+};
 
 /// One search and what came of it.
 struct RecognitionLook {
@@ -30,12 +45,14 @@ struct RecognitionLook {
   std::optional<PoseError> placed;  ///< where `scan` is placed
   mapping::JudgedPlace judged;      ///< by that
   bool confirmed{};                 ///< a look far enough from this one agrees: a lost robot is placed
+  ImageLook image;
 };
 
 /// A trial: a look about each metre of the way.
 struct RecognitionTrial {
   std::vector<RecognitionLook> looks;
   std::uint32_t targets{};
+  std::uint32_t images{};
   double moved{};
   bool is_kept{};
 };
@@ -51,6 +68,8 @@ struct TrialConfig {
   double second_look_m{6.0};  ///< that part `recognise` asks for, between two places that agree
   mapping::RecogniserConfig recogniser;
   mapping::RelocateConfig judge;
+  bool images{};  ///< the height image of the local map is asked for, too
+  mapping::ImageSearchConfig image_search;
 };
 
 /// Drives through a world, both times with smooth segments in voxels of 0.1 m, true odometry from an origin

@@ -19,23 +19,37 @@ SurfaceMap::SurfaceMap(const RelocateConfig& config)
   memory.check();
 }
 
-bool place_by_scan(const CheckedScan& scan, Recogniser& recogniser, const TargetStore& store,
+bool place_by_scan(const CheckedScan& scan, const FoundPlaces& found, const std::function<void()>& refuse,
                    const std::function<PlaceJudge&()>& surfaces, JudgedPlace& judged) {
-  while (recogniser.verdict() == SetVerdict::found) {
+  for (std::vector<RigidPose> places = found(); !places.empty(); places = found()) {
     PlaceJudge& judge = surfaces();
     if (!judge.begin(scan.sample, scan.q_level_sensor)) return false;
-    for (const SetHypothesis& place : recogniser.found())
-      judge.add(after(pose_of(place.fit.place), scan.T_odom_sensor));
+    for (const RigidPose& place : places) judge.add(after(place, scan.T_odom_sensor));
     std::uint64_t units = kAll;
     (void)judge.run(units, judged);
-    const RigidPose told = after(pose_of(recogniser.found()[0].fit.place), scan.T_odom_sensor);
+    const RigidPose told = after(places[0], scan.T_odom_sensor);
     if (judged.verdict == RelocateVerdict::placed &&
         !are_apart(judged.T_map_sensor, told, kSameMove, kSameTurn))
       return true;
-    recogniser.refuse();
-    (void)recogniser.run(store, units = kAll);
+    refuse();
   }
   return false;
+}
+
+bool place_by_scan(const CheckedScan& scan, Recogniser& recogniser, const TargetStore& store,
+                   const std::function<PlaceJudge&()>& surfaces, JudgedPlace& judged) {
+  const auto found = [&recogniser] {
+    std::vector<RigidPose> places;
+    if (recogniser.verdict() != SetVerdict::found) return places;
+    for (const SetHypothesis& place : recogniser.found()) places.push_back(pose_of(place.fit.place));
+    return places;
+  };
+  const auto refuse = [&] {
+    recogniser.refuse();
+    std::uint64_t units = kAll;
+    (void)recogniser.run(store, units);
+  };
+  return place_by_scan(scan, found, refuse, surfaces, judged);
 }
 
 }  // namespace sortie::bench

@@ -25,9 +25,16 @@ struct CheckedScan {
   rt::Quaternion q_level_sensor;
 };
 
-/// While a place is found: holds the scan against it and the others that sets speak for. One that the scan
-/// refuses is left out, and the search goes on. `surfaces` gives the judge of what is found then. True: the
-/// scan fits where the segments say, and `judged` has where.
+/// T_known_odom of the places that are found, the best one first; none where nothing is found.
+using FoundPlaces = std::function<std::vector<mapping::RigidPose>()>;
+
+/// While a place is found: holds the scan against it and the others that are spoken for. One that the scan
+/// refuses is left out by `refuse`, and the search goes on. `surfaces` gives the judge of what is found then.
+/// True: the scan fits where the first place is, and `judged` has where.
+bool place_by_scan(const CheckedScan& scan, const FoundPlaces& found, const std::function<void()>& refuse,
+                   const std::function<mapping::PlaceJudge&()>& surfaces, mapping::JudgedPlace& judged);
+
+/// The same of what segments say.
 bool place_by_scan(const CheckedScan& scan, mapping::Recogniser& recogniser,
                    const mapping::TargetStore& store, const std::function<mapping::PlaceJudge&()>& surfaces,
                    mapping::JudgedPlace& judged);
