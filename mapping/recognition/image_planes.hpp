@@ -4,6 +4,8 @@
 
 #include <bit>
 #include <cstdint>
+#include <initializer_list>
+#include <iterator>
 
 #include "mapping/recognition/height_image.hpp"
 
