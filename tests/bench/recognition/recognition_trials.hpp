@@ -59,7 +59,7 @@ struct RecognitionTrial {
 
 /// Settings of a robot.
 struct TrialConfig {
-  double radius_m{20.0};      ///< of the local maps
+  double radius_m{20.0};  ///< of the local maps
   rt::Nanoseconds rest_ns{mapping::SegmentWatchConfig{}.rest_ns};
   int every{2};               ///< one in so many scans goes into the map of surfaces
   bool sparse{true};          ///< lidars of few rays, sparse_lidar(); else those of hall_lidar()
