@@ -10,7 +10,7 @@ namespace sortie::planner {
 namespace {
 
 constexpr std::int64_t kParts = 1024;  // of a cell: where a sample lies is a whole number of them
-constexpr double kFarthest_m = 1e5;
+constexpr double kFarthestPose_m = 1e5;
 constexpr double kHighest_m = 1e4;
 
 /// Whole parts of a cell, halves away from zero: the mirror image of a place has the mirrored number.
@@ -91,8 +91,8 @@ Status GroundPatch::fill(const GroundView& view, const GroundPose& pose, const C
       !std::isfinite(spacing) || !std::isfinite(cell) || !std::isfinite(config.step_slope) ||
       !std::isfinite(config.edge_m))
     return Status::not_finite;
-  if (std::fabs(pose.x_m) > kFarthest_m || std::fabs(pose.y_m) > kFarthest_m || cell < 0.01 || cell > 1.0 ||
-      spacing < 0.001 || spacing > 0.75 * cell || view.cell == nullptr)
+  if (std::fabs(pose.x_m) > kFarthestPose_m || std::fabs(pose.y_m) > kFarthestPose_m || cell < 0.01 ||
+      cell > 1.0 || spacing < 0.001 || spacing > 0.75 * cell || view.cell == nullptr)
     return Status::out_of_range;
   spacing_m_ = spacing;
   const rt::SinCos yaw = rt::sincos(pose.yaw_rad);

@@ -11,7 +11,7 @@ namespace sortie::mapping {
 
 namespace {
 
-constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
+constexpr std::uint64_t kBoundChain = 0x9e3779b97f4a7c15;
 constexpr std::int64_t kFarthest = 1 << 29;  // cells of a window that is read, and metres of its level
 constexpr double kHeightParts = 65536.0;     // of a height unit, while a ray is followed
 
@@ -101,7 +101,7 @@ void ElevationMap::follow_ray(const Sensor& sensor, const std::int32_t (&way)[2]
     // Modulo 2^32: a bound below the ray's reach is one of another level, and gives way as none does.
     if (bound - floor > now - floor) {
       bounds_[index] = static_cast<std::int32_t>(now);
-      changes = (changes ^ (std::uint64_t{index} << 32 | now)) * kChain;
+      changes = (changes ^ (std::uint64_t{index} << 32 | now)) * kBoundChain;
       ++lowered;
     }
     const bool along_x = order <= 0;

@@ -9,7 +9,7 @@
 namespace sortie::mapping {
 namespace {
 
-constexpr std::int32_t kStepsOfBlock = 1024;
+constexpr std::int32_t kImageStepsOfBlock = 1024;
 constexpr double kParts = 4294967296.0;  // 2^32
 constexpr std::int64_t kNearCells = 32;
 
@@ -59,7 +59,7 @@ void HeightImager::visit(const RollingGrid& grid, const Block& block) {
     const unsigned cell = lowest(rest);
     const Centroid& c = grid.voxel(block, cell);
     const auto steps = [](std::int32_t blocks, unsigned in_block, std::uint16_t offset) {
-      return std::int64_t{kStepsOfBlock} * blocks + (in_block << 8 | static_cast<unsigned>(offset) >> 8);
+      return std::int64_t{kImageStepsOfBlock} * blocks + (in_block << 8 | static_cast<unsigned>(offset) >> 8);
     };
     // Shifts of whole numbers below zero go down, as a floor does.
     draw(steps(off[0], cell & 3, c.x) * cells_of_step_ >> 32,

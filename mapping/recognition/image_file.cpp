@@ -6,14 +6,14 @@
 namespace sortie::mapping {
 namespace {
 
-constexpr std::size_t kHeadBytes = rt::canonical_size<ImageFileHead>();
+constexpr std::size_t kImageHeadBytes = rt::canonical_size<ImageFileHead>();
 constexpr std::size_t kImageBytes = rt::canonical_size<KeptImage>();
-constexpr std::size_t kCheckBytes = 8;
-static_assert(kHeadBytes == 24 && kImageBytes == 6169);
+constexpr std::size_t kImageCheckBytes = 8;
+static_assert(kImageHeadBytes == 24 && kImageBytes == 6169);
 
 /// No sum overflows: a count has 32 bits.
 std::uint64_t bytes_of(const ImageFileHead& head) {
-  return kHeadBytes + std::uint64_t{kImageBytes} * head.images + kCheckBytes;
+  return kImageHeadBytes + std::uint64_t{kImageBytes} * head.images + kImageCheckBytes;
 }
 
 ImageFileHead head_of(const ImageStore& store) {
@@ -76,7 +76,7 @@ ImageFileResult read_image_head(std::span<const std::uint8_t> bytes) {
   if (head.version != own.version || head.cells != own.cells || head.cell_cm != own.cell_cm)
     return refused(ImageFileFault::version);
   if (bytes_of(head) != bytes.size()) return refused(ImageFileFault::length);
-  const std::size_t body = bytes.size() - kCheckBytes;
+  const std::size_t body = bytes.size() - kImageCheckBytes;
   rt::Archive tail = rt::Archive::reading(bytes.subspan(body));
   std::uint64_t check = 0;
   tail.value(check);
@@ -92,11 +92,11 @@ ImageFileResult load_images(std::span<const std::uint8_t> bytes, ImageStore& sto
     result.fault = ImageFileFault::room;
     return result;
   }
-  rt::Archive archive = rt::Archive::reading(bytes.subspan(kHeadBytes));
+  rt::Archive archive = rt::Archive::reading(bytes.subspan(kImageHeadBytes));
   HeightImage image;
   for (std::uint32_t i = 0; i < result.head.images; ++i) {
     KeptImage one;
-    result.byte = kHeadBytes + archive.bytes();
+    result.byte = kImageHeadBytes + archive.bytes();
     archive.value(one);
     image.floor = one.floor;
     image.low = one.low;

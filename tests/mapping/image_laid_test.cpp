@@ -185,16 +185,23 @@ TEST_CASE("Niches that come again and again are no place, niches that do not are
     REQUIRE(search.run(owned.store, units));
     return search.verdict();
   };
-  std::vector<double> often, seldom;
+  std::vector<double> often;
   for (double at = 2; at < 58; at += 3) {
     often.push_back(at);
     often.push_back(-at);
   }
-  for (double at = 2; at < 57; at += draws.uniform(2.0, 5.5)) seldom.push_back(at);
-  for (double at = 2; at < 57; at += draws.uniform(2.0, 5.5)) seldom.push_back(-at);
   CHECK(ask(niches_along(often, 30), 1.0) != ImageVerdict::found);
   CHECK(ask(niches_along({}, 30), 1.0) != ImageVerdict::found);
-  CHECK(ask(niches_along(seldom, 30), 1.0) == ImageVerdict::found);
+  // Drawn niches may look alike from two places by chance: 1 of 15 does.
+  int found = 0;
+  for (int round = 0; round < 40; ++round) {
+    std::vector<double> seldom;
+    for (const double side : {-1.0, 1.0}) {
+      for (double at = 2; at < 57; at += draws.uniform(2.0, 5.5)) seldom.push_back(side * at);
+    }
+    found += ask(niches_along(seldom, 30), 1.0) == ImageVerdict::found ? 1 : 0;
+  }
+  CHECK(found >= 28);
 }
 
 TEST_CASE("Another corridor of the same size is not found, with as many niches elsewhere") {
