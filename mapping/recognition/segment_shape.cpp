@@ -9,7 +9,7 @@
 
 namespace sortie::mapping {
 namespace {
-constexpr double kStepsOfCell = 256.0;
+constexpr double kShapeStepsOfCell = 256.0;
 constexpr double kLog2 = 0.69314718055994530942;
 constexpr double kSizeSteps = 8.0;  ///< of a square, to a factor of two: 16 of a length
 constexpr double kFillSteps = 8.0;
@@ -74,14 +74,14 @@ SegmentFrame frame_of(const SegmentMoments& m, double voxel_size_m) {
   if (m.count <= 0) return frame;
   const Symmetric3 covariance = covariance_of(m, frame);
   const SymmetricEigen eigen = symmetric_eigen(covariance);
-  const double least_steps = kLeastSpread_m * kStepsOfCell / voxel_size_m;
+  const double least_steps = kLeastSpread_m * kShapeStepsOfCell / voxel_size_m;
   const double least = least_steps * least_steps;
   double l[3], box = 1.0;
   for (int i = 0; i < 3; ++i) {
     l[i] = std::max(eigen.value[2 - i], 0.0);
     frame.size[i] = to_step(kSizeSteps * log2(1.0 + l[i] / least));
     // Of n cells in a row, the variance is (n^2 - 1) / 12.
-    box *= std::sqrt(12.0 * l[i] / (kStepsOfCell * kStepsOfCell) + 1.0);
+    box *= std::sqrt(12.0 * l[i] / (kShapeStepsOfCell * kShapeStepsOfCell) + 1.0);
   }
   frame.fill = to_step(kFull + kFillSteps * log2(static_cast<double>(m.count) / box));
   frame.certain[0] = gap(l[0], l[1], least);
