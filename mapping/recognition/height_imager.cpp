@@ -13,14 +13,14 @@ constexpr std::int32_t kImageStepsOfBlock = 1024;
 constexpr double kParts = 4294967296.0;  // 2^32
 constexpr std::int64_t kNearCells = 32;
 
-std::int64_t whole(double value) { return static_cast<std::int64_t>(rt::floor(value + 0.5)); }
+std::int64_t nearest(double value) { return static_cast<std::int64_t>(rt::floor(value + 0.5)); }
 
 }  // namespace
 
 void HeightImager::begin(const RollingGrid& grid) {
   const double step_m = grid.config().voxel_size_m / 256.0;
-  cells_of_step_ = whole(100.0 * step_m / HeightImage::kCellCm * kParts);
-  cm_of_step_ = whole(100.0 * step_m * kParts);
+  cells_of_step_ = nearest(100.0 * step_m / HeightImage::kCellCm * kParts);
+  cm_of_step_ = nearest(100.0 * step_m * kParts);
   anchor_ = grid.centre();
   image_ = {};
   std::fill(std::begin(voxels_), std::end(voxels_), 0u);
@@ -101,9 +101,9 @@ void HeightImager::level() {
   const std::int64_t sum = heights_[best] + heights_[best + 1] - std::int64_t{kDeepestCm} * count;
   floor_cm_ = static_cast<std::int32_t>((sum + count / 2) / count) + kDeepestCm;
   const double cm_of_block = 1024.0 * static_cast<double>(cm_of_step_) / kParts;
-  image_.middle = {static_cast<std::int32_t>(whole(cm_of_block * anchor_.x)),
-                   static_cast<std::int32_t>(whole(cm_of_block * anchor_.y)),
-                   static_cast<std::int32_t>(whole(cm_of_block * anchor_.z)) + floor_cm_};
+  image_.middle = {static_cast<std::int32_t>(nearest(cm_of_block * anchor_.x)),
+                   static_cast<std::int32_t>(nearest(cm_of_block * anchor_.y)),
+                   static_cast<std::int32_t>(nearest(cm_of_block * anchor_.z)) + floor_cm_};
   stage_ = ImageStage::drawing;
 }
 
