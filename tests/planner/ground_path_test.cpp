@@ -64,7 +64,7 @@ TEST_CASE("ground path: slices of any size give the same ways after as many unit
   }
 }
 
-TEST_CASE("ground path: planning again on a map that grew is planning anew") {
+TEST_CASE("ground path: planning again on a map that grew is planning anew", "[heavy]") {
   int changed = 0;
   for (std::uint32_t n = 0; n < 40; ++n) {
     const std::uint32_t seed = 1300 + n;

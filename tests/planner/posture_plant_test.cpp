@@ -3,6 +3,6 @@
 
 namespace sortie::planner {
 
-TEST_CASE("postures are those that the plant comes to rest in", "[planner][posture]") { judge_rests(1, 120); }
+TEST_CASE("postures are those that the plant comes to rest in", "[heavy]") { judge_rests(1, 120); }
 
 }  // namespace sortie::planner

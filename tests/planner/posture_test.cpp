@@ -137,7 +137,7 @@ TEST_CASE("a cell stands for its middle, and for its upper side where it holds a
   }
 }
 
-TEST_CASE("postures are those of a brute-force search", "[planner][posture]") {
+TEST_CASE("postures are those of a brute-force search", "[heavy]") {
   // Waves: no edges, so that cells lose nothing, and the twin needs none.
   const PostureVehicle vehicle;
   int same = 0, other_rest = 0, count = 0;
