@@ -111,7 +111,8 @@ TwinVerdict judge_elevation(const ElevationMap& map, const tests::ElevationTwin&
 
 }  // namespace
 
-TEST_CASE("elevation: a window that rolls with every job holds what the twin of all returns holds") {
+TEST_CASE("elevation: a window that rolls with every job holds what the twin of all returns holds",
+          "[heavy]") {
   TwinVerdict all;
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);

@@ -234,7 +234,7 @@ TEST_CASE("A score counts cells that agree and cells that do not, as one by one"
   }
 }
 
-TEST_CASE("No turn and no shift is better than what a search finds") {
+TEST_CASE("No turn and no shift is better than what a search finds", "[heavy]") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   Draws draws(seed);

@@ -4,7 +4,8 @@
 
 #include "tests/planner/ground_twin.hpp"
 
-TEST_CASE("ground distance: no motion costs less than what it brings nearer, whatever is known and dear") {
+TEST_CASE("ground distance: no motion costs less than what it brings nearer, whatever is known and dear",
+          "[heavy]") {
   using namespace sortie::planner;
   using namespace sortie::planner::test;
   std::uint64_t motions = 0;

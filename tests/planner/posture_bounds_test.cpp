@@ -7,7 +7,7 @@
 
 namespace sortie::planner {
 
-TEST_CASE("no ground within the bounds of its cells rests outside of the posture's", "[planner][posture]") {
+TEST_CASE("no ground within the bounds of its cells rests outside of the posture's", "[heavy]") {
   BoundsTally tally;
   for (std::uint64_t seed = 1; seed <= 40; ++seed)
     try_bounds(seed, 0.15 * static_cast<double>(seed % 5), seed % 2 == 0 ? 0.02 : 0.1, 20, tally);
