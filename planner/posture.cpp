@@ -62,7 +62,7 @@ std::uint32_t mirrored_parts(std::uint32_t parts) {
 PostureSolver::PostureSolver(const PostureVehicle& vehicle, const PostureConfig& config)
     : usable_(check(vehicle, config)), vehicle_(vehicle), config_(config) {}
 
-Status PostureSolver::look(const GroundView& view, const GroundPose& pose) {
+Status PostureSolver::look(const HeightView& view, const StandPose& pose) {
   if (usable_ != Status::ok) return usable_;
   const Status filled = ground_.fill(view, pose, config_.ground);
   if (filled != Status::ok) return filled;

@@ -60,7 +60,7 @@ class PostureSolver {
 
   /// Takes the ground at a place; rests there need it no more than once. Status: that of GroundPatch::fill(),
   /// or usable().
-  Status look(const GroundView& view, const GroundPose& pose);
+  Status look(const HeightView& view, const StandPose& pose);
 
   /// Pitch and roll that the body has before it settles.
   struct Start {

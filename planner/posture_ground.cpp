@@ -23,10 +23,10 @@ std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b :
 
 }  // namespace
 
-GroundPatch::Heights GroundPatch::use(const GroundCell& cell, double edge_m) const {
+GroundPatch::Heights GroundPatch::use(const HeightCell& cell, double edge_m) const {
   Heights heights;
-  if (cell.state == GroundState::unknown || !(std::fabs(cell.high_m) < kHighest_m)) return heights;
-  const bool known = cell.state == GroundState::known;
+  if (cell.state == HeightState::unknown || !(std::fabs(cell.high_m) < kHighest_m)) return heights;
+  const bool known = cell.state == HeightState::known;
   if (known && !(cell.low_m <= cell.high_m && cell.low_m > -kHighest_m)) return heights;
   heights.high = static_cast<float>(cell.high_m);
   if (!known) return heights;
@@ -84,7 +84,7 @@ GroundPatch::Heights GroundPatch::sample(std::int64_t u, std::int64_t v, double 
   return out;
 }
 
-Status GroundPatch::fill(const GroundView& view, const GroundPose& pose, const Config& config) {
+Status GroundPatch::fill(const HeightView& view, const StandPose& pose, const Config& config) {
   const double cell = view.cell_m;
   const double spacing = config.spacing_m;
   if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) || !std::isfinite(pose.yaw_rad) ||

@@ -11,30 +11,30 @@
 namespace sortie::planner {
 
 /// What is known of a cell's height.
-enum class GroundState : std::uint8_t {
+enum class HeightState : std::uint8_t {
   unknown,        ///< nothing: neither number is looked at
   bounded_above,  ///< no higher than `high_m`: rays passed over it; how deep it is nobody knows
   known,          ///< the ground lies in [low_m, high_m] everywhere in the cell
 };
 
 /// One cell. Heights in the world, m.
-struct GroundCell {
+struct HeightCell {
   double low_m{};
   double high_m{};
-  GroundState state{GroundState::unknown};
+  HeightState state{HeightState::unknown};
 };
 
 /// Whatever holds heights: cell (i, j) covers [i, i + 1) cell_m by [j, j + 1) cell_m of the world. `cell` is
 /// asked for any whole numbers, those beyond the map, too; it must not fail, and answer alike within a call.
-struct GroundView {
-  using Cell = GroundCell (*)(const void* ground, std::int64_t i, std::int64_t j);
+struct HeightView {
+  using Cell = HeightCell (*)(const void* ground, std::int64_t i, std::int64_t j);
   const void* ground{};
   Cell cell{};
   double cell_m{0.05};
 };
 
 /// Where the vehicle shall stand: the body's origin over the world's plane, and its heading.
-struct GroundPose {
+struct StandPose {
   double x_m{};
   double y_m{};
   double yaw_rad{};
@@ -68,7 +68,7 @@ class GroundPatch {
   /// Takes the samples. Status: ok; not_finite: pose, spacing or cell; out_of_range: beyond 100 km, cells
   /// outside 1 cm to 1 m, spacing below 1 mm or above 3/4 of a cell, a view without cells. Nothing is changed
   /// then. A cell that is not finite, upside down or beyond 10 km up or down counts as unknown.
-  Status fill(const GroundView& view, const GroundPose& pose, const Config& config);
+  Status fill(const HeightView& view, const StandPose& pose, const Config& config);
 
   /// The patch of the world's mirror image: left and right change places.
   void mirror();
@@ -94,7 +94,7 @@ class GroundPatch {
     float high{kSkyHigh};
   };
 
-  Heights use(const GroundCell& cell, double edge_m) const;
+  Heights use(const HeightCell& cell, double edge_m) const;
   Heights sample(std::int64_t u, std::int64_t v, double limit_m) const;
 
   using Samples = std::array<float, static_cast<std::size_t>(kColumns) * kRows>;

@@ -55,7 +55,7 @@ Bytes written(const mapping::ImageStore& store) {
 }
 
 /// With the right checksum again.
-Bytes sealed(Bytes bytes) {
+Bytes sealed_images(Bytes bytes) {
   const std::uint64_t check = rt::digest_bytes(bytes.data(), bytes.size() - 8);
   std::memcpy(&bytes[bytes.size() - 8], &check, 8);
   return bytes;
@@ -181,7 +181,7 @@ TEST_CASE("Damaged files of images are refused and leave the store empty") {
   for (int round = 0; round < 200; ++round) {
     Bytes bytes = good;
     for (int i = 0; i < 4; ++i) bytes[any_byte(24)] = static_cast<std::uint8_t>(draws.uniform(0, 256));
-    bytes = sealed(bytes);
+    bytes = sealed_images(bytes);
     if (mapping::load_images(bytes, other.store).fault != ImageFileFault::none) {
       REQUIRE(other.store.images().empty());
     } else {
@@ -215,7 +215,7 @@ TEST_CASE("A file of images is refused with its place and its reason") {
     INFO("byte " << damage.at);
     Bytes bytes = good;
     bytes[damage.at] = damage.value;
-    const mapping::ImageFileResult result = mapping::load_images(sealed(bytes), other.store);
+    const mapping::ImageFileResult result = mapping::load_images(sealed_images(bytes), other.store);
     CHECK(std::string(to_string(result.fault)) == to_string(damage.fault));
     CHECK(result.byte == damage.byte);
     CHECK(other.store.images().empty());

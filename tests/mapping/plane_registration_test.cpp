@@ -13,7 +13,7 @@
 namespace {
 using namespace sortie;
 
-constexpr std::uint64_t kAll = std::uint64_t{1} << 60;
+constexpr std::uint64_t kAllPlanes = std::uint64_t{1} << 60;
 
 std::uint64_t digest_of(const mapping::PlaneRegistrationResult& result) {
   std::uint8_t bytes[rt::canonical_size<mapping::PlaneRegistrationResult>()];
@@ -171,7 +171,7 @@ TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed
   const auto run = [&registration](const mapping::PlaneSet& a, const mapping::PlaneSet& b,
                                    const mapping::PlaneEstimate& e) {
     REQUIRE(registration->begin(a, b, e) == Status::ok);
-    std::uint64_t units = kAll;
+    std::uint64_t units = kAllPlanes;
     REQUIRE(registration->run(units));
     return registration->result();
   };
@@ -203,7 +203,7 @@ TEST_CASE("No planes, one, two, and parallel ones are refused by name, or placed
     (void)raised.push_back(p);
   }
   REQUIRE(lenient->begin(floors, raised, known) == Status::ok);
-  std::uint64_t units = kAll;
+  std::uint64_t units = kAllPlanes;
   REQUIRE(lenient->run(units));
   const mapping::PlaneRegistrationResult& up = lenient->result();
   CHECK(up.verdict == mapping::PlaneVerdict::placed_partly);
@@ -329,7 +329,7 @@ TEST_CASE("A registration makes no heap call") {
     for (const double tilt : {0.01, 0.0}) {
       estimate.sigma_tilt_rad = tilt;
       (void)registration->begin(scene.source, scene.target, estimate);
-      std::uint64_t units = kAll;
+      std::uint64_t units = kAllPlanes;
       (void)registration->run(units);
     }
     calls = scope.calls();

@@ -51,12 +51,12 @@ Vector3 shaken(const Vector3& p, double by_m, testing::Draws& draws) {
           p.z + draws.uniform(-by_m, by_m)};
 }
 
-struct Owned {
+struct OwnedHypotheses {
   std::vector<std::byte> memory;
   rt::Arena arena;
   mapping::SetHypotheses sets;
 
-  explicit Owned(std::uint32_t pairs)
+  explicit OwnedHypotheses(std::uint32_t pairs)
       : memory(std::size_t{pairs} * (pairs / 2 + 700) + 400'000), arena(memory), sets(pairs, arena) {}
 
   SetVerdict ask(const std::vector<SweptPair>& pairs, const SetConfig& config = {}) {
@@ -72,7 +72,7 @@ TEST_CASE("A place is found among wrong correspondences, with all its segments a
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned(1'200);
+  OwnedHypotheses owned(1'200);
   REQUIRE(owned.arena.refused() == 0);
   for (int run = 0; run < 40; ++run) {
     INFO("run " << run);
@@ -103,7 +103,7 @@ TEST_CASE("Two places with the same segments are ambiguous, in all of 1,000") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned(600);
+  OwnedHypotheses owned(600);
   int ambiguous = 0;
   for (int run = 0; run < 1'000; ++run) {
     Scene scene;
@@ -129,7 +129,7 @@ TEST_CASE("What no pose lays is refused, with its reason") {
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned(600);
+  OwnedHypotheses owned(600);
   for (int run = 0; run < 100; ++run) {
     INFO("run " << run);
     Scene mirrored, row, alone;
@@ -168,7 +168,7 @@ TEST_CASE("A set that fills its room is a pose, but nobody knows whether it is t
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned(600);
+  OwnedHypotheses owned(600);
   constexpr std::size_t kMost = mapping::SetHypothesis::kMostPairs;
   for (const std::size_t size : {kMost - 1, kMost + 12}) {
     const LevelPose truth = any_level_pose(draws);
@@ -189,7 +189,7 @@ TEST_CASE("What fewer segments speak for makes no place ambiguous, but is told t
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned(600);
+  OwnedHypotheses owned(600);
   const LevelPose truth = any_level_pose(draws);
   const LevelPose other{truth.yaw + 2.0, truth.x + 300.0, truth.y,
                         truth.z};  // farther off than all else is wide
@@ -217,7 +217,7 @@ TEST_CASE("An answer depends neither on the order of the correspondences nor on 
   const auto seed = std::random_device{}();
   INFO("seed " << seed);
   testing::Draws draws(seed);
-  Owned owned(1'000), other(1'000);
+  OwnedHypotheses owned(1'000), other(1'000);
   for (int run = 0; run < 20; ++run) {
     INFO("run " << run);
     const LevelPose truth = any_level_pose(draws);

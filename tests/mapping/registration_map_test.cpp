@@ -24,7 +24,7 @@ std::vector<std::uint8_t> map_of(const mapping::ScanRegistration& registration) 
 }
 
 /// With a check sum that fits, whatever was changed.
-std::vector<std::uint8_t> sealed(std::vector<std::uint8_t> bytes) {
+std::vector<std::uint8_t> sealed_map(std::vector<std::uint8_t> bytes) {
   const std::uint64_t check = rt::digest_bytes(bytes.data(), bytes.size() - 8);
   for (std::size_t i = 0; i < 8; ++i)
     bytes[bytes.size() - 8 + i] = static_cast<std::uint8_t>(check >> (8 * i));
@@ -119,7 +119,7 @@ TEST_CASE("A kept map that does not fit is refused by name, and leaves no surfel
   const auto changed = [&good](auto change) {
     std::vector<std::uint8_t> bytes = good;
     change(bytes);
-    return sealed(bytes);
+    return sealed_map(bytes);
   };
   CHECK(refused(good).fault == SurfelMapFault::none);
   CHECK(refused({}).fault == SurfelMapFault::no_map);

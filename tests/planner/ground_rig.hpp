@@ -194,4 +194,19 @@ inline GroundPose draw_pose(const OwnedGround& g, std::mt19937& random, std::int
   return pose;
 }
 
+inline std::vector<GroundPose> poses_of(std::span<const GroundStep> way) {
+  std::vector<GroundPose> poses;
+  for (const GroundStep& step : way) poses.push_back(step.pose);
+  return poses;
+}
+
+// A hall of carrying ground with a wall across it, whose gap is at the top.
+inline void build_wall(OwnedGround& g) {
+  g.fill(0, 0, g.config.nx, g.config.ny, GroundState::carries);
+  g.fill(16, 0, 17, g.config.ny - 8, GroundState::blocked);
+}
+
+inline constexpr GroundPose kWest{6, 8, 0, 0};
+inline constexpr GroundPose kEast{28, 8, 0, 0};
+
 }  // namespace sortie::planner::test

@@ -51,10 +51,10 @@ TEST_CASE("Postures and their bounds make no heap call after construction") {
     WARN("skipped: no heap trap under a sanitizer");
     return;
   }
-  const planner::GroundView steps{nullptr,
+  const planner::HeightView steps{nullptr,
                                   [](const void*, std::int64_t i, std::int64_t j) {
                                     const double high = i % 7 == 0 && j % 3 != 0 ? 0.1 : 0.0;
-                                    return planner::GroundCell{0.0, high, planner::GroundState::known};
+                                    return planner::HeightCell{0.0, high, planner::HeightState::known};
                                   },
                                   0.05};
   const auto solver =

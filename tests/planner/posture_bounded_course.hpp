@@ -13,7 +13,7 @@ struct BoundedCourse {
   double share{}, width_m{};
   std::uint64_t seed{}, sample{};
 
-  static GroundCell cell(const void* ground, std::int64_t i, std::int64_t j) {
+  static HeightCell cell(const void* ground, std::int64_t i, std::int64_t j) {
     const auto& self = *static_cast<const BoundedCourse*>(ground);
     const double middle = BoxCourse::cell(self.course, i, j).high_m;
     const auto place = static_cast<std::uint64_t>((i + 5000) * 10'000 + j + 5000);
@@ -23,12 +23,12 @@ struct BoundedCourse {
       low -= self.width_m * bounds.uniform();
       high += self.width_m * bounds.uniform();
     }
-    if (self.sample == 0) return {low, high, GroundState::known};
+    if (self.sample == 0) return {low, high, HeightState::known};
     hil::Random drawn(self.seed * 1'000'003 + place, 1 + self.sample);
     const double h = drawn.chance(0.5) ? (drawn.chance(0.5) ? low : high) : drawn.uniform(low, high);
-    return {h, h, GroundState::known};
+    return {h, h, HeightState::known};
   }
-  GroundView view() const { return {this, &BoundedCourse::cell, 0.05}; }
+  HeightView view() const { return {this, &BoundedCourse::cell, 0.05}; }
 };
 
 }  // namespace sortie::planner

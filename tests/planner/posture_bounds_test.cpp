@@ -48,7 +48,7 @@ TEST_CASE("bounds where nothing is known say so, and a hole that may be one is t
   const auto bounder = std::make_unique<PostureBounder>();
   PostureBounds b;
   CHECK(bounder->bound(*solver, {}, 1024, b) == Status::empty);
-  const GroundView nothing{nullptr, [](const void*, std::int64_t, std::int64_t) { return GroundCell{}; },
+  const HeightView nothing{nullptr, [](const void*, std::int64_t, std::int64_t) { return HeightCell{}; },
                            0.05};
   REQUIRE(solver->look(nothing, {}) == Status::ok);
   REQUIRE(bounder->bound(*solver, {}, 1024, b) == Status::ok);
@@ -56,10 +56,10 @@ TEST_CASE("bounds where nothing is known say so, and a hole that may be one is t
   CHECK(b.pitch_rad.high == 0.0);
   CHECK(bounder->bound(*solver, {}, 5, b) == Status::out_of_range);
   // Ahead of the middle the ground is bounded from above alone: the nose may go down as far as is looked at.
-  const GroundView cliff{
+  const HeightView cliff{
       nullptr,
       [](const void*, std::int64_t i, std::int64_t) {
-        return GroundCell{0.0, 0.0, i < -3 ? GroundState::known : GroundState::bounded_above};
+        return HeightCell{0.0, 0.0, i < -3 ? HeightState::known : HeightState::bounded_above};
       },
       0.05};
   REQUIRE(solver->look(cliff, {}) == Status::ok);

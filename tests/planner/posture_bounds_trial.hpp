@@ -22,7 +22,7 @@ inline void try_bounds(std::uint64_t seed, double share, double width_m, int sam
   const BoxCourse course = random_course(kCourseFamilies[seed % 5], random);
   FlipperSet flippers;
   for (double& angle : flippers.angle_rad) angle = random.uniform(-0.6, 1.2);
-  const GroundPose pose{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-3, 3)};
+  const StandPose pose{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-3, 3)};
   BoundedCourse ground{&course, share, width_m, seed, 0};
   REQUIRE(solver->look(ground.view(), pose) == Status::ok);
   PostureBounds bounds;

@@ -50,7 +50,7 @@ struct BoxCourse {
   }
 
   /// Least and most height in a cell, of 4 x 4 places: what a perfect map would hold.
-  static GroundCell cell(const void* course, std::int64_t i, std::int64_t j) {
+  static HeightCell cell(const void* course, std::int64_t i, std::int64_t j) {
     const auto& self = *static_cast<const BoxCourse*>(course);
     double low = 1e9, high = -1e9;
     for (int k = 0; k < 16; ++k) {
@@ -59,10 +59,10 @@ struct BoxCourse {
       low = std::min(low, h);
       high = std::max(high, h);
     }
-    return {low, high, GroundState::known};
+    return {low, high, HeightState::known};
   }
 
-  GroundView view() const { return {this, &BoxCourse::cell, cell_m}; }
+  HeightView view() const { return {this, &BoxCourse::cell, cell_m}; }
 
   void build(hil::PlantScene& scene) const {
     (void)scene.add_half_space({0, 0, 1}, {0, 0, 0});

@@ -17,13 +17,13 @@ struct FormulaGround {
   std::function<double(double x, double y)> height;
   double cell_m{0.05};
 
-  static GroundCell cell(const void* ground, std::int64_t i, std::int64_t j) {
+  static HeightCell cell(const void* ground, std::int64_t i, std::int64_t j) {
     const auto& self = *static_cast<const FormulaGround*>(ground);
     const double h = self.height((static_cast<double>(i) + 0.5) * self.cell_m,
                                  (static_cast<double>(j) + 0.5) * self.cell_m);
-    return {h, h, GroundState::known};
+    return {h, h, HeightState::known};
   }
-  GroundView view() const { return {this, &FormulaGround::cell, cell_m}; }
+  HeightView view() const { return {this, &FormulaGround::cell, cell_m}; }
 };
 
 /// The underside as a cloud of points, 4 degrees apart on rims and 2 cm along the runs: body axes.
@@ -72,7 +72,7 @@ struct LetDown {
 };
 
 inline LetDown let_down(const FormulaGround& ground, const std::vector<rt::Vector3>& points,
-                        const rt::Vector3& com, const GroundPose& pose, double pitch_rad, double roll_rad) {
+                        const rt::Vector3& com, const StandPose& pose, double pitch_rad, double roll_rad) {
   const rt::RotationMatrix turn = rt::to_matrix(rt::from_yaw_pitch_roll(pose.yaw_rad, pitch_rad, roll_rad));
   LetDown down{-1e9, 0.0};
   for (const rt::Vector3& point : points) {
@@ -85,7 +85,7 @@ inline LetDown let_down(const FormulaGround& ground, const std::vector<rt::Vecto
 
 /// Follows the centre of mass down from a tilt, by ever smaller steps, to 0.0002 rad.
 inline void descend(const FormulaGround& ground, const std::vector<rt::Vector3>& points,
-                    const rt::Vector3& com, const GroundPose& pose, double step_rad, double& pitch_rad,
+                    const rt::Vector3& com, const StandPose& pose, double step_rad, double& pitch_rad,
                     double& roll_rad) {
   double best = let_down(ground, points, com, pose, pitch_rad, roll_rad).com_m;
   while (step_rad > 2e-4) {

@@ -17,7 +17,7 @@ namespace sortie::planner {
 /// A plant that was put down and has come to rest, or not.
 struct PlantRest {
   bool rests{};
-  GroundPose pose;
+  StandPose pose;
   FlipperSet flippers;
   double pitch_rad{}, roll_rad{}, height_m{};
   double seconds{};

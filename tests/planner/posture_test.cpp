@@ -18,7 +18,7 @@ std::unique_ptr<PostureSolver> posture_solver() {
   return solver;
 }
 
-Posture posture_on(const FormulaGround& ground, const GroundPose& pose, const FlipperSet& flippers) {
+Posture posture_on(const FormulaGround& ground, const StandPose& pose, const FlipperSet& flippers) {
   const auto solver = posture_solver();
   REQUIRE(solver->look(ground.view(), pose) == Status::ok);
   Posture posture;
@@ -124,9 +124,9 @@ TEST_CASE("a cell stands for its middle, and for its upper side where it holds a
   for (const double wide : {0.02, 0.06, 0.12, 0.3}) {
     static double span;
     span = wide;
-    const GroundView view{nullptr,
+    const HeightView view{nullptr,
                           [](const void*, std::int64_t, std::int64_t) {
-                            return GroundCell{0.0, span, GroundState::known};
+                            return HeightCell{0.0, span, HeightState::known};
                           },
                           0.05};
     const auto solver = posture_solver();
@@ -158,7 +158,7 @@ TEST_CASE("postures are those of a brute-force search", "[heavy]") {
     }};
     FlipperSet flippers;
     for (double& angle : flippers.angle_rad) angle = random.uniform(-0.4, 1.2);
-    const GroundPose pose{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-3, 3)};
+    const StandPose pose{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-3, 3)};
     const Posture p = posture_on(ground, pose, flippers);
     INFO("seed " << seed);
     CHECK(p.rest == Rest::stands);
@@ -199,7 +199,7 @@ TEST_CASE("postures are those of a brute-force search", "[heavy]") {
 TEST_CASE("a mirrored world gives the mirrored posture to the last bit", "[planner][posture]") {
   struct Mirrored {
     const BoxCourse* course;
-    static GroundCell cell(const void* m, std::int64_t i, std::int64_t j) {
+    static HeightCell cell(const void* m, std::int64_t i, std::int64_t j) {
       return BoxCourse::cell(static_cast<const Mirrored*>(m)->course, i, -1 - j);
     }
   };
@@ -211,7 +211,7 @@ TEST_CASE("a mirrored world gives the mirrored posture to the last bit", "[plann
     for (double& angle : flippers.angle_rad) angle = random.uniform(-0.6, 1.2);
     const double* a = flippers.angle_rad;
     const FlipperSet exchanged{{a[1], a[0], a[3], a[2]}};
-    const GroundPose pose{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-3, 3)};
+    const StandPose pose{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-3, 3)};
     Posture p, q;
     REQUIRE(solver->look(course.view(), pose) == Status::ok);
     REQUIRE(solver->rest(flippers, p) == Status::ok);
@@ -235,12 +235,12 @@ TEST_CASE("what nobody knows gives no posture, and what is no number a status", 
   const auto solver = posture_solver();
   Posture p;
   CHECK(solver->rest(kFolded, p) == Status::empty);
-  for (const GroundState state : {GroundState::unknown, GroundState::bounded_above}) {
-    static GroundState said;
+  for (const HeightState state : {HeightState::unknown, HeightState::bounded_above}) {
+    static HeightState said;
     said = state;
-    const GroundView view{nullptr,
+    const HeightView view{nullptr,
                           [](const void*, std::int64_t, std::int64_t) {
-                            return GroundCell{0, 0, said};
+                            return HeightCell{0, 0, said};
                           },
                           0.05};
     REQUIRE(solver->look(view, {}) == Status::ok);

@@ -4,7 +4,6 @@
 // elevation` runs it and shows the tables.
 #include <algorithm>
 #include <memory>
-#include <stdexcept>
 
 #include "rt/posix/clock.hpp"
 #include "tests/bench/elevation/peer_filter.hpp"
@@ -173,18 +172,8 @@ constexpr BenchPart<ElevationSettings> kParts[] = {{"scan", measure_scans}, {"sw
 int run(int argc, char** argv) {
   ElevationSettings settings;
   std::string only;
-  for (int i = 1; i < argc; i += 2) {
-    const std::string option = argv[i];
-    const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
-    if (option == "--seed")
-      settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
-    else if (option == "--way")
-      settings.way_m = number("--way", value, 1, 20);
-    else if (option == "--only" && value != nullptr)
-      only = value;
-    else
-      throw std::invalid_argument("unknown option " + option);
-  }
+  read_arguments(argc, argv,
+                 {{"--seed", settings.seed, 0, 1e9}, {"--way", settings.way_m, 1, 20}, {"--only", only}});
   print_parts<ElevationSettings>(kParts, settings, only,
                                  {{"seed", settings.seed}, {"way_m", settings.way_m}});
   return 0;

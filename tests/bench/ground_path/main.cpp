@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-ground-path: plans ways over the ground of drawn halls beside OMPL and exhaustive search and
 // prints one JSON object.
-#include <stdexcept>
-
 #include "tests/bench/ground_path/ground_parts.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/parts.hpp"
@@ -18,20 +16,11 @@ constexpr BenchPart<GroundSettings> kGroundParts[] = {{"peers", measure_ground_p
 int run_ground(int argc, char** argv) {
   GroundSettings settings;
   std::string only;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    const char* value = ++i < argc ? argv[i] : nullptr;
-    if (option == "--maps")
-      settings.maps = static_cast<std::uint64_t>(number("--maps", value, 1, 1000));
-    else if (option == "--seed")
-      settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
-    else if (option == "--seconds")
-      settings.seconds = number("--seconds", value, 0.1, 1000);
-    else if (option == "--only" && value != nullptr)
-      only = value;
-    else
-      throw std::invalid_argument("unknown option " + option);
-  }
+  read_arguments(argc, argv,
+                 {{"--maps", settings.maps, 1, 1000},
+                  {"--seed", settings.seed, 0, 1e9},
+                  {"--seconds", settings.seconds, 0.1, 1000},
+                  {"--only", only}});
   print_parts<GroundSettings>(
       kGroundParts, settings, only,
       {{"maps", settings.maps}, {"seed", settings.seed}, {"seconds", settings.seconds}});

@@ -38,16 +38,16 @@ void time_postures(PostureSolver& solver, double cell_m, std::uint64_t seed, int
       planner::BoxCourse course = planner::random_course(family, random);
       course.cell_m = cell_m;
       // Cells are looked up, not computed: a map is there already.
-      std::vector<planner::GroundCell> cells(200 * 200);
+      std::vector<planner::HeightCell> cells(200 * 200);
       for (int n = 0; n < 200 * 200; ++n)
         cells[static_cast<std::size_t>(n)] = planner::BoxCourse::cell(&course, n % 200 - 100, n / 200 - 100);
-      const planner::GroundView view{cells.data(),
+      const planner::HeightView view{cells.data(),
                                      [](const void* ground, std::int64_t i, std::int64_t j) {
-                                       const auto* all = static_cast<const planner::GroundCell*>(ground);
+                                       const auto* all = static_cast<const planner::HeightCell*>(ground);
                                        return all[(j + 100) * 200 + i + 100];
                                      },
                                      cell_m};
-      const planner::GroundPose pose{0.0, 0.0, random.uniform(-3.0, 3.0)};
+      const planner::StandPose pose{0.0, 0.0, random.uniform(-3.0, 3.0)};
       planner::Posture posture;
       planner::FlipperSet flippers;
       const rt::Nanoseconds begin = rt::posix::thread_cpu_now();

@@ -29,7 +29,7 @@ void measure_posture_bounds(const PostureSettings& settings, Report& report) {
         const BoxCourse course = random_course(kCourseFamilies[seed % 5], random);
         FlipperSet flippers;
         for (double& angle : flippers.angle_rad) angle = random.uniform(-0.6, 1.2);
-        const GroundPose pose{0.0, 0.0, random.uniform(-3.0, 3.0)};
+        const StandPose pose{0.0, 0.0, random.uniform(-3.0, 3.0)};
         BoundedCourse ground{&course, share, 0.04, seed, 0};
         PostureBounds b;
         if (solver->look(ground.view(), pose) != Status::ok) throw std::runtime_error("posture: no look");

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // sortie-bench-posture: postures on ground of cells beside the plant at rest, their error over run time, and
 // how wide their bounds are. Prints one JSON object; `sortie bench posture` runs it and shows the tables.
-#include <stdexcept>
-
 #include "tests/bench/posture/posture_parts.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/parts.hpp"
@@ -16,18 +14,8 @@ constexpr BenchPart<PostureSettings> kPostureParts[] = {
 int run(int argc, char** argv) {
   PostureSettings settings;
   std::string only;
-  for (int i = 1; i < argc; i += 2) {
-    const std::string option = argv[i];
-    const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
-    if (option == "--cases")
-      settings.cases = static_cast<int>(number("--cases", value, 1, 1e6));
-    else if (option == "--seed")
-      settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
-    else if (option == "--only" && value != nullptr)
-      only = value;
-    else
-      throw std::invalid_argument("unknown option " + option);
-  }
+  read_arguments(argc, argv,
+                 {{"--cases", settings.cases, 1, 1e6}, {"--seed", settings.seed, 0, 1e9}, {"--only", only}});
   print_parts<PostureSettings>(kPostureParts, settings, only,
                                {{"cases", settings.cases}, {"seed", settings.seed}});
   return 0;

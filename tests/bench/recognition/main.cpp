@@ -3,8 +3,6 @@
 // descriptors beside seven features; places beside SOLiD and density images; places that are told where there
 // is none, and those that are, on recorded ways, too. Prints one JSON object; `sortie bench recognition` runs
 // it and shows the tables.
-#include <stdexcept>
-
 #include "tests/bench/recognition/recognition_parts.hpp"
 #include "tests/bench/report/arguments.hpp"
 #include "tests/bench/report/parts.hpp"
@@ -25,20 +23,11 @@ int run(int argc, char** argv) {
   RecognitionSettings settings;
   settings.data = SORTIE_DATA_DIR;
   std::string only;
-  for (int i = 1; i < argc; i += 2) {
-    const std::string option = argv[i];
-    const char* value = i + 1 < argc ? argv[i + 1] : nullptr;
-    if (option == "--cases")
-      settings.cases = static_cast<int>(number("--cases", value, 1, 1e6));
-    else if (option == "--seed")
-      settings.seed = static_cast<std::uint64_t>(number("--seed", value, 0, 1e9));
-    else if (option == "--data" && value != nullptr)
-      settings.data = value;
-    else if (option == "--only" && value != nullptr)
-      only = value;
-    else
-      throw std::invalid_argument("unknown option " + option);
-  }
+  read_arguments(argc, argv,
+                 {{"--cases", settings.cases, 1, 1e6},
+                  {"--seed", settings.seed, 0, 1e9},
+                  {"--data", settings.data},
+                  {"--only", only}});
   print_parts<RecognitionSettings>(kRecognitionParts, settings, only,
                                    {{"cases", settings.cases}, {"seed", settings.seed}});
   return 0;

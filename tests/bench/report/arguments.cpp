@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/bench/report/arguments.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -16,6 +17,17 @@ double number(const char* option, const char* text, double low, double high) {
                                 std::to_string(high));
   }
   return value;
+}
+
+void read_arguments(int argc, char** argv, std::initializer_list<Argument> known) {
+  for (int i = 1; i < argc; i += 2) {
+    const std::string option = argv[i];
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&option](const Argument& argument) { return option == argument.name; });
+    if (found == known.end()) throw std::invalid_argument("unknown option " + option);
+    if (i + 1 == argc) throw std::invalid_argument(option + " needs a value");
+    found->take(argv[i + 1]);
+  }
 }
 
 int guarded_main(const char* program, const std::function<int()>& run) {

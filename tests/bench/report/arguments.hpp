@@ -3,12 +3,30 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <string>
 
 namespace sortie::bench {
 
 /// The number after an option. Throws std::invalid_argument with the range where there is none in it.
 double number(const char* option, const char* text, double low, double high);
+
+/// An option that has a value, and where that goes.
+struct Argument {
+  const char* name;
+  std::function<void(const char*)> take;
+  Argument(const char* option, std::string& text)
+      : name(option), take([&text](const char* value) { text = value; }) {}
+  /// A number from `low` to `high`; what is written behind the point of a whole one is dropped.
+  template <class Number>
+  Argument(const char* option, Number& into, double low, double high)
+      : name(option), take([option, &into, low, high](const char* value) {
+          into = static_cast<Number>(number(option, value, low, high));
+        }) {}
+};
+
+/// Options with a value each, in any order. Throws std::invalid_argument where one is not known or has none.
+void read_arguments(int argc, char** argv, std::initializer_list<Argument> known);
 
 /// Runs a benchmark's main and turns what it throws into a line on stderr: exit code 2 for arguments, 3 for
 /// the rest.
