@@ -29,15 +29,18 @@ Status check(const PostureVehicle& v, const PostureConfig& c) {
     if (!std::isfinite(value)) return Status::not_finite;
   for (const double value : sizes)
     if (!(value > 0.0 && value < 1e6)) return Status::out_of_range;
+  // No point of the vehicle is farther from its origin than samples reach.
+  const double reach_m = c.ground.spacing_m * GroundPatch::kHalfColumns;
+  for (const double place : {p.axle_m, p.pivot_z_m, p.com_x_m, p.com_z_m, v.belly_z_m, v.flipper_com_m})
+    if (!(std::fabs(place) <= reach_m)) return Status::out_of_range;
+  if (!(c.gravity_m_s2 > 0.0 && c.gravity_m_s2 < 1e3)) return Status::out_of_range;
   if (v.flipper_mass_kg < 0.0 || 4.0 * v.flipper_mass_kg > v.mass_kg || !(v.belly_rear_m < v.belly_front_m) ||
       std::fabs(p.pivot_radius_m - p.tip_radius_m) >= p.flipper_m || c.sweeps < 1 || c.sweeps > 32)
     return Status::out_of_range;
   const double ahead = std::max({p.pivot_x_m + p.flipper_m + p.tip_radius_m, p.half_length_m + p.radius_m,
                                  v.belly_front_m, -v.belly_rear_m});
   const double aside = std::max(v.flipper_y_m + v.flipper_width_m, p.half_width_m + v.track_width_m);
-  if (ahead > c.ground.spacing_m * GroundPatch::kHalfColumns ||
-      aside > c.ground.spacing_m * GroundPatch::kHalfRows)
-    return Status::out_of_range;
+  if (ahead > reach_m || aside > c.ground.spacing_m * GroundPatch::kHalfRows) return Status::out_of_range;
   return Status::ok;
 }
 

@@ -11,8 +11,8 @@ namespace sortie::planner {
 
 /// What is known of a rest.
 enum class Rest : std::uint8_t {
-  stands,   ///< the centre of mass lies over what carries it
-  tips,     ///< nothing carries it at less than 1.2 rad: it goes over
+  stands,   ///< the last sweep found the centre of mass over what carries it: sure where settled_rad is small
+  tips,     ///< nothing carried it in the last sweep, or it came to 1.2 rad: it goes over
   unknown,  ///< so much ground is missing that no number can be given; all of them are 0
 };
 
@@ -22,12 +22,12 @@ struct Posture {
   double pitch_rad{};
   double roll_rad{};
   double height_m{};         ///< of the body's origin, in the world
-  double clearance_m{};      ///< least, under the belly; 0 where it carries
+  double clearance_m{};      ///< least, under the belly; 0 where it carries, or all there is unknown
   double margin_m{};         ///< from the centre of mass to the nearest edge of what carries, level
   double tip_energy_j{};     ///< least work that takes it over an edge
   std::uint32_t parts{};     ///< bit i: rt::VehiclePart i touches
-  std::uint32_t contacts{};  ///< samples of the ground that touch
-  double unknown_share{};    ///< of the samples under it, that have no height
+  std::uint32_t contacts{};  ///< corners of the lower side that touch
+  double unknown_share{};    ///< of the samples under it where it starts, that have no height
   double settled_rad{};      ///< what the last sweep still turned: large where two rests are at odds
 };
 
@@ -69,8 +69,8 @@ class PostureSolver {
   };
 
   /// The rest at the place that was looked at. Status: ok, also where it tips or nothing is known;
-  /// not_finite: an angle; out_of_range: beyond 100 rad; empty before the first look. Nothing is written
-  /// then.
+  /// not_finite: an angle; out_of_range: beyond 100 rad, a start beyond 1.2; empty before the first look.
+  /// Nothing is written then.
   Status rest(const FlipperSet& flippers, const Start& start, Posture& posture);
   Status rest(const FlipperSet& flippers, Posture& posture) { return rest(flippers, {0.0, 0.0}, posture); }
 

@@ -13,7 +13,7 @@ constexpr int kCoarse =
     14;  // boxes along pitch, and along roll, at first: wider ones are hardly ever thrown out
 constexpr double kFinest_rad = 0.003;  // half a box: no box is cut below it
 constexpr double kNothing_m = -1e9;
-constexpr double kKnown_m = 1e3;  // no lift is as large where the ground is bounded
+constexpr double kKnown_m = 2e4;  // no lift is as large where the ground is bounded: heights end at 1e4
 
 /// The lower side of a slice over a box of tilts: how much each of its points moves, and what that leaves.
 struct BoxedSlice {
@@ -146,6 +146,7 @@ PostureBounder::Verdict PostureBounder::try_box(const Outline& outline, const Gr
   verdict.least_m = kNothing_m;
   double belly = kNothing_m;
   stretches_.clear();
+  bool all_fit = true;
   for (std::uint32_t index = 0; index < kOutlineSlices; ++index) {
     const BoxedSlice slice(outline[index], tilt, half);
     const auto first = static_cast<int>(rt::floor(slice.begin() / spacing));
@@ -159,7 +160,7 @@ PostureBounder::Verdict PostureBounder::try_box(const Outline& outline, const Gr
         const double middle = x - 0.5 * spacing;
         const double most = std::max(before, here.high) - slice.lowest(middle, 0.5 * spacing);
         const Range y = slice.across(middle, 0.5 * spacing);
-        (void)stretches_.push_back({middle, 0.5 * (y.low + y.high), 0.5 * (y.high - y.low), most});
+        all_fit &= stretches_.push_back({middle, 0.5 * (y.low + y.high), 0.5 * (y.high - y.low), most});
         if (outline[index].part == rt::VehiclePart::body) belly = std::max(belly, most);
       }
       before = here.high;
@@ -184,7 +185,8 @@ PostureBounder::Verdict PostureBounder::try_box(const Outline& outline, const Gr
       if (along[k] <= off) sides |= 2u << (2 * k);
     }
   }
-  verdict.possible = sides == 0xffu;
+  verdict.possible = sides == 0xffu || !all_fit;
+  if (!all_fit) verdict.most_m = static_cast<double>(GroundPatch::kSkyHigh);
   verdict.clearance_m = std::max(0.0, verdict.least_m - belly);
   return verdict;
 }
@@ -217,6 +219,11 @@ Status PostureBounder::bound(const PostureSolver& solver, const FlipperSet& flip
       height = {std::min(height.low, verdict.least_m), std::max(height.high, verdict.most_m)};
       clearance = std::min(clearance, verdict.clearance_m);
       boxes_[kept++] = box;
+    }
+    if (kept == 0) {  // no number of a coarser level stays
+      const std::uint32_t units_before = bounds.units;
+      bounds = {};
+      bounds.units = units_before;
     }
     bounds.units += count;
     bounds.rests = kept > 0;

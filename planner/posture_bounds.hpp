@@ -15,10 +15,11 @@ struct Range {
   double high{};
 };
 
-/// All rests that any ground within the cells' bounds allows lie in here; not all that lies in here is one.
+/// All rests within 0.7 rad of pitch and of roll that any ground within the cells' bounds allows lie in here;
+/// not all that lies in here is one. Of steeper ones nothing is said.
 struct PostureBounds {
   bool bounded{};  ///< false: so little is known that a rest at every tilt is possible; no number then
-  bool rests{};    ///< false: no ground within the bounds carries it within 0.7 rad: it tips for certain
+  bool rests{};    ///< false: no ground within the bounds carries it within 0.7 rad; no number then
   bool may_tip{};  ///< a rest at the end of the tilts looked at, 0.7 rad, is possible
   Range pitch_rad;
   Range roll_rad;

@@ -49,12 +49,16 @@ void weigh_support(const PostureConfig& config, const Outline& outline, const Li
                    const rt::Vector3& com_m, double mass_kg, Posture& posture) {
   double origin = lifts[0].lift_m;
   for (const Lift& lift : lifts) origin = std::max(origin, lift.lift_m);
-  double clearance = GroundPatch::kHalfColumns;
+  bool has_clearance = false;
+  double clearance = 0.0;
   const Lift* end[kOutlineSlices][2]{};
   for (const Lift& lift : lifts) {
     const double gap = origin - lift.lift_m;
     const rt::VehiclePart part = outline[lift.slice].part;
-    if (part == rt::VehiclePart::body) clearance = std::min(clearance, gap);
+    if (part == rt::VehiclePart::body) {
+      clearance = has_clearance ? std::min(clearance, gap) : gap;
+      has_clearance = true;
+    }
     if (gap > config.touch_m) continue;
     ++posture.contacts;
     posture.parts |= 1u << static_cast<unsigned>(part);

@@ -42,7 +42,17 @@ Surface mean(const Surface& a, const Surface& b, std::uint16_t most_weight) {
 // One where two were. A ceiling is as low as its lowest part; of other surfaces the mean.
 Surface united(const Surface& low, const Surface& high, std::uint16_t most_weight) {
   Surface one = mean(low, high, most_weight);
-  if (one.flags == kSeenFromBelow) one.height = low.height;
+  if ((one.flags & ~kFilled) == kSeenFromBelow) one.height = low.height;
+  return one;
+}
+
+// The same of two that do not belong together: something may be anywhere between them.
+Surface filled(const Surface& low, const Surface& high, std::uint16_t most_weight) {
+  Surface one = united(low, high, most_weight);
+  const std::int64_t apart = std::int64_t{high.height} - low.height;
+  const std::int64_t of_spread = 4 * (kNineVariances / 9) / std::max<std::int64_t>(1, apart * apart);
+  one.weight = static_cast<std::uint16_t>(std::clamp<std::int64_t>(of_spread, 1, one.weight));
+  one.flags |= kFilled;
   return one;
 }
 
@@ -86,14 +96,18 @@ void unite_five(ElevationCell& cell, const Surface (&five)[ElevationCell::kSurfa
   for (std::uint32_t i = 0; i < kPairs; ++i) {
     std::int64_t price = std::int64_t{five[i + 1].height} - five[i].height;
     if (i == 0 || i + 1 == kPairs) price += kOuter;
-    if (five[i].flags != five[i + 1].flags) price += kOther;
+    if (((five[i].flags ^ five[i + 1].flags) & ~kFilled) != 0) price += kOther;
     if (price >= least) continue;
     least = price;
     best = i;
   }
+  Surface one = filled(five[best], five[best + 1], most_weight);
+  // The foot and the top of what was seen stay where they are.
+  if (best == 0) one.height = five[0].height;
+  if (best + 1 == kPairs) one.height = five[kPairs].height;
   for (std::uint32_t i = 0; i < kPairs; ++i) {
     if (i == best) {
-      put(cell, i, united(five[i], five[i + 1], most_weight));
+      put(cell, i, one);
     } else {
       put(cell, i, five[i < best ? i : i + 1]);
     }
@@ -124,7 +138,13 @@ SurfaceChange take_height(ElevationCell& cell, std::int32_t height, std::uint16_
   }
   const Surface fresh{height, std::min(weight, rule.most_weight), flags};
   if (n > 0 && joins(least, cell.weight[nearest], fresh.weight, rule)) {
+    const std::int32_t before = cell.height[nearest];
     put(cell, nearest, mean(surface_of(cell, nearest), fresh, rule.most_weight));
+    // One that stands for several takes in what lies far off: as foot or top it does not give way to that.
+    if ((cell.flags[nearest] & kFilled) != 0) {
+      if (nearest == 0) cell.height[0] = std::min(cell.height[0], before);
+      if (nearest + 1 == n) cell.height[nearest] = std::max(cell.height[nearest], before);
+    }
     return unite_close(cell, nearest, rule) ? SurfaceChange::merged : SurfaceChange::joined;
   }
   Surface five[ElevationCell::kSurfaces + 1];

@@ -13,6 +13,7 @@ enum SurfaceFlags : std::uint8_t {
   kSeenFromAbove = 1u,  ///< by a ray that went down or level
   kSeenFromBelow = 2u,  ///< by a ray that went up: a ceiling, but also a ramp that is higher than the sensor
   kFelt = 4u,           ///< something of the robot stands on it
+  kFilled = 8u,         ///< several surfaces in one, for want of room: no gap in the cell is known to be free
 };
 
 /// One cell, 32 bytes. Its surfaces stand in order from the lowest; those with weight 0 are not there.
@@ -63,8 +64,8 @@ void age(ElevationCell& cell, std::uint32_t variance);
 /// Takes a height with its weight (1 or more) into an aged cell. It joins the nearest surface if it lies
 /// within `join`, or within three standard deviations of both: a Kalman step in whole numbers. Otherwise it
 /// is a surface of its own. Two surfaces that came closer than half of `join` become one. Where a fifth
-/// comes, the closest two of one kind become one; the lowest and the highest stay as long as others can.
-/// Cost: about 10 ns; no memory.
+/// comes, the closest two of one kind become one that is kFilled and no surer than they were apart; the
+/// lowest and the highest stay as long as others can. Cost: about 10 ns; no memory.
 SurfaceChange take_height(ElevationCell& cell, std::int32_t height, std::uint16_t weight, std::uint8_t flags,
                           const SurfaceRule& rule);
 

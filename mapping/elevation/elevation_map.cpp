@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFarthestCell = 268435456.0;  // 2^28
 constexpr double kMostVariance_m2 = 50.0;
-// Odd, so that no two histories that differ in one cell come together again.
+// Odd: each step of the chain can be undone.
 constexpr std::uint64_t kChain = 0x9e3779b97f4a7c15;
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }
@@ -143,6 +143,10 @@ Status ElevationMap::add_variance(double variance_m2) {
   const auto whole = static_cast<std::uint32_t>(parts);
   variance_rest_ = parts - whole;
   variance_ += whole;  // modulo 2^32: cells ask for differences
+  if (variance_ - all_aged_ >= 1u << 30) {
+    for (ElevationCell& cell : cells_) age(cell, variance_);
+    all_aged_ = variance_;
+  }
   return Status::ok;
 }
 

@@ -51,7 +51,7 @@ struct ElevationOutput {
   std::uint64_t lowered{};  ///< of them, those whose bound it lowered
   std::uint64_t known{};    ///< cells of the window with a surface
   std::uint64_t rolls{};
-  std::uint64_t changes{};  ///< chain over every change: where, and what is there since
+  std::uint64_t changes{};  ///< chain over every height and bound that was taken: where, which, how sure
   std::int64_t low_x{};     ///< world number of the window's first cell
   std::int64_t low_y{};
   std::int64_t level_m{};  ///< heights count from here
@@ -78,7 +78,8 @@ class ElevationMap {
   Status centre_on(const rt::Vector3& p_world_m);
 
   /// Adds variance [m^2] to all that is known: what motion since the last call cost, or how far a correction
-  /// of the pose may have moved it. Nothing shifts. Cost: none, each cell takes it when it is asked.
+  /// of the pose may have moved it, 50 at most. Nothing shifts. Cost: none, each cell takes it when it is
+  /// asked; all cells do once in 25 m^2.
   Status add_variance(double variance_m2);
 
   /// The returns of a straightened scan from one pose, without those on the robot. Cost: the returns and the
@@ -117,6 +118,7 @@ class ElevationMap {
   ElevationOutput output_;
   SurfaceRule rule_;
   std::uint32_t variance_{};  ///< sum of what was added, kVarianceParts
+  std::uint32_t all_aged_{};  ///< that sum when no cell was behind it: none is by half of all numbers
   double variance_rest_{};    ///< of it, what is less than one part
   std::int32_t cell_units_{};
   std::int32_t bound_reach_{};  ///< height units

@@ -121,13 +121,17 @@ void ElevationMap::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "elevation map")
       .fixed(config_, rule_, cell_units_, bound_reach_, usable_)
       .by_hand(cells_, bounds_)
-      .state(output_, variance_, variance_rest_, ray_phase_, centred_);
+      .state(output_, variance_, all_aged_, variance_rest_, ray_phase_, centred_);
   if (archive.is_reading()) {
     for (std::int64_t* const number : {&output_.low_x, &output_.low_y, &output_.level_m}) {
       if (*number >= -kFarthest && *number <= kFarthest) continue;
       archive.fail(Status::malformed, "a window farther off than any map reaches");
       *number = 0;
     }
+  }
+  if (archive.is_reading() && !(variance_rest_ >= 0.0 && variance_rest_ < 1.0)) {
+    archive.fail(Status::malformed, "a rest of variance that is none");
+    variance_rest_ = 0.0;
   }
   archive.expect(cells_.size(), "the map has another size");
   for (ElevationCell& cell : cells_) archive.value(cell);

@@ -27,6 +27,12 @@ GroundSpan ElevationView::ground(std::int64_t x, std::int64_t y, double asker_m,
   const ElevationCell& cell = cells[at];
   const auto level = static_cast<double>(level_m);
   const auto height_m = [&](std::uint32_t i) { return level + cell.height[i] / kHeightUnits; };
+  // Where surfaces were put together for want of room, something was seen that none of them tells of.
+  const bool is_filled = ((cell.flags[0] | cell.flags[1] | cell.flags[2] | cell.flags[3]) & kFilled) != 0;
+  const auto is_free = [&](std::uint32_t under) {
+    return !is_filled && height_m(under + 1) - height_m(under) >= rule.clearance_m;
+  };
+  const auto only_from_below = [&](std::uint32_t i) { return (cell.flags[i] & ~kFilled) == kSeenFromBelow; };
   if (bounds[at] != kNoBound) {
     span.bound_m = level + bounds[at] / kHeightUnits;
     span.has_bound = span.bound_m >= asker_m - rule.reach_m;
@@ -39,7 +45,7 @@ GroundSpan ElevationView::ground(std::int64_t x, std::int64_t y, double asker_m,
   std::uint32_t last = n;
   for (std::uint32_t begin = 0; begin < n;) {
     std::uint32_t end = begin + 1;
-    while (end < n && height_m(end) - height_m(end - 1) < rule.clearance_m) ++end;
+    while (end < n && !is_free(end - 1)) ++end;
     if (height_m(begin) > asker_m + rule.climb_m) {
       span.has_ceiling = true;
       span.ceiling_m = height_m(begin);
@@ -51,8 +57,8 @@ GroundSpan ElevationView::ground(std::int64_t x, std::int64_t y, double asker_m,
   }
   if (first == n) return span;
   const std::uint32_t lowest = first;
-  while (first < last && cell.flags[first] == kSeenFromBelow) ++first;
-  span.from_below = cell.flags[last] == kSeenFromBelow;
+  while (first < last && only_from_below(first)) ++first;
+  span.from_below = only_from_below(last);
   // Nothing in it was seen from above: all of it counts.
   if (first == last && span.from_below) first = lowest;
   span.state = (cell.flags[last] & kFelt) != 0 ? GroundState::felt : GroundState::measured;

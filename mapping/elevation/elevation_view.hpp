@@ -11,7 +11,7 @@ namespace sortie::mapping {
 /// What is known of the ground in a cell. Unknown is a state, never a number.
 enum class GroundState : std::uint8_t {
   unknown,   ///< nothing; also outside the window
-  bounded,   ///< not seen, but rays passed over it: the ground is below `bound_m`
+  bounded,   ///< not seen, but rays passed over it: along their ways the ground is below `bound_m`
   measured,  ///< seen
   felt,      ///< its upper surface carries, or carried, the robot
 };
@@ -24,14 +24,14 @@ struct GroundSpan {
   bool has_ceiling{};  ///< ceiling_m holds
   double low_m{};      ///< lower surface: where the cell holds no edge the same as high_m
   double high_m{};     ///< upper surface
-  double sigma_m{};    ///< standard deviation of the less certain one
+  double sigma_m{};    ///< standard deviation of the less certain one, 0.64 where it is that or more
   double bound_m{};    ///< rays passed at this height
   double ceiling_m{};  ///< lowest surface of the next level above
 };
 
 /// How a query tells one level from another.
 struct LevelRule {
-  double clearance_m{0.7};  ///< surfaces with a gap of this height between them are two levels
+  double clearance_m{0.7};  ///< surfaces with a gap of this height are two levels, but in a cell with kFilled
   double climb_m{0.45};     ///< a level that begins higher than this above the asker is not the ground there
   double reach_m{1.5};      ///< bounds that lie deeper than this below the asker are of another level
 };

@@ -103,7 +103,7 @@ void HeightImager::level() {
   const double cm_of_block = 1024.0 * static_cast<double>(cm_of_step_) / kParts;
   image_.middle = {static_cast<std::int32_t>(nearest(cm_of_block * anchor_.x)),
                    static_cast<std::int32_t>(nearest(cm_of_block * anchor_.y)),
-                   static_cast<std::int32_t>(nearest(cm_of_block * anchor_.z)) + floor_cm_};
+                   static_cast<std::int32_t>(nearest(cm_of_block * anchor_.z) + floor_cm_)};
   stage_ = ImageStage::drawing;
 }
 
@@ -111,9 +111,15 @@ void HeightImager::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "height imager")
       .state(image_, stage_, at_, anchor_, cells_of_step_, cm_of_step_, voxels_, heights_, floor_cm_);
   if (!archive.is_reading()) return;
-  const bool can_be = stage_ <= ImageStage::floorless && cells_of_step_ >= 0 && cm_of_step_ >= 0 &&
-                      cells_of_step_ <= std::int64_t{1} << 33 && cm_of_step_ <= std::int64_t{1} << 35 &&
-                      std::abs(std::int64_t{floor_cm_}) <= -kDeepestCm;
+  bool can_be = stage_ <= ImageStage::floorless && cells_of_step_ >= 0 && cm_of_step_ >= 0 &&
+                cells_of_step_ <= std::int64_t{1} << 33 && cm_of_step_ <= std::int64_t{1} << 35 &&
+                std::abs(std::int64_t{floor_cm_}) <= -kDeepestCm;
+  for (const std::int32_t part : {anchor_.x, anchor_.y, anchor_.z})
+    can_be = can_be && part >= -BlockAt::kLimit && part < BlockAt::kLimit;
+  for (std::size_t i = 0; i < kLayers; ++i) {
+    const std::int64_t most = std::int64_t{-kDeepestCm} * voxels_[i];
+    can_be = can_be && heights_[i] >= -most && heights_[i] <= most;
+  }
   if (can_be) return;
   archive.fail(Status::malformed, "an image that cannot be");
   *this = {};

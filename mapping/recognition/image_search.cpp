@@ -19,7 +19,9 @@ std::size_t stride_of(std::size_t points, std::size_t most) {
 
 }  // namespace
 
-ImageSearch::ImageSearch(const ImageSearchConfig& config) : config_(config) {}
+ImageSearch::ImageSearch(const ImageSearchConfig& config) : config_(config) {
+  config_.turns = std::clamp(config.turns, 1u, ImageSearchConfig::kMostTurns);
+}
 
 void ImageSearch::begin(const HeightImage& image) {
   query_ = image;

@@ -51,8 +51,9 @@ class ImageSearch {
   const ImageSearchCounts& counts() const { return counts_; }
   const ImageSearchConfig& config() const { return config_; }
 
-  /// Between two calls. What goes on is kept as what it began with and what it has spent: it is begun anew
-  /// and spends that again, which needs the store it was asked with.
+  /// Between two calls. A search is kept as what it began with and what it has spent: it is begun anew and
+  /// spends that again, which needs the store it was asked with. On one that has changed since it may end
+  /// otherwise.
   void archive(rt::Archive& archive, const ImageStore& store);
 
  private:

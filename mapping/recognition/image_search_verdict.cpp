@@ -6,7 +6,7 @@
 
 namespace sortie::mapping {
 
-/// Whether two better turns of other images say the same place.
+/// Whether two turns that are as good or better say the same place.
 bool ImageSearch::is_tried(const ImageStore& store, const Turn& turn) const {
   const auto place_of_turn = [&](const Turn& one) {
     const ImagePlace place{static_cast<std::uint16_t>(one.turn), static_cast<std::int16_t>(2 * one.x),
@@ -128,6 +128,9 @@ bool ImageSearch::is_flat(const ImageStore& store, const ImageHypothesis& best) 
 
 void ImageSearch::refuse(const ImageStore& store) {
   if (step_ != Step::done || found_count_ == 0) return;
+  for (const ImageHypothesis& one : found()) {
+    if (one.image >= store.images().size()) found_count_ = 0;  // not the store that was searched
+  }
   std::copy(found_ + 1, found_ + found_count_, found_);
   --found_count_;
   ++refused_;

@@ -25,7 +25,9 @@ std::uint32_t structure_of(const HeightImage& image) {
 }  // namespace
 
 ImageStore::ImageStore(const ImageStoreConfig& config, rt::Arena& arena)
-    : config_(config), records_(arena.make_array<ImageRecord>("height images", config.images)) {}
+    : config_(config),
+      records_(arena.make_array<ImageRecord>("height images",
+                                             std::min(config.images, ImageStoreConfig::kMostImages))) {}
 
 void ImageStore::keep(std::uint32_t at, const HeightImage& image, const KeyFramePose& pose,
                       std::uint32_t stamp_ms, std::uint8_t robot) {

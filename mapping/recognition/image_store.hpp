@@ -16,7 +16,7 @@ namespace sortie::mapping {
 
 /// Settings of a store of images.
 struct ImageStoreConfig {
-  static constexpr std::uint32_t kMostImages = 4'096;
+  static constexpr std::uint32_t kMostImages = 512;
 
   std::uint32_t images{128};   ///< at most kMostImages
   std::int32_t apart_cm{300};  ///< an image nearer to a kept one takes its place, or is left out
@@ -60,6 +60,7 @@ class ImageStore {
   ImageStore(const ImageStoreConfig& config, rt::Arena& arena);
 
   /// An image, and where its middle and its axes are in the map. out_of_range: a pose that is not usable.
+  /// Cost: a look at each image; where all room is taken, at each pair.
   Status put(const HeightImage& image, const KeyFramePose& pose, std::uint32_t stamp_ms, std::uint8_t robot);
   /// As it was kept, behind all others. out_of_range as put(); full.
   [[nodiscard]] Status take(const HeightImage& image, const KeyFramePose& pose, std::uint32_t stamp_ms,

@@ -4,14 +4,6 @@
 #include <algorithm>
 
 namespace sortie::planner {
-namespace {
-
-std::uint32_t surface_place(const GroundMap& map, std::int32_t x, std::int32_t y, std::int32_t surface) {
-  return 2 * static_cast<std::uint32_t>(map.index(x, y)) + static_cast<std::uint32_t>(surface);
-}
-
-}  // namespace
-
 GoalDistance::GoalDistance(const GroundPathConfig& config, const MotionTable& motions,
                            const DistanceMemory& memory)
     : reach_mm_(config.reach_mm),
@@ -40,14 +32,13 @@ GoalDistance::GoalDistance(const GroundPathConfig& config, const MotionTable& mo
 }
 
 void GoalDistance::begin(const GroundMap& map, const GroundPose& goal, const GroundPose& start) {
-  for (DistanceNode& node : nodes_) node = {kNone, kNone, kNone};
+  cleared_ = 0;
   first_.fill(kNone);
   bucket_ = queued_ = 0;
   limit_ = kNone;
   is_start_reached_ = is_cut_ = false;
-  start_ = surface_place(map, start.x, start.y, start.surface);
-  goal_ = surface_place(map, goal.x, goal.y, goal.surface);
-  put(goal_, 0);
+  start_ = map.place(start.x, start.y, start.surface);
+  goal_ = map.place(goal.x, goal.y, goal.surface);
 }
 
 void GoalDistance::put(std::uint32_t place, std::uint32_t cost) {
@@ -70,6 +61,15 @@ void GoalDistance::take(std::uint32_t place) {
 
 bool GoalDistance::step(const GroundMap& map, StandPrices& prices, std::uint64_t& units) {
   units += 1;
+  if (cleared_ < nodes_.size()) {
+    constexpr std::size_t kClearedAtOnce = 1024;
+    const auto rest = nodes_.subspan(cleared_, std::min(kClearedAtOnce, nodes_.size() - cleared_));
+    std::fill(rest.begin(), rest.end(), DistanceNode{kNone, kNone, kNone});
+    cleared_ += rest.size();
+    units += rest.size() / 64;
+    if (cleared_ == nodes_.size()) put(goal_, 0);
+    return true;
+  }
   if (queued_ == 0) return false;
   const std::uint32_t place = first_[bucket_ % kBuckets];
   if (place == kNone) {
@@ -105,7 +105,7 @@ void GoalDistance::relax(const GroundMap& map, StandPrices& prices, const Place&
   const GroundCell& there = map.cell(x, y);
   const std::int32_t surfaces = there.state[1] == GroundState::unknown ? 1 : 2;
   for (std::int32_t s = 0; s < surfaces; ++s) {
-    const std::uint32_t to = surface_place(map, x, y, s);
+    const std::uint32_t to = map.place(x, y, s);
     if (nodes_[to].cost <= cost) continue;
     if (from.height_mm != kNoHeight && !there.is_unknown()) {
       const std::int32_t apart = there.height_mm[s] - from.height_mm;

@@ -35,7 +35,7 @@ class GoalDistance {
 
   GoalDistance(const GroundPathConfig& config, const MotionTable& motions, const DistanceMemory& memory);
 
-  /// Starts anew, towards a surface of a cell that is inside of the map. Cost: clearing the nodes.
+  /// Starts anew, towards a surface of a cell that is inside of the map. The nodes are cleared by step().
   void begin(const GroundMap& map, const GroundPose& goal, const GroundPose& start);
 
   /// Settles the next bucket's first surface; false when nothing is left to do. Adds to `units`.
@@ -78,6 +78,7 @@ class GoalDistance {
   bool over_unknown_{};
   std::uint8_t unknown_price_{};
   std::span<DistanceNode> nodes_;
+  std::size_t cleared_{};  // of them, since begin()
   std::array<std::uint32_t, kBuckets> first_{};
   std::uint32_t bucket_{};  ///< number of the current one, not wrapped
   std::uint32_t queued_{};

@@ -2,6 +2,7 @@
 // The ground as the planner sees it: up to two surfaces a cell, and whether each was seen to carry.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -47,13 +48,14 @@ constexpr std::int32_t nearest_surface(const GroundCell& cell, std::int32_t heig
   return best;
 }
 
-/// Cells in rows along x. Remembers which tiles of 8 x 8 cells changed until somebody takes them. Memory: 6
-/// bytes a cell and a bit a tile, the caller's. No heap.
+/// Cells in rows along x. Remembers which tiles of 8 x 8 cells changed until somebody takes them: a map
+/// serves one planner, another one would not hear of what that took. Memory: 6 bytes a cell and a bit a tile,
+/// the caller's. No heap.
 class GroundMap {
  public:
   static constexpr std::int32_t kTile = 8;
 
-  /// Cells and words of bits that a configuration needs; all cells are unknown until they are set.
+  /// Cells and words of bits that a configuration needs.
   static std::size_t cells_for(const GroundPathConfig& config) {
     return static_cast<std::size_t>(config.nx) * static_cast<std::size_t>(config.ny);
   }
@@ -61,7 +63,8 @@ class GroundMap {
     return (tiles(config.nx) * tiles(config.ny) + 63) / 64;
   }
 
-  /// An empty map where the memory does not fit the configuration: then nothing is inside.
+  /// All cells are unknown until they are set. An empty map where the memory does not fit the configuration:
+  /// then nothing is inside.
   GroundMap(const GroundPathConfig& config, std::span<GroundCell> cells, std::span<std::uint64_t> changed)
       : cells_(cells), changed_(changed) {
     if (check(config) != Status::ok || cells.size() < cells_for(config) ||
@@ -70,6 +73,9 @@ class GroundMap {
     nx_ = config.nx;
     ny_ = config.ny;
     tiles_x_ = static_cast<std::int32_t>(tiles(nx_));
+    // What the memory held before says nothing.
+    std::fill(cells_.begin(), cells_.end(), GroundCell{});
+    std::fill(changed_.begin(), changed_.end(), std::uint64_t{0});
   }
 
   std::int32_t nx() const { return nx_; }
@@ -77,6 +83,10 @@ class GroundMap {
   bool is_inside(std::int32_t x, std::int32_t y) const { return x >= 0 && y >= 0 && x < nx_ && y < ny_; }
   std::size_t index(std::int32_t x, std::int32_t y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(x);
+  }
+  /// Number of a surface of a cell, for tables.
+  std::uint32_t place(std::int32_t x, std::int32_t y, std::int32_t surface) const {
+    return 2 * static_cast<std::uint32_t>(index(x, y)) + static_cast<std::uint32_t>(surface);
   }
   const GroundCell& cell(std::int32_t x, std::int32_t y) const { return cells_[index(x, y)]; }
 

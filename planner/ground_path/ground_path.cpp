@@ -60,12 +60,13 @@ GroundPathState GroundPath::begin(const GroundMap& map, const GroundPose& start,
 }
 
 GroundPathState GroundPath::run(GroundMap& map, std::uint64_t units) {
-  if (!is_live()) return state_;
+  if (state_ == GroundPathState::idle || state_ == GroundPathState::bad_memory) return state_;
   if (map.version() != map_version_ || map.nx() != config_.nx || map.ny() != config_.ny) {
     way_steps_ = drivable_steps_ = 0;
     best_ = UINT32_MAX;
     return state_ = GroundPathState::outdated;
   }
+  if (!is_live()) return state_;
   granted_ += std::min(units, UINT64_MAX - granted_);
   while (is_live() && work_.units < granted_) step(map);
   return state_;
@@ -121,9 +122,8 @@ void GroundPath::judge_ends(const GroundMap& map) {
   state_ = at_goal == kBlockedStand ? State::goal_blocked : State::goal_unknown;
   if (at_goal > kMostPrice) return;
   state_ = State::running;
-  const std::uint32_t place = 2 * static_cast<std::uint32_t>(map.index(start_.x, start_.y)) +
-                              static_cast<std::uint32_t>(start_.surface);
-  const std::uint32_t node = columns_.reach(place) + static_cast<std::uint32_t>(start_.heading);
+  const std::uint32_t node = columns_.reach(map.place(start_.x, start_.y, start_.surface)) +
+                             static_cast<std::uint32_t>(start_.heading);
   columns_[node].cost = 0;
   if (is_goal(start_)) {
     best_ = 0;
@@ -132,7 +132,6 @@ void GroundPath::judge_ends(const GroundMap& map) {
     return;
   }
   distances_.begin(map, goal_, start_);
-  work_.units += GroundMap::cells_for(config_) / 32;  // their nodes were cleared
   round_ = 1;
   work_.rounds = 1;
   weight_ = kFirstWeight;

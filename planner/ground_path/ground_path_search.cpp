@@ -58,8 +58,7 @@ void GroundPath::expand(const GroundMap& map, std::uint32_t node) {
     const std::int32_t height_mm = here.is_unknown() ? kNoHeight : here.height_mm[from.surface];
     const std::int32_t surface = cell.is_unknown() ? 0 : nearest_surface(cell, height_mm, config_.reach_mm);
     if (surface == kNoSurface) continue;
-    const std::uint32_t place =
-        2 * static_cast<std::uint32_t>(map.index(x, y)) + static_cast<std::uint32_t>(surface);
+    const std::uint32_t place = map.place(x, y, surface);
     const std::uint32_t column = columns_.find(place);
     if (column != kNoPlace && columns_[column + motion.heading].cost <= least) continue;
     if (least + distances_.cost(place) >= best_) continue;

@@ -13,7 +13,7 @@ void GroundPath::show(const GroundMap& map, std::uint32_t last) {
     const GroundPose from = pose_of(map, columns_[n].parent);
     total += attempt(map, from, motions_.motion(from.heading, columns_[n].motion)).cost;
   }
-  work_.units += steps;
+  work_.units += 2 * steps;  // each motion is looked at twice
   ++work_.improved;
   best_ = total;
   is_whole_ = steps <= way_.size();

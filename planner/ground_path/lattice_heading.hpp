@@ -56,8 +56,5 @@ constexpr CellStep curve_leg(std::int32_t heading) {
   const std::int32_t times = heading % 4 == 0 ? 2 : 1;
   return {times * step.x, times * step.y};
 }
-constexpr std::int64_t leg_length_q16(std::int32_t heading) {
-  return (heading % 4 == 0 ? 2 : 1) * step_length_q16(heading);
-}
 
 }  // namespace sortie::planner

@@ -6,7 +6,8 @@
 namespace sortie::planner {
 namespace {
 
-constexpr std::int32_t kSamples = 64;  // of a motion; they are less than a sixteenth of a cell apart
+constexpr std::int32_t kSamples =
+    64;  // of a motion; along an axis they are a sixteenth of a cell apart at most
 
 constexpr std::int32_t cross(const CellStep& a, const CellStep& b) { return a.x * b.y - a.y * b.x; }
 

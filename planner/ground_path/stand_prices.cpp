@@ -20,7 +20,7 @@ StandPrices::StandPrices(const GroundPathConfig& config, const PostureSource& so
 
 std::uint8_t StandPrices::price(const GroundMap& map, std::int32_t x, std::int32_t y, std::int32_t surface,
                                 std::int32_t slot, std::uint64_t& units) {
-  const std::size_t place = 2 * map.index(x, y) + static_cast<std::size_t>(surface);
+  const std::size_t place = map.place(x, y, surface);
   std::uint8_t& known = slot == FootprintTable::kCore
                             ? cores_[place]
                             : slots_[place * kStandSlots + static_cast<std::size_t>(slot)];

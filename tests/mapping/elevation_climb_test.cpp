@@ -43,6 +43,8 @@ TEST_CASE("elevation: heights stay true while it climbs a ramp of 35 degrees and
             after.flat_rms_m(), scans.back().height_error_m);
     CHECK(climbing.flat > 10'000);
     CHECK(climbing.edge > 300);
+    CHECK(climbing.edge_rms_m() < 0.05);
+    CHECK(after.flat > 0);
     // The goal of 1.5 cm is missed: 1.9 to 2.0 cm.
     CHECK(climbing.flat_rms_m() < 0.025);
     // What is left of 3 cm after the drift of this way.

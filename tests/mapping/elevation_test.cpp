@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/mapping/elevation_looker.hpp"
+#include "tests/mapping/world_random.hpp"
 
 namespace {
 
@@ -51,6 +52,23 @@ TEST_CASE("elevation: a wall is an edge from its foot to where it was seen, what
     CHECK(span.high_m > 0.5 - gate_m);
     CHECK(span.low_m >= -1e-5);
     CHECK(span.high_m <= 0.5 + 1e-5);
+  }
+}
+
+TEST_CASE("elevation: a wall higher than a doorway is never a floor with a ceiling") {
+  for (const double sensor_m : {0.5, 1.5, 2.5}) {
+    for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+      CAPTURE(sensor_m, seed);
+      tests::WorldRandom random(seed);
+      Looker looker;
+      std::vector<rt::Vector3> wall;
+      for (int i = 0; i < 500; ++i) wall.push_back({1.01, 0.01, random.between(0.0, 3.0)});
+      looker.look({0, 0, sensor_m}, wall);
+      const GroundSpan span = looker.ground(1.01, 0.01);
+      // The lowest surface may have risen above what the asker climbs: then the ground is not known.
+      CAPTURE(span.low_m, span.high_m);
+      CHECK((span.state == GroundState::measured ? span.high_m > 2.5 : span.has_ceiling));
+    }
   }
 }
 
@@ -175,6 +193,16 @@ TEST_CASE("elevation: a pose that jumps leaves no double step once its variance 
   const GroundSpan one = heights(0.01);
   CHECK(one.low_m == one.high_m);
   CHECK(one.low_m == Approx(0.1).margin(0.005));
+}
+
+TEST_CASE("elevation: what large corrections made unsure stays so, however many there are") {
+  Looker looker;
+  for (int scan = 0; scan < 10; ++scan) looker.look({0, 0, 0.6}, patch(0.5, 1.0, -0.2, 0.2, 0.0));
+  CHECK(looker.ground(0.77, 0.01).sigma_m < 0.02);
+  for (int i = 0; i < 400; ++i) {
+    REQUIRE(looker.owned.map.add_variance(0.26 + 0.5 * (i % 2)) == Status::ok);
+    CHECK(looker.ground(0.77, 0.01).sigma_m > 0.4);
+  }
 }
 
 TEST_CASE("elevation: what is not seen any more gets less sure with motion, and does not shift") {

@@ -176,6 +176,15 @@ TEST_CASE("An imager goes on from stored bytes at any step, and refuses others")
     REQUIRE(reader.status() == Status::ok);
     cut = other;
     (void)cut.run(owned.grid, 4000);
+    for (int i = 0; i < 200; ++i) {  // whatever a damaged field says, it is refused or can be gone on with
+      std::vector<std::uint8_t> damaged = bytes;
+      damaged[static_cast<std::size_t>(draws.uniform(0, static_cast<double>(bytes.size())))] =
+          static_cast<std::uint8_t>(draws.uniform(0, 256));
+      HeightImager any;
+      rt::Archive read = rt::Archive::reading(damaged);
+      any.archive(read);
+      if (read.status() == Status::ok && i % 20 == 0) (void)any.run(owned.grid, 0xffffffffu);
+    }
     for (std::uint8_t& byte : bytes) byte = 0xff;
     rt::Archive garbage = rt::Archive::reading(bytes);
     other.archive(garbage);

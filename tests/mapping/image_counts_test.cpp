@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Counts of cells and of shifts, and scores of places, beside counts one by one.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
@@ -34,15 +35,21 @@ bool stands_about(const HeightImage& image, std::int32_t x, std::int32_t y) {
   return false;
 }
 
-/// What ImageView::score() gives, cell by cell, in numbers with a fraction; all cells are taken.
-mapping::ImageScore twin_score(const HeightImage& kept, const HeightImage& seen, const ImagePlace& place) {
+/// What ImageView::score() gives, cell by cell, in numbers with a fraction; all cells are taken. `unsure`
+/// counts those so near a border that the code's rounding may put them on its other side.
+mapping::ImageScore twin_score(const HeightImage& kept, const HeightImage& seen, const ImagePlace& place,
+                               int& unsure) {
   mapping::ImageScore score;
+  unsure = 0;
   const double angle = 2.0 * M_PI * place.turn / 512, c = std::cos(angle), s = std::sin(angle);
   for (std::int32_t y = 0; y < 128; ++y) {
     for (std::int32_t x = 0; x < 128; ++x) {
       const double mx = x - 63.5, my = y - 63.5;
-      const auto column = static_cast<std::int32_t>(std::floor(c * mx - s * my + 1e-7)) + 64 + place.x;
-      const auto row = static_cast<std::int32_t>(std::floor(s * mx + c * my + 1e-7)) + 64 + place.y;
+      const double u = c * mx - s * my, v = s * mx + c * my;
+      const bool counts = stands(seen, x, y) || holds(seen.floor, x, y);
+      if (counts && std::min(std::fabs(u - std::round(u)), std::fabs(v - std::round(v))) < 1e-6) ++unsure;
+      const auto column = static_cast<std::int32_t>(std::floor(u + 1e-7)) + 64 + place.x;
+      const auto row = static_cast<std::int32_t>(std::floor(v + 1e-7)) + 64 + place.y;
       if (!ImagePlane::holds(column, row)) continue;
       if (stands(seen, x, y)) {
         const bool agrees = (holds(seen.low, x, y) && is_beside(kept.low, column, row)) ||
@@ -165,9 +172,12 @@ TEST_CASE("A score counts cells that agree and cells that do not, as one by one"
                            static_cast<std::int16_t>(draws.uniform(-70, 70)),
                            static_cast<std::int16_t>(draws.uniform(-70, 70))};
     INFO("turn " << place.turn << " x " << place.x << " y " << place.y);
-    const mapping::ImageScore score = view.score(points, turns, place), twin = twin_score(kept, seen, place);
-    CHECK(score.agree == twin.agree);
-    CHECK(score.against == twin.against);
-    CHECK(score.floor_against == twin.floor_against);
+    int unsure = 0;
+    const mapping::ImageScore score = view.score(points, turns, place),
+                              twin = twin_score(kept, seen, place, unsure);
+    const auto apart = [](auto a, auto b) { return std::abs(static_cast<int>(a) - static_cast<int>(b)); };
+    CHECK(apart(score.agree, twin.agree) <= unsure);
+    CHECK(apart(score.against, twin.against) <= unsure);
+    CHECK(apart(score.floor_against, twin.floor_against) <= unsure);
   }
 }

@@ -21,10 +21,12 @@ TEST_CASE("ground distance: no motion costs less than what it brings nearer, wha
     draw_ground(g, random, n / 3 % kGroundKinds);
     if (n % 2 == 0) {  // single cells block corners that curves pass, and stand out in height
       for (int i = 0; i < 40; ++i) {
-        GroundCell cell = g.map.cell(draw_below(random, 36), draw_below(random, 28));
+        const std::int32_t x = draw_below(random, 36), y = draw_below(random, 28);
+        GroundCell cell = g.map.cell(x, y);
         if (cell.state[0] != GroundState::carries) continue;
+        if (i % 2 == 0) cell.state[0] = GroundState::blocked;
         cell.height_mm[0] = static_cast<std::int16_t>(cell.height_mm[0] + draw_below(random, 900));
-        static_cast<void>(g.map.set(draw_below(random, 36), draw_below(random, 28), cell));
+        static_cast<void>(g.map.set(x, y, cell));
       }
     }
     for (auto& price : g.postures) price = std::max(price, static_cast<std::uint8_t>(random() % 8));

@@ -8,7 +8,7 @@
 
 namespace sortie::planner::test {
 
-/// Units within which a way must be cheap: about 10 ms. Chosen on seeds from 900,000 on, where 135 ways cost
+/// Units within which a way must be cheap: about 15 ms. Chosen on seeds from 900,000 on, where 135 ways cost
 /// 1.008 of the optimum at the most.
 inline constexpr std::uint64_t kGroundBudget = 200'000;
 

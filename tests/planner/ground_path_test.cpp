@@ -58,9 +58,9 @@ TEST_CASE("ground path: planning again on a map that grew is planning anew", "[h
     draw_ground(seen, random, n % kGroundKinds);
     OwnedGround grown(small_ground());
     const GroundPose start = draw_pose(seen, random, 3, 9);
-    const GroundPose goal = draw_pose(seen, random, 27, 33);
     // Column by column, from where the robot is, and in the end all; some cells are first seen as something
     // else.
+    GroundPose goal;
     for (std::int32_t known = 12; known <= 36; known += 8) {
       for (std::int32_t y = 0; y < 28; ++y) {
         for (std::int32_t x = 0; x < known; ++x) {
@@ -78,6 +78,8 @@ TEST_CASE("ground path: planning again on a map that grew is planning anew", "[h
         }
       }
       CHECK(grown.path.run(grown.map, 1) != State::proved);  // never what was asked on another map
+      CHECK_FALSE(grown.path.has_way());
+      goal = draw_pose(seen, random, known - 9, known - 4);
       const State state = grown.plan(start, goal, known == 20 ? 5000 : UINT64_MAX);
       changed += state == State::proved && known < 36 ? 1 : 0;
     }
@@ -106,7 +108,27 @@ TEST_CASE("ground path: planning again on a map that grew is planning anew", "[h
       CHECK(poses_of(seen.path.way()) == poses_of(fresh.path.way()));
     }
   }
-  INFO("ways on part of the map: " << changed);
+  CHECK(changed > 10);  // ways on part of the map
+}
+
+TEST_CASE("ground path: a way that was proved is not shown any more once a cell on it is blocked") {
+  OwnedGround g(small_ground());
+  build_wall(g);
+  REQUIRE(g.plan(kWest, kEast) == State::proved);
+  const GroundPose on_way = g.path.way()[g.path.way().size() / 2].pose;
+  g.set(on_way.x, on_way.y, GroundState::blocked);
+  CHECK(g.path.run(g.map, 1) == State::outdated);
+  CHECK(g.path.drivable().empty());
+  CHECK(g.plan(kWest, kEast) == State::proved);
+  CHECK(bad_ground(g, g.path.way()) == 0);
+}
+
+TEST_CASE("ground path: memory that another map has left says nothing of this one") {
+  OwnedGround g(small_ground());
+  build_wall(g);
+  const GroundMap anew(g.config, g.cells, g.changed);
+  for (std::int32_t y = 0; y < anew.ny(); ++y)
+    for (std::int32_t x = 0; x < anew.nx(); ++x) REQUIRE(anew.cell(x, y).is_unknown());
 }
 
 TEST_CASE("ground path: a map that changed under a plan says so and shows no way") {

@@ -68,4 +68,17 @@ TEST_CASE("bounds where nothing is known say so, and a hole that may be one is t
   CHECK(b.pitch_rad.high > 0.69);
 }
 
+TEST_CASE("bounds on known ground are there on a mountain, too") {
+  const auto solver = std::make_unique<PostureSolver>(PostureVehicle{}, PostureConfig{});
+  const auto bounder = std::make_unique<PostureBounder>();
+  const FormulaGround high{[](double, double) { return 3000.0; }};
+  REQUIRE(solver->look(high.view(), {}) == Status::ok);
+  PostureBounds b;
+  REQUIRE(bounder->bound(*solver, {{2.0, 2.0, 2.0, 2.0}}, 2048, b) == Status::ok);
+  CHECK(b.bounded);
+  CHECK(b.rests);
+  CHECK(b.pitch_rad.high < 0.1);
+  CHECK(b.height_m.low > 2999.0);
+}
+
 }  // namespace sortie::planner

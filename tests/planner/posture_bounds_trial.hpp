@@ -34,8 +34,8 @@ inline void try_bounds(std::uint64_t seed, double share, double width_m, int sam
     Posture p;
     REQUIRE(solver->look(ground.view(), pose) == Status::ok);
     REQUIRE(solver->rest(flippers, p) == Status::ok);
-    // Beyond the tilts that are looked at nothing is promised but may_tip; a search that has not settled
-    // found no rest.
+    // Beyond the tilts that are looked at nothing is promised: that bounds reach to their end is seen, not
+    // shown; a search that has not settled found no rest.
     if (p.settled_rad > 1e-3) {
       ++tally.unsettled;
       continue;

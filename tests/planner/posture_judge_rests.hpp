@@ -29,6 +29,8 @@ inline void judge_rests(std::uint64_t first, int poses) {
     CHECK(RestErrors::quantile(errors.height_mm, 0.5) < 4.0);
   }
   std::puts(all.words("all").c_str());
+  CHECK(RestErrors::quantile(all.tilt_deg, 0.9) < 2.0);
+  CHECK(all.other_rest <= 0.05 * all.count);
   CHECK(all.no_rest <= 0.03 * all.count);
   CHECK(all.not_standing <= 0.03 * all.count);
 }

@@ -228,7 +228,51 @@ TEST_CASE("a mirrored world gives the mirrored posture to the last bit", "[plann
     CHECK(p.clearance_m == q.clearance_m);
     CHECK(p.contacts == q.contacts);
     CHECK(p.rest == q.rest);
+    for (unsigned part = 0; part < 7; ++part) {  // the body, then left and right in turn
+      const unsigned other = part == 0 ? 0 : (part % 2 == 1 ? part + 1 : part - 1);
+      CHECK((p.parts >> part & 1) == (q.parts >> other & 1));
+    }
   }
+}
+
+TEST_CASE("samples at three quarters of a cell lie within the window at every heading") {
+  PostureConfig config;
+  config.ground.spacing_m = 0.0375;
+  const auto solver = std::make_unique<PostureSolver>(PostureVehicle{}, config);
+  REQUIRE(solver->usable() == Status::ok);
+  const FormulaGround slope{[](double x, double y) { return 0.1 * x - 0.2 * y; }};
+  hil::Random random(1, 0x77696e64);
+  for (int k = 0; k < 720; ++k) {
+    const StandPose pose{random.uniform(-3, 3), random.uniform(-3, 3), k * kDegree / 2};
+    REQUIRE(solver->look(slope.view(), pose) == Status::ok);
+    for (const int column : {-32, 0, 32}) {
+      for (const int row : {-20, 0, 20}) {
+        const double ahead = 0.0375 * column, aside = 0.0375 * row;
+        const double x = pose.x_m + std::cos(pose.yaw_rad) * ahead - std::sin(pose.yaw_rad) * aside;
+        const double y = pose.y_m + std::sin(pose.yaw_rad) * ahead + std::cos(pose.yaw_rad) * aside;
+        const double mirrored = static_cast<double>(solver->ground().height(column, -row));
+        const double here = static_cast<double>(solver->ground().height(column, row));
+        const double is = 0.1 * x - 0.2 * y;
+        CHECK(std::min(std::fabs(here - is), std::fabs(mirrored - is)) < 1e-4);
+      }
+    }
+  }
+}
+
+TEST_CASE("a belly over nothing that is known has no clearance") {
+  const HeightView rails{
+      nullptr,
+      [](const void*, std::int64_t, std::int64_t j) {
+        const bool under_track = j >= 3 || j < -3;
+        return HeightCell{0.0, 0.0, under_track ? HeightState::known : HeightState::bounded_above};
+      },
+      0.05};
+  const auto solver = posture_solver();
+  REQUIRE(solver->look(rails, {}) == Status::ok);
+  Posture p;
+  REQUIRE(solver->rest(kFolded, p) == Status::ok);
+  REQUIRE(p.rest == Rest::stands);
+  CHECK(p.clearance_m < 0.2);
 }
 
 TEST_CASE("what nobody knows gives no posture, and what is no number a status", "[planner][posture]") {
@@ -267,6 +311,15 @@ TEST_CASE("what nobody knows gives no posture, and what is no number a status", 
   PostureVehicle giant;
   giant.side.flipper_m = 2.0;
   CHECK(PostureSolver(giant, {}).usable() == Status::out_of_range);
+  giant.side.flipper_m = PostureVehicle{}.side.flipper_m;
+  for (double* const place : {&giant.side.axle_m, &giant.side.pivot_z_m, &giant.side.com_x_m,
+                              &giant.side.com_z_m, &giant.belly_z_m, &giant.flipper_com_m}) {
+    const double was = *place;
+    *place = 1e9;
+    CHECK(PostureSolver(giant, {}).usable() == Status::out_of_range);
+    *place = was;
+  }
+  CHECK(PostureSolver(giant, {}).usable() == Status::ok);
   giant.side.flipper_m = nan;
   CHECK(PostureSolver(giant, {}).usable() == Status::not_finite);
 }
