@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/floor_divide.hpp"
 #include "rt/math.hpp"
 
 namespace sortie::planner {
@@ -18,8 +19,6 @@ std::int64_t parts(double cells) {
   const auto whole = static_cast<std::int64_t>(std::fabs(cells) * static_cast<double>(kParts) + 0.5);
   return cells < 0.0 ? -whole : whole;
 }
-
-std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
 }  // namespace
 
@@ -38,8 +37,8 @@ GroundPatch::Heights GroundPatch::use(const HeightCell& cell, double edge_m) con
 
 GroundPatch::Heights GroundPatch::sample(std::int64_t u, std::int64_t v, double limit_m) const {
   // From here on u and v count from the middle of the window's first cell.
-  const std::int64_t i = floor_div(u, kParts);
-  const std::int64_t j = floor_div(v, kParts);
+  const std::int64_t i = rt::floor_divide(u, kParts);
+  const std::int64_t j = rt::floor_divide(v, kParts);
   const std::int64_t part_u = u - i * kParts;
   const std::int64_t part_v = v - j * kParts;
   const auto ahead = static_cast<float>(part_u) / static_cast<float>(kParts);
@@ -103,10 +102,10 @@ Status GroundPatch::fill(const HeightView& view, const StandPose& pose, const Co
   const double per_cell = 1.0 / cell;
   // The cells whose middles lie around every sample, and one more for rounding.
   const std::int64_t half = kParts / 2;
-  const std::int64_t first_i = floor_div(parts((pose.x_m - reach_x) * per_cell) - half, kParts) - 1;
-  const std::int64_t first_j = floor_div(parts((pose.y_m - reach_y) * per_cell) - half, kParts) - 1;
-  const std::int64_t last_i = floor_div(parts((pose.x_m + reach_x) * per_cell) - half, kParts) + 2;
-  const std::int64_t last_j = floor_div(parts((pose.y_m + reach_y) * per_cell) - half, kParts) + 2;
+  const std::int64_t first_i = rt::floor_divide(parts((pose.x_m - reach_x) * per_cell) - half, kParts) - 1;
+  const std::int64_t first_j = rt::floor_divide(parts((pose.y_m - reach_y) * per_cell) - half, kParts) - 1;
+  const std::int64_t last_i = rt::floor_divide(parts((pose.x_m + reach_x) * per_cell) - half, kParts) + 2;
+  const std::int64_t last_j = rt::floor_divide(parts((pose.y_m + reach_y) * per_cell) - half, kParts) + 2;
   for (std::int64_t j = first_j; j <= last_j; ++j) {
     for (std::int64_t i = first_i; i <= last_i; ++i)
       cells_[static_cast<std::size_t>(j - first_j) * kWindow + static_cast<std::size_t>(i - first_i)] =

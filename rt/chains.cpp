@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rt/chains.hpp"
 
+#include "rt/floor_divide.hpp"
+
 namespace sortie::rt {
 
 namespace {
 
 // Jobs are counted from long before tick 0 here: the pattern is the same, and nothing needs a beginning.
 using Job = std::int64_t;
-
-Job floor_divide(std::int64_t a, std::int64_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 std::int64_t release(const GroupTiming& timing, Job job) {
   return static_cast<std::int64_t>(timing.phase) + job * static_cast<std::int64_t>(timing.period);

@@ -29,12 +29,6 @@ inline std::int64_t unit_below(double x) {
   return cut - (static_cast<double>(cut) > x ? 1 : 0);
 }
 
-/// Quotient rounded down. b > 0.
-constexpr std::int64_t divide_down(std::int64_t a, std::int64_t b) {
-  const std::int64_t q = a / b;
-  return q - (a % b < 0 ? 1 : 0);
-}
-
 /// Quotient rounded to the nearest whole number, halves away from zero. b > 0.
 template <class T>
 constexpr T divide_nearest(T a, T b) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mapping/elevation/elevation_units.hpp"
+#include "rt/floor_divide.hpp"
 
 namespace sortie::mapping {
 
@@ -16,7 +17,7 @@ double sigma_of(std::uint16_t weight) { return std::sqrt(kUnitWeightVariance_m2 
 }  // namespace
 
 std::int64_t ElevationView::cell_of(double world_m) const {
-  return divide_down(unit_below(world_m * kGroundUnits), cell_units);
+  return rt::floor_divide(unit_below(world_m * kGroundUnits), cell_units);
 }
 
 GroundSpan ElevationView::ground(std::int64_t x, std::int64_t y, double asker_m,
