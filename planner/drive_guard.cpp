@@ -32,6 +32,7 @@ void DriveGuard::update(const DriveFacts& facts, const rt::PoseEstimate& pose, b
     hold(tilted_ && !facts.though_tilted, kStopTilted);
     hold(facts.stuck, kStopStuck);
     hold(facts.emergency, kStopEmergency);
+    hold(facts.no_way, kStopNoWay);
   }
   std::uint32_t bit = 1;
   DriveStopCounters::fields(counters_, [&](const char*, std::uint32_t& count) {

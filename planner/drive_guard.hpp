@@ -23,6 +23,7 @@ enum DriveStop : std::uint32_t {
   kStopTilted = 64u,         ///< roll or pitch beyond its limit
   kStopStuck = 128u,         ///< the route is not getting any nearer
   kStopEmergency = 256u,     ///< somebody outside has pressed the emergency stop by a request
+  kStopNoWay = 512u,         ///< it was told a goal, and there is no way there that is known to carry
 };
 
 /// How often each reason has begun, since start.
@@ -36,7 +37,9 @@ struct DriveStopCounters {
   std::uint32_t tilted{};
   std::uint32_t stuck{};
   std::uint32_t emergency{};
-  SORTIE_FIELDS(starting, halt, command_stale, imu_stale, odometry_stale, pose_lost, tilted, stuck, emergency)
+  std::uint32_t no_way{};
+  SORTIE_FIELDS(starting, halt, command_stale, imu_stale, odometry_stale, pose_lost, tilted, stuck, emergency,
+                no_way)
 };
 
 /// Calls `use(name)` for each reason in `stop`, bits of DriveStop; the names are those of the counters.
@@ -78,6 +81,7 @@ struct DriveFacts {
   bool imu_stale{};
   bool odometry_stale{};
   bool stuck{};
+  bool no_way{};
   bool though_tilted{};  ///< who is in control has said that a tilt is no reason
 };
 

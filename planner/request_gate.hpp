@@ -37,18 +37,34 @@ constexpr std::uint32_t stop_rank(const rt::FlyRequest& request) {
 constexpr bool stops_at_any_age(const rt::DriveRequest&) { return true; }
 constexpr bool stops_at_any_age(const rt::FlyRequest&) { return false; }
 
-/// Status: ok, not_finite, out_of_range. `postures`: how many there are; a pilot has none. Stops are not
-/// asked: nothing beside their mode counts.
-inline Status check_content(const rt::DriveRequest& request, std::int32_t postures) {
-  if (!std::isfinite(request.speed_m_s) || !std::isfinite(request.turn_rad_s)) return Status::not_finite;
+/// What one robot allows.
+struct RequestRules {
+  std::int32_t postures{};         ///< of the flippers, that a request may ask for
+  rt::Nanoseconds most_wait_ns{};  ///< from receipt until it is taken; 0: not judged
+  bool finds_ways{};               ///< it can be told a place to go to
+
+  bool is_too_old(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) const {
+    return most_wait_ns != 0 && now_ns - stamp_ns > most_wait_ns;
+  }
+};
+
+/// Status: ok, not_finite, out_of_range, or not_supported: it finds no ways of its own. Stops are not asked:
+/// nothing beside their mode counts.
+inline Status check_content(const rt::DriveRequest& request, const RequestRules& rules) {
+  for (const double value : {request.speed_m_s, request.turn_rad_s, request.goal_x_m, request.goal_y_m})
+    if (!std::isfinite(value)) return Status::not_finite;
   const bool fits = std::fabs(request.speed_m_s) <= kMostAskedSpeed_m_s &&
                     std::fabs(request.turn_rad_s) <= kMostAskedTurn_rad_s &&
-                    request.mode <= static_cast<std::uint32_t>(rt::DriveMode::emergency_end) &&
-                    request.posture >= -1 && request.posture < postures &&
+                    request.mode <= static_cast<std::uint32_t>(rt::DriveMode::go) &&
+                    request.posture >= -1 && request.posture < rules.postures &&
+                    std::fabs(request.goal_x_m) <= kFarthestGoal_m &&
+                    std::fabs(request.goal_y_m) <= kFarthestGoal_m &&
                     (request.flags & ~std::uint32_t{rt::kDriveThoughTilted | rt::kDriveAnew}) == 0;
-  return fits ? Status::ok : Status::out_of_range;
+  if (!fits) return Status::out_of_range;
+  const bool is_go = request.mode == static_cast<std::uint32_t>(rt::DriveMode::go);
+  return is_go && !rules.finds_ways ? Status::not_supported : Status::ok;
 }
-inline Status check_content(const rt::FlyRequest& request, std::int32_t) {
+inline Status check_content(const rt::FlyRequest& request, const RequestRules&) {
   for (const double place : request.p_world_m) {
     if (!std::isfinite(place)) return Status::not_finite;
     if (std::fabs(place) > kFarthestGoal_m) return Status::out_of_range;
@@ -82,16 +98,6 @@ struct RequestCounters {
   std::uint32_t jumped{};        ///< counter too far above the newest
   std::uint32_t held_back{};     ///< too old when it was to be taken: the process did not run, or was late
   SORTIE_FIELDS(taken, not_finite, out_of_range, repeated, jumped, held_back)
-};
-
-/// What one robot allows.
-struct RequestRules {
-  std::int32_t postures{};         ///< of the flippers, that a request may ask for
-  rt::Nanoseconds most_wait_ns{};  ///< from receipt until it is taken; 0: not judged
-
-  bool is_too_old(rt::Nanoseconds stamp_ns, rt::Nanoseconds now_ns) const {
-    return most_wait_ns != 0 && now_ns - stamp_ns > most_wait_ns;
-  }
 };
 
 /// The counter of a refusal's reason; what has none of its own is out of range.
@@ -150,7 +156,7 @@ struct RequestGate {
     if (const Status turn = in_order(request.counter); turn != Status::ok && !out_of_turn) return turn;
     if (stops != 0) return Status::ok;
     if (rules.is_too_old(request.stamp_ns, now_ns)) return Status::stale;
-    return check_content(request, rules.postures);
+    return check_content(request, rules);
   }
 };
 

@@ -20,8 +20,9 @@
 
 namespace sortie::planner {
 
-/// Who is in control, by rank: somebody outside before the mission, the mission before the route.
-enum class DriveSource : std::uint32_t { none, route, mission, remote };
+/// Who is in control, by rank: somebody outside before the goal, that before the mission, the mission before the
+/// route.
+enum class DriveSource : std::uint32_t { none, route, mission, remote, goal };
 
 /// Bits of UgvDriveOutput::flags.
 enum DriveFlags : std::uint32_t {
@@ -47,13 +48,19 @@ struct UgvDriveOutput : rt::DriveCommand {
   std::uint32_t stop{};            ///< bits of DriveStop: every reason that holds
   std::int64_t request_counter{};  ///< newest that was taken; the next request's lies above it
   std::int32_t posture{-1};        ///< of the flippers; -1: as they are
+  std::uint32_t goal{};            ///< number of the goal that it was told last; 0: none, or forgotten
+  double goal_x_m{};
+  double goal_y_m{};
+  std::uint32_t way_series{};  ///< of the way to it: GroundWay
+  std::uint32_t way_step{};
+  std::uint32_t way_lost{};  ///< 1: off that way, or stuck on it
   DriveStopCounters stops;
   RequestCounters requests;
 
   template <class Self, class Visitor>
   static constexpr void fields(Self& self, Visitor&& visit) {
     SORTIE_VISIT(stamp_ns, left_m_s, right_m_s, speed_m_s, turn_rad_s, waypoint, source, flags, stop, posture,
-                 request_counter, asked)
+                 request_counter, asked, goal, goal_x_m, goal_y_m, way_series, way_step, way_lost)
     visit("stops_starting", self.stops.starting);
     visit("stops_halt", self.stops.halt);
     visit("stops_command_stale", self.stops.command_stale);
@@ -63,6 +70,7 @@ struct UgvDriveOutput : rt::DriveCommand {
     visit("stops_tilted", self.stops.tilted);
     visit("stops_stuck", self.stops.stuck);
     visit("stops_emergency", self.stops.emergency);
+    visit("stops_no_way", self.stops.no_way);
     visit("requests_taken", self.requests.taken);
     visit("requests_not_finite", self.requests.not_finite);
     visit("requests_out_of_range", self.requests.out_of_range);
@@ -84,6 +92,7 @@ struct UgvDriveConfig {
   rt::Nanoseconds start_wait_ns{};  ///< stands still so long at first
   rt::Nanoseconds max_command_age_ns{300 * rt::kNanosecondsPerMillisecond};
   std::int32_t postures{};  ///< that requests may ask for
+  bool finds_ways{};        ///< requests may tell it a goal
   bool start_halted{};      ///< begins as if a halt had been asked for: only a release lets it drive
   DriveGuardConfig guard{};
   WaypointFollowerConfig follower{};
@@ -110,16 +119,32 @@ struct UgvDriveConfig {
   }
 };
 
+/// How the goal can be driven to, of whoever follows the way there.
+struct GoalGuide {
+  SpeedTurn wish;
+  bool has_way{};  ///< else the robot stands
+  bool arrived{};
+  bool turning{};
+  bool reversing{};
+  bool lost{};  ///< off the way, or stuck on it
+  std::uint32_t series{};
+  std::uint32_t step{};
+};
+
 /// What the drive sees of the robot at one update.
 struct UgvDriveInputs {
   bool imu_stale{};
   bool odometry_stale{};
+  GoalGuide guide{};
 };
 
 /// The drive. Requests, mission and waypoints in; belt speeds out. A request that is taken gives its sender
 /// control until a release; silence in control is a stop, not a way back to the mission. Every stop brakes on
 /// the arc with the stop ramps and ends as DriveGuard says. About 4.5 kB; no heap; bounded time: about 0.3
 /// us, and at most 32 steps of the limiter after a pause.
+///
+/// A goal is in force from when it was told until it is reached and something else is asked for: a release hands
+/// control back to it, or, where the robot has arrived, to the mission. Without a way there the robot stands.
 ///
 /// Motors that were stopped (an emergency stop, a drive that was lost) start when they are asked anew, and
 /// the drive alone says what that is; the guard's going and coming never is. Motion is asked for
@@ -133,6 +158,8 @@ class UgvDrive {
   /// Set-up, as WaypointFollower and Mission.
   Status set_route(std::span<const Waypoint> route) { return follower_.set_route(route); }
   Status set_mission(std::span<const MissionStep> steps) { return mission_.set_steps(steps); }
+  /// The goal from the start on. not_finite, out_of_range: farther than kFarthestGoal_m.
+  Status set_goal(double x_m, double y_m);
 
   /// Other limits from the next update on; speeds go there along the ramps. out_of_range: not above 0, or an
   /// acceleration above the stop's (a stop must never be the gentler one).
@@ -150,6 +177,14 @@ class UgvDrive {
   /// Decides for `now_ns`. Status: ok; time_repeated or time_backwards (nothing changes).
   Status update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns);
 
+  /// True when a guide's wish would be driven: the goal is in control, and nothing stops the robot but that there
+  /// was no way.
+  bool follows_guide() const;
+  TwistLimits limits() const;
+  const TwistRamps& ramps() const { return config_.ramps; }
+  /// Number of the goal in force; 0: none.
+  std::uint32_t goal() const { return goal_; }
+
   const UgvDriveOutput& output() const { return output_; }
   const WaypointFollowerCounters& follower() const { return follower_.counters(); }
 
@@ -157,15 +192,15 @@ class UgvDrive {
   void archive(rt::Archive& archive);
 
  private:
-  TwistLimits limits() const;
   TwistRamps stop_ramps() const;
   DriveSource in_control(const MissionStep* step) const;
   DriveFacts facts(DriveSource source, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns) const;
   SpeedTurn choose(DriveSource source, const MissionStep* step, const rt::PoseEstimate& pose,
-                   rt::Nanoseconds now_ns);
+                   const GoalGuide& guide, rt::Nanoseconds now_ns);
+  bool has_goal() const { return goal_ != 0; }
   bool wanted() const;
   void begin(rt::Nanoseconds now_ns);
-  void put_out(DriveSource source, bool shortened, rt::Nanoseconds now_ns);
+  void put_out(DriveSource source, bool shortened, const GoalGuide& guide, rt::Nanoseconds now_ns);
 
   UgvDriveConfig config_;
   WaypointFollower follower_;
@@ -184,6 +219,10 @@ class UgvDrive {
   bool begun_{};  // the wait at the start is over
   std::uint32_t asked_{};
   std::int32_t posture_{-1};
+  std::uint32_t goals_{};  // that were told
+  std::uint32_t goal_{};   // number of the one in force; 0: none
+  double goal_m_[2]{};
+  bool arrived_{};
 };
 
 }  // namespace sortie::planner

@@ -130,6 +130,7 @@ enum class DriveMode : std::uint32_t {
   halt,           ///< stops and stays, until a release
   emergency,      ///< as an emergency stop that is pressed: no torque, until emergency_end
   emergency_end,  ///< as its release: from then on it is a halt
+  go,             ///< to a place, by a way of its own; ends no halt, and hands back what was in control outside
 };
 
 /// Bits of DriveRequest::flags.
@@ -149,7 +150,9 @@ struct DriveRequest {
   std::uint32_t mode{};
   std::int32_t posture{-1};  ///< of the flippers, by number; -1: as they are
   std::uint32_t flags{};
-  SORTIE_FIELDS(stamp_ns, counter, speed_m_s, turn_rad_s, mode, posture, flags)
+  double goal_x_m{};  ///< of `go`, in the world of the pose
+  double goal_y_m{};
+  SORTIE_FIELDS(stamp_ns, counter, speed_m_s, turn_rad_s, mode, posture, flags, goal_x_m, goal_y_m)
 };
 
 /// The flippers in the order of every array about them.

@@ -14,6 +14,7 @@
 #include "firmware_like/parts/ugv_drive_config.hpp"
 #include "firmware_like/parts/ugv_motors.hpp"
 #include "firmware_like/runtime/live_keys.hpp"
+#include "planner/ground_way/ground_way_follower.hpp"
 #include "rt/built_parts.hpp"
 
 namespace sortie::firmware {
@@ -37,12 +38,20 @@ class DrivePart final : public Part {
         profile.fail("flippers.postures", "cannot be used");
     }
     setup.config.postures = static_cast<std::int32_t>(postures.size());
-    request_rules_ = {setup.config.postures, setup.config.max_command_age_ns};
+    const bool finds_ways = builder.wants("way", false);
+    if (rt::kBuilt<"way"> && finds_ways) {
+      planner::GroundWayFollowerConfig config;
+      profile.read("way", config);
+      guide_ = std::make_unique<planner::GroundWayFollower>(config);
+      setup.config.finds_ways = true;
+    }
+    request_rules_ = {setup.config.postures, setup.config.max_command_age_ns, setup.config.finds_ways};
     drive_ = std::make_unique<planner::UgvDrive>(setup.config);
     if (drive_->set_route(read_route(builder)) != Status::ok)
       profile.fail("mission.waypoints", "every waypoint must lie within 1000 km of the origin");
     if (drive_->set_mission(read_mission(builder, postures)) != Status::ok)
       profile.fail("mission.commands", "rows of one nanosecond are one row");
+    if (rt::kBuilt<"way"> && guide_) read_goal(profile);
     live_keys<planner::UgvDriveConfig>(builder, group_, "drive", *drive_);
     live_keys(builder, group_, "drive", *drive_, setup.icr);
     if (setup.remote)
@@ -56,6 +65,8 @@ class DrivePart final : public Part {
 
   void finish(VehicleBuilder& builder) override {
     builder.chain({"imu_to_drive", {"IMU", "attitude", "odometry", "drive"}});
+    if (rt::kBuilt<"way"> && guide_)
+      way_ = builder.input(group_, builder.find<rt::Task<planner::GroundWay>>(), 1);
     if (motors_) return;  // motors on a protocol of their own have said their frames
     using namespace drivers;
     const std::uint32_t drive[] = {kCanDriveId};
@@ -108,7 +119,7 @@ class DrivePart final : public Part {
   void add_task(VehicleBuilder& builder) {
     drive_outlet_ = builder.outlet<rt::DriveCommand>(group_, "drive");
     const rt::Stream<rt::ImuSample>& imu = builder.find<AttitudePart>()->imu();
-    const rt::TaskBase* task = builder.task<planner::UgvDriveOutput>(
+    rt::Task<planner::UgvDriveOutput>* task = builder.task<planner::UgvDriveOutput>(
         group_, "drive", 50, [this, &imu](rt::JobContext& context, planner::UgvDriveOutput& output) {
           if (requests_ != nullptr) {
             // A refusal is counted in the output, by its reason.
@@ -116,13 +127,21 @@ class DrivePart final : public Part {
               static_cast<void>(drive_->request(request, context.release_ns));
           }
           // Whatever cannot be used makes the robot stop, and the output says why.
-          static_cast<void>(drive_->update(odometry_.pose_task()->value(),
-                                           {imu.stale(), odometry_.tracks().stale()}, context.release_ns));
+          const rt::PoseEstimate& pose = odometry_.pose_task()->value();
+          planner::UgvDriveInputs inputs{imu.stale(), odometry_.tracks().stale()};
+          if (rt::kBuilt<"way"> && guide_) inputs.guide = guide(pose, context.release_ns);
+          static_cast<void>(drive_->update(pose, inputs, context.release_ns));
           output = drive_->output();
           drive_outlet_->put(output);
         });
-    builder.remembers(task, *drive_);
+    builder.offer(*task);
+    if (rt::kBuilt<"way"> && guide_) {
+      builder.remembers(task, *drive_, *guide_, guided_);
+    } else {
+      builder.remembers(task, *drive_);
+    }
   }
+
 
   void add_counters(VehicleBuilder& builder) {
     builder.counter("commands_sent",
@@ -130,6 +149,7 @@ class DrivePart final : public Part {
     builder.counter("commands_refused",
                     [this] { return drive_commands_.refused + own_motors_.drive_counters().refused; });
     builder.counter("waypoints_reached", [this] { return drive_->follower().reached; });
+    if (rt::kBuilt<"way"> && guide_) builder.counters("way_follower_", guide_->counters());
     // Every reason to stop by its name, and what became of requests.
     builder.counters("drive_stops_", drive_->output().stops);
     if (requests_ != nullptr) builder.counters("drive_requests_", drive_->output().requests);
@@ -199,12 +219,47 @@ class DrivePart final : public Part {
       static_cast<void>(flipper_port_->push(state, now_ns));
   }
 
+  /// [goal]: where to go from the start on.
+  void read_goal(Profile& profile) {
+    if (!profile.has("goal.x_m") && !profile.has("goal.y_m")) return;
+    const double far_m = planner::kFarthestGoal_m;
+    const double x_m = profile.number(
+        "goal.x_m", {0, -far_m, far_m, "m", "where to go by a way of its own, in the world of the start"});
+    const double y_m = profile.number("goal.y_m", {0, -far_m, far_m, "m", "the same"});
+    if (drive_->set_goal(x_m, y_m) != Status::ok) profile.fail("goal.x_m", "no place to go to");
+  }
+
+  /// What the way's follower says of the goal in force.
+  planner::GoalGuide guide(const rt::PoseEstimate& pose, rt::Nanoseconds now_ns) {
+    if (guided_ != drive_->goal()) guide_->forget();
+    guided_ = drive_->goal();
+    const planner::GroundWay* way = way_ != nullptr ? way_->latest() : nullptr;
+    if (guided_ != 0 && way != nullptr) guide_->take(*way, guided_);
+    planner::GoalGuide guide;
+    if (guided_ != 0 && drive_->follows_guide()) {
+      guide.wish = guide_->wish(pose, drive_->limits(), drive_->ramps(), now_ns);
+    } else {
+      guide_->pause();
+    }
+    guide.has_way = guide_->has_way(now_ns);
+    guide.arrived = guide_->arrived();
+    guide.turning = guide_->turning();
+    guide.reversing = guide_->reversing();
+    guide.lost = guide_->lost();
+    guide.series = guide_->series();
+    guide.step = guide_->step();
+    return guide;
+  }
+
   const OdometryPart& odometry_;
   rt::GroupId group_;
   rt::Stream<rt::DriveRequest>* requests_{};
   InputPort<rt::DriveRequest>* request_port_{};
   planner::RequestRules request_rules_;
   std::unique_ptr<planner::UgvDrive> drive_;
+  std::unique_ptr<planner::GroundWayFollower> guide_;  // null where the robot finds no ways
+  rt::Input<planner::GroundWay>* way_{};
+  std::uint32_t guided_{};  // number of the goal that it follows
   rt::CommandOutlet<rt::DriveCommand>* drive_outlet_{};
   // Null where the scene has no flippers.
   std::unique_ptr<planner::FlipperPostures> flippers_;

@@ -3,6 +3,7 @@
 // in the table, may use it in its job.
 #pragma once
 
+#include "mapping/elevation/elevation_map.hpp"
 #include "mapping/registration/cloud_match.hpp"
 #include "mapping/registration/locator.hpp"
 
@@ -26,6 +27,11 @@ struct CloudAccess {
   std::uint64_t views{};  ///< that are in it
   bool held{};            ///< set by the reader: the cloud stays as it is, views are left out
   bool renew{};           ///< set by the reader: the next job begins with an empty cloud
+};
+
+/// Offered by `elevation`.
+struct ElevationAccess {
+  const mapping::ElevationMap* map{};  ///< in the odometry's frame
 };
 
 }  // namespace sortie::firmware

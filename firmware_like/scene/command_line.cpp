@@ -60,6 +60,7 @@ Option* Command::add_option(const std::string& name, T& value, const std::string
 template Option* Command::add_option(const std::string&, std::string&, const std::string&);
 template Option* Command::add_option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option* Command::add_option(const std::string&, double&, const std::string&);
+template Option* Command::add_option(const std::string&, std::vector<double>&, const std::string&);
 template Option* Command::add_option(const std::string&, int&, const std::string&);
 template Option* Command::add_option(const std::string&, std::uint16_t&, const std::string&);
 template Option* Command::add_option(const std::string&, std::uint32_t&, const std::string&);

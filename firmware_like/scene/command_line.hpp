@@ -78,7 +78,7 @@ class Command {
   bool has_chosen_subcommand() const;
 
   /// "--long", "-s,--long", or "name" for a positional. The value goes into the variable, which keeps what it
-  /// has where the option is not given. T: std::string or a vector of them, double, int, std::uint16_t,
+  /// has where the option is not given. T: std::string or double, or a vector of them, int, std::uint16_t,
   /// std::uint32_t, or std::uint64_t, which may be optional.
   template <class T>
   Option* add_option(const std::string& name, T& value, const std::string& about = "");

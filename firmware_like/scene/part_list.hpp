@@ -47,6 +47,8 @@
   part(ssl, "a solid-state lidar is asked for rays", "ugv", "", "no") \
   option(ray_scheduler, "rays are planned over a map of what is known", "ugv", "ssl", "yes", \
          "ssl.policy", "scheduled", "ssl.policy=grid", true) \
+  part(elevation, "heights of the ground around the robot", "ugv", "odometry", "no") \
+  part(way, "ways to a goal over ground that carries", "ugv", "elevation", "no") \
   part(cloud, "cells of what it saw, for another robot to be placed on", "", "", "no") \
   part(join, "the vehicle finds its place on another robot's cloud", "", "cloud", "no") \
   option(pilot, "the vehicle is flown", "uav", "", "yes", "tasks.pilot.enabled", "", \

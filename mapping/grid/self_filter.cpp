@@ -12,7 +12,9 @@ namespace {
 bool is_size(double value) { return std::isfinite(value) && value >= 0.0; }
 
 bool is_usable(const SelfFilterConfig& config) {
-  if (config.box_count > SelfFilterConfig::kMaxBoxes || !is_size(config.margin_m)) return false;
+  if (config.box_count > SelfFilterConfig::kMaxBoxes || !is_size(config.margin_m) ||
+      !is_size(config.shadow_m))
+    return false;
   for (std::uint32_t i = 0; i < config.box_count; ++i) {
     const BodyBox& box = config.boxes[i];
     if (!rt::is_finite(box.centre_m) || !is_size(box.half_m.x) || !is_size(box.half_m.y) ||
@@ -34,6 +36,7 @@ SelfFilter::SelfFilter(const SelfFilterConfig& config) : config_(config) {
     usable_ = Status::out_of_range;
     config_ = {};
     config_.margin_m = 0.0;
+    config_.shadow_m = 0.0;
     return;
   }
   double reach = -1.0;
@@ -46,6 +49,9 @@ SelfFilter::SelfFilter(const SelfFilterConfig& config) : config_(config) {
     taper_cos_ = std::sqrt(1.0 - taper_sin_ * taper_sin_);
   }
   if (reach >= 0.0) reach2_m2_ = (reach + config.margin_m) * (reach + config.margin_m);
+  // A beam that meets an edge mixes in what lies a pulse's length behind it.
+  constexpr double kPulse_m = 0.6;
+  if (reach >= 0.0 && config.shadow_m > 0.0) near2_m2_ = (reach + kPulse_m) * (reach + kPulse_m);
   const double level[rt::kFlippers]{};
   static_cast<void>(set_flippers(level));
 }
@@ -63,17 +69,32 @@ Status SelfFilter::set_flippers(const double (&angle_rad)[rt::kFlippers]) {
 }
 
 bool SelfFilter::is_robot(const rt::Vector3& p) const {
-  if (!(rt::dot(p, p) < reach2_m2_)) return false;
+  return rt::dot(p, p) < reach2_m2_ && is_within(p, config_.margin_m);
+}
+
+bool SelfFilter::is_shadowed(const rt::Vector3& sensor, const rt::Vector3& p) const {
+  constexpr int kSamples = 24;
+  if (!(rt::dot(p, p) < near2_m2_)) return false;
+  // From the point towards the sensor, which sits on the robot itself: its own part of the way says nothing.
+  constexpr double kOfSensor = 0.25;
+  for (int i = 0; i < kSamples; ++i) {
+    const double share = kOfSensor + (1.0 - kOfSensor) * i / kSamples;
+    if (is_within(sensor + share * (p - sensor), config_.shadow_m)) return true;
+  }
+  return false;
+}
+
+bool SelfFilter::is_within(const rt::Vector3& p, double margin_m) const {
   for (std::uint32_t i = 0; i < config_.box_count; ++i) {
     const BodyBox& box = config_.boxes[i];
-    if (std::fabs(p.x - box.centre_m.x) <= box.half_m.x + config_.margin_m &&
-        std::fabs(p.y - box.centre_m.y) <= box.half_m.y + config_.margin_m &&
-        std::fabs(p.z - box.centre_m.z) <= box.half_m.z + config_.margin_m)
+    if (std::fabs(p.x - box.centre_m.x) <= box.half_m.x + margin_m &&
+        std::fabs(p.y - box.centre_m.y) <= box.half_m.y + margin_m &&
+        std::fabs(p.z - box.centre_m.z) <= box.half_m.z + margin_m)
       return true;
   }
   if (config_.flippers.length_m == 0.0) return false;
   for (std::uint32_t i = 0; i < rt::kFlippers; ++i) {
-    if (on_flipper(i, p)) return true;
+    if (on_flipper(i, p, margin_m)) return true;
   }
   return false;
 }
@@ -81,11 +102,11 @@ bool SelfFilter::is_robot(const rt::Vector3& p) const {
 // In the flipper's plane, from the large wheel's axle: `along` towards the small wheel, `side` square to it.
 // Nearest is the large wheel, the small wheel or the tangent between them, as the point lies before, behind
 // or between the two radii that end on that tangent.
-bool SelfFilter::on_flipper(std::uint32_t flipper, const rt::Vector3& p) const {
+bool SelfFilter::on_flipper(std::uint32_t flipper, const rt::Vector3& p, double margin_m) const {
   const FlipperOutline& f = config_.flippers;
   const double mirror_x = flipper < 2 ? 1.0 : -1.0;
   const double mirror_y = flipper % 2 == 0 ? 1.0 : -1.0;
-  if (std::fabs(p.y - mirror_y * f.pivot_m.y) > f.half_width_m + config_.margin_m) return false;
+  if (std::fabs(p.y - mirror_y * f.pivot_m.y) > f.half_width_m + margin_m) return false;
   const double x = p.x - mirror_x * f.pivot_m.x;
   const double z = p.z - f.pivot_m.z;
   const double along = along_x_[flipper] * x + along_z_[flipper] * z;
@@ -99,7 +120,7 @@ bool SelfFilter::on_flipper(std::uint32_t flipper, const rt::Vector3& p) const {
   } else {
     distance = taper_sin_ * along + taper_cos_ * side - f.large_radius_m;
   }
-  return distance <= config_.margin_m;
+  return distance <= margin_m;
 }
 
 }  // namespace sortie::mapping

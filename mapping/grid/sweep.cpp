@@ -94,7 +94,7 @@ void Sweeps::place(const rt::ScanPoint& point, const Moment& moment, StraightSwe
     ++counts.too_near;
   } else if (range2 > config_.max_range_m * config_.max_range_m) {
     ++counts.too_far;
-  } else if (robot_.is_robot(config_.p_body_sensor_m + rt::rotate(config_.q_body_sensor, seen))) {
+  } else if (is_on_robot(config_.p_body_sensor_m + rt::rotate(config_.q_body_sensor, seen))) {
     ++counts.on_robot;
   } else if (moment.status != Status::ok) {
     ++counts.unplaced;

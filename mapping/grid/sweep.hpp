@@ -84,6 +84,10 @@ class Sweeps {
   Status moment_at(rt::Nanoseconds stamp_ns, const RigidPose& reference, Moment& moment) const;
   void place(const rt::ScanPoint& point, const Moment& moment, StraightSweep& result);
 
+  bool is_on_robot(const rt::Vector3& p_body_m) const {
+    return robot_.is_robot(p_body_m) || robot_.is_shadowed(config_.p_body_sensor_m, p_body_m);
+  }
+
   SweepConfig config_;
   Status usable_{Status::ok};
   std::span<rt::ScanPoint> memory_;

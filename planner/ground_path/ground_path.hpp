@@ -86,6 +86,9 @@ class GroundPath {
   /// of clearing the tables.
   GroundPathState begin(const GroundMap& map, const GroundPose& start, const GroundPose& goal);
 
+  /// Forgets what postures cost: the next plan is that of a planner that never saw a map, also in its work.
+  void forget_prices() { prices_.forget(); }
+
   /// Works on for `units`; beyond them by one step's at the most, which the next call pays: a way that is
   /// shown is one step. A map that changed since begin(): outdated, and no way, also where all was done. Ask
   /// before each drive.

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "rt/describe.hpp"
+
 namespace sortie::planner {
 
 inline constexpr std::int32_t kHeadings = 16;
@@ -13,6 +15,7 @@ inline constexpr std::int32_t kHeadings = 16;
 struct CellStep {
   std::int32_t x{};
   std::int32_t y{};
+  SORTIE_FIELDS(x, y)
   friend constexpr bool operator==(const CellStep&, const CellStep&) = default;
 };
 

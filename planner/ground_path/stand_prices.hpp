@@ -8,6 +8,7 @@
 
 #include "planner/ground_path/footprint.hpp"
 #include "planner/ground_path/ground_map.hpp"
+#include "rt/describe.hpp"
 
 namespace sortie::planner {
 
@@ -17,6 +18,7 @@ struct GroundPose {
   std::int32_t y{};
   std::int32_t surface{};  ///< of the cell
   std::int32_t heading{};  ///< 0 to 15
+  SORTIE_FIELDS(x, y, surface, heading)
   friend constexpr bool operator==(const GroundPose&, const GroundPose&) = default;
 };
 
@@ -56,6 +58,12 @@ class StandPrices {
 
   /// Forgets what one changed tile can have changed; false when none did. Adds to `units`.
   bool refresh(GroundMap& map, std::uint64_t& units);
+
+  /// Forgets all.
+  void forget() {
+    std::fill(slots_.begin(), slots_.end(), kNotJudged);
+    std::fill(cores_.begin(), cores_.end(), kNotJudged);
+  }
 
   const FootprintTable& footprints() const { return footprints_; }
 

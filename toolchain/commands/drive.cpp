@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "firmware_like/live/stop_signals.hpp"
+#include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/json.hpp"
 #include "planner/drive_guard.hpp"
 #include "planner/ugv_drive.hpp"
@@ -20,10 +21,14 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kForEver = std::chrono::hours{24 * 366};
 
+// What go is with a place.
+const std::string kGoTo = "go to a place";
+
 struct DriveOptions : AskOptions {
   std::string what{"go"};
   drivers::DriveRequestMessage wish;
   double for_s{2};
+  std::vector<double> place;  ///< x, y; empty: go asks for speeds
   bool though_tilted{};
 };
 
@@ -42,6 +47,8 @@ const char* source_name(std::uint32_t source) {
       return "the mission's rows";
     case planner::DriveSource::remote:
       return "requests";
+    case planner::DriveSource::goal:
+      return "the goal";
     case planner::DriveSource::none:
       break;
   }
@@ -73,6 +80,7 @@ bool is_emergency(const RequestClient& client) {
 }
 
 rt::DriveMode mode_of(const std::string& what) {
+  if (what == kGoTo) return rt::DriveMode::go;
   if (what == "halt") return rt::DriveMode::halt;
   if (what == "emergency") return rt::DriveMode::emergency;
   if (what == "emergency-end") return rt::DriveMode::emergency_end;
@@ -86,6 +94,7 @@ bool is_done(const RequestClient& client, const std::string& what, std::int64_t 
   if (what == "emergency") return is_emergency(client);
   if (what == "emergency-end") return !is_emergency(client);
   if (is_halted(client)) return false;
+  if (what == kGoTo) return words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::goal);
   return what == "release" ||
          words_of(client).source == static_cast<std::uint32_t>(planner::DriveSource::remote);
 }
@@ -125,8 +134,8 @@ std::string why_not(const RequestClient& client, const std::string& what, std::i
     return whose + "the emergency stop was asked for; sortie drive emergency-end and then release end that";
   if (what != "halt" && is_halted(client))
     return whose + "the request was admitted, but the robot is " +
-           (what == "go" ? "halted; sortie drive release ends that" : "still halted");
-  if (what == "go")
+           (what == "go" || what == kGoTo ? "halted; sortie drive release ends that" : "still halted");
+  if (what == "go" || what == kGoTo)
     return whose + "the request was admitted, but in control is " + source_name(words_of(client).source);
   return whose + (is_halted(client) ? "it is halted, but still brakes"
                                     : "the halt was admitted, but the drive does not say that it is halted");
@@ -159,6 +168,15 @@ bool go(const CommandContext& context, const DriveOptions& options, RequestClien
 }
 
 int run_drive(const CommandContext& context, DriveOptions options) {
+  if (!options.place.empty()) {
+    if (options.what != "go")
+      throw firmware::InputError("a place goes with go: sortie drive go X Y", 2);
+    if (options.place.size() != 2)
+      throw firmware::InputError("a place has two numbers, m in the robot's world: sortie drive go X Y", 2);
+    options.what = kGoTo;
+    options.wish.goal_x_m = options.place[0];
+    options.wish.goal_y_m = options.place[1];
+  }
   options.wish.mode = static_cast<std::uint32_t>(mode_of(options.what));
   options.wish.flags = options.though_tilted ? rt::kDriveThoughTilted : 0u;
   drivers::DriveRequestMessage rest = options.wish;
@@ -187,7 +205,9 @@ void add_drive(firmware::Command& app, CommandContext& context) {
   firmware::Command* command =
       app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release, emergency");
   command->footer(
-      "go asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release, and "
+      "go X Y sends the robot to a place, by a way that it finds itself (a scene with part `way`), and ends when it "
+      "has set off. go alone\n"
+      "asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release, and "
       "ends "
       "with 0\n"
       "only when the robot says that it is halted and stands; release hands control back to the mission.\n"
@@ -196,11 +216,13 @@ void add_drive(firmware::Command& app, CommandContext& context) {
       "stop, or a drive that was lost, go and release ask the drives anew; nothing else does.\n"
       "Examples:\n"
       "  sortie drive go --speed 0.3 --turn 0.2 --for 5\n"
+      "  sortie drive go 6.5 -1.2\n"
       "  sortie drive halt --secret robot.secret\n"
       "  sortie drive release");
   command->add_option("what", options->what, "go, halt, release, emergency or emergency-end")
       ->one_of({"go", "halt", "release", "emergency", "emergency-end"})
       ->capture_default_str();
+  command->add_option("place", options->place, "With go: x and y of the place to go to, m in the robot's world");
   command->add_option("--speed", options->wish.speed_m_s, "m/s, negative backwards")->capture_default_str();
   command->add_option("--turn", options->wish.turn_rad_s, "rad/s, positive to the left")
       ->capture_default_str();
