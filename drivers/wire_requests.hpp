@@ -21,7 +21,8 @@ struct DriveRequestMessage : rt::DriveRequest {
   std::int64_t utime{};    ///< us UTC of the sender's clock
   std::int64_t session{};  ///< of the run that is meant
   std::int64_t sender{};   ///< any number
-  SORTIE_FIELDS(utime, session, sender, counter, speed_m_s, turn_rad_s, mode, posture, flags, goal_x_m, goal_y_m)
+  SORTIE_FIELDS(utime, session, sender, counter, speed_m_s, turn_rad_s, mode, posture, flags, goal_x_m,
+                goal_y_m)
 };
 template <>
 struct WireRules<DriveRequestMessage> : WireTagged {};

@@ -55,9 +55,8 @@ inline Status check_content(const rt::DriveRequest& request, const RequestRules&
     if (!std::isfinite(value)) return Status::not_finite;
   const bool fits = std::fabs(request.speed_m_s) <= kMostAskedSpeed_m_s &&
                     std::fabs(request.turn_rad_s) <= kMostAskedTurn_rad_s &&
-                    request.mode <= static_cast<std::uint32_t>(rt::DriveMode::go) &&
-                    request.posture >= -1 && request.posture < rules.postures &&
-                    std::fabs(request.goal_x_m) <= kFarthestGoal_m &&
+                    request.mode <= static_cast<std::uint32_t>(rt::DriveMode::go) && request.posture >= -1 &&
+                    request.posture < rules.postures && std::fabs(request.goal_x_m) <= kFarthestGoal_m &&
                     std::fabs(request.goal_y_m) <= kFarthestGoal_m &&
                     (request.flags & ~std::uint32_t{rt::kDriveThoughTilted | rt::kDriveAnew}) == 0;
   if (!fits) return Status::out_of_range;

@@ -49,8 +49,8 @@ Status UgvDrive::set_goal(double x_m, double y_m) {
 }
 
 Status UgvDrive::request(const rt::DriveRequest& request, rt::Nanoseconds now_ns) {
-  const Status status = gate_.take(
-      request, {config_.postures, config_.max_command_age_ns, config_.finds_ways}, now_ns);
+  const Status status =
+      gate_.take(request, {config_.postures, config_.max_command_age_ns, config_.finds_ways}, now_ns);
   if (status != Status::ok) return status;
   const auto mode = static_cast<rt::DriveMode>(request.mode);
   const bool has_control = remote_ && static_cast<rt::DriveMode>(request_.mode) == rt::DriveMode::drive;
@@ -176,8 +176,7 @@ bool UgvDrive::follows_guide() const {
          (output_.stop & ~std::uint32_t{kStopNoWay}) == 0;
 }
 
-void UgvDrive::put_out(DriveSource source, bool shortened, const GoalGuide& guide,
-                       rt::Nanoseconds now_ns) {
+void UgvDrive::put_out(DriveSource source, bool shortened, const GoalGuide& guide, rt::Nanoseconds now_ns) {
   const SpeedTurn now = limiter_.now();
   const TrackSpeeds tracks = config_.icr.to_tracks(now.speed_m_s, now.turn_rad_s);
   const bool on_route = source == DriveSource::route;
@@ -220,8 +219,7 @@ void UgvDrive::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ugv drive")
       .fixed(config_)
       .state(follower_, mission_, guard_, gate_, limiter_, request_, output_, start_ns_, last_ns_, started_,
-             remote_, halted_, emergency_, begun_, asked_, posture_, goals_, goal_, goal_m_,
-             arrived_);
+             remote_, halted_, emergency_, begun_, asked_, posture_, goals_, goal_, goal_m_, arrived_);
   // What was held back is no field of the output.
   if (archive.is_reading()) output_.requests = gate_.counters;
 }

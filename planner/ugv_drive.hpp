@@ -20,8 +20,8 @@
 
 namespace sortie::planner {
 
-/// Who is in control, by rank: somebody outside before the goal, that before the mission, the mission before the
-/// route.
+/// Who is in control, by rank: somebody outside before the goal, that before the mission, the mission before
+/// the route.
 enum class DriveSource : std::uint32_t { none, route, mission, remote, goal };
 
 /// Bits of UgvDriveOutput::flags.
@@ -143,8 +143,9 @@ struct UgvDriveInputs {
 /// the arc with the stop ramps and ends as DriveGuard says. About 4.5 kB; no heap; bounded time: about 0.3
 /// us, and at most 32 steps of the limiter after a pause.
 ///
-/// A goal is in force from when it was told until it is reached and something else is asked for: a release hands
-/// control back to it, or, where the robot has arrived, to the mission. Without a way there the robot stands.
+/// A goal is in force from when it was told until it is reached and something else is asked for: a release
+/// hands control back to it, or, where the robot has arrived, to the mission. Without a way there the robot
+/// stands.
 ///
 /// Motors that were stopped (an emergency stop, a drive that was lost) start when they are asked anew, and
 /// the drive alone says what that is; the guard's going and coming never is. Motion is asked for
@@ -177,8 +178,8 @@ class UgvDrive {
   /// Decides for `now_ns`. Status: ok; time_repeated or time_backwards (nothing changes).
   Status update(const rt::PoseEstimate& pose, const UgvDriveInputs& inputs, rt::Nanoseconds now_ns);
 
-  /// True when a guide's wish would be driven: the goal is in control, and nothing stops the robot but that there
-  /// was no way.
+  /// True when a guide's wish would be driven: the goal is in control, and nothing stops the robot but that
+  /// there was no way.
   bool follows_guide() const;
   TwistLimits limits() const;
   const TwistRamps& ramps() const { return config_.ramps; }

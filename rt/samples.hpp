@@ -130,7 +130,7 @@ enum class DriveMode : std::uint32_t {
   halt,           ///< stops and stays, until a release
   emergency,      ///< as an emergency stop that is pressed: no torque, until emergency_end
   emergency_end,  ///< as its release: from then on it is a halt
-  go,             ///< to a place, by a way of its own; ends no halt, and hands back what was in control outside
+  go,  ///< to a place, by a way of its own; ends no halt, and hands back what was in control outside
 };
 
 /// Bits of DriveRequest::flags.

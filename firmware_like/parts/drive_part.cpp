@@ -142,7 +142,6 @@ class DrivePart final : public Part {
     }
   }
 
-
   void add_counters(VehicleBuilder& builder) {
     builder.counter("commands_sent",
                     [this] { return drive_commands_.sent + own_motors_.drive_counters().sent; });

@@ -14,7 +14,8 @@ mapping::SelfFilterConfig read_outline(Profile& profile) {
                               {c.margin_m, 0, 1, "m", "as far from the robot a return still is the robot"});
   c.shadow_m = profile.number(
       "outline.shadow_m",
-      {0, 0, 1, "m", "a return beside the robot whose ray passes it as near as this is its edge; 0: none is"});
+      {0, 0, 1, "m",
+       "a return whose ray passes the robot as near as this is left out: it may be its edge; 0: none is"});
   const char* meaning = "least x, y, z and most x, y, z of the body in its own frame; all 0: no such part";
   for (const char* path : {"outline.body_m", "outline.tracks_m"}) {
     const std::vector<double> b =

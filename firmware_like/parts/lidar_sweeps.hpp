@@ -53,6 +53,8 @@ class LidarSweeps {
   /// How the lidar sits on the body, and its clock.
   const mapping::SweepConfig& config() const { return config_; }
   ScanPort* port() const { return port_; }
+  /// Most points of a scan.
+  std::uint32_t points() const { return points_; }
   /// False: only scans that carry a pose can be placed.
   bool has_odometry() const { return sweeps_ != nullptr; }
 

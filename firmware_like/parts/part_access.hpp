@@ -31,7 +31,7 @@ struct CloudAccess {
 
 /// Offered by `elevation`.
 struct ElevationAccess {
-  const mapping::ElevationMap* map{};  ///< in the odometry's frame
+  const mapping::ElevationMap* map{};  ///< in the frame of `locate`, or where there is none the odometry's
 };
 
 }  // namespace sortie::firmware

@@ -2,8 +2,10 @@
 // Ways to a goal over ground that was seen to carry. The drive follows them.
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/part_access.hpp"
+#include "mapping/registration/pose_algebra.hpp"
 #include "planner/ground_way/ground_way_planner.hpp"
 #include "planner/ugv_drive.hpp"
+#include "rt/math.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -30,8 +32,10 @@ class WayPart final : public Part {
     Profile& profile = builder.profile();
     const rt::GroupId group = builder.group("mapping", 10);
     const ElevationAccess* elevation = builder.find<ElevationAccess>();
+    located_ = builder.find<LocateAccess>();
     const auto* drive = builder.find<rt::Task<planner::UgvDriveOutput>>();
-    if (drive == nullptr) profile.fail("tasks.way.enabled", "ways are for somebody who drives: needs tasks.drive");
+    if (drive == nullptr)
+      profile.fail("tasks.way.enabled", "ways are for somebody who drives: needs tasks.drive");
     map_ = elevation->map;
     drive_ = builder.input(group, drive, 1);
     poses_ = poses_since_last_job(builder, group);
@@ -48,7 +52,8 @@ class WayPart final : public Part {
     if (lattice.cell_mm % map_->config().cell_mm != 0)
       profile.fail("way.cell_mm", "must be a multiple of elevation.cell_mm");
     if (planner::check(config.lattice) != Status::ok)
-      profile.fail("way.half_length_m", "must not be below way.half_width_m, nor above 12 cells of the lattice");
+      profile.fail("way.half_length_m",
+                   "must not be below way.half_width_m, nor above 12 cells of the lattice");
     planner_ = std::make_unique<planner::GroundWayPlanner>(config, map_->config().cell_mm, builder.arena());
     task_ = builder.task<planner::GroundWay>(
         group, "way", TaskDefaults{15'000, rt::Criticality::b, 40'000},
@@ -57,6 +62,7 @@ class WayPart final : public Part {
           while (planner_->works() && context.spend(planner::GroundWayPlanner::kSlice)) planner_->step();
           planner_->end();
           output = planner_->output();
+          to_odometry(output);
         });
     builder.remembers(task_, *this);
     builder.offer(*task_);
@@ -69,7 +75,11 @@ class WayPart final : public Part {
   }
 
   void archive(rt::Archive& archive) {
-    rt::Members(archive, *this, "way").base<Part>().fixed(map_, drive_, poses_, task_).by_hand(planner_).state(bad_);
+    rt::Members(archive, *this, "way")
+        .base<Part>()
+        .fixed(map_, located_, drive_, poses_, task_)
+        .by_hand(planner_)
+        .state(bad_, T_map_odom_);
     archive.value(*planner_);
   }
 
@@ -80,18 +90,45 @@ class WayPart final : public Part {
     planner::GroundWayProgress progress;
     bool standing = true;
     if (drive != nullptr) {
-      progress = {drive->goal,     {drive->goal_x_m, drive->goal_y_m}, drive->way_series,
-                  drive->way_step, false,                              drive->way_lost != 0};
+      progress = {
+          drive->goal,         {drive->goal_x_m, drive->goal_y_m}, drive->way_series, drive->way_step, false,
+          drive->way_lost != 0};
       const bool to_goal = drive->source == static_cast<std::uint32_t>(planner::DriveSource::goal);
       progress.arrived = to_goal && (drive->flags & planner::kDriveDone) != 0;
       standing = drive->speed_m_s == 0.0 && drive->turn_rad_s == 0.0;
     }
-    const Status status =
-        planner_->begin(map_->view(), pose != nullptr ? *pose : rt::PoseEstimate{}, standing, progress, now_ns);
+    rt::PoseEstimate on_map = pose != nullptr ? *pose : rt::PoseEstimate{};
+    if (located_ != nullptr) {
+      // Where it has no place it is where it would be with the last one.
+      const mapping::Located& located = located_->locator->located();
+      if (mapping::is_placed(located.verdict)) T_map_odom_ = located.T_map_odom;
+      const mapping::RigidPose body = mapping::after(
+          T_map_odom_, {rt::to_vector(on_map.p_world_body_m), rt::to_quaternion(on_map.q_world_body)});
+      rt::store(body.p, on_map.p_world_body_m);
+      rt::store(body.q, on_map.q_world_body);
+    }
+    const Status status = planner_->begin(map_->view(), on_map, standing, progress, now_ns);
     bad_ += status == Status::not_finite ? 1u : 0u;
   }
 
+  /// The drive goes by the odometry: each job tells it anew where the same places are for it.
+  void to_odometry(planner::GroundWay& way) const {
+    if (located_ == nullptr) return;
+    const mapping::RigidPose T_odom_map = mapping::inverse(T_map_odom_);
+    const double turn = rt::yaw_of(T_odom_map.q);
+    for (std::uint32_t i = 0; i < way.steps; ++i) {
+      const rt::Vector3 p_m =
+          mapping::after(T_odom_map, {{1e-3 * way.x_mm[i], 1e-3 * way.y_mm[i], 0.0}, {}}).p;
+      const double heading = rt::wrap_angle(1e-3 * way.heading_mrad[i] + turn);
+      way.x_mm[i] = static_cast<std::int32_t>(rt::floor(1e3 * p_m.x + 0.5));
+      way.y_mm[i] = static_cast<std::int32_t>(rt::floor(1e3 * p_m.y + 0.5));
+      way.heading_mrad[i] = static_cast<std::int16_t>(rt::floor(1e3 * heading + 0.5));
+    }
+  }
+
   const mapping::ElevationMap* map_{};
+  const LocateAccess* located_{};  // null: the odometry's frame is the world's
+  mapping::RigidPose T_map_odom_;
   rt::Input<planner::UgvDriveOutput>* drive_{};
   rt::Input<rt::PoseEstimate>* poses_{};
   std::unique_ptr<planner::GroundWayPlanner> planner_;

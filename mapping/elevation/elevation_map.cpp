@@ -49,7 +49,7 @@ std::uint64_t cell_count(const ElevationConfig& config) {
 
 std::uint64_t ElevationMap::memory_bytes(const ElevationConfig& config) {
   if (!is_good(config)) return 0;
-  return cell_count(config) * (sizeof(ElevationCell) + sizeof(std::int32_t));
+  return cell_count(config) * (sizeof(ElevationCell) + sizeof(std::int32_t) + sizeof(CellEvidence));
 }
 
 ElevationMap::ElevationMap(const ElevationConfig& config, rt::Arena& arena) : config_(config) {
@@ -57,7 +57,8 @@ ElevationMap::ElevationMap(const ElevationConfig& config, rt::Arena& arena) : co
   const auto count = static_cast<std::size_t>(cell_count(config));
   cells_ = arena.make_array<ElevationCell>("elevation cells", count, 64);
   bounds_ = arena.make_array<std::int32_t>("elevation bounds", count);
-  usable_ = cells_.size() == count && bounds_.size() == count;
+  evidence_ = arena.make_array<CellEvidence>("elevation evidence", count);
+  usable_ = cells_.size() == count && bounds_.size() == count && evidence_.size() == count;
   if (!usable_) return;
   rule_.join = height_units(config.join_m);
   rule_.most_join = height_units(config.most_join_m);
@@ -71,6 +72,7 @@ ElevationMap::ElevationMap(const ElevationConfig& config, rt::Arena& arena) : co
 void ElevationMap::clear() {
   std::fill(cells_.begin(), cells_.end(), ElevationCell{});
   std::fill(bounds_.begin(), bounds_.end(), ElevationView::kNoBound);
+  std::fill(evidence_.begin(), evidence_.end(), CellEvidence{});
   output_.known = 0;
 }
 
@@ -79,6 +81,7 @@ ElevationView ElevationMap::view() const {
   if (!usable_) return view;
   view.cells = cells_.data();
   view.bounds = bounds_.data();
+  view.evidence = evidence_.data();
   view.size = config_.size;
   view.low[0] = output_.low_x;
   view.low[1] = output_.low_y;
@@ -110,6 +113,7 @@ void ElevationMap::clear_cell(std::uint32_t index) {
   if (cell.weight[0] != 0) --output_.known;
   cell = {};
   bounds_[index] = ElevationView::kNoBound;
+  evidence_[index] = {};
 }
 
 // Cells stay where they are; those that come in lie where those that leave were.
@@ -184,6 +188,8 @@ void ElevationMap::take(std::uint32_t index, std::int32_t height, std::uint16_t 
     cell.variance = variance_;
   }
   age(cell, variance_);
+  constexpr auto kStands = static_cast<std::int32_t>(0.1 * kHeightUnits);
+  if (cell.weight[0] != 0 && height - cell.height[0] > kStands) evidence_[index].add(&CellEvidence::hits);
   const SurfaceChange change = take_height(cell, height, weight, flags, rule_);
   if (change == SurfaceChange::joined) ++output_.joined;
   if (change == SurfaceChange::merged) ++output_.merged;

@@ -91,6 +91,10 @@ void ElevationMap::follow_ray(const Sensor& sensor, const std::int32_t (&way)[2]
   std::uint32_t column = static_cast<std::uint32_t>(output_.low_x + x.cell) & mask;
   std::uint32_t row = static_cast<std::uint32_t>(output_.low_y + y.cell) & mask;
   const std::uint32_t floor = static_cast<std::uint32_t>(sensor.height - bound_reach_);
+  // Whatever stands on the ground is met by rays that are as close to it as this before they end there.
+  constexpr auto kLow = static_cast<std::int32_t>(0.3 * kHeightUnits);
+  const std::int32_t low =
+      sensor.height + static_cast<std::int32_t>(nearest_unit(way_m.z * kHeightUnits)) + kLow;
   std::uint64_t lowered = 0;
   std::uint64_t changes = output_.changes;
   const std::int64_t crossed = x.crossed + y.crossed;
@@ -104,6 +108,7 @@ void ElevationMap::follow_ray(const Sensor& sensor, const std::int32_t (&way)[2]
       changes = (changes ^ (std::uint64_t{index} << 32 | now)) * kBoundChain;
       ++lowered;
     }
+    if (static_cast<std::int32_t>(now) < low) evidence_[index].add(&CellEvidence::passes);
     const bool along_x = order <= 0;
     height = along_x ? next_x : next_y;
     next_x += along_x ? step_x : 0;
@@ -120,7 +125,7 @@ void ElevationMap::follow_ray(const Sensor& sensor, const std::int32_t (&way)[2]
 void ElevationMap::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "elevation map")
       .fixed(config_, rule_, cell_units_, bound_reach_, usable_)
-      .by_hand(cells_, bounds_)
+      .by_hand(cells_, bounds_, evidence_)
       .state(output_, variance_, all_aged_, variance_rest_, ray_phase_, centred_);
   if (archive.is_reading()) {
     for (std::int64_t* const number : {&output_.low_x, &output_.low_y, &output_.level_m}) {
@@ -136,6 +141,12 @@ void ElevationMap::archive(rt::Archive& archive) {
   archive.expect(cells_.size(), "the map has another size");
   for (ElevationCell& cell : cells_) archive.value(cell);
   for (std::int32_t& bound : bounds_) archive.value(bound);
+  for (CellEvidence& evidence : evidence_) {
+    archive.value(evidence.hits);
+    archive.value(evidence.passes);
+    evidence.hits = std::min(evidence.hits, CellEvidence::kMost);
+    evidence.passes = std::min(evidence.passes, CellEvidence::kMost);
+  }
 }
 
 }  // namespace sortie::mapping

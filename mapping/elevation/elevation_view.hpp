@@ -42,6 +42,7 @@ struct ElevationView {
   static constexpr std::int32_t kNoBound = INT32_MAX;
 
   const ElevationCell* cells{};
+  const CellEvidence* evidence{};
   const std::int32_t* bounds{};  ///< height over which rays passed a cell, kNoBound without
   std::int32_t size{};           ///< cells along x and y, a power of two
   std::int64_t low[2]{};         ///< world number of the window's first cell: it spans low .. low + 1 cells

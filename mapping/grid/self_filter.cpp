@@ -49,9 +49,7 @@ SelfFilter::SelfFilter(const SelfFilterConfig& config) : config_(config) {
     taper_cos_ = std::sqrt(1.0 - taper_sin_ * taper_sin_);
   }
   if (reach >= 0.0) reach2_m2_ = (reach + config.margin_m) * (reach + config.margin_m);
-  // A beam that meets an edge mixes in what lies a pulse's length behind it.
-  constexpr double kPulse_m = 0.6;
-  if (reach >= 0.0 && config.shadow_m > 0.0) near2_m2_ = (reach + kPulse_m) * (reach + kPulse_m);
+  reach_m_ = std::max(reach, 0.0) + config.shadow_m;
   const double level[rt::kFlippers]{};
   static_cast<void>(set_flippers(level));
 }
@@ -73,13 +71,16 @@ bool SelfFilter::is_robot(const rt::Vector3& p) const {
 }
 
 bool SelfFilter::is_shadowed(const rt::Vector3& sensor, const rt::Vector3& p) const {
-  constexpr int kSamples = 24;
-  if (!(rt::dot(p, p) < near2_m2_)) return false;
-  // From the point towards the sensor, which sits on the robot itself: its own part of the way says nothing.
-  constexpr double kOfSensor = 0.25;
-  for (int i = 0; i < kSamples; ++i) {
-    const double share = kOfSensor + (1.0 - kOfSensor) * i / kSamples;
-    if (is_within(sensor + share * (p - sensor), config_.shadow_m)) return true;
+  if (config_.shadow_m <= 0.0) return false;
+  const rt::Vector3 way = p - sensor;
+  const double range_m = rt::norm(way);
+  // The sensor sits on the robot: the first of the way says nothing, and none of it beyond all outlines.
+  constexpr double kOfSensor_m = 0.15;
+  const double end_m = std::min(range_m, rt::norm(sensor) + reach_m_);
+  const double step_m = std::max(config_.shadow_m, 0.05 * reach_m_);
+  for (double along_m = kOfSensor_m; along_m < end_m; along_m += step_m) {
+    const rt::Vector3 at = sensor + (along_m / range_m) * way;
+    if (rt::dot(at, at) < reach_m_ * reach_m_ && is_within(at, config_.shadow_m)) return true;
   }
   return false;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/elevation/elevation_cell.hpp"
+#include "mapping/elevation/elevation_units.hpp"
 #include "rt/floor_divide.hpp"
 
 namespace sortie::planner {
@@ -13,15 +15,47 @@ namespace {
 using Elevation = mapping::GroundState;
 
 constexpr double kNear_m = 2.0;
-constexpr std::int32_t kMostGap = 2;           // cells of a hole that no track falls into
-constexpr std::int32_t kHeightNoise_mm = 15;   // a known height that moves by less has not changed
+constexpr std::int32_t kMostGap = 2;          // cells of a hole that no track falls into
+constexpr std::int32_t kHeightNoise_mm = 15;  // a known height that moves by less has not changed
 constexpr std::uint8_t kRoughClasses = 4;
-constexpr std::uint8_t kPriceOfRough = 16;     // as long again at the roughest that carries, twice by tilt
+constexpr std::uint8_t kPriceOfRough = 16;  // as long again at the roughest that carries, twice by tilt
 
 constexpr std::int32_t abs_of(std::int32_t v) { return v < 0 ? -v : v; }
 
-bool is_solid(const mapping::GroundSpan& span) {
-  return (span.state == Elevation::measured || span.state == Elevation::felt) && !span.from_below;
+/// A surface that was seen from below alone says that something is there, not that it carries: it counts as
+/// the top of a wall, and not at all where nothing below it was seen.
+bool is_solid(const mapping::GroundSpan& span, double step_m) {
+  return (span.state == Elevation::measured || span.state == Elevation::felt) &&
+         (!span.from_below || span.high_m - span.low_m > step_m);
+}
+
+/// Takes out of a cell what was met by one return or two, while a ray passed below it: a beam that meets an
+/// edge gives such returns, in the middle of nothing. What is left is the ground under it, or nothing. A
+/// weight of one return at 1 m is about 2800.
+void leave_out_ghost(const mapping::ElevationView& view, std::int64_t x, std::int64_t y, double step_m,
+                     mapping::GroundSpan& span) {
+  constexpr std::uint32_t kOfTwo = 5000;
+  if (!span.has_bound || span.state != Elevation::measured) return;
+  const mapping::ElevationCell& cell = view.cells[view.index(x, y)];
+  const bool is_free = view.evidence[view.index(x, y)].is_free();
+  const bool has_ground = span.low_m <= span.bound_m + step_m;
+  const double above_m = has_ground ? span.low_m + step_m : span.bound_m;
+  std::uint32_t weight = 0;
+  double least_m = span.high_m;
+  for (std::uint32_t i = 0; i < cell.surfaces(); ++i) {
+    const double height_m = static_cast<double>(view.level_m) + cell.height[i] / mapping::kHeightUnits;
+    if ((cell.flags[i] & mapping::kFilled) != 0 && !is_free) return;
+    if (height_m <= above_m) continue;
+    weight += cell.weight[i];
+    least_m = std::min(least_m, height_m);
+  }
+  if (weight == 0 || (weight >= kOfTwo && !is_free) || span.bound_m >= least_m) return;
+  if (!has_ground) {
+    span.state = Elevation::bounded;
+    return;
+  }
+  span.high_m = span.low_m;
+  span.from_below = false;
 }
 
 }  // namespace
@@ -103,7 +137,7 @@ void GroundTerrain::read(const mapping::ElevationView& view, const GroundStance&
 void GroundTerrain::read_columns(const mapping::ElevationView& view, double asker_m, std::int32_t x0,
                                  std::int32_t y0, std::int32_t x1, std::int32_t y1) {
   const auto add = [this](const mapping::GroundSpan& span, Surface& surface) {
-    if (!is_solid(span) || std::fabs(span.low_m - level_m_) > 31.0 ||
+    if (!is_solid(span, rules_.most_step_m) || std::fabs(span.low_m - level_m_) > 31.0 ||
         std::fabs(span.high_m - level_m_) > 31.0)
       return;
     const std::int16_t low_mm = to_mm(span.low_m);
@@ -119,7 +153,8 @@ void GroundTerrain::read_columns(const mapping::ElevationView& view, double aske
         for (std::int32_t sx = 0; sx < per_cell_; ++sx) {
           const std::int64_t ex = (low_[0] + x) * per_cell_ + sx;
           const std::int64_t ey = (low_[1] + y) * per_cell_ + sy;
-          const mapping::GroundSpan ground = view.ground(ex, ey, asker_m);
+          mapping::GroundSpan ground = view.ground(ex, ey, asker_m);
+          leave_out_ghost(view, ex, ey, rules_.most_step_m, ground);
           add(ground, column.surface[0]);
           if (ground.has_bound && ground.state == Elevation::bounded)
             column.bound_mm = std::min(column.bound_mm, to_mm(ground.bound_m));
@@ -138,10 +173,11 @@ void GroundTerrain::judge(const GroundStance& stance, std::int32_t x0, std::int3
       const std::size_t at = map_.index(x, y);
       std::uint8_t rough = 0;
       GroundCell cell = judge_cell(x, y, rough);
-      std::int16_t height_mm = 0;
-      if (cell.is_unknown()) {
-        if (is_vouched(stance, x, y, height_mm)) {
-          cell.height_mm[0] = height_mm;
+      if (is_under(stance, x, y)) {
+        cell = GroundCell{{to_mm(stance.p_m.z), 0}, {GroundState::carries, GroundState::unknown}};
+      } else if (cell.is_unknown()) {
+        if (is_trusted(x, y)) {
+          cell.height_mm[0] = to_mm(trusted_.p_m.z);
           cell.state[0] = GroundState::carries;
         } else if (!fill_gap(x, y, cell) && is_hopeless(low_[0] + x, low_[1] + y)) {
           cell.state[0] = GroundState::blocked;
@@ -157,7 +193,6 @@ GroundCell GroundTerrain::judge_cell(std::int32_t x, std::int32_t y, std::uint8_
   static constexpr std::int32_t kBeside[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   GroundCell cell;
   const Column& mine = columns_[map_.index(x, y)];
-  const bool is_seen = mine.surface[0].known != 0 || mine.surface[1].known != 0;
   std::int32_t worst_mm = 0;
   for (std::int32_t s = 0; s < 2; ++s) {
     const Surface& surface = mine.surface[s];
@@ -184,16 +219,6 @@ GroundCell GroundTerrain::judge_cell(std::int32_t x, std::int32_t y, std::uint8_
     cell.height_mm[s] = surface.high_mm;
     cell.state[s] = blocked ? GroundState::blocked : GroundState::carries;
     worst_mm = std::max(worst_mm, step_mm);
-  }
-  if (!is_seen && mine.bound_mm != INT16_MAX) {
-    for (const auto& beside : kBeside) {
-      if (!map_.is_inside(x + beside[0], y + beside[1])) continue;
-      for (const Surface& its : columns_[map_.index(x + beside[0], y + beside[1])].surface) {
-        if (its.known == 0 || its.high_mm - mine.bound_mm <= step_mm_) continue;
-        cell.height_mm[0] = mine.bound_mm;
-        cell.state[0] = GroundState::blocked;
-      }
-    }
   }
   const std::int32_t parts = worst_mm * kRoughClasses / std::max(step_mm_, 1);
   rough = static_cast<std::uint8_t>(std::min<std::int32_t>(parts, kRoughClasses));
@@ -233,23 +258,21 @@ bool GroundTerrain::fill_gap(std::int32_t x, std::int32_t y, GroundCell& cell) c
   return true;
 }
 
-bool GroundTerrain::is_vouched(const GroundStance& stance, std::int32_t x, std::int32_t y,
-                               std::int16_t& height_mm) const {
-  const double world_x = middle_m(low_[0] + x);
-  const double world_y = middle_m(low_[1] + y);
-  const double half_cell_m = 0.5e-3 * lattice_.cell_mm;
-  const double dx = world_x - stance.p_m.x;
-  const double dy = world_y - stance.p_m.y;
+// What the robot stands on carries it, whatever a ray may have met there: the robot itself, most likely.
+bool GroundTerrain::is_under(const GroundStance& stance, std::int32_t x, std::int32_t y) const {
+  const double cell_m = 1e-3 * lattice_.cell_mm;
+  const double dx = middle_m(low_[0] + x) - stance.p_m.x;
+  const double dy = middle_m(low_[1] + y) - stance.p_m.y;
   const double along = std::fabs(stance.cos_yaw * dx + stance.sin_yaw * dy);
   const double across = std::fabs(stance.cos_yaw * dy - stance.sin_yaw * dx);
-  height_mm = to_mm(stance.p_m.z);
-  if (along <= 1e-3 * lattice_.half_length_mm + half_cell_m && across <= 1e-3 * lattice_.half_width_mm + half_cell_m)
-    return true;
+  return along <= 1e-3 * lattice_.half_length_mm + cell_m && across <= 1e-3 * lattice_.half_width_mm + cell_m;
+}
+
+bool GroundTerrain::is_trusted(std::int32_t x, std::int32_t y) const {
   if (!trusted_.is_set) return false;
-  const double tx = world_x - trusted_.p_m.x;
-  const double ty = world_y - trusted_.p_m.y;
-  height_mm = to_mm(trusted_.p_m.z);
-  return tx * tx + ty * ty <= rules_.trusted_m * rules_.trusted_m;
+  const double dx = middle_m(low_[0] + x) - trusted_.p_m.x;
+  const double dy = middle_m(low_[1] + y) - trusted_.p_m.y;
+  return dx * dx + dy * dy <= rules_.trusted_m * rules_.trusted_m;
 }
 
 bool GroundTerrain::is_hopeless(std::int64_t x, std::int64_t y) const {
@@ -355,8 +378,10 @@ void GroundTerrain::archive(rt::Archive& archive) {
     }
   }
   constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
-  const bool is_near = low_[0] > -kFarthest && low_[0] < kFarthest && low_[1] > -kFarthest && low_[1] < kFarthest;
-  if (archive.is_reading() && !(is_near && std::fabs(level_m_) < 1e6 && next_row_ >= 0 && next_row_ < lattice_.ny)) {
+  const bool is_near =
+      low_[0] > -kFarthest && low_[0] < kFarthest && low_[1] > -kFarthest && low_[1] < kFarthest;
+  if (archive.is_reading() &&
+      !(is_near && std::fabs(level_m_) < 1e6 && next_row_ >= 0 && next_row_ < lattice_.ny)) {
     archive.fail(Status::malformed, "a window that is nowhere");
     low_[0] = low_[1] = next_row_ = 0;
     level_m_ = 0.0;

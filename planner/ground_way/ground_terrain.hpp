@@ -17,7 +17,7 @@ namespace sortie::planner {
 
 /// By which rules heights become ground that carries.
 struct GroundRules {
-  double most_step_m{0.08};    ///< between a cell and the one beside it, and within one: higher ones are walls
+  double most_step_m{0.08};  ///< between a cell and the one beside it, and within one: higher ones are walls
   double most_tilt_rad{0.35};  ///< of the ground under the robot, along and across
   double trusted_m{0.0};       ///< around the place where a goal is told
   std::uint32_t rows{16};      ///< of the window that each job reads again, beside all that is near
@@ -46,8 +46,8 @@ struct GroundStance {
 /// - or nobody saw it, but the gap in which it lies is no wider than two cells, along x and along y, and both
 ///   sides are of one height: no track falls into such a hole;
 /// - or the robot stands on it, or somebody vouched for it (GroundRules::trusted_m).
-/// What rays passed over, lower by more than a step than the ground beside it, is a hole, though nobody saw
-/// its floor. 30 bytes a cell beside the planner's map, no heap.
+/// What rays passed over, lower by more than a step than the ground beside it, makes that the edge of a hole,
+/// though nobody saw its floor. 30 bytes a cell beside the planner's map, no heap.
 class GroundTerrain {
  public:
   /// Takes its memory from `arena`. `elevation_cell_mm` divides the lattice's cell.
@@ -127,7 +127,8 @@ class GroundTerrain {
   void judge(const GroundStance& stance, std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1);
   GroundCell judge_cell(std::int32_t x, std::int32_t y, std::uint8_t& rough) const;
   bool fill_gap(std::int32_t x, std::int32_t y, GroundCell& cell) const;
-  bool is_vouched(const GroundStance& stance, std::int32_t x, std::int32_t y, std::int16_t& height_mm) const;
+  bool is_under(const GroundStance& stance, std::int32_t x, std::int32_t y) const;
+  bool is_trusted(std::int32_t x, std::int32_t y) const;
   bool is_hopeless(std::int64_t x, std::int64_t y) const;
   std::int16_t to_mm(double world_m) const;
 
@@ -138,8 +139,8 @@ class GroundTerrain {
   bool usable_{};
   std::span<Column> columns_;
   std::span<GroundCell> newest_;
-  std::span<std::uint8_t> rough_;       ///< of the newest, worst of both surfaces
-  std::span<std::uint8_t> map_rough_;   ///< of the planner's
+  std::span<std::uint8_t> rough_;      ///< of the newest, worst of both surfaces
+  std::span<std::uint8_t> map_rough_;  ///< of the planner's
   std::span<GroundCell> map_cells_;
   std::span<std::uint64_t> map_tiles_;
   GroundMap map_;

@@ -24,23 +24,23 @@ enum class GroundWayState : std::uint32_t {
   looking,  ///< a plan is being made, no way yet
   driving,  ///< there is a way; it may end where more has to be seen
   arrived,  ///< the robot has said that it is there
-  none,     ///< no way that is known to carry, and nothing left to see; asked again whenever the ground changes
+  none,  ///< no way that is known to carry, and nothing left to see; asked again whenever the ground changes
 };
 
-/// A way in the pose's world. Steps are numbered through from the first of a series: a new series begins where
-/// the robot stands; within one, the steps that the robot may already be driving never change.
+/// A way in the pose's world. Steps are numbered through from the first of a series: a new series begins
+/// where the robot stands; within one, the steps that the robot may already be driving never change.
 struct GroundWay {
   static constexpr std::uint32_t kMostSteps = 64;
   rt::Nanoseconds stamp_ns{};
-  std::uint32_t goal{};    ///< number of the goal that it leads to
-  std::uint32_t state{};   ///< GroundWayState
-  std::uint32_t series{};  ///< rises; 0: no way was given yet
-  std::uint32_t first{};   ///< number of the first step below in its series
-  std::uint32_t steps{};   ///< how many there are
-  std::uint32_t whole{};   ///< 1: the last step is the goal
-  std::uint32_t plan{};    ///< planner::GroundPathState of the newest plan
-  std::uint32_t unseen{};  ///< cells that stand between the last step and the rest of the way
-  std::uint64_t plans{};   ///< that were made, since start
+  std::uint32_t goal{};       ///< number of the goal that it leads to
+  std::uint32_t state{};      ///< GroundWayState
+  std::uint32_t series{};     ///< rises; 0: no way was given yet
+  std::uint32_t first{};      ///< number of the first step below in its series
+  std::uint32_t steps{};      ///< how many there are
+  std::uint32_t whole{};      ///< 1: the last step is the goal
+  std::uint32_t plan{};       ///< planner::GroundPathState of the newest plan
+  std::uint32_t unseen{};     ///< cells that stand between the last step and the rest of the way
+  std::uint64_t plans{};      ///< that were made, since start
   std::uint64_t replanned{};  ///< ways that became others while they were driven
   std::uint64_t refused{};    ///< steps taken back, for the ground under them turned out not to carry
   std::uint64_t lost{};       ///< times the robot was off its way, or stuck on it

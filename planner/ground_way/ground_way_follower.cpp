@@ -160,8 +160,8 @@ void GroundWayFollower::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ground way follower")
       .fixed(config_)
       .state(way_, step_, arrived_, lost_, turning_, reversing_, watching_, best_, since_ns_, counters_);
-  const bool is_on_it = way_.steps <= GroundWay::kMostSteps &&
-                        (way_.steps == 0 || (step_ > way_.first && step_ <= end()));
+  const bool is_on_it =
+      way_.steps <= GroundWay::kMostSteps && (way_.steps == 0 || (step_ > way_.first && step_ <= end()));
   if (!archive.is_reading() || is_on_it) return;
   archive.fail(Status::malformed, "a step that the way has not");
   forget();

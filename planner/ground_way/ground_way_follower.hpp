@@ -16,17 +16,18 @@ namespace sortie::planner {
 /// Gains and tolerances. Places are checked with a robot that is larger by half a cell and by `off_m`.
 struct GroundWayFollowerConfig {
   double heading_gain_per_s{2.0};
-  double look_ahead_m{0.3};    ///< on the way, for steering
-  double reach_m{0.06};        ///< where a step ends that the next one does not go on from
-  double reach_rad{0.06};      ///< of a turn on the spot
-  double off_m{0.15};          ///< farther beside the way the robot stops and is planned for anew
+  double look_ahead_m{0.3};  ///< on the way, for steering
+  double reach_m{0.06};      ///< where a step ends that the next one does not go on from
+  double reach_rad{0.06};    ///< of a turn on the spot
+  double off_m{0.15};        ///< farther beside the way the robot stops and is planned for anew
   double creep_speed_m_s{0.05};
-  double stuck_s{4.0};         ///< so long without progress
+  double stuck_s{4.0};                                                 ///< so long without progress
   rt::Nanoseconds most_age_ns{1000 * rt::kNanosecondsPerMillisecond};  ///< of the way
 
   SORTIE_KEYS(c, key) {
     key("look_ahead_m", c.look_ahead_m, {0.05, 2, "m", "on the way, for steering"});
-    key("reach_m", c.reach_m, {0.01, 1, "m", "a place where the robot stops or turns is reached within this"});
+    key("reach_m", c.reach_m,
+        {0.01, 1, "m", "a place where the robot stops or turns is reached within this"});
     key("off_m", c.off_m, {0.02, 1, "m", "farther beside its way the robot stops and is planned for anew"});
     key("stuck_s", c.stuck_s, {0.5, 3600, "s", "so long without progress it is planned for anew"});
     key("most_way_age_ms", c.most_age_ns, {10, 1e5, rt::kMsInNs, "an older way stops the robot"});
@@ -41,14 +42,14 @@ struct GroundWayFollowerCounters {
   SORTIE_FIELDS(steps, off, stuck)
 };
 
-/// Pure pursuit along the chords of the steps, at the speed that the end of the run allows. About 3 kB, no heap,
-/// bounded time. It drives nothing but the steps it was given: without a way it wishes to stand.
+/// Pure pursuit along the chords of the steps, at the speed that the end of the run allows. About 3 kB, no
+/// heap, bounded time. It drives nothing but the steps it was given: without a way it wishes to stand.
 class GroundWayFollower {
  public:
   explicit GroundWayFollower(const GroundWayFollowerConfig& config) : config_(config) {}
 
-  /// The newest way, for `goal`; any number of times. Steps of a series that it is on are taken over; one that
-  /// is not for this goal counts as none. Cost: a copy where it changed.
+  /// The newest way, for `goal`; any number of times. Steps of a series that it is on are taken over; one
+  /// that is not for this goal counts as none. Cost: a copy where it changed.
   void take(const GroundWay& way, std::uint32_t goal);
   /// Another goal, or none: forgets the way.
   void forget();

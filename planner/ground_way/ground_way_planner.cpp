@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio> // DBG
-#include <cstdlib> // DBG
 
 #include "rt/math.hpp"
 #include "rt/rotation.hpp"
@@ -21,7 +19,8 @@ std::int32_t nearest_heading(double cos_yaw, double sin_yaw) {
   double most = -2.0;
   for (std::int32_t h = 0; h < kHeadings; ++h) {
     const CellStep step = kHeadingSteps[static_cast<std::size_t>(h)];
-    const double along = (cos_yaw * step.x + sin_yaw * step.y) * 65536.0 / static_cast<double>(step_length_q16(h));
+    const double along =
+        (cos_yaw * step.x + sin_yaw * step.y) * 65536.0 / static_cast<double>(step_length_q16(h));
     if (along > most) {
       most = along;
       best = h;
@@ -40,8 +39,8 @@ GroundWayPlanner::GroundWayPlanner(const GroundWayConfig& config, std::int32_t e
       path_(config.lattice, terrain_.prices(), memory_),
       usable_(terrain_.usable() && arena.refused() == 0) {}
 
-Status GroundWayPlanner::begin(const mapping::ElevationView& view, const rt::PoseEstimate& pose, bool standing,
-                               const GroundWayProgress& progress, rt::Nanoseconds now_ns) {
+Status GroundWayPlanner::begin(const mapping::ElevationView& view, const rt::PoseEstimate& pose,
+                               bool standing, const GroundWayProgress& progress, rt::Nanoseconds now_ns) {
   progress_ = progress;
   standing_ = standing;
   now_ns_ = now_ns;
@@ -179,7 +178,8 @@ void GroundWayPlanner::verify(const rt::Vector3& p_m) {
   }
 }
 
-/// Keeps the first `steps`. What the robot is driving already cannot be kept: then all of it goes, and it stops.
+/// Keeps the first `steps`. What the robot is driving already cannot be kept: then all of it goes, and it
+/// stops.
 void GroundWayPlanner::cut(std::uint32_t steps) {
   if (steps <= std::max(driven(), 1u)) {
     drop_way();
@@ -214,8 +214,8 @@ GroundPose GroundWayPlanner::find_start(const GroundStance& stance) {
   return on_map(here);
 }
 
-/// The goal's cell; where it lies beyond the window, a place at its border, in the goal's direction or, when such a
-/// place could not be reached, beside it.
+/// The goal's cell; where it lies beyond the window, a place at its border, in the goal's direction or, when
+/// such a place could not be reached, beside it.
 GroundPose GroundWayPlanner::find_goal(const GroundStance& stance) {
   const std::int32_t border = path_.footprints().reach() + 1;
   double x_m = progress_.goal_m[0];
@@ -253,20 +253,14 @@ GroundPose GroundWayPlanner::find_goal(const GroundStance& stance) {
 
 void GroundWayPlanner::begin_plan(const GroundStance& stance) {
   terrain_.hand_over();
-  if (getenv("DBG") && output_.plans % 40 == 5) { // DBG
-    const int cx = int(terrain_.cell_of(stance.p_m.x) - terrain_.low_x()), cy = int(terrain_.cell_of(stance.p_m.y) - terrain_.low_y()); // DBG
-    std::fprintf(stderr, "plan %d at %d %d z %f level %f goal? \n", int(output_.plans), cx, cy, stance.p_m.z, terrain_.level_m()); // DBG
-    for (int y = config_.lattice.ny - 1; y >= 0; --y) { for (int x = 0; x < config_.lattice.nx; ++x) { const GroundCell& c = terrain_.map().cell(x, y); // DBG
-      std::fputc(x == cx && y == cy ? 'R' : c.state[0] == GroundState::carries || c.state[1]==GroundState::carries ? '.' : c.state[0] == GroundState::blocked || c.state[1]==GroundState::blocked ? '#' : ' ', stderr); } std::fputc('\n', stderr); } // DBG
-  } // DBG
   ++output_.plans;
   plan_start_ = find_start(stance);
   plan_goal_ = find_goal(stance);
   start_plan();
 }
 
-// What a plan comes to after so many units hangs on its map alone, not on plans before: so it can be made again from
-// a keyframe.
+// What a plan comes to after so many units hangs on its map alone, not on plans before: so it can be made
+// again from a keyframe.
 void GroundWayPlanner::start_plan() {
   path_.forget_prices();
   terrain_.forget_changes();
@@ -315,7 +309,8 @@ void GroundWayPlanner::adopt() {
   if (way.empty()) return;
   // The robot is beyond the place where this way begins: it comes too late.
   const std::uint32_t now = first_ + driven();
-  if (size_ > 0 && (plan_from_ < first_ || plan_from_ >= first_ + size_ || (now >= plan_from_ && plan_from_ + 1 < first_ + size_)))
+  if (size_ > 0 && (plan_from_ < first_ || plan_from_ >= first_ + size_ ||
+                    (now >= plan_from_ && plan_from_ + 1 < first_ + size_)))
     return;
   const std::uint32_t old = size_;
   if (size_ > 0) {
@@ -330,8 +325,12 @@ void GroundWayPlanner::adopt() {
     ++output_.series;
     first_ = 0;
     const GroundPose& pose = way[0].pose;
-    steps_[0] = {terrain_.low_x() + pose.x, terrain_.low_y() + pose.y,
-                 terrain_.map().cell(pose.x, pose.y).height_mm[pose.surface], pose.heading, 0, 0};
+    steps_[0] = {terrain_.low_x() + pose.x,
+                 terrain_.low_y() + pose.y,
+                 terrain_.map().cell(pose.x, pose.y).height_mm[pose.surface],
+                 pose.heading,
+                 0,
+                 0};
     size_ = 1;
   }
   bool fits = true;
@@ -345,9 +344,12 @@ bool GroundWayPlanner::append(const GroundStep& step, const GroundStep& before) 
   constexpr std::uint8_t kMostTimes = 4;
   const Motion& motion = path_.motions().motion(before.pose.heading, step.motion);
   const auto shift_mm = static_cast<std::int32_t>(1e3 * (terrain_.level_m() - level_m_));
-  const Step next{terrain_.low_x() + step.pose.x, terrain_.low_y() + step.pose.y,
+  const Step next{terrain_.low_x() + step.pose.x,
+                  terrain_.low_y() + step.pose.y,
                   terrain_.map().cell(step.pose.x, step.pose.y).height_mm[step.pose.surface] + shift_mm,
-                  step.pose.heading, step.motion, 1};
+                  step.pose.heading,
+                  step.motion,
+                  1};
   Step& last = steps_[size_ - 1];
   const bool is_straight = motion.heading == before.pose.heading;
   const bool may_grow = first_ + size_ - 1 > plan_from_;
@@ -414,7 +416,8 @@ bool GroundWayPlanner::is_consistent() const {
         step.height_mm > 100'000)
       return false;
   }
-  return state_ <= GroundWayState::none && std::fabs(level_m_) < 1e6 && output_.steps <= GroundWay::kMostSteps;
+  return state_ <= GroundWayState::none && std::fabs(level_m_) < 1e6 &&
+         output_.steps <= GroundWay::kMostSteps;
 }
 
 void GroundWayPlanner::archive(rt::Archive& archive) {
@@ -422,8 +425,9 @@ void GroundWayPlanner::archive(rt::Archive& archive) {
       .fixed(config_, memory_, usable_)
       .by_hand(terrain_, path_, size_, cells_wait_)
       .scratch(progress_, standing_, now_ns_)
-      .state(goal_, trusts_, state_, steps_, first_, level_m_, is_planning_, plan_start_, plan_goal_, plan_slices_,
-             plan_from_, is_intermediate_, attempt_, unseen_, unseen_low_, waits_since_ns_, output_);
+      .state(goal_, trusts_, state_, steps_, first_, level_m_, is_planning_, plan_start_, plan_goal_,
+             plan_slices_, plan_from_, is_intermediate_, attempt_, unseen_, unseen_low_, waits_since_ns_,
+             output_);
   archive.bounded(size_, GroundWay::kMostSteps);
   archive.bounded(cells_wait_, std::size(unseen_));
   archive.value(terrain_);

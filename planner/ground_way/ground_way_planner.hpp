@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Leads a robot to a goal over ground that it sees as it goes: plans, hands out what is known to carry, plans on
-// from there while that is driven, and takes back what turns out not to carry.
+// Leads a robot to a goal over ground that it sees as it goes: plans, hands out what is known to carry, plans
+// on from there while that is driven, and takes back what turns out not to carry.
 #pragma once
 
 #include <cstdint>
@@ -21,24 +21,25 @@ namespace sortie::planner {
 struct GroundWayConfig {
   GroundPathConfig lattice;
   GroundRules rules;
-  std::uint32_t columns{8192};     ///< GroundPathMemory
-  std::uint32_t open{32768};       ///< GroundPathMemory
-  std::uint64_t settle{200'000};   ///< units after which the best way so far is taken
-  double ahead_m{0.6};             ///< of the way that is driven: where the next plan begins
-  double most_pose_age_s{0.5};     ///< an older pose stops the robot
-  double patience_s{6.0};          ///< waits so long for ground to be seen, then gives that ground up
+  std::uint32_t columns{8192};    ///< GroundPathMemory
+  std::uint32_t open{32768};      ///< GroundPathMemory
+  std::uint64_t settle{200'000};  ///< units after which the best way so far is taken
+  double ahead_m{0.6};            ///< of the way that is driven: where the next plan begins
+  double most_pose_age_s{0.5};    ///< an older pose stops the robot
+  double patience_s{6.0};         ///< waits so long for ground to be seen, then gives that ground up
 
   SORTIE_KEYS(c, key) {
-    key("settle_units", c.settle, {1000, 1e9, "", "after so much work the best way so far is taken", rt::kKnob});
+    key("settle_units", c.settle,
+        {1000, 1e9, "", "after so much work the best way so far is taken", rt::kKnob});
     key("ahead_m", c.ahead_m, {0.1, 5, "m", "of the way in force that a new plan leaves as it is"});
     key("patience_s", c.patience_s, {0.5, 600, "s", "waits so long at a border to be seen beyond it"});
   }
 };
 
-/// One goal at a time. No heap, no clock. A job: begin(), step() while it works and there are units, end(). It costs
-/// the cells that are read again, its units, and once a plan a look at each cell. What it hands out leads over
-/// cells that carry, by the newest heights; each job looks at all of that again. Memory: that of GroundPath
-/// and GroundTerrain.
+/// One goal at a time. No heap, no clock. A job: begin(), step() while it works and there are units, end().
+/// It costs the cells that are read again, its units, and once a plan a look at each cell. What it hands out
+/// leads over cells that carry, by the newest heights; each job looks at all of that again. Memory: that of
+/// GroundPath and GroundTerrain.
 class GroundWayPlanner {
  public:
   GroundWayPlanner(const GroundWayConfig& config, std::int32_t elevation_cell_mm, rt::Arena& arena);
@@ -108,10 +109,10 @@ class GroundWayPlanner {
   GroundPose plan_start_;
   GroundPose plan_goal_;
   std::uint32_t plan_slices_{};  ///< that it has had
-  std::uint32_t plan_from_{};  ///< number of the step where the plan begins
-  bool is_intermediate_{};     ///< the plan's goal is a place on the way to it
-  std::uint32_t attempt_{};    ///< of intermediate goals that were tried in vain
-  std::uint32_t cells_wait_{}; ///< unseen cells of the newest plan
+  std::uint32_t plan_from_{};    ///< number of the step where the plan begins
+  bool is_intermediate_{};       ///< the plan's goal is a place on the way to it
+  std::uint32_t attempt_{};      ///< of intermediate goals that were tried in vain
+  std::uint32_t cells_wait_{};   ///< unseen cells of the newest plan
   CellStep unseen_[64];
   std::int64_t unseen_low_[2]{};
   rt::Nanoseconds waits_since_ns_{-1};

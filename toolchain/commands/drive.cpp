@@ -169,8 +169,7 @@ bool go(const CommandContext& context, const DriveOptions& options, RequestClien
 
 int run_drive(const CommandContext& context, DriveOptions options) {
   if (!options.place.empty()) {
-    if (options.what != "go")
-      throw firmware::InputError("a place goes with go: sortie drive go X Y", 2);
+    if (options.what != "go") throw firmware::InputError("a place goes with go: sortie drive go X Y", 2);
     if (options.place.size() != 2)
       throw firmware::InputError("a place has two numbers, m in the robot's world: sortie drive go X Y", 2);
     options.what = kGoTo;
@@ -205,7 +204,8 @@ void add_drive(firmware::Command& app, CommandContext& context) {
   firmware::Command* command =
       app.add_subcommand("drive", "Drive the robot of a live run: go, halt, release, emergency");
   command->footer(
-      "go X Y sends the robot to a place, by a way that it finds itself (a scene with part `way`), and ends when it "
+      "go X Y sends the robot to a place, by a way that it finds itself (a scene with part `way`), and ends "
+      "when it "
       "has set off. go alone\n"
       "asks for speeds until --for is over or Ctrl-C, and then for none; halt stops until release, and "
       "ends "
@@ -222,7 +222,8 @@ void add_drive(firmware::Command& app, CommandContext& context) {
   command->add_option("what", options->what, "go, halt, release, emergency or emergency-end")
       ->one_of({"go", "halt", "release", "emergency", "emergency-end"})
       ->capture_default_str();
-  command->add_option("place", options->place, "With go: x and y of the place to go to, m in the robot's world");
+  command->add_option("place", options->place,
+                      "With go: x and y of the place to go to, m in the robot's world");
   command->add_option("--speed", options->wish.speed_m_s, "m/s, negative backwards")->capture_default_str();
   command->add_option("--turn", options->wish.turn_rad_s, "rad/s, positive to the left")
       ->capture_default_str();
