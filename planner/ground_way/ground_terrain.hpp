@@ -101,6 +101,8 @@ class GroundTerrain {
 
  private:
   static constexpr std::uint32_t kMostHopeless = 256;
+  static constexpr std::int32_t kMostGap = 2;  ///< cells of a hole that no track falls into
+  static constexpr std::uint8_t kRoughClasses = 4;
   struct Surface {  ///< as the elevation has it
     std::int16_t low_mm{};
     std::int16_t high_mm{};

@@ -17,9 +17,10 @@ namespace {
 constexpr double kDegreesInRadian = 57.29577951308232;
 
 struct Ended {
-  explicit Ended(const std::string& scene, double seconds) {
+  explicit Ended(const std::string& scene, double seconds, std::vector<std::string> overrides = {}) {
     LiveRunOptions options;
     options.scene = scene;
+    options.overrides = std::move(overrides);
     options.seconds = seconds;
     options.virtual_time = true;
     options.lcm_url = "none";
@@ -121,4 +122,34 @@ TEST_CASE("the mission leads over every obstacle, through the door and home", "[
   CHECK(mission.highest_m > 4 * 0.17 - 1e-3);
   CHECK(std::hypot(mission.last.p[0], mission.last.p[1]) < 0.8);  // 45 m by dead reckoning
   CHECK(std::fabs(mission.last.p[2]) < 1e-3);
+}
+
+TEST_CASE("a robot that is told a place finds its own way there", "[heavy][model]") {
+  // Through both doors, and back to the corner behind the first.
+  struct Goal {
+    const char* x;
+    const char* y;
+    double x_m;
+    double y_m;
+  };
+  for (const Goal& goal :
+       {Goal{"goal.x_m=9.0", "goal.y_m=-2.0", 9.0, -2.0}, Goal{"goal.x_m=-1.0", "goal.y_m=3.0", -1.0, 3.0}}) {
+    CAPTURE(goal.x, goal.y);
+    const Ended run("ugv_goal", 120, {goal.x, goal.y});
+    CHECK(std::hypot(run.last.p[0] - goal.x_m, run.last.p[1] - goal.y_m) < 0.25);
+    CHECK(run.highest_m < 0.05);  // over nothing
+    CHECK(std::fabs(run.pitch_deg()) < 1.0);
+    CHECK(run.run.results.counters.at("way_follower_steps") > 10);
+    CHECK(run.run.results.counters.at("drive_stops_tilted") == 0);
+    CHECK(run.run.results.counters.at("heap_calls") == 0);
+  }
+}
+
+TEST_CASE("a robot that is told a place outside of its hall stands in the end, and says that there is no way",
+          "[heavy][model]") {
+  const Ended run("ugv_goal", 120, {"goal.x_m=3.5", "goal.y_m=9.0"});
+  CHECK(std::fabs(run.last.p[0]) < 11.0);
+  CHECK(std::fabs(run.last.p[1]) < 4.0);
+  CHECK(run.highest_m < 0.05);
+  CHECK(run.run.results.counters.at("drive_stops_tilted") == 0);
 }

@@ -110,4 +110,43 @@ TEST_CASE("self filter: an outline that is none is refused and nothing is taken 
   CHECK(filter.is_robot({-0.4, 0.272, 0.02}));  // still level, as before
 }
 
+TEST_CASE("self filter: rays that pass a flipper's edge are shadowed, others are not") {
+  SelfFilterConfig config = absolem();
+  const rt::Vector3 sensor{0.1, 0.0, 0.5};
+  CHECK(!SelfFilter(config).is_shadowed(sensor, {1.0, 0.6, 0.0}));
+  config.shadow_m = 0.05;
+  const SelfFilter filter(config);
+  std::mt19937_64 random(3);
+  const auto uniform = [&random](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  // A twin that looks at the way in steps of 2 mm.
+  int shadowed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    // Seen through a place on the robot or beside it, up to four times as far.
+    const rt::Vector3 through{uniform(-0.7, 0.7), uniform(-0.5, 0.5), uniform(0.0, 0.4)};
+    const rt::Vector3 p = sensor + uniform(1.0, 4.0) * (through - sensor);
+    const rt::Vector3 way = p - sensor;
+    const double range = rt::norm(way);
+    bool near = false;    // within the margin, well inside
+    bool around = false;  // within a little more than the margin
+    SelfFilterConfig less = config;
+    SelfFilterConfig more = config;
+    less.margin_m = 0.02;
+    more.margin_m = 0.055;
+    const SelfFilter inner(less);
+    const SelfFilter outer(more);
+    for (double along = 0.15; along < range; along += 0.002) {
+      near = near || inner.is_robot(sensor + (along / range) * way);
+      around = around || outer.is_robot(sensor + (along / range) * way);
+    }
+    const bool says = filter.is_shadowed(sensor, p);
+    if (near) CHECK(says);
+    if (!around) CHECK(!says);
+    shadowed += says ? 1 : 0;
+  }
+  CHECK(shadowed > 100);
+  CHECK(shadowed < 3000);
+}
+
 }  // namespace sortie::mapping

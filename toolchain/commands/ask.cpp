@@ -28,6 +28,8 @@ const char* refusal_text(Status status) {
     case Status::not_finite:
     case Status::out_of_range:
       return "it asks for what no robot can do";
+    case Status::not_supported:
+      return "it finds no ways to a place; its scene needs tasks.way.enabled = true";
     default:
       return "the robot does not say why";
   }
