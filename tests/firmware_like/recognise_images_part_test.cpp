@@ -62,7 +62,7 @@ TEST_CASE("A lost robot is placed by height images alone, and replays to the bit
   CHECK(first.counters.at("recognise_images_kept_added") > 3);
   CHECK(first.counters.at("recognise_images_searches_begun") == 0);  // nothing is known
 
-  const firmware::LiveRunOutcome run = run_lost_by_images(60, log, seen_images().kept, {});
+  const firmware::LiveRunOutcome run = run_turned(80, log, seen_images().kept, {});
   CHECK(run.failures.empty());
   CHECK(counted(run, "recognise_images_recognised") >= 3);
   CHECK(counted(run, "recognise_images_placed") == 1);
@@ -86,6 +86,23 @@ TEST_CASE("A lost robot is placed by height images alone, and replays to the bit
     const firmware::ReplayOutcome part = replay_log(log, options);
     CHECK(complaint_of(part).empty());
     CHECK(part.results.digest == run.results.digest);
+  }
+}
+
+TEST_CASE("Images that a run keeps are the same from any keyframe on", "[heavy]") {
+  const TempFolder folder;
+  firmware::ReplayOptions options;
+  options.overrides = kImagesAlone;
+  options.keyframes = folder.file("first.keyframes");
+  const Indexed indexed =
+      replay_and_keep(seen_hall().log, firmware::own_vehicles(), options, 4000, options.keyframes);
+  CHECK(indexed.outcome.results.digest == seen_images().outcome.results.digest);
+  for (const char* const from : {"0.35", "23.55", "50.05"}) {
+    INFO("from " << from);
+    options.from = from;
+    const firmware::ReplayOutcome part = replay_log(seen_hall().log, options);
+    CHECK(part.results.digest == indexed.outcome.results.digest);
+    CHECK((image_bytes(*part.runtime->vehicle().images()) == seen_images().bytes));
   }
 }
 

@@ -42,6 +42,21 @@ inline const SeenImages& seen_images() {
   return seen;
 }
 
+/// A robot that is lost there and begins at the other end, turned to the left: no pose of this way is that of
+/// the other one, nor its inverse.
+inline firmware::LiveRunOutcome run_turned(double seconds, const std::string& log,
+                                           const firmware::KeptMapPaths& kept,
+                                           const std::vector<std::string>& more) {
+  std::vector<std::string> overrides = kImagesAlone;
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  overrides.insert(
+      overrides.end(),
+      {"locate.window_cells=256", "hil.start_x_m=14", "hil.start_yaw_deg=90",
+       "mission.waypoints=[[4.0,0.0],[4.0,4.7],[0.0,4.7],[0.0,14.0],[-4.0,14.0],[-4.0,4.7],[-4.0,"
+       "0.0],[0.0,0.0]]"});
+  return run_recognising(seconds, log, kept, overrides);
+}
+
 /// A robot that is lost there, and takes the hall the other way round.
 inline firmware::LiveRunOutcome run_lost_by_images(double seconds, const std::string& log,
                                                    const firmware::KeptMapPaths& kept,
