@@ -195,7 +195,7 @@ void Telemetry::start() {
       publish_reports<rt::SegmentList>(drivers::kChannelSegments, segments_seq_);
       if constexpr (rt::kBuilt<"locate">)
         publish_reports<rt::LocatedPose>(drivers::kChannelLocated, located_seq_);
-      if constexpr (rt::kBuilt<"recognise">)
+      if constexpr (rt::kBuilt<"recognise"> || rt::kBuilt<"recognise_images">)
         publish_reports<rt::RecognisedPlace>(drivers::kChannelRecognised, recognised_seq_);
       if (round % 10 == 9) publish_statistics(utime);
       publish_parameters(utime, round % 10 == 0);

@@ -16,6 +16,8 @@ void add_live_options(Command& command, LiveRunOptions& options) {
   command
       .add_option("--targets", options.maps.targets, "Recognise what these targets are, of `export targets`")
       ->type_name("FILE");
+  command.add_option("--images", options.maps.images, "Recognise what these images show, of `export images`")
+      ->type_name("FILE");
   command.add_option("--seconds", options.seconds, "How long")->in_range(0.01, 1e7)->capture_default_str();
   command.add_flag("--virtual", options.virtual_time,
                    "Simulated time, as fast as it goes; the same outputs every time");

@@ -72,6 +72,7 @@ void add_span_options(Command& command, ReplayOptions& options, bool has_index) 
 void add_map_options(Command& command, KeptMapPaths& maps) {
   command.add_option("--map", maps.map, "The kept map that the run began with")->type_name("FILE");
   command.add_option("--targets", maps.targets, "The targets that the run began with")->type_name("FILE");
+  command.add_option("--images", maps.images, "The images that the run began with")->type_name("FILE");
 }
 
 void add_threads_option(Command& command, ReplayOptions& options) {

@@ -22,7 +22,7 @@ struct ReplayCommand {
 void add_scene_option(Command& command, std::string& scene);
 /// Adds --from, --to and --keyframes. `has_index`: the program also makes keyframes.
 void add_span_options(Command& command, ReplayOptions& options, bool has_index);
-/// Adds --map and --targets: what a log that was recorded with them needs.
+/// Adds --map, --targets and --images: what a log that was recorded with them needs.
 void add_map_options(Command& command, KeptMapPaths& maps);
 /// Adds --threads: a replay must give the same outputs with them.
 void add_threads_option(Command& command, ReplayOptions& options);

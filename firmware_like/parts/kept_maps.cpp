@@ -6,6 +6,7 @@
 #include "firmware_like/runtime/kept_map.hpp"
 #include "firmware_like/scene/input_error.hpp"
 #include "firmware_like/scene/text_format.hpp"
+#include "mapping/recognition/image_file.hpp"
 #include "mapping/recognition/target_file.hpp"
 #include "mapping/registration/cloud_file.hpp"
 
@@ -16,22 +17,38 @@ using mapping::SurfelMapFault;
 using mapping::SurfelMapHead;
 using mapping::SurfelMapResult;
 
+/// What a map is called where it is asked for. Texts are static: the profile keeps them.
+struct AskedMap {
+  const char* option;
+  const char* what;
+  const char* meaning;
+  const char* digest_meaning;
+};
+
+const AskedMap& asked_map(const std::string& table) {
+  static constexpr AskedMap kMap{"--map", "the map", "the map that the run begins with; --map FILE writes it",
+                                 "its digest; --map FILE writes it"};
+  static constexpr AskedMap kTargets{"--targets", "the targets",
+                                     "the targets that the run begins with; --targets FILE writes it",
+                                     "its digest; --targets FILE writes it"};
+  static constexpr AskedMap kImages{"--images", "the images",
+                                    "the images that the run begins with; --images FILE writes it",
+                                    "its digest; --images FILE writes it"};
+  if (table == "recognise") return kTargets;
+  return table == "recognise_images" ? kImages : kMap;
+}
+
 // The map that the run begins with, for the part whose keys are in `table`; null where there is none.
 const KeptMap* named_map(VehicleBuilder& builder, const std::string& table) {
   Profile& profile = builder.profile();
   const std::string key = table + ".map";
-  const bool is_targets = table == "recognise";
-  const std::string what = is_targets ? "the targets" : "the map";
-  const std::string option = is_targets ? "--targets" : "--map";
-  const std::string name =
-      profile.text(key, "",
-                   is_targets ? "the targets that the run begins with; --targets FILE writes it"
-                              : "the map that the run begins with; --map FILE writes it");
-  const std::string digest =
-      profile.text(key + "_digest", "",
-                   is_targets ? "its digest; --targets FILE writes it" : "its digest; --map FILE writes it");
+  const AskedMap& asked = asked_map(table);
+  const std::string option = asked.option;
+  const std::string name = profile.text(key, "", asked.meaning);
+  const std::string digest = profile.text(key + "_digest", "", asked.digest_meaning);
   const KeptMap* map = builder.kept_map(table);
-  const std::string wanted = "begins with " + what + " " + name + " (digest " + digest + ")";
+  const std::string wanted =
+      "begins with " + std::string(asked.what) + " " + name + " (digest " + digest + ")";
   if (map == nullptr) {
     if (!name.empty() || !digest.empty()) profile.fail(key, wanted + "; give it with " + option + " FILE");
     return nullptr;
@@ -43,7 +60,9 @@ const KeptMap* named_map(VehicleBuilder& builder, const std::string& table) {
 }
 
 [[noreturn]] void refuse_bytes(const KeptMap& map, const std::string& why) {
-  const std::string kind = map.table == "join" ? "cloud" : (map.table == "recognise" ? "targets" : "surfels");
+  // An option is named like what is exported for it.
+  const std::string kind =
+      map.table == "join" ? "cloud" : (map.option == "--map" ? "surfels" : map.option.substr(2));
   throw InputError(map.option + " " + map.path + ": " + why + "; make it again with `sortie export " + kind +
                        " LOG -o FILE`",
                    3);
@@ -136,6 +155,29 @@ std::unique_ptr<mapping::TargetStore> load_kept_targets(VehicleBuilder& builder,
   check();
   std::uint64_t all = ~std::uint64_t{0};
   static_cast<void>(store->run(all));
+  return store;
+}
+
+std::unique_ptr<mapping::ImageStore> load_kept_images(VehicleBuilder& builder,
+                                                      const mapping::ImageStoreConfig& config) {
+  const KeptMap* map = named_map(builder, "recognise_images");
+  if (map == nullptr) return nullptr;
+  mapping::ImageFileResult result = mapping::read_image_head(map->bytes);
+  const auto check = [&] {
+    if (result.fault == mapping::ImageFileFault::none) return;
+    refuse_bytes(*map, "byte " + std::to_string(result.byte) + ": " + mapping::to_string(result.fault));
+  };
+  check();
+  if (result.head.images > mapping::ImageStoreConfig::kMostImages) {
+    result.fault = mapping::ImageFileFault::room;
+    check();
+  }
+  mapping::ImageStoreConfig exact = config;
+  exact.images = std::max(result.head.images, 1u);
+  auto store = std::make_unique<mapping::ImageStore>(exact, builder.arena());
+  if (builder.arena().refused() != 0) return store;  // its memory is still being measured
+  result = mapping::load_images(map->bytes, *store);
+  check();
   return store;
 }
 

@@ -4,16 +4,13 @@
 
 #include "firmware_like/parts/chosen_map.hpp"
 #include "firmware_like/parts/kept_maps.hpp"
-#include "firmware_like/parts/lost_robot.hpp"
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/part_access.hpp"
+#include "firmware_like/parts/place_check.hpp"
 #include "firmware_like/parts/recognise_output.hpp"
 #include "mapping/recognition/local_segments.hpp"
 #include "mapping/recognition/recogniser.hpp"
 #include "mapping/recognition/target_keeper.hpp"
-#include "mapping/registration/kept_pose.hpp"
-#include "mapping/registration/place_judge.hpp"
-#include "mapping/registration/pose_algebra.hpp"
 
 namespace sortie::firmware {
 namespace {
@@ -74,12 +71,10 @@ class RecognisePart final : public Part {
                        "out --map or --targets");
         mapping::RelocateConfig judge;
         profile.read("recognise", judge);
-        judge_ = std::make_unique<mapping::PlaceJudge>(judge, access_->locator->registration_to_match(),
-                                                       builder.arena());
+        check_ = std::make_unique<PlaceCheck>(judge, *access_, config_.second_look_m, builder.arena());
       }
       speaking_ = builder.arena().make_array<mapping::SpeakingSegment>("recognition speaking", watch.watched);
     }
-    lost_ = LostRobot(config_.second_look_m);
     task_ = builder.task<RecogniseOutput>(builder.group("mapping", 10), "recognise",
                                           TaskDefaults{10'000, rt::Criticality::b},
                                           [this](rt::JobContext& context, RecogniseOutput& output) {
@@ -108,14 +103,13 @@ class RecognisePart final : public Part {
     rt::Members(archive, *this, "recognise")
         .base<Part>()
         .fixed(config_, map_, access_, task_, answers_, speaking_)
-        .by_hand(local_, keeper_, known_, recogniser_, judge_)
+        .by_hand(local_, keeper_, known_, recogniser_, check_)
         .scratch(told_, told_set_)
-        .state(next_ns_, searched_ns_, step_, T_odom_judged_, lost_, output_);
-    mapping::check_pose(archive, T_odom_judged_);
+        .state(next_ns_, searched_ns_, step_, output_);
     archive.value(*local_);
     archive.value(*keeper_);
     if (recogniser_ != nullptr) recogniser_->archive(archive, *known_);
-    if (judge_ != nullptr) archive.value(*judge_);
+    if (check_ != nullptr) archive.value(*check_);
     if (archive.is_reading() && !can_be(step_)) {
       archive.fail(Status::malformed, "a step that cannot be");
       step_ = Step::rest;
@@ -128,11 +122,11 @@ class RecognisePart final : public Part {
   bool can_be(Step step) const {
     if (step == Step::rest) return true;
     if (step == Step::search) return recogniser_ != nullptr;
-    return step <= Step::judge && judge_ != nullptr && !recogniser_->found().empty();
+    return step <= Step::judge && check_ != nullptr && !recogniser_->found().empty();
   }
 
   void work(rt::JobContext& context) {
-    if (judge_ != nullptr && lost_.wait(*access_->locator, access_->scans)) ++output_.counts.not_confirmed;
+    if (check_ != nullptr && check_->wait()) ++output_.counts.not_confirmed;
     local_->note(*map_->labelling());
     const auto now_ns = static_cast<rt::Nanoseconds>(context.job) * context.period_ns;
     if (now_ns >= next_ns_ && map_->done() && step_ == Step::rest) {
@@ -142,10 +136,9 @@ class RecognisePart final : public Part {
     std::uint64_t units = config_.units;
     keeper_->run(units);
     if (step_ == Step::search && recogniser_->run(*known_, units)) answer();
-    if (step_ == Step::wait && access_->scans > 0 && access_->locator->registration().is_taken())
-      begin_judging();
+    if (step_ == Step::wait && check_->has_scan()) begin_judging();
     mapping::JudgedPlace judged;
-    if (step_ == Step::judge && judge_->run(units, judged)) take(judged);
+    if (step_ == Step::judge && check_->run(units, judged)) take(judged);
     const auto used = static_cast<std::uint32_t>(config_.units - units);
     context.add_units(used);
     output_.units += used;
@@ -196,7 +189,7 @@ class RecognisePart final : public Part {
   void answer() {
     output_.searches = recogniser_->counts();
     const bool is_found = recogniser_->verdict() == SetVerdict::found;
-    step_ = is_found && judge_ != nullptr ? Step::wait : Step::rest;
+    step_ = is_found && check_ != nullptr ? Step::wait : Step::rest;
     if (step_ == Step::wait) return;
     if (is_found) ++output_.counts.unverified;
     put_answer(output_, *recogniser_, searched_ns_);
@@ -217,30 +210,22 @@ class RecognisePart final : public Part {
   /// The newest scan is held against the known map at the place that was found. What else segments speak for,
   /// if less, it is compared with.
   void begin_judging() {
-    T_odom_judged_ = access_->hint.T_odom_sensor;
-    const bool can_be_judged =
-        access_->has_odometry && mapping::is_pose(T_odom_judged_) &&
-        judge_->begin(access_->locator->registration().sample(), access_->q_level_sensor);
+    const bool can_be_judged = check_->begin();
     step_ = can_be_judged ? Step::judge : Step::rest;
     if (can_be_judged) {
-      for (const mapping::SetHypothesis& place : recogniser_->found()) judge_->add(judged_at(place));
+      for (const mapping::SetHypothesis& place : recogniser_->found()) check_->add(pose_of(place.fit.place));
       return;
     }
     ++output_.counts.unverified;
     put_answer(output_, *recogniser_, searched_ns_);
     tell();
   }
-  /// T_known_sensor of the scan that is judged.
-  RigidPose judged_at(const mapping::SetHypothesis& place) const {
-    return mapping::after(pose_of(place.fit.place), T_odom_judged_);
-  }
 
   void take(const mapping::JudgedPlace& judged) {
     put_answer(output_, *recogniser_, searched_ns_);
     output_.share = judged.share;
     output_.crossed = judged.crossed;
-    if (judged.verdict != mapping::RelocateVerdict::placed ||
-        mapping::are_apart(judged.T_map_sensor, judged_at(recogniser_->found()[0]), kSameMove, kSameTurn)) {
+    if (!check_->confirms(judged, pose_of(recogniser_->found()[0].fit.place))) {
       output_.verdict = rt::RecognisedPlace::kRefused;
       ++output_.counts.refused;
       tell();
@@ -251,15 +236,12 @@ class RecognisePart final : public Part {
     step_ = Step::rest;
     output_.verdict = rt::RecognisedPlace::kRecognised;
     ++output_.counts.recognised;
-    const RigidPose tie = mapping::after(judged.T_map_sensor, mapping::inverse(T_odom_judged_));
+    const RigidPose tie = check_->tie(judged);
     rt::store(tie.p, output_.p_known_odom_m);
     rt::store(tie.q, output_.q_known_odom);
     tell();
-    if (lost_.look(*access_->locator, judged, T_odom_judged_)) ++output_.counts.placed;
+    if (check_->look(judged)) ++output_.counts.placed;
   }
-
-  static constexpr double kSameMove = 1.0;  ///< m: where a scan fits is where segments say
-  static constexpr double kSameTurn = 0.2;  ///< rad
 
   RecognisePartConfig config_;
   ChosenMap* map_;
@@ -268,11 +250,9 @@ class RecognisePart final : public Part {
   std::unique_ptr<mapping::TargetKeeper> keeper_;    ///< what this run has seen
   std::unique_ptr<mapping::TargetStore> known_;      ///< what it began with, or null
   std::unique_ptr<mapping::Recogniser> recogniser_;  ///< null without known targets
-  std::unique_ptr<mapping::PlaceJudge> judge_;       ///< null without a map that they lie on
+  std::unique_ptr<PlaceCheck> check_;                ///< null without a map that they lie on
   std::span<mapping::SpeakingSegment> speaking_;
   Step step_{Step::rest};
-  RigidPose T_odom_judged_;  ///< of the scan that is judged
-  LostRobot lost_{0.0};
   const rt::Task<RecogniseOutput>* task_{};
   std::unique_ptr<ReportQueue<rt::RecognisedPlace>> answers_;  ///< for telemetry; full: the next one tells
   rt::Nanoseconds next_ns_{};

@@ -37,6 +37,7 @@ class Robot final : public Vehicle {
   std::optional<mapping::OccupancyView> occupancy() const override { return first(&Part::occupancy); }
   const mapping::ScanRegistration* surfels() const override { return first(&Part::surfels); }
   const mapping::TargetStore* targets() const override { return first(&Part::targets); }
+  const mapping::ImageStore* images() const override { return first(&Part::images); }
   std::optional<RecognitionView> recognition() const override { return first(&Part::recognition); }
   const mapping::SensedCloud* cloud() const override { return first(&Part::cloud); }
   UnitTrial try_units() const override { return first(&Part::try_units); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map in a file, as a run begins with it: surfaces, a cloud, or targets.
+// A map in a file, as a run begins with it: surfaces, a cloud, targets, or images.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace sortie::firmware {
 
 /// The file's bytes, which nobody has looked at yet.
 struct KeptMap {
-  std::string option;  ///< it was given with: "--map" or "--targets"
+  std::string option;  ///< it was given with: "--map", "--targets" or "--images"
   std::string path;
   std::string name;    ///< the path's last part, with letters, digits, '.', '_' and '-' alone
   std::string digest;  ///< of all bytes
-  std::string
-      table;  ///< of the profile, whose part reads it: "locate", "join" (a cloud), "recognise" (targets)
+  std::string table;   ///< of the profile, whose part reads it: "locate", "join" (a cloud), "recognise"
+                       ///< (targets), "recognise_images"
   std::vector<std::uint8_t> bytes;
-  /// "map of surfaces", "cloud", "list of targets".
+  /// "map of surfaces", "cloud", "list of targets", "list of images".
   const char* kind() const;
 };
 
@@ -26,6 +26,15 @@ struct KeptMap {
 struct KeptMapPaths {
   std::string map;      ///< of `sortie export surfels` or `export cloud`
   std::string targets;  ///< of `sortie export targets`
+  std::string images;   ///< of `sortie export images`
+
+  /// Calls `visit(name, path)` of each; its option is "--" and the name.
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("map", self.map);
+    visit("targets", self.targets);
+    visit("images", self.images);
+  }
 };
 
 /// Reads what is given. Throws InputError where a file cannot be read, is longer than any map, or is of

@@ -18,6 +18,7 @@ class SslPort;
 }  // namespace sortie::drivers
 
 namespace sortie::mapping {
+class ImageStore;
 class Recogniser;
 class ScanRegistration;
 struct SensedCloud;
@@ -102,6 +103,8 @@ class Vehicle {
   virtual const mapping::ScanRegistration* surfels() const { return nullptr; }
   /// The segments to be recognised as they are when no job runs; null without any.
   virtual const mapping::TargetStore* targets() const { return nullptr; }
+  /// The height images to be recognised as they are when no job runs; null without any.
+  virtual const mapping::ImageStore* images() const { return nullptr; }
   /// Recognition as it is when no job runs; nothing where no targets are known.
   virtual std::optional<RecognitionView> recognition() const { return {}; }
   /// The cloud as it is when no job runs; null without one.

@@ -44,6 +44,7 @@
   part(locate, "the robot's place on a map of surfaces that it makes", "ugv", "", "no") \
   part(relocate, "a robot that is lost on a kept map looks for its place", "ugv", "locate", "no") \
   part(recognise, "segments are recognised on a known map", "ugv", "map", "no") \
+  part(recognise_images, "height images of the local map are recognised on a known map", "ugv", "map", "no") \
   part(ssl, "a solid-state lidar is asked for rays", "ugv", "", "no") \
   option(ray_scheduler, "rays are planned over a map of what is known", "ugv", "ssl", "yes", \
          "ssl.policy", "scheduled", "ssl.policy=grid", true) \

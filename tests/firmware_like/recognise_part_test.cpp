@@ -82,12 +82,12 @@ TEST_CASE("targets that cannot be used are refused with their cure") {
   const auto refused = [&](const firmware::KeptMapPaths& maps, const std::vector<std::string>& more) {
     return message_of<std::runtime_error>([&] { static_cast<void>(run_recognising(1, "", maps, more)); });
   };
-  CHECK(mentions(refused({"", nothing}, {}),
+  CHECK(mentions(refused({"", nothing, ""}, {}),
                  "cannot be read; make it with `sortie export targets LOG -o FILE`"));
-  CHECK(mentions(refused({"", text}, {}), "holds no targets"));
-  CHECK(mentions(refused({cut, ""}, {}), "give it with --targets"));
-  CHECK(mentions(refused({"", cut}, {}), "cut off, or too long"));
-  CHECK(mentions(refused({"", cut}, {"tasks.recognise.enabled=false"}), "tasks.recognise.enabled=true"));
+  CHECK(mentions(refused({"", text, ""}, {}), "holds no targets"));
+  CHECK(mentions(refused({cut, "", ""}, {}), "give it with --targets"));
+  CHECK(mentions(refused({"", cut, ""}, {}), "cut off, or too long"));
+  CHECK(mentions(refused({"", cut, ""}, {"tasks.recognise.enabled=false"}), "tasks.recognise.enabled=true"));
   CHECK(mentions(refused({}, {"map.segments=off"}), "map.segments=euclidean"));
 }
 

@@ -52,7 +52,7 @@ inline void write(const std::string& path, const std::vector<std::uint8_t>& byte
 struct SeenHall {
   TempFolder folder;
   std::string log = folder.file("first.lcm");
-  firmware::KeptMapPaths kept{folder.file("hall.surfels"), folder.file("hall.targets")};
+  firmware::KeptMapPaths kept{folder.file("hall.surfels"), folder.file("hall.targets"), ""};
   firmware::LiveRunOutcome run = run_recognising(60, log, {}, {});
   std::vector<std::uint8_t> bytes = target_bytes(*run.runtime);
   SeenHall() {
@@ -67,12 +67,13 @@ inline const SeenHall& seen_hall() {
 
 /// A robot that is lost there, from the other side.
 inline firmware::LiveRunOutcome run_lost(double seconds, const std::string& log,
-                                         std::vector<std::string> more) {
+                                         std::vector<std::string> more,
+                                         const firmware::KeptMapPaths& kept = seen_hall().kept) {
   more.insert(
       more.end(),
       {"locate.window_cells=256",
        "mission.waypoints=[[0.0,-4.0],[9.3,-4.0],[14.0,-4.0],[14.0,4.0],[9.3,4.0],[9.3,0.0],[0.0,0.0]]"});
-  return run_recognising(seconds, log, seen_hall().kept, more);
+  return run_recognising(seconds, log, kept, more);
 }
 
 /// A robot that is lost there, too, and begins at the other end, turned about: its odometry's world is the

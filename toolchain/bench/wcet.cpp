@@ -67,10 +67,9 @@ ChildCommand counted_command(const WcetOptions& options, const std::string& jobs
   if (!options.scene.empty()) child.arguments.insert(child.arguments.end(), {"--scene", options.scene});
   for (const std::string& pair : options.overrides)
     child.arguments.insert(child.arguments.end(), {"--set", pair});
-  for (const auto& [option, path] :
-       {std::pair{"--map", options.maps.map}, std::pair{"--targets", options.maps.targets}}) {
-    if (!path.empty()) child.arguments.insert(child.arguments.end(), {option, path});
-  }
+  firmware::KeptMapPaths::fields(options.maps, [&child](const char* name, const std::string& path) {
+    if (!path.empty()) child.arguments.insert(child.arguments.end(), {std::string("--") + name, path});
+  });
   if (!options.fault.empty()) child.arguments.insert(child.arguments.end(), {"--fault", options.fault});
   // An environment of its own: what the user's holds moves the stack.
   child.alone = true;

@@ -146,9 +146,9 @@ SweepFolderPlan make_plan(const CommandContext& context, SweepCommand& command,
   }
   plan.request = command.request;
   // Cells run in other folders: files are named from the root.
-  for (std::string* const path : {&plan.request.maps.map, &plan.request.maps.targets}) {
-    if (!path->empty()) *path = fs::absolute(*path).lexically_normal().string();
-  }
+  firmware::KeptMapPaths::fields(plan.request.maps, [](const char*, std::string& path) {
+    if (!path.empty()) path = fs::absolute(path).lexically_normal().string();
+  });
   std::string& scene = plan.request.scene;
   if (scene.size() > 5 && scene.substr(scene.size() - 5) == ".toml") scene = fs::absolute(scene).string();
   write_plan(command.output.out, plan);

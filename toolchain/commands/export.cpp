@@ -232,6 +232,7 @@ int run(const CommandContext& context, ExportOptions& options) {
     if (options.kind == "ply") export_ply(replayed(), log.path(), out);
     if (options.kind == "surfels") export_surfels(replayed(), log.path(), out);
     if (options.kind == "targets") export_targets(replayed(), log.path(), out);
+    if (options.kind == "images") export_images(replayed(), log.path(), out);
     if (options.kind == "cloud") export_cloud(replayed(), log.path(), out);
     if (options.kind == "flight_map") export_flight_map(context, options, log, out);
     if (options.kind == "csv") export_csv(context, options, log, out);
@@ -256,6 +257,7 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "(ui.perfetto.dev), latency (SVG), jobs (text),\n"
       "surfels (the map of surfaces of part locate, for `run --map`),\n"
       "targets (the segments of part recognise, for `run --targets`),\n"
+      "images (the height images of part recognise_images, for `run --images`),\n"
       "cloud (what part cloud saw, for `run --map` of another robot),\n"
       "flight_map (a scene with the map that the robot made, for a multirotor)\n"
       "trace, latency and jobs also read the flight ring of a run that died.\n"
@@ -273,8 +275,8 @@ void add_export(firmware::Command& app, CommandContext& context) {
       "  sortie export jobs /dev/shm/sortie-ugv_hall-4711.ring --last 5");
   command->add_option("kind", options->kind, "What to write")
       ->required()
-      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "surfels", "targets", "cloud",
-                "flight_map"});
+      ->one_of({"tum", "ply", "csv", "candump", "trace", "latency", "jobs", "surfels", "targets", "images",
+                "cloud", "flight_map"});
   command->add_option("log", options->log, "LCM log, or a flight ring")->required();
   command->add_option("--last", options->last, "jobs: how many of each group")->capture_default_str();
   command->add_option("-o,--output", options->path, "File; - is standard output")

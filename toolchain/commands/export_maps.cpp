@@ -2,6 +2,7 @@
 #include "toolchain/commands/export_maps.hpp"
 
 #include "firmware_like/scene/input_error.hpp"
+#include "mapping/recognition/image_file.hpp"
 #include "mapping/recognition/target_file.hpp"
 #include "mapping/registration/cloud_file.hpp"
 #include "mapping/registration/cloud_match.hpp"
@@ -43,6 +44,20 @@ void export_targets(const firmware::ReplayOutcome& outcome, const std::string& l
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::target_file_bytes(*targets)));
   if (mapping::write_targets(*targets, bytes) != Status::ok)
     throw InputError(log + ": its targets cannot be written", 3);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void export_images(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out) {
+  const mapping::ImageStore* images = outcome.runtime->vehicle().images();
+  if (images == nullptr)
+    throw InputError(
+        log +
+            ": this scene makes no height images; add --set tasks.recognise_images.enabled=true to one with "
+            "a map",
+        2);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(mapping::image_file_bytes(*images)));
+  if (mapping::write_images(*images, bytes) != Status::ok)
+    throw InputError(log + ": its height images cannot be written", 3);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 

@@ -18,6 +18,10 @@ void export_surfels(const firmware::ReplayOutcome& outcome, const std::string& l
 /// The targets of part recognise, for `run --targets`. Throws InputError where the scene makes none.
 void export_targets(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
 
+/// The height images of part recognise_images, for `run --images`. Throws InputError where the scene makes
+/// none.
+void export_images(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
+
 /// The cloud of part cloud, for `run --map` of another robot. Throws InputError where the scene makes none.
 void export_cloud(const firmware::ReplayOutcome& outcome, const std::string& log, std::ostream& out);
 

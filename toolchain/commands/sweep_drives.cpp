@@ -16,9 +16,9 @@ std::vector<SimulatedDrive> simulate_drives(const CommandContext& context, const
   std::filesystem::create_directories(folder);
   const std::string program = digest_of_file(own_program_path());
   std::string maps;
-  for (const std::string& path : {request.maps.map, request.maps.targets}) {
-    if (!path.empty()) maps += digest_of_file(path) + " ";
-  }
+  firmware::KeptMapPaths::fields(request.maps, [&maps](const char* name, const std::string& path) {
+    if (!path.empty()) maps += std::string(name) + " " + digest_of_file(path) + " ";
+  });
   std::vector<SimulatedDrive> drives;
   for (const std::string& scene : request.scenes) {
     for (std::uint32_t seed = 1; seed <= request.seeds; ++seed) {

@@ -34,8 +34,7 @@ struct SweepRequest {
   static void fields(Self& self, Visitor&& visit) {
     visit("logs", self.logs);
     visit("scene", self.scene);
-    visit("map", self.maps.map);
-    visit("targets", self.maps.targets);
+    firmware::KeptMapPaths::fields(self.maps, visit);
     visit("set", self.overrides);
     visit("sweep", self.knobs);
     visit("tasks", self.tasks);
