@@ -3,6 +3,7 @@
 #include "firmware_like/parts/part.hpp"
 #include "firmware_like/parts/part_access.hpp"
 #include "mapping/registration/pose_algebra.hpp"
+#include "planner/ground_way/ground_way_follower.hpp"
 #include "planner/ground_way/ground_way_planner.hpp"
 #include "planner/ugv_drive.hpp"
 #include "rt/math.hpp"
@@ -15,12 +16,13 @@ struct WayLattice {
   std::int32_t cells{128};
   std::int32_t cell_mm{100};
   double half_length_m{0.45};
-  double half_width_m{0.32};
+  double half_width_m{0.3};
 
   SORTIE_KEYS(c, key) {
     key("cells", c.cells, {32, 512, "", "of the window along x and y"});
     key("cell_mm", c.cell_mm, {20, 1000, "mm", "edge of a cell, a multiple of elevation.cell_mm", rt::kKnob});
-    key("half_length_m", c.half_length_m, {0.05, 3, "m", "of the robot and its flippers, from its middle"});
+    key("half_length_m", c.half_length_m,
+        {0.05, 3, "m", "of the robot and its flippers, as they stand while it drives, from its middle"});
     key("half_width_m", c.half_width_m, {0.05, 3, "m", "of the robot, from its middle"});
   }
 };
@@ -46,8 +48,18 @@ class WayPart final : public Part {
     profile.read("way", config.rules);
     config.lattice.nx = config.lattice.ny = lattice.cells;
     config.lattice.cell_mm = lattice.cell_mm;
-    config.lattice.half_length_mm = static_cast<std::int32_t>(1e3 * lattice.half_length_m + 0.5);
-    config.lattice.half_width_mm = static_cast<std::int32_t>(1e3 * lattice.half_width_m + 0.5);
+    // The drive may be beside its way by as much before it stops.
+    planner::GroundWayFollowerConfig follower;
+    profile.read("way", follower);
+    const auto mm_of = [&follower](double half_m) {
+      return static_cast<std::int32_t>(1e3 * (half_m + follower.off_m) + 0.5);
+    };
+    config.lattice.half_length_mm = mm_of(lattice.half_length_m);
+    config.lattice.half_width_mm = mm_of(lattice.half_width_m);
+    // What lies farther above or below the robot's middle than its tilt and a step allow is another floor.
+    const double half_m = 1e-3 * (config.lattice.half_length_mm + config.lattice.half_width_mm);
+    config.lattice.reach_mm = static_cast<std::int32_t>(
+        1e3 * (config.rules.most_step_m + half_m * rt::tan(config.rules.most_tilt_rad)));
     config.lattice.unknown = planner::UnknownGround::by_price;
     if (lattice.cell_mm % map_->config().cell_mm != 0)
       profile.fail("way.cell_mm", "must be a multiple of elevation.cell_mm");
@@ -55,6 +67,8 @@ class WayPart final : public Part {
       profile.fail("way.half_length_m",
                    "must not be below way.half_width_m, nor above 12 cells of the lattice");
     planner_ = std::make_unique<planner::GroundWayPlanner>(config, map_->config().cell_mm, builder.arena());
+    if (!planner_->usable() && builder.arena().refused() == 0)
+      profile.fail("way.cells", "the window is too small for a robot of this size");
     task_ = builder.task<planner::GroundWay>(
         group, "way", TaskDefaults{15'000, rt::Criticality::b, 40'000},
         [this](rt::JobContext& context, planner::GroundWay& output) {
@@ -90,10 +104,15 @@ class WayPart final : public Part {
     planner::GroundWayProgress progress;
     bool standing = true;
     if (drive != nullptr) {
-      progress = {
-          drive->goal,         {drive->goal_x_m, drive->goal_y_m}, drive->way_series, drive->way_step, false,
-          drive->way_lost != 0};
+      progress = {drive->goal,
+                  {drive->goal_x_m, drive->goal_y_m},
+                  drive->way_series,
+                  drive->way_step,
+                  false,
+                  false,
+                  drive->way_lost != 0};
       const bool to_goal = drive->source == static_cast<std::uint32_t>(planner::DriveSource::goal);
+      progress.in_control = to_goal;
       progress.arrived = to_goal && (drive->flags & planner::kDriveDone) != 0;
       standing = drive->speed_m_s == 0.0 && drive->turn_rad_s == 0.0;
     }
@@ -107,7 +126,8 @@ class WayPart final : public Part {
       rt::store(body.p, on_map.p_world_body_m);
       rt::store(body.q, on_map.q_world_body);
     }
-    const Status status = planner_->begin(map_->view(), on_map, standing, progress, now_ns);
+    const Status status =
+        planner_->begin(map_->view(), on_map, standing, progress, map_->output().stamp_ns, now_ns);
     bad_ += status == Status::not_finite ? 1u : 0u;
   }
 

@@ -51,19 +51,19 @@ constexpr std::uint16_t aged_weight(std::uint16_t weight, std::uint32_t since, s
 /// What rays say of a cell whether something stands in it. 2 bytes. Both numbers are halved where one gets
 /// too large, so that what was seen lately counts.
 struct CellEvidence {
-  static constexpr std::uint8_t kMost = 63;
+  static constexpr std::uint8_t kMost = 254;
   std::uint8_t hits{};    ///< returns from something above the ground
   std::uint8_t passes{};  ///< rays that went through, close to the ground
 
   void add(std::uint8_t CellEvidence::*count) {
     if (++(this->*count) <= kMost) return;
-    hits /= 2;
-    passes /= 2;
+    hits = static_cast<std::uint8_t>((hits + 1) / 2);  // one is not forgotten
+    passes = static_cast<std::uint8_t>(passes / 2);
   }
   /// Rays went through far more often than something was met: what was met is a beam's that met an edge
   /// elsewhere, or it has gone. A bar across the way, 0.3 m up, is met once in 15 rays where it is 2 cm
-  /// thick.
-  bool is_free() const { return passes >= 16 && hits * 16 < passes; }
+  /// thick, once in 30 where it is 1 cm.
+  bool is_free() const { return passes >= 20 && hits * 40 < passes; }
 };
 
 /// How a cell takes what was measured.

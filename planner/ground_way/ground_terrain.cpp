@@ -198,9 +198,11 @@ void GroundTerrain::archive(rt::Archive& archive) {
   const bool is_near =
       low_[0] > -kFarthest && low_[0] < kFarthest && low_[1] > -kFarthest && low_[1] < kFarthest;
   if (archive.is_reading() &&
-      !(is_near && std::fabs(level_m_) < 1e6 && next_row_ >= 0 && next_row_ < lattice_.ny)) {
+      !(is_near && std::fabs(level_m_) < 1e6 && rt::is_finite(trusted_.p_m) &&
+        std::fabs(trusted_.p_m.z) < 1e6 && next_row_ >= 0 && next_row_ < lattice_.ny)) {
     archive.fail(Status::malformed, "a window that is nowhere");
     low_[0] = low_[1] = next_row_ = 0;
+    trusted_ = {};
     level_m_ = 0.0;
   }
 }

@@ -37,14 +37,17 @@ struct GroundStance {
   rt::Vector3 p_m;
   double cos_yaw{1.0};
   double sin_yaw{};
+  double rise_x{};  ///< of the ground under it, per metre along the world's x and y
+  double rise_y{};
 };
 
 /// Cells of a lattice over a window that moves by leaps. Two sets: the newest, which every job reads again in
 /// part, and the planner's, which changes when it takes the newest. A cell carries where
 /// - heights were measured in it, and within it they differ by no more than a step;
 /// - no known ground beside it lies lower by more than a step: such a cell is the edge of a drop;
-/// - or nobody saw it, but the gap in which it lies is no wider than two cells, along x and along y, and both
-///   sides are of one height: no track falls into such a hole;
+/// - or nobody saw it, but the gap in which it lies is no wider than two cells, along x, along y and along
+/// both
+///   diagonals, and all sides are of one height: no track falls into such a hole;
 /// - or the robot stands on it, or somebody vouched for it (GroundRules::trusted_m).
 /// What rays passed over, lower by more than a step than the ground beside it, makes that the edge of a hole,
 /// though nobody saw its floor. 30 bytes a cell beside the planner's map, no heap.
@@ -96,6 +99,7 @@ class GroundTerrain {
   }
   /// Height of the window's zero, m: the cells' heights count from it.
   double level_m() const { return level_m_; }
+  std::int32_t step_mm() const { return step_mm_; }
 
   void archive(rt::Archive& archive);
 
@@ -129,7 +133,11 @@ class GroundTerrain {
   void judge(const GroundStance& stance, std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1);
   GroundCell judge_cell(std::int32_t x, std::int32_t y, std::uint8_t& rough) const;
   bool fill_gap(std::int32_t x, std::int32_t y, GroundCell& cell) const;
-  bool is_under(const GroundStance& stance, std::int32_t x, std::int32_t y) const;
+  bool is_under(const GroundStance& stance, std::int32_t x, std::int32_t y, double margin_m,
+                std::int16_t& height_mm) const;
+  bool is_hole(const Column& column, std::int32_t ground_mm) const {
+    return column.bound_mm != INT16_MAX && ground_mm - column.bound_mm > step_mm_;
+  }
   bool is_trusted(std::int32_t x, std::int32_t y) const;
   bool is_hopeless(std::int64_t x, std::int64_t y) const;
   std::int16_t to_mm(double world_m) const;

@@ -92,12 +92,18 @@ void GroundTerrain::judge(const GroundStance& stance, std::int32_t x0, std::int3
       const std::size_t at = map_.index(x, y);
       std::uint8_t rough = 0;
       GroundCell cell = judge_cell(x, y, rough);
-      if (is_under(stance, x, y)) {
-        cell = GroundCell{{to_mm(stance.p_m.z), 0}, {GroundState::carries, GroundState::unknown}};
+      std::int16_t height_mm = 0;
+      const GroundCell stood{{0, 0}, {GroundState::carries, GroundState::unknown}};
+      if (is_under(stance, x, y, 0.0, height_mm) ||
+          (cell.is_unknown() && is_under(stance, x, y, 1e-3 * lattice_.cell_mm, height_mm) &&
+           !is_hole(columns_[at], height_mm))) {
+        cell = stood;
+        cell.height_mm[0] = height_mm;
       } else if (cell.is_unknown()) {
-        if (is_trusted(x, y)) {
-          cell.height_mm[0] = to_mm(trusted_.p_m.z);
-          cell.state[0] = GroundState::carries;
+        const std::int16_t trusted_mm = to_mm(trusted_.p_m.z);
+        if (is_trusted(x, y) && !is_hole(columns_[at], trusted_mm)) {
+          cell = stood;
+          cell.height_mm[0] = trusted_mm;
         } else if (!fill_gap(x, y, cell) && is_hopeless(low_[0] + x, low_[1] + y)) {
           cell.state[0] = GroundState::blocked;
         }
@@ -144,9 +150,10 @@ GroundCell GroundTerrain::judge_cell(std::int32_t x, std::int32_t y, std::uint8_
   return cell;
 }
 
-// A gap of at most two cells along both axes, between ground of one height: of whichever surface is known.
+// A gap of at most two cells along both axes and both diagonals, between ground of one height: of whichever
+// surface is known.
 bool GroundTerrain::fill_gap(std::int32_t x, std::int32_t y, GroundCell& cell) const {
-  static constexpr std::int32_t kAxes[2][2] = {{1, 0}, {0, 1}};
+  static constexpr std::int32_t kAxes[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
   std::int32_t low_mm = INT32_MAX;
   std::int32_t high_mm = INT32_MIN;
   if (cell.state[0] != GroundState::unknown) return false;
@@ -171,20 +178,24 @@ bool GroundTerrain::fill_gap(std::int32_t x, std::int32_t y, GroundCell& cell) c
     }
     if (gap > kMostGap) return false;
   }
-  if (high_mm - low_mm > step_mm_) return false;
+  if (high_mm - low_mm > step_mm_ || is_hole(columns_[map_.index(x, y)], low_mm)) return false;
   cell.height_mm[0] = static_cast<std::int16_t>((low_mm + high_mm) / 2);
   cell.state[0] = GroundState::carries;
   return true;
 }
 
 // What the robot stands on carries it, whatever a ray may have met there: the robot itself, most likely.
-bool GroundTerrain::is_under(const GroundStance& stance, std::int32_t x, std::int32_t y) const {
-  const double cell_m = 1e-3 * lattice_.cell_mm;
+// Beside it, up to the margin, nothing that was seen is put aside.
+bool GroundTerrain::is_under(const GroundStance& stance, std::int32_t x, std::int32_t y, double margin_m,
+                             std::int16_t& height_mm) const {
   const double dx = middle_m(low_[0] + x) - stance.p_m.x;
   const double dy = middle_m(low_[1] + y) - stance.p_m.y;
   const double along = std::fabs(stance.cos_yaw * dx + stance.sin_yaw * dy);
   const double across = std::fabs(stance.cos_yaw * dy - stance.sin_yaw * dx);
-  return along <= 1e-3 * lattice_.half_length_mm + cell_m && across <= 1e-3 * lattice_.half_width_mm + cell_m;
+  if (along > 1e-3 * lattice_.half_length_mm + margin_m || across > 1e-3 * lattice_.half_width_mm + margin_m)
+    return false;
+  height_mm = to_mm(stance.p_m.z + stance.rise_x * dx + stance.rise_y * dy);
+  return true;
 }
 
 bool GroundTerrain::is_trusted(std::int32_t x, std::int32_t y) const {

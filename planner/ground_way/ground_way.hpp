@@ -58,6 +58,7 @@ struct GroundWayProgress {
   double goal_m[2]{};    ///< in the pose's world
   std::uint32_t series{};
   std::uint32_t step{};  ///< number of the step that is being driven to
+  bool in_control{};     ///< the goal is what is driven to; else somebody else drives, or nobody
   bool arrived{};
   bool lost{};  ///< stands, for it is off the way or stuck on it
 };

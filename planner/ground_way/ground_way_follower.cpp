@@ -26,16 +26,20 @@ void GroundWayFollower::forget() {
 
 void GroundWayFollower::take(const GroundWay& way, std::uint32_t goal) {
   if (way.goal != goal || way.steps > GroundWay::kMostSteps || arrived_) return;
+  // The goal is where the robot stands.
+  arrived_ = way.steps == 0 && way.whole != 0;
   if (way.series != way_.series) {
     way_ = way;
-    step_ = way.first + 1;
+    step_ = way.first;
     lost_ = watching_ = false;
     return;
   }
   if (way.stamp_ns == way_.stamp_ns) return;
+  // What is being driven was taken back while the robot came to it: it stands in the middle of that.
+  const bool has_gone = step_ < end() && step_ >= way.first + way.steps;
   way_ = way;
-  // It never takes back what is being driven, but all of it.
-  step_ = std::max(step_, way.first + 1);
+  step_ = std::max(step_, way.first);
+  if (has_gone) lose(counters_.off);
 }
 
 GroundWayFollower::Place GroundWayFollower::place(std::uint32_t step) const {
@@ -105,15 +109,14 @@ SpeedTurn GroundWayFollower::wish(const rt::PoseEstimate& pose, const TwistLimit
   const double yaw = rt::yaw_of(rt::to_quaternion(pose.q_world_body));
   // Each round ends a step, or drives it.
   for (; step_ < end(); ++step_, ++counters_.steps, watching_ = false) {
-    const Place from = place(step_ - 1);
     const Place to = place(step_);
     const WayMotion how = motion(step_);
-    if (length_of(x_m - to.x_m, y_m - to.y_m) > 3.0) {
-      lose(counters_.off);
-      return {};
-    }
     if (how == WayMotion::turn || how == WayMotion::begin) {
       const double error = rt::wrap_angle(1e-3 * way_.heading_mrad[step_ - way_.first] - yaw);
+      if (length_of(x_m - to.x_m, y_m - to.y_m) > config_.off_m || std::fabs(error) > kTooFarAside_rad) {
+        lose(counters_.off);
+        return {};
+      }
       // Turns that follow each other are one.
       if (std::fabs(error) <= config_.reach_rad || (goes_on(step_) && std::fabs(error) < 0.3)) continue;
       turning_ = true;
@@ -125,17 +128,22 @@ SpeedTurn GroundWayFollower::wish(const rt::PoseEstimate& pose, const TwistLimit
           std::clamp(config_.heading_gain_per_s * error, -limits.max_turn_rad_s, limits.max_turn_rad_s);
       return {0.0, turn};
     }
+    const Place from = place(step_ - 1);
     const double dx = to.x_m - from.x_m;
     const double dy = to.y_m - from.y_m;
     const double length = length_of(dx, dy);
     const double along = length > 0.0 ? ((x_m - from.x_m) * dx + (y_m - from.y_m) * dy) / length : 0.0;
     const double beside = length > 0.0 ? ((y_m - from.y_m) * dx - (x_m - from.x_m) * dy) / length : 0.0;
+    if (std::fabs(beside) > config_.off_m || along < -config_.off_m || along > length + config_.off_m) {
+      lose(counters_.off);
+      return {};
+    }
     if (along >= length - (goes_on(step_) ? 0.0 : config_.reach_m)) continue;
     reversing_ = how == WayMotion::reverse;
     const Place aim = target(step_, std::max(along, 0.0) + config_.look_ahead_m);
     double error = rt::wrap_angle(rt::atan2(aim.y_m - y_m, aim.x_m - x_m) - yaw);
     if (reversing_) error = rt::wrap_angle(error + kHalfTurn_rad);
-    if (std::fabs(beside) > config_.off_m || std::fabs(error) > kTooFarAside_rad) {
+    if (std::fabs(error) > kTooFarAside_rad) {
       lose(counters_.off);
       return {};
     }
@@ -160,8 +168,9 @@ void GroundWayFollower::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ground way follower")
       .fixed(config_)
       .state(way_, step_, arrived_, lost_, turning_, reversing_, watching_, best_, since_ns_, counters_);
-  const bool is_on_it =
-      way_.steps <= GroundWay::kMostSteps && (way_.steps == 0 || (step_ > way_.first && step_ <= end()));
+  const bool is_on_it = way_.steps <= GroundWay::kMostSteps &&
+                        (way_.steps == 0 || (step_ >= way_.first && step_ <= end() &&
+                                             way_.motion[0] == static_cast<std::uint8_t>(WayMotion::begin)));
   if (!archive.is_reading() || is_on_it) return;
   archive.fail(Status::malformed, "a step that the way has not");
   forget();

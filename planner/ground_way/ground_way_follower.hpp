@@ -13,13 +13,13 @@
 
 namespace sortie::planner {
 
-/// Gains and tolerances. Places are checked with a robot that is larger by half a cell and by `off_m`.
+/// Gains and tolerances. Places are to be checked with a robot that is larger by `off_m` on every side.
 struct GroundWayFollowerConfig {
   double heading_gain_per_s{2.0};
   double look_ahead_m{0.3};  ///< on the way, for steering
   double reach_m{0.06};      ///< where a step ends that the next one does not go on from
   double reach_rad{0.06};    ///< of a turn on the spot
-  double off_m{0.15};        ///< farther beside the way the robot stops and is planned for anew
+  double off_m{0.1};         ///< farther beside the way the robot stops and is planned for anew
   double creep_speed_m_s{0.05};
   double stuck_s{4.0};                                                 ///< so long without progress
   rt::Nanoseconds most_age_ns{1000 * rt::kNanosecondsPerMillisecond};  ///< of the way

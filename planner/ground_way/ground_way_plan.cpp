@@ -80,8 +80,9 @@ GroundPose GroundWayPlanner::find_goal(const GroundStance& stance) {
     const double dx = x_m - stance.p_m.x;
     const double dy = y_m - stance.p_m.y;
     const double length = std::sqrt(dx * dx + dy * dy);
-    const double ux = (turn.cos * dx - turn.sin * dy) / length;
-    const double uy = (turn.sin * dx + turn.cos * dy) / length;
+    const double share = length > 0.0 ? 1.0 / length : 0.0;
+    const double ux = share * (turn.cos * dx - turn.sin * dy);
+    const double uy = share * (turn.sin * dx + turn.cos * dy);
     // The last cell on that line that fits; the robot's own always does.
     double low = 0.0;
     double high = length;
@@ -139,6 +140,8 @@ void GroundWayPlanner::refused(GroundPathState state) {
   if (state == GroundPathState::outdated) return;
   const bool is_start = state == GroundPathState::start_unknown || state == GroundPathState::start_blocked ||
                         state == GroundPathState::start_outside;
+  // At the end of its way, beside the last place of it: from where it stands there may be one.
+  if (is_start && standing_ && size_ > 0 && driven() >= size_) drop_way();
   if (is_intermediate_ && !is_start && attempt_ + 1 < kAttempts) {
     ++attempt_;
     return;
@@ -158,7 +161,7 @@ void GroundWayPlanner::adopt() {
   // The robot is beyond the place where this way begins: it comes too late.
   const std::uint32_t now = first_ + driven();
   if (size_ > 0 && (plan_from_ < first_ || plan_from_ >= first_ + size_ ||
-                    (now >= plan_from_ && plan_from_ + 1 < first_ + size_)))
+                    (now + 1 >= plan_from_ && plan_from_ + 1 < first_ + size_)))
     return;
   const std::uint32_t old = size_;
   if (size_ > 0) {
@@ -181,6 +184,7 @@ void GroundWayPlanner::adopt() {
                  0};
     size_ = 1;
   }
+  adopted_ = true;
   bool fits = true;
   for (std::size_t i = 1; i < way.size() && fits; ++i) fits = append(way[i], way[i - 1]);
   output_.whole = fits && !is_intermediate_ && way.size() == path_.way().size() && path_.is_whole() ? 1u : 0u;

@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kFarthest_m = 1e5;
 
+std::int32_t size_of(std::int32_t v) { return v < 0 ? -v : v; }
+
 }  // namespace
 
 GroundWayPlanner::GroundWayPlanner(const GroundWayConfig& config, std::int32_t elevation_cell_mm,
@@ -22,11 +24,15 @@ GroundWayPlanner::GroundWayPlanner(const GroundWayConfig& config, std::int32_t e
       terrain_(config.lattice, config.rules, elevation_cell_mm, arena),
       memory_(GroundPathMemory::take(arena, config.lattice, config.columns, config.open, 1024)),
       path_(config.lattice, terrain_.prices(), memory_),
-      usable_(terrain_.usable() && arena.refused() == 0) {}
+      usable_(terrain_.usable() && arena.refused() == 0 &&
+              3 * config.lattice.nx / 8 > path_.footprints().reach() + 2 &&
+              3 * config.lattice.ny / 8 > path_.footprints().reach() + 2) {}
 
 Status GroundWayPlanner::begin(const mapping::ElevationView& view, const rt::PoseEstimate& pose,
-                               bool standing, const GroundWayProgress& progress, rt::Nanoseconds now_ns) {
+                               bool standing, const GroundWayProgress& progress, rt::Nanoseconds heights_ns,
+                               rt::Nanoseconds now_ns) {
   progress_ = progress;
+  adopted_ = false;
   standing_ = standing;
   now_ns_ = now_ns;
   const rt::Vector3 p_m = rt::to_vector(pose.p_world_body_m);
@@ -37,7 +43,8 @@ Status GroundWayPlanner::begin(const mapping::ElevationView& view, const rt::Pos
   if (!is_place(p_m.x) || !is_place(p_m.y) || !is_place(p_m.z) || !rt::is_finite(q) ||
       (is_told && !(is_place(progress.goal_m[0]) && is_place(progress.goal_m[1])))) {
     status = Status::not_finite;
-  } else if (pose.flags == 0 || static_cast<double>(now_ns - pose.stamp_ns) > 1e9 * config_.most_pose_age_s) {
+  } else if (static_cast<double>(now_ns - heights_ns) > 1e9 * config_.most_heights_age_s || pose.flags == 0 ||
+             static_cast<double>(now_ns - pose.stamp_ns) > 1e9 * config_.most_pose_age_s) {
     status = Status::stale;
   }
   if (progress.goal != goal_) {
@@ -49,13 +56,17 @@ Status GroundWayPlanner::begin(const mapping::ElevationView& view, const rt::Pos
     trusts_ = true;
     terrain_.forgive();
   }
-  if (status != Status::ok || !usable_ || !is_told) {
+  // Whoever else drives brings the robot to where no step begins.
+  if (status != Status::ok || !usable_ || !is_told || !progress.in_control) {
     drop_way();
     state_ = is_told ? GroundWayState::waiting : GroundWayState::idle;
     return status;
   }
   const rt::SinCos yaw = rt::sincos(rt::yaw_of(q));
-  const GroundStance stance{p_m, yaw.cos, yaw.sin};
+  const rt::Vector3 up = rt::rotate(q, {0.0, 0.0, 1.0});
+  const double steep = up.z > 0.5 ? 1.0 / up.z : 0.0;  // beyond 60 degrees nobody drives
+  const GroundStance stance{p_m, yaw.cos, yaw.sin, -up.x * steep, -up.y * steep};
+  p_m_ = p_m;
   if (trusts_) terrain_.trust(p_m);
   trusts_ = false;
   const bool leapt = terrain_.follow(p_m);
@@ -90,8 +101,11 @@ bool GroundWayPlanner::stands(std::int64_t x, std::int64_t y, std::int32_t heigh
                               std::int32_t slot) const {
   const FootprintTable& footprints = path_.footprints();
   const std::int32_t reach = footprints.reach(slot);
+  std::int32_t row_mm[2 * FootprintTable::kMostReach + 1];
+  std::fill(std::begin(row_mm), std::end(row_mm), kNoHeight);
   for (std::int32_t dy = -reach; dy <= reach; ++dy) {
     const FootprintRow& row = footprints.row(slot, dy);
+    std::int32_t left_mm = 0;
     for (std::int32_t dx = row.low; dx <= row.high; ++dx) {
       if (!terrain_.is_inside(x + dx, y + dy)) return false;
       const GroundCell& cell = terrain_.cell(static_cast<std::int32_t>(x + dx - terrain_.low_x()),
@@ -99,6 +113,12 @@ bool GroundWayPlanner::stands(std::int64_t x, std::int64_t y, std::int32_t heigh
       if (cell.is_unknown()) return false;
       const std::int32_t s = nearest_surface(cell, height_mm, config_.lattice.reach_mm);
       if (s == kNoSurface || cell.state[s] != GroundState::carries) return false;
+      // No step under the robot either, whatever was said of the cells that it stands on.
+      const std::int32_t mine_mm = cell.height_mm[s];
+      if (dx > row.low && size_of(mine_mm - left_mm) > terrain_.step_mm()) return false;
+      std::int32_t& below_mm = row_mm[dx + reach];
+      if (below_mm != kNoHeight && size_of(mine_mm - below_mm) > terrain_.step_mm()) return false;
+      left_mm = below_mm = mine_mm;
     }
   }
   return true;
@@ -181,6 +201,9 @@ void GroundWayPlanner::wait_for_sight() {
 }
 
 void GroundWayPlanner::end() {
+  // A plan of several jobs was made over the heights of the first: what is new is looked at before it goes
+  // out.
+  if (adopted_) verify(p_m_);
   const bool drives = size_ > 1 && state_ != GroundWayState::arrived;
   output_.state = static_cast<std::uint32_t>(drives ? GroundWayState::driving : state_);
   output_.stamp_ns = now_ns_;
@@ -215,6 +238,11 @@ bool GroundWayPlanner::is_consistent() const {
         step.height_mm > 100'000)
       return false;
   }
+  for (const CellStep& cell : unseen_)
+    if (cell.x < -10'000 || cell.x > 10'000 || cell.y < -10'000 || cell.y > 10'000) return false;
+  for (const std::int64_t low : unseen_low_)
+    if (low < -kFarthest || low > kFarthest) return false;
+  if (waits_since_ns_ < -1 || waits_since_ns_ > std::int64_t{1} << 62) return false;
   return state_ <= GroundWayState::none && std::fabs(level_m_) < 1e6 &&
          output_.steps <= GroundWay::kMostSteps;
 }
@@ -223,7 +251,7 @@ void GroundWayPlanner::archive(rt::Archive& archive) {
   rt::Members(archive, *this, "ground way planner")
       .fixed(config_, memory_, usable_)
       .by_hand(terrain_, path_, size_, cells_wait_)
-      .scratch(progress_, standing_, now_ns_)
+      .scratch(progress_, standing_, now_ns_, p_m_, adopted_)
       .state(goal_, trusts_, state_, steps_, first_, level_m_, is_planning_, plan_start_, plan_goal_,
              plan_slices_, plan_from_, is_intermediate_, attempt_, unseen_, unseen_low_, waits_since_ns_,
              output_);
@@ -233,7 +261,7 @@ void GroundWayPlanner::archive(rt::Archive& archive) {
   if (archive.is_reading() && !is_consistent()) archive.fail(Status::malformed, "a way that is none");
   if (!archive.is_reading() || archive.status() != Status::ok || !is_planning_) return;
   // No plan lives for so long: its work is bounded by the lattice.
-  constexpr std::uint32_t kMostSlices = 1'000'000;
+  constexpr std::uint32_t kMostSlices = 20'000;
   const std::uint32_t slices = plan_slices_ < kMostSlices ? plan_slices_ : kMostSlices;
   start_plan();
   for (; plan_slices_ < slices; ++plan_slices_) path_.run(terrain_.map(), kSlice);

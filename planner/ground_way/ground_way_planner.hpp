@@ -21,16 +21,19 @@ namespace sortie::planner {
 struct GroundWayConfig {
   GroundPathConfig lattice;
   GroundRules rules;
-  std::uint32_t columns{8192};    ///< GroundPathMemory
-  std::uint32_t open{32768};      ///< GroundPathMemory
-  std::uint64_t settle{200'000};  ///< units after which the best way so far is taken
-  double ahead_m{0.6};            ///< of the way that is driven: where the next plan begins
-  double most_pose_age_s{0.5};    ///< an older pose stops the robot
-  double patience_s{6.0};         ///< waits so long for ground to be seen, then gives that ground up
+  std::uint32_t columns{8192};     ///< GroundPathMemory
+  std::uint32_t open{32768};       ///< GroundPathMemory
+  std::uint64_t settle{200'000};   ///< units after which the best way so far is taken
+  double ahead_m{0.6};             ///< of the way that is driven: where the next plan begins
+  double most_pose_age_s{0.5};     ///< an older pose stops the robot
+  double most_heights_age_s{1.0};  ///< so long without a scan stops it, too
+  double patience_s{6.0};          ///< waits so long for ground to be seen, then gives that ground up
 
   SORTIE_KEYS(c, key) {
     key("settle_units", c.settle,
         {1000, 1e9, "", "after so much work the best way so far is taken", rt::kKnob});
+    key("most_heights_age_s", c.most_heights_age_s,
+        {0.05, 60, "s", "without a scan for so long the robot stops"});
     key("ahead_m", c.ahead_m, {0.1, 5, "m", "of the way in force that a new plan leaves as it is"});
     key("patience_s", c.patience_s, {0.5, 600, "s", "waits so long at a border to be seen beyond it"});
   }
@@ -48,11 +51,12 @@ class GroundWayPlanner {
   /// Work units of a step: about 0.2 ms at the most on a desk.
   static constexpr std::uint32_t kSlice = 500;
 
-  /// `pose`: the newest, in the world of `view`; `standing`: the robot is at rest. What is driven already is
-  /// looked at, and a plan begun where one is due.
-  /// Status: ok; stale (no pose, or an old one: nothing is handed out); not_finite (of the pose or the goal).
+  /// `heights_ns`: when the newest scan went into them; `pose`: the newest, in the world of `view`;
+  /// `standing`: the robot is at rest. What is driven already is looked at, and a plan begun where one is
+  /// due. Status: ok; stale (no pose, or an old one: nothing is handed out); not_finite (of the pose or the
+  /// goal).
   Status begin(const mapping::ElevationView& view, const rt::PoseEstimate& pose, bool standing,
-               const GroundWayProgress& progress, rt::Nanoseconds now_ns);
+               const GroundWayProgress& progress, rt::Nanoseconds heights_ns, rt::Nanoseconds now_ns);
   /// A plan is not done.
   bool works() const { return is_planning_; }
   void step();
@@ -118,6 +122,8 @@ class GroundWayPlanner {
   rt::Nanoseconds waits_since_ns_{-1};
   GroundWayProgress progress_;  ///< of this job
   bool standing_{};
+  rt::Vector3 p_m_;
+  bool adopted_{};  ///< a plan, in this job
   rt::Nanoseconds now_ns_{};
   GroundWay output_;
 };

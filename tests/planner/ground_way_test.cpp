@@ -141,6 +141,47 @@ TEST_CASE("ground way: a cliff at the nose is not driven over, a step of a hand'
   }
 }
 
+TEST_CASE("ground way: told a goal with its nose at a drop, a kerb or a wall, it does not go over that") {
+  // The edge lies from under the nose to a hand's breadth in front of it, the goal behind it.
+  for (const double z : {-2.0, -0.3, -0.15, 0.15, 1.0}) {
+    for (const double edge_m : {0.42, 0.45, 0.5, 0.55, 0.6, 0.7}) {
+      Yard yard;
+      yard.put(edge_m, 5.0, -5.0, 5.0, z);
+      const YardRun run = drive_yard(yard, 2.0, 0.0, 3, 15.0);
+      CAPTURE(z, edge_m);
+      CHECK(!run.fell);
+      CHECK(!run.arrived);
+    }
+  }
+}
+
+TEST_CASE("ground way: a goal where the robot stands is reached at once") {
+  Yard yard;
+  const YardRun run = drive_yard(yard, 0.0, 0.0, 4, 10.0);
+  CHECK(run.arrived);
+}
+
+TEST_CASE("ground way: pushed off its way the robot begins anew from where it stands") {
+  Yard yard;
+  yard.put(-1.2, -1.0, -5.0, 5.0, 1.0);
+  YardRobot robot(yard);
+  robot.goal_x_m = 3.0;
+  for (int i = 0; i < 40; ++i) robot.job();
+  REQUIRE(robot.follower.has_way(robot.now_ns));
+  const std::uint32_t series = robot.planner.output().series;
+  robot.y_m += 0.6;
+  robot.yaw += 1.0;
+  bool fell = false;
+  for (int i = 0; i < 600 && !robot.follower.arrived(); ++i) {
+    robot.job();
+    fell = fell || !yard.carries(robot.x_m, robot.y_m, robot.yaw, 0.11);
+  }
+  CHECK(!fell);
+  CHECK(robot.follower.arrived());
+  CHECK(robot.planner.output().series > series);
+  CHECK(robot.planner.output().lost >= 1);
+}
+
 TEST_CASE("ground way: without pose or goal nothing is handed out, and what is not finite is refused") {
   Yard yard;
   YardRobot robot(yard);
@@ -148,22 +189,37 @@ TEST_CASE("ground way: without pose or goal nothing is handed out, and what is n
   for (int i = 0; i < 20; ++i) robot.job();
   REQUIRE(robot.planner.output().steps > 1);
   rt::PoseEstimate pose = robot.pose();
-  GroundWayProgress progress{1, {2.0, 0.0}, 1, 1, false, false};
+  GroundWayProgress progress{1, {2.0, 0.0}, 1, 1, true, false, false};
   pose.p_world_body_m[1] = std::nan("");
-  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns) == Status::not_finite);
+  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns, robot.now_ns) ==
+        Status::not_finite);
   robot.planner.end();
   CHECK(robot.planner.output().steps == 0);
   for (int i = 0; i < 20; ++i) robot.job();
   REQUIRE(robot.planner.output().steps > 1);
   pose = robot.pose();
-  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress,
+  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns + rt::kNanosecondsPerSecond,
                             robot.now_ns + rt::kNanosecondsPerSecond) == Status::stale);
   robot.planner.end();
   CHECK(robot.planner.output().steps == 0);
+  // The lidar is silent: the pose is of now, the heights are not. And somebody else drives.
+  for (const bool is_silent : {true, false}) {
+    for (int i = 0; i < 20; ++i) robot.job();
+    REQUIRE(robot.planner.output().steps > 1);
+    progress.in_control = is_silent;
+    const rt::Nanoseconds heights_ns = robot.now_ns - (is_silent ? 2 : 0) * rt::kNanosecondsPerSecond;
+    CHECK(robot.planner.begin(robot.map.view(), robot.pose(), true, progress, heights_ns, robot.now_ns) ==
+          (is_silent ? Status::stale : Status::ok));
+    robot.planner.end();
+    CHECK(robot.planner.output().steps == 0);
+    progress.in_control = true;
+  }
   progress.goal_m[0] = std::numeric_limits<double>::infinity();
-  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns) == Status::not_finite);
+  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns, robot.now_ns) ==
+        Status::not_finite);
   progress = {};
-  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns) == Status::ok);
+  CHECK(robot.planner.begin(robot.map.view(), pose, true, progress, robot.now_ns, robot.now_ns) ==
+        Status::ok);
   robot.planner.end();
   CHECK(robot.planner.output().state == static_cast<std::uint32_t>(GroundWayState::idle));
   CHECK(!robot.planner.works());
@@ -193,10 +249,11 @@ TEST_CASE("ground way: one that is restored in the middle of a plan goes on as t
       REQUIRE(in.status() == Status::ok);
       // The same job in both: all that is put out is the same.
       one.now_ns += 1;
-      const GroundWayProgress progress{1,     {3.0, -3.0}, one.follower.series(), one.follower.step(),
+      const GroundWayProgress progress{1,     {3.0, -3.0}, one.follower.series(), one.follower.step(), true,
                                        false, false};
       for (GroundWayPlanner* planner : {&one.planner, &fresh}) {
-        static_cast<void>(planner->begin(one.map.view(), one.pose(), false, progress, one.now_ns));
+        static_cast<void>(
+            planner->begin(one.map.view(), one.pose(), false, progress, one.now_ns, one.now_ns));
         for (int k = 0; planner->works() && k < 40; ++k) planner->step();
         planner->end();
       }

@@ -104,8 +104,9 @@ struct YardRobot {
   }
   static GroundWayConfig way() {
     GroundWayConfig config;
-    config.lattice.half_length_mm = 450;
-    config.lattice.half_width_mm = 320;
+    config.lattice.half_length_mm = 500;  // 0.4 x 0.28 m, and as far as the follower may be beside its way
+    config.lattice.half_width_mm = 380;
+    config.lattice.reach_mm = 400;
     config.lattice.unknown = UnknownGround::by_price;
     config.rules.trusted_m = 0.9;
     config.rules.rows = 32;
@@ -154,10 +155,10 @@ struct YardRobot {
     if (jobs++ % 2 == 0) scan();
     const GroundWay before = planner.output();
     const SpeedTurn last = now;
-    GroundWayProgress progress{
-        goal, {goal_x_m, goal_y_m}, follower.series(), follower.step(), follower.arrived(), follower.lost()};
-    static_cast<void>(
-        planner.begin(map.view(), pose(), last.speed_m_s == 0 && last.turn_rad_s == 0, progress, now_ns));
+    GroundWayProgress progress{goal, {goal_x_m, goal_y_m}, follower.series(), follower.step(),
+                               true, follower.arrived(),   follower.lost()};
+    static_cast<void>(planner.begin(map.view(), pose(), last.speed_m_s == 0 && last.turn_rad_s == 0, progress,
+                                    map.output().stamp_ns, now_ns));
     for (std::uint32_t i = 0; planner.works() && i < most_slices; ++i) planner.step();
     planner.end();
     // The drive hears of it a job later.
