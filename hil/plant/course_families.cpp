@@ -53,15 +53,15 @@ struct FamilyRow {
   const char* name;
   std::span<const CourseRange> ranges;
 };
-constexpr FamilyRow kFamilies[kTerrainFamilies] = {{"step up", kStepUp},
-                                                   {"step down", kStepDown},
+constexpr FamilyRow kFamilies[kTerrainFamilies] = {{"step-up", kStepUp},
+                                                   {"step-down", kStepDown},
                                                    {"uplift", kUplift},
-                                                   {"one side", kSingleStep},
+                                                   {"one-side", kSingleStep},
                                                    {"posts", kPosts},
                                                    {"waves", kWaves},
                                                    {"rails", kRails},
-                                                   {"stairs up", kStairs},
-                                                   {"stairs down", kStairs},
+                                                   {"stairs-up", kStairs},
+                                                   {"stairs-down", kStairs},
                                                    {"pallets", kPallets},
                                                    {"ramp", kRamp},
                                                    {"rubble", kRubble},

@@ -2,6 +2,7 @@
 // Drawn courses: the same on every board, within their ranges, and as high as rays find the plant's solids.
 #include "hil/plant/course_families.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
