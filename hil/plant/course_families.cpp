@@ -16,38 +16,23 @@ namespace {
 constexpr double kDegree = 0.017453292519943295;
 constexpr double kBodyHeight_m = 0.07192;  ///< of the body's origin over level ground
 
-// What all courses have, then what the family has.
-#define SORTIE_COURSE_COMMON \
-  {"friction", 0.3, 1.0, 0}, {"load_kg", 0.0, 8.0, 0}, { "load_height_m", 0.15, 0.35, 0 }
-
-constexpr CourseRange kStepUp[] = {SORTIE_COURSE_COMMON, {"height_m", 0.05, 0.4, 1}};
-constexpr CourseRange kStepDown[] = {SORTIE_COURSE_COMMON, {"height_m", 0.05, 0.6, 1}};
-constexpr CourseRange kUplift[] = {
-    SORTIE_COURSE_COMMON, {"height_m", 0.05, 0.4, 1}, {"length_m", 0.2, 0.5, -1}};
-constexpr CourseRange kSingleStep[] = {
-    SORTIE_COURSE_COMMON, {"height_m", 0.05, 0.3, 1}, {"length_m", 0.3, 0.8, 0}};
-constexpr CourseRange kPosts[] = {SORTIE_COURSE_COMMON,
-                                  {"height_m", 0.2, 0.5, 0},
-                                  {"spread_m", 0.0, 0.15, 1},
-                                  {"gap_m", 0.05, 0.2, 1},
-                                  {"side_m", 0.1, 0.2, -1}};
-constexpr CourseRange kWaves[] = {
-    SORTIE_COURSE_COMMON, {"height_m", 0.1, 0.4, 1}, {"period_m", 0.25, 1.0, 0}};
-constexpr CourseRange kRails[] = {SORTIE_COURSE_COMMON,
-                                  {"height_m", 0.05, 0.3, 1},
-                                  {"angle_rad", 10 * kDegree, 45 * kDegree, 0},
-                                  {"width_m", 0.05, 0.15, 0}};
-constexpr CourseRange kStairs[] = {SORTIE_COURSE_COMMON,
-                                   {"angle_rad", 20 * kDegree, 45 * kDegree, 1},
-                                   {"tread_m", 0.2, 0.3, 0},
-                                   {"steps", 3.0, 6.0, 0}};
-constexpr CourseRange kPallets[] = {SORTIE_COURSE_COMMON, {"count", 1.0, 3.0, 1}, {"gap_m", 0.0, 0.3, 1}};
-constexpr CourseRange kRamp[] = {
-    SORTIE_COURSE_COMMON, {"slope_rad", 5 * kDegree, 40 * kDegree, 1}, {"length_m", 0.8, 2.0, 0}};
-constexpr CourseRange kRubble[] = {
-    SORTIE_COURSE_COMMON, {"blocks", 15.0, 60.0, 1}, {"length_m", 1.0, 2.0, 0}};
-constexpr CourseRange kGap[] = {SORTIE_COURSE_COMMON, {"length_m", 0.1, 0.45, 1}, {"depth_m", 0.2, 0.6, 0}};
-#undef SORTIE_COURSE_COMMON
+constexpr CourseRange kCommon[] = {
+    {"friction", 0.3, 1.0, 0}, {"load_kg", 0.0, 8.0, 0}, {"load_height_m", 0.15, 0.35, 0}};
+constexpr CourseRange kStepUp[] = {{"height_m", 0.05, 0.4, 1}};
+constexpr CourseRange kStepDown[] = {{"height_m", 0.05, 0.6, 1}};
+constexpr CourseRange kUplift[] = {{"height_m", 0.05, 0.4, 1}, {"length_m", 0.2, 0.5, -1}};
+constexpr CourseRange kSingleStep[] = {{"height_m", 0.05, 0.3, 1}, {"length_m", 0.3, 0.8, 0}};
+constexpr CourseRange kPosts[] = {
+    {"height_m", 0.2, 0.5, 0}, {"spread_m", 0.0, 0.15, 1}, {"gap_m", 0.05, 0.2, 1}, {"side_m", 0.1, 0.2, -1}};
+constexpr CourseRange kWaves[] = {{"height_m", 0.1, 0.4, 1}, {"period_m", 0.25, 1.0, 0}};
+constexpr CourseRange kRails[] = {
+    {"height_m", 0.05, 0.3, 1}, {"angle_rad", 10 * kDegree, 45 * kDegree, 0}, {"width_m", 0.05, 0.15, 0}};
+constexpr CourseRange kStairs[] = {
+    {"angle_rad", 20 * kDegree, 45 * kDegree, 1}, {"tread_m", 0.2, 0.3, 0}, {"steps", 3.0, 6.0, 0}};
+constexpr CourseRange kPallets[] = {{"count", 1.0, 3.0, 1}, {"gap_m", 0.0, 0.3, 1}};
+constexpr CourseRange kRamp[] = {{"slope_rad", 5 * kDegree, 40 * kDegree, 1}, {"length_m", 0.8, 2.0, 0}};
+constexpr CourseRange kRubble[] = {{"blocks", 15.0, 60.0, 1}, {"length_m", 1.0, 2.0, 0}};
+constexpr CourseRange kGap[] = {{"length_m", 0.1, 0.45, 1}, {"depth_m", 0.2, 0.6, 0}};
 
 struct FamilyRow {
   const char* name;
@@ -88,6 +73,8 @@ double draw_share(CourseUse use, const CourseRange& range, double difficulty, Ra
 
 const char* name_of(TerrainFamily family) { return row(family).name; }
 
+std::span<const CourseRange> common_ranges() { return kCommon; }
+
 std::span<const CourseRange> ranges_of(TerrainFamily family) { return row(family).ranges; }
 
 double Course::parameter(std::string_view name) const {
@@ -109,11 +96,15 @@ Course draw_course(CourseUse use, TerrainFamily family, std::uint64_t seed, doub
   course.use = use;
   course.seed = seed;
   course.difficulty = difficulty;
-  for (const CourseRange& range : drawn.ranges) {
-    const double share = draw_share(use, range, difficulty, random);
-    if (!course.parameters.push_back({range.name, range.low + share * (range.high - range.low)}))
-      throw std::runtime_error("hil course: too many sizes");
-  }
+  const auto draw = [&](std::span<const CourseRange> ranges) {
+    for (const CourseRange& range : ranges) {
+      const double share = draw_share(use, range, difficulty, random);
+      if (!course.parameters.push_back({range.name, range.low + share * (range.high - range.low)}))
+        throw std::runtime_error("hil course: too many sizes");
+    }
+  };
+  draw(kCommon);
+  draw(drawn.ranges);
   auto scene = std::make_shared<PlantScene>();
   build_shape(course, random, *scene);
   course.scene = scene;

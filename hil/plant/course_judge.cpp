@@ -133,9 +133,32 @@ DriverView view_of(const TrackedPlant& plant, double time_s) {
   return view;
 }
 
+/// Pitch and roll of a body, without their signs.
+struct Lean {
+  explicit Lean(const Quat& q) {
+    const rt::Quaternion turned{q.w, q.x, q.y, q.z};
+    pitch = std::fabs(rt::pitch_of(turned));
+    roll = std::fabs(rt::roll_of(turned));
+  }
+  bool tipped(const JudgeConfig& config) const {
+    return pitch >= config.tipped_rad || roll >= config.tipped_rad;
+  }
+  double pitch{}, roll{};
+};
+
 void advance(TrackedPlant& plant, const PlantCommand& command, double step_s) {
   if (plant.step(command, step_s) != Status::ok)
     throw std::runtime_error("hil course: the driver orders what the plant does not take");
+}
+
+/// Belts stand, flippers are held: does it stay upright?
+bool falls_over(TrackedPlant& plant, PlantCommand command, const JudgeConfig& config) {
+  command.left_m_s = command.right_m_s = 0.0;
+  for (double t = 0.0; t < config.settle_s; t += config.step_s) {
+    advance(plant, command, config.step_s);
+    if (Lean(plant.state().q_world_body).tipped(config)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -162,10 +185,9 @@ CourseResult judge_course(const Course& course, FlipperDriver& driver, const Jud
     result.time_s = static_cast<double>(k) * config.step_s;
     const Vec3 p = plant->p_world_body_m();
     const Quat& q = plant->state().q_world_body;
-    const rt::Quaternion turned{q.w, q.x, q.y, q.z};
-    const double pitch = std::fabs(rt::pitch_of(turned)), roll = std::fabs(rt::roll_of(turned));
-    result.peak_pitch_rad = std::max(result.peak_pitch_rad, pitch);
-    result.peak_roll_rad = std::max(result.peak_roll_rad, roll);
+    const Lean lean(q);
+    result.peak_pitch_rad = std::max(result.peak_pitch_rad, lean.pitch);
+    result.peak_roll_rad = std::max(result.peak_roll_rad, lean.roll);
     result.end_m = p;
     const double to_go = way.to_go(p);
     if (to_go < nearest_m - kProgress_m) {
@@ -174,7 +196,7 @@ CourseResult judge_course(const Course& course, FlipperDriver& driver, const Jud
     }
     const bool stuck = config.stuck_s > 0.0 && result.time_s - nearest_s > config.stuck_s;
     bool ended = true;
-    if (pitch >= config.tipped_rad || roll >= config.tipped_rad)
+    if (lean.tipped(config))
       result.end = CourseEnd::tipped;
     else if (way.facing(q) < cos_turned)
       result.end = CourseEnd::turned;
@@ -197,6 +219,9 @@ CourseResult judge_course(const Course& course, FlipperDriver& driver, const Jud
     advance(*plant, order.command, config.step_s);
     watch.see(result);
   }
+  // Who refuses with a foot in the air may fall over all the same.
+  if (result.end == CourseEnd::refused && falls_over(*plant, order.command, config))
+    result.end = CourseEnd::tipped;
   result.not_converged = plant->counters().not_converged;
   return result;
 }

@@ -37,7 +37,8 @@ class FlipperDriver {
 struct JudgeConfig {
   double step_s{2e-3};
   int steps_per_order{25};
-  double settle_s{2.5};           ///< before the drive: belts stand, flippers go to the first order
+  double settle_s{2.5};           ///< before the drive: belts stand, flippers go to the first order; after a
+                                  ///< refusal: who falls over within has tipped
   double goal_m{0.25};            ///< (*) so near is there
   double tipped_rad{1.39626340};  ///< (*) pitch or roll, 80 degrees
   double turned_rad{1.39626340};  ///< heading off the way, 80 degrees
@@ -69,7 +70,7 @@ struct CourseResult {
 };
 
 /// One drive. Deterministic for a driver that is. Throws std::runtime_error where the driver orders what no
-/// plant takes. Cost: some 5 ms a second of driving; allocates a plant, 110 kB.
+/// plant takes. Cost: 3 to 11 ms a second of driving; allocates a plant, 110 kB.
 CourseResult judge_course(const Course& course, FlipperDriver& driver, const JudgeConfig& config = {});
 
 }  // namespace sortie::hil

@@ -61,13 +61,11 @@ double OperatorDriver::wanted_angle(const DriverView& view, int flipper) const {
 DriverOrder OperatorDriver::drive(const DriverView& view) {
   if (view.time_s >= next_s_ || view.time_s == 0.0) {
     next_s_ = view.time_s + kDecides_s;
-    for (int side = 0; side < 2; ++side) {
-      // Both sides alike: one lever for a pair.
-      const double front = std::max(wanted_angle(view, 0), wanted_angle(view, 1));
-      const double rear = std::max(wanted_angle(view, 2), wanted_angle(view, 3));
-      command_.flipper_rad[side] = front;
-      command_.flipper_rad[2 + side] = rear;
-    }
+    // Both sides alike: one lever for a pair.
+    command_.flipper_rad[0] = command_.flipper_rad[1] =
+        std::max(wanted_angle(view, 0), wanted_angle(view, 1));
+    command_.flipper_rad[2] = command_.flipper_rad[3] =
+        std::max(wanted_angle(view, 2), wanted_angle(view, 3));
   }
   double late = 0.0;
   for (int f = 0; f < kFlippers; ++f)

@@ -135,6 +135,26 @@ TEST_CASE("courses: heights are those that rays find", "[course]") {
   CHECK(rays == 2u * 13u * 12u * 2000u);
 }
 
+TEST_CASE("courses: a mirrored course is as high as the course on the other side", "[course]") {
+  for (int f = 0; f < kTerrainFamilies; ++f) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const Course course = draw_course(CourseUse::judging, family_at(f), seed, 0.5);
+      const Course image = mirrored(course);
+      CHECK(image.start_m.y == -course.start_m.y);
+      CHECK(image.start_yaw_rad == -course.start_yaw_rad);
+      Random random(seed, 0x6d697272);
+      int apart = 0;
+      for (int k = 0; k < 500; ++k) {
+        const double x = random.uniform(-1.0, course.goal_x_m + 1.0);
+        const double y = random.uniform(-1.0, 1.0);
+        if (std::fabs(course.height(x, y) - image.height(x, -y)) > 1e-9) ++apart;
+      }
+      INFO(name_of(course.family) << " seed " << seed);
+      CHECK(apart == 0);
+    }
+  }
+}
+
 TEST_CASE("courses: tuning's shapes have the heights of their closed forms", "[course]") {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Random random(seed, 0x666f726d);

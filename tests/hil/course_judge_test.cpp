@@ -153,6 +153,22 @@ TEST_CASE("judge: a refusal counts as in time as long as nothing beyond the edge
   CHECK_FALSE(late.refused_before_contact());
 }
 
+TEST_CASE("judge: who refuses when it is too late has tipped over", "[course]") {
+  const Course course = hand_made([](PlantScene& scene) { box(scene, {-3, -3, 0}, {1, 3, 0.6}); }, 0.6);
+  const auto refuse_at = [&](double nose_down) {
+    FunctionDriver driver([nose_down](const DriverView& view) {
+      DriverOrder order = belts(0.1, 0.1, 2.4);
+      order.refuse = rotate(view.q_world_body, {1, 0, 0}).z < -nose_down;
+      return order;
+    });
+    JudgeConfig config;
+    config.time_out_s = 60.0;
+    return judge_course(course, driver, config).end;
+  };
+  CHECK(refuse_at(-0.1) == CourseEnd::refused);  // before the first step of the drive
+  CHECK(refuse_at(0.2) == CourseEnd::tipped);    // nose over the edge: nothing stops that
+}
+
 TEST_CASE("judge: a ridge between the tracks is a belly contact", "[course]") {
   const Course course = hand_made([](PlantScene& scene) {
     box(scene, {1.0, -0.06, 0}, {1.2, 0.06, 0.16});
