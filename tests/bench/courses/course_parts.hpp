@@ -42,7 +42,8 @@ struct TuningTable {
   Json rows = Json::array();
   std::size_t best{};  ///< of hil::fixed_postures(): passes most, and of equals tips least
 };
-TuningTable drive_tuning_courses(const CourseSettings& settings);
+/// Driven once a process: the settings of the first call, since a run has but one.
+const TuningTable& tuning_table(const CourseSettings& settings);
 
 /// Every fixed posture, and the other drivers, over the courses for tuning.
 void measure_tuning(const CourseSettings& settings, Report& report);

@@ -7,7 +7,7 @@ namespace sortie::bench {
 
 void measure_drivers(const CourseSettings& settings, Report& report) {
   using hil::CourseEnd;
-  const hil::NamedPosture& best = hil::fixed_postures()[drive_tuning_courses(settings).best];
+  const hil::NamedPosture& best = hil::fixed_postures()[tuning_table(settings).best];
   std::vector<NamedDriver> drivers;
   drivers.push_back({std::string("fixed ") + best.name,
                      std::make_unique<hil::ScriptDriver>(hil::fixed_posture(best.angles))});

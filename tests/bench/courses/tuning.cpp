@@ -38,6 +38,8 @@ std::vector<NamedDriver> other_drivers() {
   return drivers;
 }
 
+namespace {
+
 TuningTable drive_tuning_courses(const CourseSettings& settings) {
   std::vector<NamedDriver> drivers;
   for (const hil::NamedPosture& posture : hil::fixed_postures())
@@ -74,8 +76,15 @@ TuningTable drive_tuning_courses(const CourseSettings& settings) {
   return table;
 }
 
+}  // namespace
+
+const TuningTable& tuning_table(const CourseSettings& settings) {
+  static const TuningTable table = drive_tuning_courses(settings);
+  return table;
+}
+
 void measure_tuning(const CourseSettings& settings, Report& report) {
-  const TuningTable table = drive_tuning_courses(settings);
+  const TuningTable& table = tuning_table(settings);
   report.add_table("tuning", tally_columns({"driver", "front deg", "rear deg", "courses"}), table.rows);
   report.note("tuning", std::string("Best fixed posture: ") + hil::fixed_postures()[table.best].name +
                             ". Rates, accelerations, touches and times are of what was reached: medians, of "
