@@ -25,6 +25,9 @@ struct VehicleConfig {
   Vec3 body_half_m{0.250, 0.1205, 0.0695};
   Vec3 body_inertia_kg_m2{0.10019, 0.302044, 0.345043};  ///< about its centre, body axes
 
+  double load_mass_kg{0.0};  ///< carried on the body, as a point: no outline, no inertia of its own
+  Vec3 load_centre_m{-0.122, 0.0, 0.25};  ///< of it
+
   double track_mass_kg{6.06};                 ///< each
   Vec3 track_centre_m{0.0, 0.1985, 0.01855};  ///< of the left one; the right one is its mirror image
   double track_half_length_m{0.25};           ///< from centre to wheel

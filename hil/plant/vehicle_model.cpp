@@ -20,6 +20,8 @@ void check(const VehicleConfig& c) {
   require(positive(c.mass_scale) && positive(c.body_mass_kg) && positive(c.track_mass_kg) &&
               positive(c.flipper_mass_kg),
           "masses must be above 0");
+  require(c.load_mass_kg >= 0.0 && c.load_mass_kg < 1e6 && is_finite(c.load_centre_m),
+          "load_mass_kg must not lie below 0, and load_centre_m must be finite");
   require(
       positive(c.body_inertia_kg_m2) && positive(c.track_inertia_kg_m2) && positive(c.flipper_inertia_kg_m2),
       "inertias must be above 0");
@@ -65,6 +67,12 @@ VehicleModel::VehicleModel(const VehicleConfig& config) : config_(config) {
   add_inertia(fixed_inertia_, body, config.body_centre_m, s * config.body_inertia_kg_m2);
   add_inertia(fixed_inertia_, track, left, s * config.track_inertia_kg_m2);
   add_inertia(fixed_inertia_, track, right, s * config.track_inertia_kg_m2);
+  if (config.load_mass_kg > 0.0) {
+    const double load = s * config.load_mass_kg;
+    fixed_mass_kg_ += load;
+    fixed_moment_ = fixed_moment_ + load * config.load_centre_m;
+    add_inertia(fixed_inertia_, load, config.load_centre_m, {});
+  }
   flipper_mass_kg_ = s * config.flipper_mass_kg;
   flipper_inertia_ = s * config.flipper_inertia_kg_m2;
   mass_kg_ = fixed_mass_kg_ + kFlippers * flipper_mass_kg_;
