@@ -17,6 +17,7 @@ struct FlipperWeights {
   double roll{0.6};       ///< per rad of the worst roll
   double clearance{3.0};  ///< per m of belly clearance below `wanted_clearance_m`
   double margin{2.0};     ///< per m of stability margin below `wanted_margin_m`
+  double face{0.5};       ///< a far place where a face stops the nose: the flippers must change on the way
   double time{0.05};      ///< per s until the flippers are there
   double change{0.05};    ///< per rad of mean change of what was asked before
   double wanted_clearance_m{0.04};
@@ -40,12 +41,16 @@ struct FlipperWalk {
   double clearance_m{1.0};  ///< least
   double margin_m{1.0};     ///< least
   int places{};
+  int faces{};  ///< that stop it
 
-  /// Takes the next place. A vehicle that tips, or of which nothing is known, is not safe.
-  void add(const Posture& p, const FlipperLimits& limits) {
+  /// Takes the next place. A vehicle that tips, or of which nothing is known, is not safe; nor is one that a
+  /// face stops at the first two.
+  void add(const Posture& p, bool blocked, const FlipperLimits& limits) {
     const bool stands = p.rest == Rest::stands;
     const double change = std::fabs(p.pitch_rad - tilt.pitch_rad);
-    if (!stands || p.margin_m < limits.margin_m || p.clearance_m < limits.clearance_m ||
+    if (blocked) ++faces;
+    if (!stands || (blocked && places < 2) || p.margin_m < limits.margin_m ||
+        p.clearance_m < limits.clearance_m ||
         std::max(std::fabs(p.pitch_rad), std::fabs(p.roll_rad)) > limits.tilt_rad ||
         std::max(change, std::fabs(p.roll_rad - tilt.roll_rad)) > limits.jump_rad) {
       safe = false;
@@ -67,8 +72,8 @@ struct FlipperWalk {
 
   /// Never falls as places are added.
   double cost(const FlipperWeights& w) const {
-    return w.jump * jump_rad + w.swing * swing_rad + w.pitch * pitch_rad + w.roll * roll_rad +
-           w.clearance * std::max(0.0, w.wanted_clearance_m - clearance_m) +
+    return w.jump * jump_rad + w.face * faces + w.swing * swing_rad + w.pitch * pitch_rad +
+           w.roll * roll_rad + w.clearance * std::max(0.0, w.wanted_clearance_m - clearance_m) +
            w.margin * std::max(0.0, w.wanted_margin_m - margin_m);
   }
 };

@@ -4,18 +4,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/face_ahead.hpp"
+
 namespace sortie::planner {
 namespace {
 
 constexpr double kAround_m =
     1.5;  // the farthest place, the vehicle's reach there, and that of a missing cell
-constexpr double kUnsafeRank = 1000;  // more than any cost
-constexpr int kCoarseStep = 3;        // steps of the fine grid between two angles of the coarse one
-constexpr int kMostFineRounds = 4;    // of eight neighbours each
+constexpr double kUnsafeRank = 1000;    // more than any cost
+constexpr int kCoarseStep = 3;          // steps of the fine grid between two angles of the coarse one
+constexpr double kLastAdvance_m = 0.1;  // beyond the last place
+constexpr double kNudge_rad = 0.2;      // moves the centre of mass by about the least margin
+constexpr double kSameRest_rad = 0.03;
+constexpr double kMostStart_rad = 1.19;
+constexpr int kMostFineRounds = 4;  // of eight neighbours each
 
 bool usable_weights(const FlipperWeights& w) {
-  for (const double price : {w.jump, w.swing, w.pitch, w.roll, w.clearance, w.margin, w.time, w.change,
-                             w.wanted_clearance_m, w.wanted_margin_m})
+  for (const double price : {w.jump, w.swing, w.pitch, w.roll, w.clearance, w.margin, w.face, w.time,
+                             w.change, w.wanted_clearance_m, w.wanted_margin_m})
     if (!(price >= 0.0 && price < 1e3)) return false;
   return true;
 }
@@ -61,16 +67,46 @@ FlipperSearch::Candidate FlipperSearch::candidate_of(FlipperSet angles) const {
   return candidate;
 }
 
-bool FlipperSearch::rest_at(PostureSolver& solver, Candidate& candidate) {
+Posture FlipperSearch::rest_at(PostureSolver& solver, int place, Candidate& candidate) {
   Posture posture;
+  FlipperWalk& walk = candidate.walk;
   ++units_;
-  const bool told = solver.rest(candidate.angles, candidate.walk.tilt, posture) == Status::ok;
-  candidate.walk.add(told ? posture : Posture{}, config_.limits);
-  return told;
+  if (solver.rest(candidate.angles, walk.tilt, posture) != Status::ok) posture = {};
+  bool blocked = false;
+  if (posture.rest == Rest::stands) {
+    const double direction = question_.arc.speed_m_s < 0.0 ? -1.0 : 1.0;
+    const double next = place + 1 < kArcPlaces ? kArcAhead_m[place + 1] - kArcAhead_m[place] : kLastAdvance_m;
+    blocked =
+        question_.arc.speed_m_s != 0.0 && is_face_ahead(solver, candidate.angles, posture, direction, next);
+    if (posture.margin_m < config_.limits.margin_m) rock(solver, candidate.angles, posture);
+  }
+  walk.add(posture, blocked, config_.limits);
+  return posture;
+}
+
+void FlipperSearch::rock(PostureSolver& solver, const FlipperSet& angles, Posture& posture) {
+  // On the edge of a tread every vehicle with tracks has no margin for a moment. What counts is where it
+  // goes: to a rest near by, or over.
+  double margin = 1.0;
+  bool other = false;
+  for (const double nudge : {kNudge_rad, -kNudge_rad}) {
+    const double pitch = std::clamp(posture.pitch_rad + nudge, -kMostStart_rad, kMostStart_rad);
+    const double roll = std::clamp(posture.roll_rad, -kMostStart_rad, kMostStart_rad);
+    Posture there;
+    ++units_;
+    if (solver.rest(angles, {pitch, roll}, there) != Status::ok || there.rest != Rest::stands) return;
+    const double way = std::fabs(there.pitch_rad - posture.pitch_rad);
+    if (way < kSameRest_rad) continue;
+    if (std::max(way, std::fabs(there.roll_rad - posture.roll_rad)) > config_.limits.jump_rad) return;
+    margin = std::min(margin, there.margin_m);
+    other = true;
+  }
+  if (other) posture.margin_m = std::max(posture.margin_m, margin);
 }
 
 double FlipperSearch::try_angles(const FlipperSet& angles) {
-  if (tried_ >= config_.most_tried || units_ + kArcPlaces + reserve_ > config_.units) return 2 * kUnsafeRank;
+  if (tried_ >= config_.most_tried || units_ + kArcPlaces * kRestUnits + reserve_ > config_.units)
+    return 2 * kUnsafeRank;
   Candidate candidate = candidate_of(angles);
   for (const Candidate& kept : kept_) {
     if (std::equal(std::begin(kept.angles.angle_rad), std::end(kept.angles.angle_rad),
@@ -83,7 +119,7 @@ double FlipperSearch::try_angles(const FlipperSet& angles) {
     candidate.rank = candidate.fixed_cost + candidate.walk.cost(config_.weights) +
                      (candidate.walk.safe ? 0.0 : kUnsafeRank);
     if (full && candidate.rank >= kept_.back().rank) return 2 * kUnsafeRank;
-    if (place < kArcPlaces) (void)rest_at(middle_[static_cast<std::size_t>(place)], candidate);
+    if (place < kArcPlaces) (void)rest_at(middle_[static_cast<std::size_t>(place)], place, candidate);
   }
   if (full) kept_.pop_back();
   (void)kept_.push_back(candidate);
@@ -215,13 +251,13 @@ void FlipperSearch::judge_kept(FlipperFound& found) {
       // A look that fails leaves the ground before: taken for not safe, not for safe.
       const bool read = other_.look(ground_.view(point), places_[place]) == Status::ok;
       for (Candidate& c : walked) {
-        (void)rest_at(other_, c);
+        (void)rest_at(other_, place, c);
         c.walk.safe = c.walk.safe && read;
         c.walk.near_safe = c.walk.near_safe && (read || place > 1);
       }
       if (place > 1) continue;
       for (Candidate& c : near_walked) {
-        (void)rest_at(other_, c);
+        (void)rest_at(other_, place, c);
         c.walk.near_safe = c.walk.near_safe && read;
       }
     }
@@ -277,11 +313,7 @@ Status FlipperSearch::search(const HeightView& view, const FlipperQuestion& ques
   for (const FlipperSet& angles : {stay, question.feel}) {
     Candidate candidate = candidate_of(angles);
     for (int place = 0; place < 2; ++place) {
-      Posture here;
-      ++units_;
-      const Status rested =
-          middle_[static_cast<std::size_t>(place)].rest(candidate.angles, candidate.walk.tilt, here);
-      candidate.walk.add(rested == Status::ok ? here : Posture{}, config_.limits);
+      const Posture here = rest_at(middle_[static_cast<std::size_t>(place)], place, candidate);
       if (place > 0 || near_.size() > 0) continue;
       found.stay_stands = here.rest == Rest::stands;
       found.stay_height_m = here.height_m;

@@ -19,13 +19,14 @@ struct FlipperSearchConfig {
   double apart_m{0.04};          ///< left and right are tried apart where the ground differs by more
   double apart_rad{0.3};         ///< by how much
   double rate_rad_s{0.8};        ///< of a flipper
-  std::uint32_t units{420};      ///< of work in a job: see kLookUnits; kLeastUnits to 10,000
+  std::uint32_t units{900};      ///< of work in a job: see kLookUnits; kLeastUnits to 10,000
   std::uint32_t most_tried{60};  ///< candidates, 1 to 200
   double limit{0.01};            ///< most probability of falling below the limits
   FlipperLimits limits{};
   FlipperWeights weights{};
   MissingConfig missing{};
-  PostureConfig posture{};
+  /// What comes to carry as the vehicle rocks by a degree or two counts as touching.
+  PostureConfig posture{.touch_m = 0.015};
 };
 
 /// What a search starts from.
@@ -72,12 +73,14 @@ struct FlipperFound {
 class FlipperSearch {
  public:
   static constexpr std::uint32_t kLookUnits = 3;  ///< a look takes about as long as so many rests
+  static constexpr std::uint32_t kRestUnits = 3;  ///< of a place at most: rocked forward and back, too
   static constexpr std::uint32_t kKept = 3;       ///< judged on all grounds, beside those that stay
   static constexpr int kFine = 13;                ///< angles of the fine grid, each axle
   /// All grounds for the kept and for the measured angles, looks at the middle ground, one candidate.
   static constexpr std::uint32_t kOtherUnits =
-      (MissingGround::kPoints - 1) * (kArcPlaces * (kLookUnits + kKept) + 2 * 2);
-  static constexpr std::uint32_t kLeastUnits = kOtherUnits + kArcPlaces * kLookUnits + 2 * 2 + kArcPlaces;
+      (MissingGround::kPoints - 1) * (kArcPlaces * (kLookUnits + kRestUnits * kKept) + 2 * 2 * kRestUnits);
+  static constexpr std::uint32_t kLeastUnits =
+      kOtherUnits + kArcPlaces * kLookUnits + (2 * 2 + kArcPlaces) * kRestUnits;
 
   FlipperSearch(const PostureVehicle& vehicle, const FlipperSearchConfig& config);
 
@@ -109,7 +112,8 @@ class FlipperSearch {
   };
 
   Candidate candidate_of(FlipperSet angles) const;
-  bool rest_at(PostureSolver& solver, Candidate& candidate);
+  Posture rest_at(PostureSolver& solver, int place, Candidate& candidate);
+  void rock(PostureSolver& solver, const FlipperSet& angles, Posture& posture);
   double try_angles(const FlipperSet& angles);
   void try_grid(int front, int rear);
   void try_grids();
