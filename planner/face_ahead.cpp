@@ -9,10 +9,9 @@
 namespace sortie::planner {
 namespace {
 
-constexpr double kSteepestRun_rad = 1.134;  // 65 degrees
-constexpr double kRimShare = 0.4226;        // cosine of it: from there down a rim is less steep
-constexpr double kFaceSlope = 2.1445;       // tangent of it
-constexpr double kSameTop_m = 0.05;         // a face as high beside it lifts the flipper first
+constexpr double kFaceSlope = 2.1445;  // 65 degrees
+constexpr double kSlack_m = 0.02;      // an edge in a cell counts at the cell's border, up to 5 cm early
+constexpr double kSameTop_m = 0.05;    // a face as high beside it lifts the flipper first
 
 /// A place in the plane of travel: ahead of the origin, and up, m.
 struct Spot {
@@ -28,7 +27,7 @@ struct Leading {
 }  // namespace
 
 bool is_face_ahead(const PostureSolver& solver, const FlipperSet& flippers, const Posture& posture,
-                   double direction, double advance_m) {
+                   double direction, double advance_m, double climb_rad) {
   PostureSolver::Looked as;
   if (solver.looked(flippers, as) != Status::ok) return true;
   const PostureVehicle& v = solver.vehicle();
@@ -38,6 +37,7 @@ bool is_face_ahead(const PostureSolver& solver, const FlipperSet& flippers, cons
   const double climb = -direction * posture.pitch_rad;
   const double roll = as.mirrored ? -posture.roll_rad : posture.roll_rad;
   const rt::SinCos turn = rt::sincos(climb);
+  const double rim_share = rt::cos(climb_rad);  // from there down a rim is less steep
   const auto turned = [&turn](double ahead, double up) {
     return Spot{ahead * turn.cos - up * turn.sin, ahead * turn.sin + up * turn.cos};
   };
@@ -58,9 +58,9 @@ bool is_face_ahead(const PostureSolver& solver, const FlipperSet& flippers, cons
     Leading flipper;
     flipper.from = angle + climb < 0.0 ? tip.ahead : pivot.ahead;
     flipper.reach = std::max(tip.ahead + p.tip_radius_m, pivot.ahead + p.pivot_radius_m);
-    flipper.climbs = std::fabs(lower_run) <= kSteepestRun_rad ? tip.up - kRimShare * p.tip_radius_m
-                                                              : pivot.up - kRimShare * p.pivot_radius_m;
-    const Leading track{wheel.ahead, wheel.ahead + p.radius_m, wheel.up - kRimShare * p.radius_m};
+    flipper.climbs = std::fabs(lower_run) <= climb_rad ? tip.up - rim_share * p.tip_radius_m
+                                                       : pivot.up - rim_share * p.pivot_radius_m;
+    const Leading track{wheel.ahead, wheel.ahead + p.radius_m, wheel.up - rim_share * p.radius_m};
     const auto flipper_row = static_cast<int>(v.flipper_y_m / spacing + 0.5);
     const auto track_row = static_cast<int>(p.half_width_m / spacing + 0.5);
     for (int part = 0; part < 2; ++part) {
@@ -76,7 +76,7 @@ bool is_face_ahead(const PostureSolver& solver, const FlipperSet& flippers, cons
         const double top = height(column + 1, row);
         if (below < kNothing || top < kNothing || top - below <= kFaceSlope * spacing) continue;
         const double gone = std::max(0.0, spacing * column - leading.reach);
-        if (top <= lift + leading.climbs + gone * rise_slope) continue;
+        if (top <= lift + leading.climbs + gone * rise_slope + kSlack_m) continue;
         if (part == 1 && height(column + 1, beside) >= top - kSameTop_m) continue;
         return true;
       }

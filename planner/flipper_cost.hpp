@@ -30,6 +30,8 @@ struct FlipperLimits {
   double clearance_m{0.0};  ///< at least; a belly that touches has 0, which is not below
   double tilt_rad{0.75};    ///< of pitch and of roll, at most
   double jump_rad{0.5};     ///< of pitch and of roll from a place to the next, at most: more is a fall
+  /// Of an outline that meets a face: what belts climb.
+  double climb_rad{1.134};
 };
 
 /// One choice of flippers on one ground, place by place.
@@ -41,7 +43,8 @@ struct FlipperWalk {
   double clearance_m{1.0};  ///< least
   double margin_m{1.0};     ///< least
   int places{};
-  int faces{};  ///< that stop it
+  int unsafe{};  ///< places
+  int faces{};   ///< that stop it
 
   /// Takes the next place. A vehicle that tips, or of which nothing is known, is not safe; nor is one that a
   /// face stops at the first two.
@@ -54,6 +57,7 @@ struct FlipperWalk {
         std::max(std::fabs(p.pitch_rad), std::fabs(p.roll_rad)) > limits.tilt_rad ||
         std::max(change, std::fabs(p.roll_rad - tilt.roll_rad)) > limits.jump_rad) {
       safe = false;
+      ++unsafe;
       if (places < 2) near_safe = false;
     }
     ++places;

@@ -48,6 +48,7 @@ enum class FlipperReason : std::uint8_t {
   missing_ground,  ///< no choice is safe for all that missing cells may hold
   unsafe_ground,   ///< no choice is safe, and nothing is missing
   map_disagrees,   ///< the map's ground is not where the vehicle stands
+  stalled,         ///< told to go, it did not get on
   tilted,
   stale_map,
   lost_attitude,
@@ -68,6 +69,8 @@ constexpr const char* to_string(FlipperReason reason) {
       return "no posture is safe";
     case FlipperReason::map_disagrees:
       return "the map disagrees with the height";
+    case FlipperReason::stalled:
+      return "does not get on";
     case FlipperReason::tilted:
       return "tilted";
     case FlipperReason::stale_map:

@@ -10,14 +10,16 @@ namespace {
 constexpr double kFastest_m_s = 5.0;
 constexpr double kFastest_rad_s = 10.0;
 constexpr double kMostFlipper_rad = 100.0;
+constexpr double kProgress_m = 0.02;
+constexpr double kProgress_rad = 0.05;
 constexpr double kFarthestPlace_m = 1e5;
 
 Status check(const FlipperPolicyConfig& c) {
-  for (const double value : {c.lead_m, c.creep_m_s, c.map_off_m, c.steepest_rad})
+  for (const double value : {c.lead_m, c.creep_m_s, c.map_off_m, c.steepest_rad, c.there_rad})
     if (!(value > 0.0 && value < 100.0)) return Status::out_of_range;
   if (!(std::fabs(c.feel_rad) < 1.6) || c.steepest_rad > 1.2) return Status::out_of_range;
-  for (const rt::Nanoseconds span :
-       {c.map_age_ns, c.attitude_age_ns, c.flipper_age_ns, c.look_ns, c.feel_ns, c.creep_ns, c.late_ns})
+  for (const rt::Nanoseconds span : {c.map_age_ns, c.attitude_age_ns, c.flipper_age_ns, c.look_ns, c.feel_ns,
+                                     c.creep_ns, c.late_ns, c.stall_ns})
     if (span < 0 || span > 3600 * rt::kNanosecondsPerSecond) return Status::out_of_range;
   return Status::ok;
 }
@@ -77,6 +79,7 @@ void FlipperPolicy::enter(Stage stage, rt::Nanoseconds now_ns) {
       ++counters_.crept;
       break;
     case Stage::stuck:
+    case Stage::stalled:
     case Stage::stop:
       ++counters_.stopped;
       break;
@@ -114,7 +117,7 @@ void FlipperPolicy::go(const FlipperInput& input, FlipperDecision& decision) {
   double way = 0.0;
   for (std::uint32_t f = 0; f < rt::kFlippers; ++f)
     way = std::max(way, std::fabs(best.angles.angle_rad[f] - input.measured_rad[f]));
-  if (found_.stay.near_probability > config_.search.limit) {
+  if (found_.stay.near_probability > config_.search.limit && way > config_.there_rad) {
     // As it stands it must not go on: the flippers first.
     if (stage_ != Stage::stuck) enter(Stage::late, input.stamp_ns);
     if (stage_ == Stage::late && input.stamp_ns - since_ns_ > config_.late_ns)
@@ -124,7 +127,7 @@ void FlipperPolicy::go(const FlipperInput& input, FlipperDecision& decision) {
     decision.share = 0.0;
     return;
   }
-  enter(Stage::none, input.stamp_ns);
+  if (stage_ != Stage::stalled) enter(Stage::none, input.stamp_ns);
   const double wanted = std::fabs(input.arc.speed_m_s) + 0.3 * std::fabs(input.arc.turn_rad_s);
   const double fastest = config_.lead_m * config_.search.rate_rad_s;  // times the way, over 1 s
   const bool late = way * wanted > fastest;
@@ -143,7 +146,7 @@ void FlipperPolicy::way_out(const FlipperInput& input, bool disagrees, FlipperDe
   decision.reason = disagrees ? FlipperReason::map_disagrees
                     : missing ? FlipperReason::missing_ground
                               : FlipperReason::unsafe_ground;
-  if (stage_ == Stage::none || stage_ == Stage::late || stage_ == Stage::stuck)
+  if (stage_ == Stage::none || stage_ == Stage::late || stage_ == Stage::stuck || stage_ == Stage::stalled)
     enter(missing || disagrees ? Stage::look : Stage::stop, now);
   if (!missing && !disagrees) enter(Stage::stop, now);
   const bool near_safe = !disagrees && found_.near.near_probability <= limit;
@@ -175,6 +178,27 @@ void FlipperPolicy::way_out(const FlipperInput& input, bool disagrees, FlipperDe
       break;
   }
   ask(angles, decision);
+}
+
+void FlipperPolicy::watch_progress(const FlipperInput& input, FlipperDecision& decision) {
+  const double x = input.pose.x_m - from_x_m_;
+  const double y = input.pose.y_m - from_y_m_;
+  const bool moved = x * x + y * y > kProgress_m * kProgress_m ||
+                     std::fabs(input.pose.yaw_rad - from_yaw_rad_) > kProgress_rad;
+  // Who creeps has a time of his own.
+  if (moved || decision.share <= 0.0 || decision.verdict == FlipperVerdict::creep) {
+    if (stage_ == Stage::stalled) stage_ = Stage::none;
+    from_x_m_ = input.pose.x_m;
+    from_y_m_ = input.pose.y_m;
+    from_yaw_rad_ = input.pose.yaw_rad;
+    moved_ns_ = input.stamp_ns;
+    return;
+  }
+  if (input.stamp_ns - moved_ns_ <= config_.stall_ns) return;
+  enter(Stage::stalled, input.stamp_ns);
+  decision.verdict = FlipperVerdict::stop;
+  decision.reason = FlipperReason::stalled;
+  decision.share = 0.0;
 }
 
 Status FlipperPolicy::decide(const HeightView& view, const FlipperInput& input, FlipperDecision& decision) {
@@ -211,6 +235,7 @@ Status FlipperPolicy::decide(const HeightView& view, const FlipperInput& input, 
   }
   // From here on nothing fails.
   if (backward != backward_) stage_ = Stage::none;
+  if (!started_ || backward != backward_) moved_ns_ = input.stamp_ns;
   backward_ = backward;
   before_ = before;
   started_ = true;
@@ -230,6 +255,7 @@ Status FlipperPolicy::decide(const HeightView& view, const FlipperInput& input, 
       ask(before, out);
     }
   }
+  if (out.verdict != FlipperVerdict::mission) watch_progress(input, out);
   out.speed_limit_m_s = out.share * std::fabs(input.arc.speed_m_s);
   decision = out;
   return Status::ok;
@@ -241,10 +267,11 @@ void FlipperPolicy::archive(rt::Archive& archive) {
       .scratch(found_)
       .state(counters_)
       .by_hand(before_)
-      .state(has_before_, started_, backward_, stage_, since_ns_, stamp_ns_);
+      .state(has_before_, started_, backward_, stage_, since_ns_, stamp_ns_, from_x_m_, from_y_m_,
+             from_yaw_rad_, moved_ns_);
   archive.value(before_.angle_rad);
   if (!archive.is_reading()) return;
-  bool good = stage_ <= Stage::stop;
+  bool good = stage_ <= Stage::stalled;
   for (const double angle : before_.angle_rad) good = good && std::fabs(angle) <= kMostFlipper_rad;
   if (good) return;
   archive.fail(Status::malformed, "flippers that were asked for what does not exist");

@@ -11,7 +11,8 @@ namespace sortie::planner {
 /// When input is too old, and how long each way out is tried.
 struct FlipperPolicyConfig {
   FlipperSearchConfig search{};
-  double lead_m{0.1};  ///< the flippers are there before the vehicle has gone so far
+  double lead_m{0.1};     ///< the flippers are there before the vehicle has gone so far
+  double there_rad{0.1};  ///< flippers so near to what was asked are there
   double creep_m_s{0.05};
   double feel_rad{-0.5};     ///< the leading flippers go down to this angle to feel
   double map_off_m{0.15};    ///< a map whose ground is so far from under the vehicle is not believed
@@ -23,6 +24,7 @@ struct FlipperPolicyConfig {
   rt::Nanoseconds feel_ns{3 * rt::kNanosecondsPerSecond};
   rt::Nanoseconds creep_ns{10 * rt::kNanosecondsPerSecond};
   rt::Nanoseconds late_ns{5 * rt::kNanosecondsPerSecond};
+  rt::Nanoseconds stall_ns{5 * rt::kNanosecondsPerSecond};  ///< told to go and not 2 cm on in that time: stop
 };
 
 /// Decides 20 times a second, say. A choice of flippers is taken where the probability of a margin or
@@ -53,12 +55,13 @@ class FlipperPolicy {
 
  private:
   /// Which way out is being tried.
-  enum class Stage : std::uint8_t { none, late, stuck, look, feel, creep, stop };
+  enum class Stage : std::uint8_t { none, late, stuck, look, feel, creep, stop, stalled };
 
   void enter(Stage stage, rt::Nanoseconds now_ns);
   bool fall_back(const FlipperInput& input, FlipperDecision& decision);
   void go(const FlipperInput& input, FlipperDecision& decision);
   void way_out(const FlipperInput& input, bool disagrees, FlipperDecision& decision);
+  void watch_progress(const FlipperInput& input, FlipperDecision& decision);
   void ask(const FlipperSet& angles, FlipperDecision& decision);
 
   FlipperPolicyConfig config_;
@@ -73,6 +76,8 @@ class FlipperPolicy {
   Stage stage_{Stage::none};
   rt::Nanoseconds since_ns_{};
   rt::Nanoseconds stamp_ns_{};
+  double from_x_m_{}, from_y_m_{}, from_yaw_rad_{};  ///< where it was last seen to move
+  rt::Nanoseconds moved_ns_{};
 };
 
 }  // namespace sortie::planner

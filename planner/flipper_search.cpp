@@ -11,10 +11,12 @@ namespace {
 
 constexpr double kAround_m =
     1.5;  // the farthest place, the vehicle's reach there, and that of a missing cell
-constexpr double kUnsafeRank = 1000;    // more than any cost
-constexpr int kCoarseStep = 3;          // steps of the fine grid between two angles of the coarse one
-constexpr double kLastAdvance_m = 0.1;  // beyond the last place
-constexpr double kNudge_rad = 0.2;      // moves the centre of mass by about the least margin
+constexpr double kUnsafeRank = 1000;  // a place: more than any cost
+constexpr double kLeftRank = 1e6;     // of a candidate that was not judged to its end
+constexpr int kCoarseStep = 2;        // steps of the fine grid between two angles of the coarse one
+// From each place on: what is near is not safe, what is far leaves time to change.
+constexpr double kFaceAhead_m[kArcPlaces] = {0.1, 0.05, 0.2, 0.1};
+constexpr double kNudge_rad = 0.2;  // moves the centre of mass by about the least margin
 constexpr double kSameRest_rad = 0.03;
 constexpr double kMostStart_rad = 1.19;
 constexpr int kMostFineRounds = 4;  // of eight neighbours each
@@ -33,9 +35,9 @@ Status check(const FlipperSearchConfig& c) {
                     c.most_tried <= 200 && c.limit >= 0.0 && c.limit < 1.0 && c.limits.margin_m >= 0.0 &&
                     c.limits.margin_m < 1.0 && c.limits.clearance_m >= 0.0 && c.limits.clearance_m < 1.0 &&
                     c.limits.tilt_rad > 0.0 && c.limits.tilt_rad < 1.6 && c.limits.jump_rad > 0.0 &&
-                    c.limits.jump_rad < 3.2 && c.missing.reach_m > 0.0 && c.missing.reach_m <= 0.35 &&
-                    c.missing.slope >= 0.0 && c.missing.slope < 10.0 && c.missing.hole_m >= 0.0 &&
-                    c.missing.hole_m < 10.0;
+                    c.limits.jump_rad < 3.2 && c.limits.climb_rad > 0.0 && c.limits.climb_rad < 1.57 &&
+                    c.missing.reach_m > 0.0 && c.missing.reach_m <= 0.35 && c.missing.slope >= 0.0 &&
+                    c.missing.slope < 10.0 && c.missing.hole_m >= 0.0 && c.missing.hole_m < 10.0;
   return good && usable_weights(c.weights) ? Status::ok : Status::out_of_range;
 }
 
@@ -75,9 +77,8 @@ Posture FlipperSearch::rest_at(PostureSolver& solver, int place, Candidate& cand
   bool blocked = false;
   if (posture.rest == Rest::stands) {
     const double direction = question_.arc.speed_m_s < 0.0 ? -1.0 : 1.0;
-    const double next = place + 1 < kArcPlaces ? kArcAhead_m[place + 1] - kArcAhead_m[place] : kLastAdvance_m;
-    blocked =
-        question_.arc.speed_m_s != 0.0 && is_face_ahead(solver, candidate.angles, posture, direction, next);
+    blocked = question_.arc.speed_m_s != 0.0 && is_face_ahead(solver, candidate.angles, posture, direction,
+                                                              kFaceAhead_m[place], config_.limits.climb_rad);
     if (posture.margin_m < config_.limits.margin_m) rock(solver, candidate.angles, posture);
   }
   walk.add(posture, blocked, config_.limits);
@@ -106,7 +107,7 @@ void FlipperSearch::rock(PostureSolver& solver, const FlipperSet& angles, Postur
 
 double FlipperSearch::try_angles(const FlipperSet& angles) {
   if (tried_ >= config_.most_tried || units_ + kArcPlaces * kRestUnits + reserve_ > config_.units)
-    return 2 * kUnsafeRank;
+    return kLeftRank;
   Candidate candidate = candidate_of(angles);
   for (const Candidate& kept : kept_) {
     if (std::equal(std::begin(kept.angles.angle_rad), std::end(kept.angles.angle_rad),
@@ -116,9 +117,9 @@ double FlipperSearch::try_angles(const FlipperSet& angles) {
   ++tried_;
   const bool full = kept_.size() == kKept;
   for (int place = 0; place <= kArcPlaces; ++place) {
-    candidate.rank = candidate.fixed_cost + candidate.walk.cost(config_.weights) +
-                     (candidate.walk.safe ? 0.0 : kUnsafeRank);
-    if (full && candidate.rank >= kept_.back().rank) return 2 * kUnsafeRank;
+    candidate.rank =
+        candidate.fixed_cost + candidate.walk.cost(config_.weights) + kUnsafeRank * candidate.walk.unsafe;
+    if (full && candidate.rank >= kept_.back().rank) return kLeftRank;
     if (place < kArcPlaces) (void)rest_at(middle_[static_cast<std::size_t>(place)], place, candidate);
   }
   if (full) kept_.pop_back();
@@ -144,7 +145,7 @@ void FlipperSearch::try_grid(int front, int rear) {
 
 void FlipperSearch::try_grids() {
   grid_tried_ = {};
-  best_rank_ = 2 * kUnsafeRank;
+  best_rank_ = kLeftRank;
   best_front_ = best_rear_ = kFine / 2;
   for (int front = 0; front < kFine; front += kCoarseStep)
     for (int rear = 0; rear < kFine; rear += kCoarseStep) try_grid(front, rear);
@@ -203,84 +204,6 @@ void FlipperSearch::try_apart() {
       (void)try_angles(angles);
     }
   }
-}
-
-void FlipperSearch::Points::note(int point, const FlipperWalk& walk, const FlipperWeights& weights) {
-  cost[point] = walk.cost(weights);
-  failed[point] = !walk.safe;
-  near_failed[point] = !walk.near_safe;
-}
-
-JudgedFlippers FlipperSearch::sum(const Candidate& candidate, const Points& points) const {
-  JudgedFlippers judged;
-  judged.angles = candidate.angles;
-  judged.margin_m = candidate.walk.margin_m;
-  judged.clearance_m = candidate.walk.clearance_m;
-  judged.pitch_rad = candidate.walk.pitch_rad;
-  double share[MissingGround::kPoints];
-  double failed[MissingGround::kPoints];
-  double near_failed[MissingGround::kPoints];
-  for (int k = 0; k < MissingGround::kPoints; ++k) {
-    const int point = k < points_ ? k : 0;  // where nothing is missing all grounds are one
-    share[k] = MissingGround::kShare[k] * points.cost[point];
-    failed[k] = points.failed[point] ? MissingGround::kShare[k] : 0.0;
-    near_failed[k] = points.near_failed[point] ? MissingGround::kShare[k] : 0.0;
-  }
-  // Points 3 and 4 are each other's mirror image, and added first.
-  const auto total = [](const double(&v)[MissingGround::kPoints]) {
-    return v[0] + v[1] + v[2] + (v[3] + v[4]) + v[5] + v[6] + v[7];
-  };
-  judged.cost = candidate.fixed_cost + total(share);
-  judged.probability = open_ ? 1.0 : std::min(1.0, total(failed));
-  judged.near_probability = near_open_ ? 1.0 : std::min(1.0, total(near_failed));
-  return judged;
-}
-
-void FlipperSearch::judge_kept(FlipperFound& found) {
-  Points kept[kKept];
-  Points near[2];
-  for (std::uint32_t k = 0; k < kept_.size(); ++k) kept[k].note(0, kept_[k].walk, config_.weights);
-  for (std::uint32_t k = 0; k < near_.size(); ++k) near[k].note(0, near_[k].walk, config_.weights);
-  for (int point = 1; point < points_; ++point) {
-    rt::FixedVector<Candidate, kKept> walked = kept_;
-    rt::FixedVector<Candidate, 2> near_walked = near_;
-    for (Candidate& c : walked) c.walk = {.tilt = question_.tilt};
-    for (Candidate& c : near_walked) c.walk = {.tilt = question_.tilt};
-    for (int place = 0; place < kArcPlaces; ++place) {
-      units_ += kLookUnits;
-      // A look that fails leaves the ground before: taken for not safe, not for safe.
-      const bool read = other_.look(ground_.view(point), places_[place]) == Status::ok;
-      for (Candidate& c : walked) {
-        (void)rest_at(other_, place, c);
-        c.walk.safe = c.walk.safe && read;
-        c.walk.near_safe = c.walk.near_safe && (read || place > 1);
-      }
-      if (place > 1) continue;
-      for (Candidate& c : near_walked) {
-        (void)rest_at(other_, place, c);
-        c.walk.near_safe = c.walk.near_safe && read;
-      }
-    }
-    for (std::uint32_t k = 0; k < walked.size(); ++k) kept[k].note(point, walked[k].walk, config_.weights);
-    for (std::uint32_t k = 0; k < near_walked.size(); ++k)
-      near[k].note(point, near_walked[k].walk, config_.weights);
-  }
-  const auto better = [this](double p, double cost, double than_p, double than_cost) {
-    const bool safe = p <= config_.limit;
-    const bool than_safe = than_p <= config_.limit;
-    if (safe != than_safe) return safe;
-    if (!safe && p != than_p) return p < than_p;
-    return cost < than_cost;
-  };
-  for (std::uint32_t k = 0; k < kept_.size(); ++k) {
-    const JudgedFlippers judged = sum(kept_[k], kept[k]);
-    if (k == 0 || better(judged.probability, judged.cost, found.best.probability, found.best.cost))
-      found.best = judged;
-    if (k == 0 || better(judged.near_probability, judged.cost, found.near.near_probability, found.near.cost))
-      found.near = judged;
-  }
-  found.stay = sum(near_[0], near[0]);
-  found.feel = sum(near_[1], near[1]);
 }
 
 Status FlipperSearch::search(const HeightView& view, const FlipperQuestion& question, FlipperFound& found) {

@@ -16,12 +16,12 @@ namespace sortie::planner {
 struct FlipperSearchConfig {
   double low_rad{-0.5};  ///< least and most angle of a candidate
   double high_rad{1.3};
-  double apart_m{0.04};          ///< left and right are tried apart where the ground differs by more
-  double apart_rad{0.3};         ///< by how much
-  double rate_rad_s{0.8};        ///< of a flipper
-  std::uint32_t units{900};      ///< of work in a job: see kLookUnits; kLeastUnits to 10,000
-  std::uint32_t most_tried{60};  ///< candidates, 1 to 200
-  double limit{0.01};            ///< most probability of falling below the limits
+  double apart_m{0.04};           ///< left and right are tried apart where the ground differs by more
+  double apart_rad{0.3};          ///< by how much
+  double rate_rad_s{0.8};         ///< of a flipper
+  std::uint32_t units{900};       ///< of work in a job: see kLookUnits; kLeastUnits to 10,000
+  std::uint32_t most_tried{120};  ///< candidates, 1 to 200
+  double limit{0.01};             ///< most probability of falling below the limits
   FlipperLimits limits{};
   FlipperWeights weights{};
   MissingConfig missing{};

@@ -2,6 +2,7 @@
 // The flippers' policy where it may go, what it refuses, mirrored and written down.
 #include "planner/flipper_policy.hpp"
 
+#include <catch2/catch.hpp>
 #include <limits>
 
 #include "tests/planner/flipper_rig.hpp"

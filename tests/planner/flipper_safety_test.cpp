@@ -2,6 +2,8 @@
 // The flippers' policy where it must not go, and the ways out.
 #include "planner/flipper_policy.hpp"
 
+#include <catch2/catch.hpp>
+
 #include "tests/planner/flipper_rig.hpp"
 
 namespace sortie::planner {
