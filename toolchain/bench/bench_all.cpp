@@ -92,6 +92,7 @@ const std::vector<BenchPart>& bench_parts() {
       {"plant", {"plant"}, "bench-plant.json", true},
       {"rays", {"rays"}, "bench-rays.json", true},
       {"posture", {"posture"}, "bench-posture.json", true},
+      {"flippers", {"flippers"}, "bench-flippers.json", true},
       {"ground-path", {"ground-path"}, "bench-ground-path.json", true},
       {"uav", {"uav"}, "bench-uav.json", true},
   };

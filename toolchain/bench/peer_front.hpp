@@ -80,6 +80,7 @@ PeerFront stability_front();     ///< stiff and extreme cases beside the naive m
 PeerFront campaign_front();      ///< hostile random sequences for every module
 PeerFront ray_front();           ///< the ray scheduler beside the published planners; closed loops
 PeerFront posture_front();       ///< how a tracked vehicle would stand, beside the plant at rest
+PeerFront flipper_front();       ///< the flippers' policy, and the plant led by it
 
 /// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the deadline.
 std::vector<BenchPicture> rt_pictures(const firmware::Json& result);
