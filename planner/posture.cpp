@@ -94,6 +94,8 @@ Status PostureSolver::rest(const FlipperSet& asked, const Start& start, Posture&
   if (!std::isfinite(start.pitch_rad) || !std::isfinite(start.roll_rad)) return Status::not_finite;
   if (std::max(std::fabs(start.pitch_rad), std::fabs(start.roll_rad)) > kSteepest_rad)
     return Status::out_of_range;
+  // Ground and flippers that are their own mirror image leave the hand to the start.
+  if (as.own_mirror_image && start.roll_rad < 0.0) as.mirrored = true;
   const Outline outline = outline_of(vehicle_, as.flippers);
   const rt::Vector3 com_body = centre_of_mass(vehicle_, as.flippers);
   Posture found;

@@ -52,9 +52,11 @@ GroundPatch::Heights GroundPatch::sample(std::int64_t u, std::int64_t v, double 
   Heights slope{0.0F, 0.0F, 0.0F};
   float lowest = 2e6F;
   for (int k = 0; k < 2; ++k) {
+    // A cell without a share has no say: in the mirror image it is the one on the other side.
+    if (!(share_u[k] > 0.0F)) continue;
     // Across first, then along: the sum is the same in the mirror image.
-    const Heights& right = *corner[k][0];
-    const Heights& left = *corner[k][1];
+    const Heights& right = *corner[k][share_v[0] > 0.0F ? 0 : 1];
+    const Heights& left = *corner[k][share_v[1] > 0.0F ? 1 : 0];
     slope.height += share_u[k] * (share_v[0] * right.height + share_v[1] * left.height);
     slope.low += share_u[k] * (share_v[0] * right.low + share_v[1] * left.low);
     slope.high += share_u[k] * (share_v[0] * right.high + share_v[1] * left.high);

@@ -60,7 +60,7 @@ def parsed(result):
 
 
 # Usage.
-for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench registration", "bench recognition", "bench rays", "bench posture", "bench courses", "bench ground-path", "bench uav", "bench stability", "bench campaign"]:
+for command in ["run", "replay", "check", "index", "diff", "import", "export", "report", "spy", "set", "drive", "fly", "scenes", "doctor", "bench", "bench wcet", "bench rt", "bench plant", "bench mapping", "bench registration", "bench recognition", "bench rays", "bench posture", "bench flippers", "bench courses", "bench ground-path", "bench uav", "bench stability", "bench campaign"]:
     result = expect(0, *command.split(), "--help")
     check(f"sortie {command}" in result.stdout and "Example" in result.stdout, f"{command} --help has no example", result)
 expect(0, "--help")

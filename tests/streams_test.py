@@ -109,6 +109,7 @@ quick = {
     "bench elevation": ["--only", "scan", "--way", "1"],
     "bench posture": ["--only", "bounds", "--cases", "1"],
     "bench courses": ["--only", "tuning", "--cases", "1", "--family", "gap"],
+    "bench flippers": ["--only", "search", "--cases", "5"],
     "bench ground-path": ["--only", "budget", "--maps", "1"],
     "bench odometry": ["--scene", "ugv_ramp", "--rounds", "1"], "bench stability": ["--only", "planner"],
     "bench campaign": ["--only", "stamps", "--seed", "5", "--count", "20"], "bench wcet": ["a.lcm"], "bench all": ["--only", "nothing"],

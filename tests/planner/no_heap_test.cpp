@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The drive, the flippers and postures take no memory from the heap.
+// The drive, the flippers, their policy and postures take no memory from the heap.
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "planner/flipper_policy.hpp"
 #include "planner/flipper_postures.hpp"
 #include "planner/posture_bounds.hpp"
 #include "planner/ugv_drive.hpp"
@@ -71,6 +72,41 @@ TEST_CASE("Postures and their bounds make no heap call after construction") {
       good = good && solver->look(steps, {0.03 * i, 0.0, 0.3 * i}) == Status::ok &&
              solver->rest(flippers, posture) == Status::ok &&
              bounder->bound(*solver, flippers, 512, bounds) == Status::ok;
+    }
+    calls = scope.calls();
+  }
+  CHECK(calls == 0);
+  CHECK(good);
+}
+
+TEST_CASE("The flippers' policy makes no heap call after construction") {
+  using namespace sortie;
+  if (!rt::posix::kHeapTrapAvailable) {
+    WARN("skipped: no heap trap under a sanitizer");
+    return;
+  }
+  // Blocks, and cells that are missing.
+  const planner::HeightView blocks{nullptr,
+                                   [](const void*, std::int64_t i, std::int64_t j) {
+                                     if ((i * 3 + j) % 5 == 0) return planner::HeightCell{};
+                                     const double high = i % 7 == 0 && j % 3 != 0 ? 0.1 : 0.0;
+                                     return planner::HeightCell{0.0, high, planner::HeightState::known};
+                                   },
+                                   0.05};
+  const auto policy =
+      std::make_unique<planner::FlipperPolicy>(planner::PostureVehicle{}, planner::FlipperPolicyConfig{});
+  std::uint64_t calls = 0;
+  bool good = true;
+  {
+    const rt::posix::HeapTrapScope scope;
+    for (int i = 1; i < 20; ++i) {
+      planner::FlipperInput in;
+      in.stamp_ns = in.map_ns = in.attitude_ns = in.flippers_ns = i * rt::kNanosecondsPerSecond;
+      in.pose = {0.03 * i, 0.0, 0.3 * i};
+      in.arc = {0.2, 0.1};
+      in.z_m = 0.1;
+      planner::FlipperDecision decision;
+      good = good && policy->decide(blocks, in, decision) == Status::ok;
     }
     calls = scope.calls();
   }

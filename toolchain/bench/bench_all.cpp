@@ -93,6 +93,7 @@ const std::vector<BenchPart>& bench_parts() {
       {"rays", {"rays"}, "bench-rays.json", true},
       {"posture", {"posture"}, "bench-posture.json", true},
       {"courses", {"courses"}, "bench-courses.json"},
+      {"flippers", {"flippers"}, "bench-flippers.json", true},
       {"ground-path", {"ground-path"}, "bench-ground-path.json", true},
       {"uav", {"uav"}, "bench-uav.json", true},
   };

@@ -11,9 +11,9 @@ namespace sortie::toolchain {
 
 const std::vector<PeerFront>& peer_fronts() {
   static const std::vector<PeerFront> fronts{
-      rt_front(),        plant_front(),    mapping_front(), registration_front(), recognition_front(),
-      elevation_front(), posture_front(),  courses_front(), ground_path_front(),  uav_front(),
-      stability_front(), campaign_front(), ray_front()};
+      rt_front(),        plant_front(),     mapping_front(),  registration_front(), recognition_front(),
+      elevation_front(), posture_front(),   courses_front(),  flipper_front(),      ground_path_front(),
+      uav_front(),       stability_front(), campaign_front(), ray_front()};
   return fronts;
 }
 

@@ -81,6 +81,7 @@ PeerFront campaign_front();      ///< hostile random sequences for every module
 PeerFront ray_front();           ///< the ray scheduler beside the published planners; closed loops
 PeerFront posture_front();       ///< how a tracked vehicle would stand, beside the plant at rest
 PeerFront courses_front();       ///< drivers of the flippers over drawn courses
+PeerFront flipper_front();       ///< the flippers' policy, and the plant led by it
 
 /// Lateness of wake-ups: log count over microseconds, one curve a method, a line at the deadline.
 std::vector<BenchPicture> rt_pictures(const firmware::Json& result);
