@@ -13,6 +13,37 @@ constexpr rt::Nanoseconds kJob_ns = 50 * rt::kNanosecondsPerMillisecond;
 constexpr double kFlatOrigin_m = 0.07192;
 }  // namespace
 
+TEST_CASE("flippers: a rest that is far from the last one is a fall", "[planner][flippers]") {
+  const FlipperLimits limits;
+  Posture good;
+  good.rest = Rest::stands;
+  good.margin_m = 0.2;
+  good.clearance_m = 0.1;
+  const auto safe_after = [&](double pitch, double roll) {
+    FlipperWalk walk;
+    Posture next = good;
+    next.pitch_rad = pitch;
+    next.roll_rad = roll;
+    walk.add(good, false, limits);
+    walk.add(next, false, limits);
+    return walk.safe;
+  };
+  CHECK(safe_after(0.49, 0.0));
+  CHECK(safe_after(0.0, -0.49));
+  CHECK(!safe_after(0.51, 0.0));
+  CHECK(!safe_after(-0.51, 0.0));
+  CHECK(!safe_after(0.0, 0.51));
+  FlipperWalk narrow;
+  good.margin_m = 0.029;
+  narrow.add(good, false, limits);
+  CHECK(!narrow.safe);
+  FlipperWalk steep;
+  good.margin_m = 0.2;
+  good.pitch_rad = steep.tilt.pitch_rad = 0.76;
+  steep.add(good, false, limits);
+  CHECK(!steep.safe);
+}
+
 TEST_CASE("flippers: on known flat ground it goes, whatever the arc", "[planner][flippers]") {
   const CellGround flat = CellGround::of([](double, double) { return 0.0; });
   const auto policy = flipper_policy();
