@@ -51,6 +51,9 @@ class WayPart final : public Part {
     // The drive may be beside its way by as much before it stops.
     planner::GroundWayFollowerConfig follower;
     profile.read("way", follower);
+    // A way begins in the middle of the cell where the robot stands.
+    if (follower.off_m < 0.75e-3 * lattice.cell_mm)
+      profile.fail("way.off_m", "must not be below three quarters of way.cell_mm");
     const auto mm_of = [&follower](double half_m) {
       return static_cast<std::int32_t>(1e3 * (half_m + follower.off_m) + 0.5);
     };

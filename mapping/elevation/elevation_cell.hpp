@@ -61,9 +61,9 @@ struct CellEvidence {
     passes = static_cast<std::uint8_t>(passes / 2);
   }
   /// Rays went through far more often than something was met: what was met is a beam's that met an edge
-  /// elsewhere, or it has gone. A bar across the way, 0.3 m up, is met once in 15 rays where it is 2 cm
-  /// thick, once in 30 where it is 1 cm.
-  bool is_free() const { return passes >= 20 && hits * 40 < passes; }
+  /// elsewhere, or it has gone. A bar across the way, 0.3 m up, is met once in 10 rays where it is 3 cm
+  /// thick, once in 30 where it is 1 cm: that is taken for nothing.
+  bool is_free() const { return passes >= 20 && hits * 24 < passes; }
 };
 
 /// How a cell takes what was measured.

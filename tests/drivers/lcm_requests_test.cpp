@@ -25,14 +25,14 @@ Bytes bytes_of(const DriveRequestMessage& request, const SipKey* key) {
   return exact([&](auto out, auto& size) { return encode(request, key, out, size); });
 }
 
-const DriveRequestMessage kSome{{0, 4, 0.25, -0.5, 1, -1, 1}, 1, 2, 3};
+const DriveRequestMessage kSome{{0, 4, 0.25, -0.5, 1, -1, 1, 6.5, -1.25}, 1, 2, 3};
 
 }  // namespace
 
 TEST_CASE("a request to the drive is written as lcm-gen writes it, and every field comes back") {
   const Bytes bytes = bytes_of(kSome, nullptr);
   CHECK(bytes.size() == kDriveRequestBytes);
-  CHECK(bytes == generated_bytes(drive_request_t{1, 2, 3, 4, 0.25, -0.5, 1, -1, 1, 0}));
+  CHECK(bytes == generated_bytes(drive_request_t{1, 2, 3, 4, 0.25, -0.5, 1, -1, 1, 6.5, -1.25, 0}));
   std::mt19937_64 random(13);
   const SipKey key = some_key();
   for (int i = 0; i < 2000; ++i) {
@@ -41,9 +41,11 @@ TEST_CASE("a request to the drive is written as lcm-gen writes it, and every fie
     request.session = static_cast<std::int64_t>(random());
     request.sender = static_cast<std::int64_t>(random());
     request.counter = static_cast<std::int64_t>(random());
-    const std::uint64_t bits[] = {random(), random()};
+    const std::uint64_t bits[] = {random(), random(), random(), random()};
     std::memcpy(&request.speed_m_s, &bits[0], 8);  // any bits, NaNs among them: judged by whoever takes it
     std::memcpy(&request.turn_rad_s, &bits[1], 8);
+    std::memcpy(&request.goal_x_m, &bits[2], 8);
+    std::memcpy(&request.goal_y_m, &bits[3], 8);
     request.mode = static_cast<std::uint32_t>(random());
     request.posture = static_cast<std::int32_t>(random());
     request.flags = static_cast<std::uint32_t>(random());
