@@ -125,18 +125,11 @@ TEST_CASE("the mission leads over every obstacle, through the door and home", "[
 }
 
 TEST_CASE("a robot that is told a place finds its own way there", "[heavy][model]") {
-  // Through both doors, and back to the corner behind the first.
-  struct Goal {
-    const char* x;
-    const char* y;
-    double x_m;
-    double y_m;
-  };
-  for (const Goal& goal :
-       {Goal{"goal.x_m=9.0", "goal.y_m=-2.0", 9.0, -2.0}, Goal{"goal.x_m=-1.0", "goal.y_m=3.0", -1.0, 3.0}}) {
-    CAPTURE(goal.x, goal.y);
-    const Ended run("ugv_goal", 120, {goal.x, goal.y});
-    CHECK(std::hypot(run.last.p[0] - goal.x_m, run.last.p[1] - goal.y_m) < 0.25);
+  // Two behind the door, and two of the room where it begins.
+  for (const auto& [x_m, y_m] : {std::pair{5.5, -1.0}, {5.2, 1.8}, {-1.0, 3.0}, {2.0, -3.0}}) {
+    CAPTURE(x_m, y_m);
+    const Ended run("ugv_goal", 90, {"goal.x_m=" + std::to_string(x_m), "goal.y_m=" + std::to_string(y_m)});
+    CHECK(std::hypot(run.last.p[0] - x_m, run.last.p[1] - y_m) < 0.25);
     CHECK(run.highest_m < 0.05);  // over nothing
     CHECK(std::fabs(run.pitch_deg()) < 1.0);
     CHECK(run.run.results.counters.at("way_follower_steps") > 10);
@@ -145,9 +138,9 @@ TEST_CASE("a robot that is told a place finds its own way there", "[heavy][model
   }
 }
 
-TEST_CASE("a robot that is told a place outside of its hall stands in the end, and says that there is no way",
+TEST_CASE("a robot that is told a place outside of its hall stays in it and stands in the end",
           "[heavy][model]") {
-  const Ended run("ugv_goal", 120, {"goal.x_m=3.5", "goal.y_m=9.0"});
+  const Ended run("ugv_goal", 90, {"goal.x_m=3.5", "goal.y_m=9.0"});
   CHECK(std::fabs(run.last.p[0]) < 11.0);
   CHECK(std::fabs(run.last.p[1]) < 4.0);
   CHECK(run.highest_m < 0.05);
