@@ -58,12 +58,11 @@ Status UgvDrive::request(const rt::DriveRequest& request, rt::Nanoseconds now_ns
   request_ = plain(request);
   remote_ = mode != rt::DriveMode::release && mode != rt::DriveMode::go;
   if (mode == rt::DriveMode::release && arrived_) goal_ = 0;
-  // Judged by the gate: it is taken. Who asks for the same place again, because he has no answer yet, asks for no
-  // other way.
+  // Judged by the gate: it is taken. Who asks for the same place again, because he has no answer yet, asks
+  // for no other way.
   const bool is_same =
       goal_ != 0 && !arrived_ && goal_m_[0] == request.goal_x_m && goal_m_[1] == request.goal_y_m;
-  if (mode == rt::DriveMode::go && !is_same)
-    static_cast<void>(set_goal(request.goal_x_m, request.goal_y_m));
+  if (mode == rt::DriveMode::go && !is_same) static_cast<void>(set_goal(request.goal_x_m, request.goal_y_m));
   if (mode == rt::DriveMode::emergency) emergency_ = true;
   if (mode == rt::DriveMode::emergency_end) emergency_ = false;
   // Only a release ends a halt: a stream of speeds that goes on in the background must not. What ends an
@@ -205,6 +204,7 @@ void UgvDrive::put_out(DriveSource source, bool shortened, const GoalGuide& guid
   set(guard_.tilted(), kDriveTilted);
   set(wanted(), kDriveWanted);
   set(emergency_, kDriveEmergency);
+  set(guide.lost, kDriveOffWay);
   output_.stop = guard_.reasons();
   output_.posture = posture_;
   output_.request_counter = gate_.newest;
@@ -214,7 +214,6 @@ void UgvDrive::put_out(DriveSource source, bool shortened, const GoalGuide& guid
   output_.goal_y_m = goal_m_[1];
   output_.way_series = guide.series;
   output_.way_step = guide.step;
-  output_.way_lost = guide.lost ? 1u : 0u;
   output_.stops = guard_.counters();
   output_.requests = gate_.counters;
 }

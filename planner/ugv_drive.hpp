@@ -36,6 +36,7 @@ enum DriveFlags : std::uint32_t {
   /// Somebody is in control who wants to drive, and nobody has said halt. What stops the robot for a while
   /// (the guard) takes nothing from it, so the motors keep their torque through such a stop.
   kDriveWanted = rt::kCommandWanted,
+  kDriveOffWay = 512u,  ///< off the way to its goal, or stuck on it: it has to be planned anew
   kDriveEmergency = rt::kCommandEmergency,  ///< an emergency stop was asked for
 };
 
@@ -49,18 +50,17 @@ struct UgvDriveOutput : rt::DriveCommand {
   std::int64_t request_counter{};  ///< newest that was taken; the next request's lies above it
   std::int32_t posture{-1};        ///< of the flippers; -1: as they are
   std::uint32_t goal{};            ///< number of the goal that it was told last; 0: none, or forgotten
-  double goal_x_m{};
-  double goal_y_m{};
-  std::uint32_t way_series{};  ///< of the way to it: GroundWay
+  std::uint32_t way_series{};      ///< of the way to it: GroundWay
   std::uint32_t way_step{};
-  std::uint32_t way_lost{};  ///< 1: off that way, or stuck on it
   DriveStopCounters stops;
   RequestCounters requests;
+  double goal_x_m{};
+  double goal_y_m{};
 
   template <class Self, class Visitor>
   static constexpr void fields(Self& self, Visitor&& visit) {
     SORTIE_VISIT(stamp_ns, left_m_s, right_m_s, speed_m_s, turn_rad_s, waypoint, source, flags, stop, posture,
-                 request_counter, asked, goal, goal_x_m, goal_y_m, way_series, way_step, way_lost)
+                 request_counter, asked, goal, goal_x_m, goal_y_m, way_series, way_step)
     visit("stops_starting", self.stops.starting);
     visit("stops_halt", self.stops.halt);
     visit("stops_command_stale", self.stops.command_stale);

@@ -107,13 +107,9 @@ class WayPart final : public Part {
     planner::GroundWayProgress progress;
     bool standing = true;
     if (drive != nullptr) {
-      progress = {drive->goal,
-                  {drive->goal_x_m, drive->goal_y_m},
-                  drive->way_series,
-                  drive->way_step,
-                  false,
-                  false,
-                  drive->way_lost != 0};
+      progress = {
+          drive->goal, {drive->goal_x_m, drive->goal_y_m},         drive->way_series, drive->way_step, false,
+          false,       (drive->flags & planner::kDriveOffWay) != 0};
       const bool to_goal = drive->source == static_cast<std::uint32_t>(planner::DriveSource::goal);
       progress.in_control = to_goal;
       progress.arrived = to_goal && (drive->flags & planner::kDriveDone) != 0;
