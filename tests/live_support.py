@@ -169,13 +169,13 @@ def read_answers(data):
     return said
 
 
-FINGERPRINT = {b"SORTIE_DRIVE": 0xD10AC911FFC49358, b"SORTIE_FLY": 0xC27E3E5B1C4AD42B}
+FINGERPRINT = {b"SORTIE_DRIVE": 0xB636FB087D9DDC3C, b"SORTIE_FLY": 0xC27E3E5B1C4AD42B}
 
 
 def request(channel, session, sender, counter, mode, speed=0.0, key=KEY, age_s=0.0):
     body = struct.pack(">Qqqqq", FINGERPRINT[channel], int((time.time() - age_s) * 1e6), session, sender, counter)
     if channel == b"SORTIE_DRIVE":
-        body += struct.pack(">ddiii", speed, 0.0, mode, -1, 0)
+        body += struct.pack(">ddiiidd", speed, 0.0, mode, -1, 0, 0.0, 0.0)
     else:
         body += struct.pack(">ddddi", 1.0, 0.0, 1.5, 0.0, mode)
     return body + struct.pack(">Q", siphash(key, body) if key else 0)
