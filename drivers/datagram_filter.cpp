@@ -36,12 +36,13 @@ FilterRule rule_of(std::string_view channel, std::size_t message_bytes, std::siz
 }  // namespace
 
 std::vector<FilterRule> stop_filter() {
-  // Behind the mode of a drive_request_t: posture, flags, tag; of a fly_request_t: the tag.
+  // Behind the mode of a drive_request_t: posture, flags, goal, tag; of a fly_request_t: the tag.
   std::vector<FilterRule> rules;
   for (const rt::FlyMode mode : {rt::FlyMode::hover, rt::FlyMode::land, rt::FlyMode::stop})
     rules.push_back(rule_of(kChannelFly, kFlyRequestBytes, kTagBytes, static_cast<std::uint32_t>(mode)));
   for (const rt::DriveMode mode : {rt::DriveMode::halt, rt::DriveMode::emergency})
-    rules.push_back(rule_of(kChannelDrive, kDriveRequestBytes, kTagBytes + 2 * sizeof(std::int32_t),
+    rules.push_back(rule_of(kChannelDrive, kDriveRequestBytes,
+                            kTagBytes + 2 * sizeof(std::int32_t) + 2 * sizeof(double),
                             static_cast<std::uint32_t>(mode)));
   return rules;
 }

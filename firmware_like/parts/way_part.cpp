@@ -20,7 +20,7 @@ struct WayLattice {
 
   SORTIE_KEYS(c, key) {
     key("cells", c.cells, {32, 512, "", "of the window along x and y"});
-    key("cell_mm", c.cell_mm, {20, 1000, "mm", "edge of a cell, a multiple of elevation.cell_mm", rt::kKnob});
+    key("cell_mm", c.cell_mm, {20, 1000, "mm", "edge of a cell, a multiple of elevation.cell_mm"});
     key("half_length_m", c.half_length_m,
         {0.05, 3, "m", "of the robot and its flippers, as they stand while it drives, from its middle"});
     key("half_width_m", c.half_width_m, {0.05, 3, "m", "of the robot, from its middle"});

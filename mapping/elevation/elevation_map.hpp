@@ -35,13 +35,12 @@ struct ElevationConfig {
 
   SORTIE_KEYS(c, key) {
     key("cells", c.size, {16, 2048, "", "of the window along x and y, a power of two"});
-    key("cell_mm", c.cell_mm, {10, 1000, "mm", "edge of a cell", rt::kKnob});
+    key("cell_mm", c.cell_mm, {10, 1000, "mm", "edge of a cell"});
     key("min_range_m", c.min_range_m, {0, 100, "m", "nearer returns are left out"});
     key("max_range_m", c.max_range_m, {0.5, 1000, "m", "farther returns are left out"});
     key("noise_m", c.noise_m, {0.001, 1, "m", "standard deviation of a return's height"});
     key("noise_per_m", c.noise_per_m, {0, 0.1, "", "that much more for each metre of range"});
-    key("ray_stride", c.ray_stride,
-        {0, 1000, "", "every so many returns a ray is followed; 0: none", rt::kKnob});
+    key("ray_stride", c.ray_stride, {0, 1000, "", "every so many returns a ray is followed; 0: none"});
   }
 };
 

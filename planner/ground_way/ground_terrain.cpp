@@ -14,7 +14,7 @@ constexpr double kNear_m = 2.0;
 constexpr std::int32_t kHeightNoise_mm = 15;  // a known height that moves by less has not changed
 constexpr std::uint8_t kPriceOfRough = 16;    // as long again at the roughest that carries, twice by tilt
 
-constexpr std::int32_t abs_of(std::int32_t v) { return v < 0 ? -v : v; }
+constexpr std::int32_t mm_moved(std::int32_t v) { return v < 0 ? -v : v; }
 
 }  // namespace
 
@@ -110,10 +110,10 @@ void GroundTerrain::hand_over() {
       const GroundCell& old = map_.cell(x, y);
       for (std::int32_t s = 0; s < 2; ++s) {
         if (cell.state[s] != GroundState::unknown && cell.state[s] == old.state[s] &&
-            abs_of(cell.height_mm[s] - old.height_mm[s]) <= kHeightNoise_mm)
+            mm_moved(cell.height_mm[s] - old.height_mm[s]) <= kHeightNoise_mm)
           cell.height_mm[s] = old.height_mm[s];
       }
-      const bool is_rougher = abs_of(rough_[at] - map_rough_[at]) > 1;
+      const bool is_rougher = mm_moved(rough_[at] - map_rough_[at]) > 1;
       if (is_rougher) {
         map_rough_[at] = rough_[at];
         map_.touch(x, y);

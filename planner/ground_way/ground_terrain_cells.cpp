@@ -13,7 +13,7 @@ namespace {
 
 using Elevation = mapping::GroundState;
 
-std::int32_t size_of(std::int32_t v) { return v < 0 ? -v : v; }
+std::int32_t mm_size(std::int32_t v) { return v < 0 ? -v : v; }
 
 /// A surface that was seen from below alone says that something is there, not that it carries: it counts as
 /// the top of a wall, and not at all where nothing below it was seen.
@@ -131,7 +131,7 @@ GroundCell GroundTerrain::judge_cell(std::int32_t x, std::int32_t y, std::uint8_
       for (const Surface& its : other.surface) {
         if (its.known == 0) continue;
         const std::int32_t down_mm = surface.high_mm - its.high_mm;
-        if (nearest_mm == INT32_MAX || size_of(down_mm) < size_of(nearest_mm)) nearest_mm = down_mm;
+        if (nearest_mm == INT32_MAX || mm_size(down_mm) < mm_size(nearest_mm)) nearest_mm = down_mm;
       }
       if (nearest_mm == INT32_MAX) {
         // A hole beside: what carries ends here, and nobody knows how far in front of the edge.
@@ -139,7 +139,7 @@ GroundCell GroundTerrain::judge_cell(std::int32_t x, std::int32_t y, std::uint8_
         continue;
       }
       if (nearest_mm > step_mm_) blocked = true;
-      step_mm = std::max(step_mm, size_of(nearest_mm));
+      step_mm = std::max(step_mm, mm_size(nearest_mm));
     }
     cell.height_mm[s] = surface.high_mm;
     cell.state[s] = blocked ? GroundState::blocked : GroundState::carries;

@@ -11,10 +11,10 @@ namespace sortie::planner {
 
 namespace {
 
-constexpr double kHalfTurn_rad = 3.14159265358979323846;
+constexpr double kAstern_rad = 3.14159265358979323846;
 constexpr double kTooFarAside_rad = 1.2;  // no step begins with the robot looking elsewhere
 
-double length_of(double dx, double dy) { return std::sqrt(dx * dx + dy * dy); }
+double chord_of(double dx, double dy) { return std::sqrt(dx * dx + dy * dy); }
 
 }  // namespace
 
@@ -60,7 +60,7 @@ double GroundWayFollower::to_run_end(std::uint32_t step, double rest_m) const {
   for (; goes_on(step); ++step) {
     const Place a = place(step);
     const Place b = place(step + 1);
-    rest_m += length_of(b.x_m - a.x_m, b.y_m - a.y_m);
+    rest_m += chord_of(b.x_m - a.x_m, b.y_m - a.y_m);
   }
   return rest_m;
 }
@@ -70,7 +70,7 @@ GroundWayFollower::Place GroundWayFollower::target(std::uint32_t step, double al
   for (;; ++step) {
     const Place a = place(step - 1);
     const Place b = place(step);
-    const double length = length_of(b.x_m - a.x_m, b.y_m - a.y_m);
+    const double length = chord_of(b.x_m - a.x_m, b.y_m - a.y_m);
     if (along_m <= length || !goes_on(step)) {
       // Beyond the end, so that the robot arrives looking along the step.
       const double part = length > 0.0 ? along_m / length : 0.0;
@@ -113,7 +113,7 @@ SpeedTurn GroundWayFollower::wish(const rt::PoseEstimate& pose, const TwistLimit
     const WayMotion how = motion(step_);
     if (how == WayMotion::turn || how == WayMotion::begin) {
       const double error = rt::wrap_angle(1e-3 * way_.heading_mrad[step_ - way_.first] - yaw);
-      if (length_of(x_m - to.x_m, y_m - to.y_m) > config_.off_m || std::fabs(error) > kTooFarAside_rad) {
+      if (chord_of(x_m - to.x_m, y_m - to.y_m) > config_.off_m || std::fabs(error) > kTooFarAside_rad) {
         lose(counters_.off);
         return {};
       }
@@ -131,7 +131,7 @@ SpeedTurn GroundWayFollower::wish(const rt::PoseEstimate& pose, const TwistLimit
     const Place from = place(step_ - 1);
     const double dx = to.x_m - from.x_m;
     const double dy = to.y_m - from.y_m;
-    const double length = length_of(dx, dy);
+    const double length = chord_of(dx, dy);
     const double along = length > 0.0 ? ((x_m - from.x_m) * dx + (y_m - from.y_m) * dy) / length : 0.0;
     const double beside = length > 0.0 ? ((y_m - from.y_m) * dx - (x_m - from.x_m) * dy) / length : 0.0;
     if (std::fabs(beside) > config_.off_m || along < -config_.off_m || along > length + config_.off_m) {
@@ -142,7 +142,7 @@ SpeedTurn GroundWayFollower::wish(const rt::PoseEstimate& pose, const TwistLimit
     reversing_ = how == WayMotion::reverse;
     const Place aim = target(step_, std::max(along, 0.0) + config_.look_ahead_m);
     double error = rt::wrap_angle(rt::atan2(aim.y_m - y_m, aim.x_m - x_m) - yaw);
-    if (reversing_) error = rt::wrap_angle(error + kHalfTurn_rad);
+    if (reversing_) error = rt::wrap_angle(error + kAstern_rad);
     if (std::fabs(error) > kTooFarAside_rad) {
       lose(counters_.off);
       return {};

@@ -12,9 +12,9 @@ namespace sortie::planner {
 
 namespace {
 
-constexpr double kFarthest_m = 1e5;
+constexpr double kFarthestWay_m = 1e5;
 
-std::int32_t size_of(std::int32_t v) { return v < 0 ? -v : v; }
+std::int32_t mm_apart(std::int32_t v) { return v < 0 ? -v : v; }
 
 }  // namespace
 
@@ -37,7 +37,7 @@ Status GroundWayPlanner::begin(const mapping::ElevationView& view, const rt::Pos
   now_ns_ = now_ns;
   const rt::Vector3 p_m = rt::to_vector(pose.p_world_body_m);
   const rt::Quaternion q = rt::to_quaternion(pose.q_world_body);
-  const auto is_place = [](double m) { return std::fabs(m) <= kFarthest_m; };
+  const auto is_place = [](double m) { return std::fabs(m) <= kFarthestWay_m; };
   const bool is_told = progress.goal != 0;
   Status status = Status::ok;
   if (!is_place(p_m.x) || !is_place(p_m.y) || !is_place(p_m.z) || !rt::is_finite(q) ||
@@ -115,9 +115,9 @@ bool GroundWayPlanner::stands(std::int64_t x, std::int64_t y, std::int32_t heigh
       if (s == kNoSurface || cell.state[s] != GroundState::carries) return false;
       // No step under the robot either, whatever was said of the cells that it stands on.
       const std::int32_t mine_mm = cell.height_mm[s];
-      if (dx > row.low && size_of(mine_mm - left_mm) > terrain_.step_mm()) return false;
+      if (dx > row.low && mm_apart(mine_mm - left_mm) > terrain_.step_mm()) return false;
       std::int32_t& below_mm = row_mm[dx + reach];
-      if (below_mm != kNoHeight && size_of(mine_mm - below_mm) > terrain_.step_mm()) return false;
+      if (below_mm != kNoHeight && mm_apart(mine_mm - below_mm) > terrain_.step_mm()) return false;
       left_mm = below_mm = mine_mm;
     }
   }

@@ -30,8 +30,7 @@ struct GroundWayConfig {
   double patience_s{6.0};          ///< waits so long for ground to be seen, then gives that ground up
 
   SORTIE_KEYS(c, key) {
-    key("settle_units", c.settle,
-        {1000, 1e9, "", "after so much work the best way so far is taken", rt::kKnob});
+    key("settle_units", c.settle, {1000, 1e9, "", "after so much work the best way so far is taken"});
     key("most_heights_age_s", c.most_heights_age_s,
         {0.05, 60, "s", "without a scan for so long the robot stops"});
     key("ahead_m", c.ahead_m, {0.1, 5, "m", "of the way in force that a new plan leaves as it is"});

@@ -194,7 +194,8 @@ TEST_CASE("a scene that does not ask for it has neither its task nor its memory"
                                     firmware::RuntimeStart{});
     INFO(scene.name);
     const std::string name = scene.name;
-    const bool asks = name == "ugv_locate" || name == "lidar_walk" || name == "lidar_plane";
+    const bool asks =
+        name == "ugv_locate" || name == "ugv_goal" || name == "lidar_walk" || name == "lidar_plane";
     CHECK((runtime.vehicle().located_task() != nullptr) == asks);
   }
 }

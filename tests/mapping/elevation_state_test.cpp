@@ -175,7 +175,7 @@ TEST_CASE("elevation: settings out of range and memory that is too small leave a
   CHECK(map.centre_on({0, 0, 0}) == Status::out_of_range);
   CHECK(map.update({}, {}) == Status::out_of_range);
   CHECK(map.view().ground_at(0, 0, 0).state == GroundState::unknown);
-  CHECK(ElevationMap::memory_bytes(ElevationConfig{}) == 256 * 256 * 36);
+  CHECK(ElevationMap::memory_bytes(ElevationConfig{}) == 256 * 256 * 38);
 }
 
 TEST_CASE("elevation: the map makes no heap call after construction") {

@@ -13,7 +13,7 @@ using namespace sortie;
 
 namespace {
 
-rt::ScanPoint along(double azimuth, double tilt, double range) {
+rt::ScanPoint ray_end(double azimuth, double tilt, double range) {
   return {static_cast<float>(range * std::cos(tilt) * std::cos(azimuth)),
           static_cast<float>(range * std::cos(tilt) * std::sin(azimuth)),
           static_cast<float>(range * std::sin(tilt)), 0, 0};
@@ -34,7 +34,7 @@ TEST_CASE("veil: of an edge in front of a wall what hangs between goes, both sur
   for (const bool turned : {false, true}) {
     std::vector<rt::ScanPoint> line;
     for (int i = 0; i < 20; ++i)
-      line.push_back(along(kHalfDegree * i, 0, i < 9 ? 2.0 : i < 11 ? 3.0 + i - 9 : 6.0));
+      line.push_back(ray_end(kHalfDegree * i, 0, i < 9 ? 2.0 : i < 11 ? 3.0 + i - 9 : 6.0));
     if (turned) std::reverse(line.begin(), line.end());
     const auto kept = kept_of(line);
     CHECK(kept.size() == 18);
@@ -47,12 +47,12 @@ TEST_CASE("veil: of an edge in front of a wall what hangs between goes, both sur
 
 TEST_CASE("veil: posts, floors and rough ground lose nothing") {
   std::vector<rt::ScanPoint> line;
-  for (int i = 0; i < 20; ++i) line.push_back(along(kHalfDegree * i, 0, i == 7 || i == 12 ? 2.0 : 6.0));
+  for (int i = 0; i < 20; ++i) line.push_back(ray_end(kHalfDegree * i, 0, i == 7 || i == 12 ? 2.0 : 6.0));
   CHECK(kept_of(line).size() == line.size());
   line.clear();
   for (int i = 0; i < 60; ++i) {  // a floor 0.5 m below, out to 8 m
     const double tilt = -0.9 + kHalfDegree * i * 1.65;
-    if (tilt < -0.0626) line.push_back(along(0.2, tilt, 0.5 / std::sin(-tilt)));
+    if (tilt < -0.0626) line.push_back(ray_end(0.2, tilt, 0.5 / std::sin(-tilt)));
   }
   REQUIRE(line.size() > 40);
   CHECK(kept_of(line).size() == line.size());
@@ -60,15 +60,15 @@ TEST_CASE("veil: posts, floors and rough ground lose nothing") {
   std::mt19937_64 random(77);
   line.clear();
   for (int i = 0; i < 400; ++i)
-    line.push_back(along(kHalfDegree * i, -0.3, 3.0 + 0.02 * static_cast<double>(random() % 100) / 100.0));
+    line.push_back(ray_end(kHalfDegree * i, -0.3, 3.0 + 0.02 * static_cast<double>(random() % 100) / 100.0));
   CHECK(kept_of(line).size() == line.size());
 }
 
 TEST_CASE("veil: bad points, few points and little room") {
   CHECK(kept_of({}).empty());
-  CHECK(kept_of({along(0, 0, 1)}).size() == 1);
+  CHECK(kept_of({ray_end(0, 0, 1)}).size() == 1);
   std::vector<rt::ScanPoint> line{
-      along(0, 0, 1), {NAN, 0, 0, 0, 0}, along(kHalfDegree, 0, 3), {}, along(0, 0, 1)};
+      ray_end(0, 0, 1), {NAN, 0, 0, 0, 0}, ray_end(kHalfDegree, 0, 3), {}, ray_end(0, 0, 1)};
   CHECK(kept_of(line).size() == line.size());
   std::vector<rt::ScanPoint> little(2);
   CHECK(mapping::without_veils(line, kThreeDegrees, little) == 2);

@@ -91,6 +91,8 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
   CHECK(offer(request_of(0, -20.1), newest + 1) == Status::out_of_range);
   rt::DriveRequest odd = request_of(0.1);
   odd.mode = 5;
+  CHECK(offer(odd, newest + 1) == Status::not_supported);  // to a place, and this one finds no ways
+  odd.mode = 6;
   CHECK(offer(odd, newest + 1) == Status::out_of_range);
   odd = request_of(0.1);
   odd.posture = 4;

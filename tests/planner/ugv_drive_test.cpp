@@ -103,7 +103,7 @@ TEST_CASE(
     CHECK(bench.drive.output().speed_m_s == Approx(bench.config.max_speed_m_s));
     CHECK(bench.drive.output().stops.*c.counter == before.*c.counter + 1);
   }
-  for_each_drive_stop(~511u, [](const char* name) { FAIL_CHECK(name); });
+  for_each_drive_stop(~1023u, [](const char* name) { FAIL_CHECK(name); });
 }
 
 TEST_CASE("A lost pose stops in every way that a pose can be lost") {

@@ -127,8 +127,8 @@ TEST_CASE(
   ReportInput input;
   input.results = outcome.results;
   input.timeline = plot;
-  CHECK(outcome.results.left_out ==
-        std::vector<std::string>{"locate", "recognise", "recognise_images", "ssl", "cloud"});
+  CHECK(outcome.results.left_out == std::vector<std::string>{"way", "locate", "recognise", "recognise_images",
+                                                             "ssl", "elevation", "cloud"});
   CHECK(outcome.results.profile_hash.size() == 16);
   const std::string page = render_report(input);
   CHECK(xml_fault(page).empty());
