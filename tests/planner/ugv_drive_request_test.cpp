@@ -111,7 +111,7 @@ TEST_CASE("What no request can be is refused, counted by its reason, and changes
   bench.run(0.005);
   const UgvDriveOutput& out = bench.drive.output();
   CHECK(out.requests.not_finite == 2);
-  CHECK(out.requests.out_of_range == 6);
+  CHECK(out.requests.out_of_range == 7);
   CHECK(out.requests.repeated == 4);
   CHECK(out.requests.jumped == 2);
   CHECK(out.requests.taken == 20);
