@@ -66,7 +66,8 @@ class Watch {
       if (norm(c.impulse_ns) < kLoad_n * step_s_) continue;
       belly = belly || plant_->tags()[i].part == 0;
       const Vec3 at = origin + rotate(plant_->state().q_world_body, c.point_m);
-      const auto solid = static_cast<std::size_t>(plant_->tags()[i].object + PlantScene::kMaxHalfSpaces);
+      const auto solid =
+          static_cast<std::size_t>(plant_->tags()[i].object + static_cast<int>(PlantScene::kMaxHalfSpaces));
       if (settling_) start_ground_[solid] = true;
       result.touched = result.touched || !start_ground_[solid] || at.x > obstacle_m_ + kBeyond_m;
     }

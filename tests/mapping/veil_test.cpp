@@ -39,7 +39,7 @@ TEST_CASE("veil: of an edge in front of a wall what hangs between goes, both sur
     const auto kept = kept_of(line);
     CHECK(kept.size() == 18);
     for (const rt::ScanPoint& point : kept) {
-      const double range = std::hypot(point.x_m, point.y_m);
+      const double range = std::hypot(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
       CHECK((std::abs(range - 2.0) < 1e-3 || std::abs(range - 6.0) < 1e-3));
     }
   }
