@@ -53,17 +53,17 @@ bool is_reachable(const Yard& yard, double goal_x_m, double goal_y_m) {
           if (dx * dx + dy * dy <= kReach * kReach && x + dx >= 0 && y + dy >= 0 && x + dx < n && y + dy < n)
             open[static_cast<std::size_t>((y + dy) * n + x + dx)] = 0;
     }
-  std::vector<int> todo{Yard::cell_of(0.01) * n + Yard::cell_of(0.01)};
-  if (open[static_cast<std::size_t>(todo[0])] == 0) return false;
-  open[static_cast<std::size_t>(todo[0])] = 2;
-  while (!todo.empty()) {
-    const int at = todo.back();
-    todo.pop_back();
+  std::vector<int> reached{Yard::cell_of(0.01) * n + Yard::cell_of(0.01)};
+  if (open[static_cast<std::size_t>(reached[0])] == 0) return false;
+  open[static_cast<std::size_t>(reached[0])] = 2;
+  while (!reached.empty()) {
+    const int at = reached.back();
+    reached.pop_back();
     for (const int by : {1, -1, n, -n}) {
       const int next = at + by;
       if (next < 0 || next >= n * n || open[static_cast<std::size_t>(next)] != 1) continue;
       open[static_cast<std::size_t>(next)] = 2;
-      todo.push_back(next);
+      reached.push_back(next);
     }
   }
   return open[static_cast<std::size_t>(Yard::cell_of(goal_y_m) * n + Yard::cell_of(goal_x_m))] == 2;
@@ -105,8 +105,7 @@ YardCounts drive_yards(std::uint64_t first, int runs) {
 
 }  // namespace
 
-TEST_CASE("ground way: in drawn yards no robot drives where nothing carries it, and it arrives [heavy]",
-          "[heavy]") {
+TEST_CASE("ground way: in drawn yards no robot drives where nothing carries it, and it arrives", "[heavy]") {
   const char* const first = std::getenv("SORTIE_YARD_SEED");
   const char* const trials = std::getenv("SORTIE_YARD_TRIALS");
   const YardCounts counts = drive_yards(first != nullptr ? std::strtoull(first, nullptr, 10) : 4'100'000,
@@ -131,7 +130,8 @@ TEST_CASE("ground way: a goal behind a wall without a door is refused, and the r
   CHECK(run.state == GroundWayState::none);
 }
 
-TEST_CASE("ground way: a cliff at the nose is not driven over, a step of a hand's breadth neither") {
+TEST_CASE("ground way: a cliff at the nose is not driven over, a step of a hand's breadth neither",
+          "[heavy]") {
   for (const double z : {-3.0, -1.0, -0.3, -0.12, 0.12, 0.3}) {
     Yard yard;
     yard.put(1.3, 5.0, -5.0, 5.0, z);
@@ -142,7 +142,8 @@ TEST_CASE("ground way: a cliff at the nose is not driven over, a step of a hand'
   }
 }
 
-TEST_CASE("ground way: told a goal with its nose at a drop, a kerb or a wall, it does not go over that") {
+TEST_CASE("ground way: told a goal with its nose at a drop, a kerb or a wall, it does not go over that",
+          "[heavy]") {
   // The edge lies from under the nose to a hand's breadth in front of it, the goal behind it.
   for (const double z : {-2.0, -0.3, -0.15, 0.15, 1.0}) {
     for (const double edge_m : {0.42, 0.45, 0.5, 0.55, 0.6, 0.7}) {
